@@ -1,0 +1,297 @@
+"""The command line ``drake-leg``: the only place that prints.
+
+Exit status: 0 when all went well, 2 for bad input or a folder that cannot be written, 3 when a
+run stopped before its end (what it recorded until then is saved), 130 on Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import re
+import sys
+import typing
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from drake_leg.errors import DrakeLegError, InvalidValueError, SingularConfigurationError
+from drake_leg.output import check_target, results_folder
+from drake_leg.progress import ProgressBar
+from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
+from drake_leg.runs.options import RunOptions
+
+BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 2, 3, 130
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence, without the usage in front."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Without the program's name; by default the process's own.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    parser = _parser()
+    chosen = parser.parse_args(_join_negative_values(words))
+    try:
+        status: int = chosen.command(chosen)
+    except SingularConfigurationError as error:
+        return _fail(error, STOPPED_EARLY)
+    except DrakeLegError as error:
+        return _fail(error, BAD_INPUT)
+    except KeyboardInterrupt:
+        return _fail("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        sys.stderr.close()
+        return BAD_INPUT
+    return status
+
+
+def _fail(error: object, status: int) -> int:
+    print(f"drake-leg: {error}", file=sys.stderr)
+    return status
+
+
+def _join_negative_values(words: Sequence[str]) -> list[str]:
+    """Make ``--q0 -90,50,90`` into ``--q0=-90,50,90``: no option here begins with a number."""
+    joined: list[str] = []
+    for word in words:
+        option_before = joined and re.fullmatch(r"--[a-z][a-z0-9-]*", joined[-1])
+        if option_before and re.match(r"-[\d.]|-(inf|nan)", word, re.IGNORECASE):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="drake-leg",
+        description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
+        "from their Khalil tables to simulated, compared and plotted runs.",
+        epilog="Exit status: 0 all well, 2 bad input, 3 a run stopped before its end, "
+        "130 interrupted.",
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    _add_list(commands)
+    _add_run(commands)
+    _add_report(commands)
+    return parser
+
+
+def _add_list(commands: Any) -> None:  # noqa: ANN401 - argparse's subparsers have no public type
+    parser = commands.add_parser("list", help="list the runs", description="List the runs.")
+    parser.set_defaults(command=_list)
+
+
+def _list(_chosen: argparse.Namespace) -> int:
+    for name, kind in RUNS.items():
+        print(f"{name:<16} {kind.title:<24} {kind.shows}")
+    return 0
+
+
+def _add_report(commands: Any) -> None:  # noqa: ANN401
+    parser = commands.add_parser(
+        "report",
+        help="reproduce the figures and tables of both reports on one page",
+        description="Reproduce every time plot, table and matrix of both reports: the figures "
+        "as PNG and SVG, named after the reports, and report.html with everything on one page.",
+    )
+    _add_output(parser)
+    parser.set_defaults(command=_report)
+
+
+def _add_output(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder to make")
+    parser.add_argument(
+        "--overwrite", action="store_true", help="replace DIR if it holds older results"
+    )
+
+
+def _report(chosen: argparse.Namespace) -> int:
+    check_target(chosen.out, overwrite=chosen.overwrite)
+    from drake_leg.report.page import STAGES, write_report
+
+    bar = ProgressBar(sys.stderr, "report", STAGES, "stages")
+    try:
+        with results_folder(chosen.out) as folder:
+            write_report(folder, bar)
+    finally:
+        bar.close()
+    print(f"wrote {chosen.out / 'report.html'} and the figures beside it")
+    return 0
+
+
+def _add_run(commands: Any) -> None:  # noqa: ANN401
+    parser = commands.add_parser(
+        "run",
+        help="carry out one run",
+        description="Carry out one run and write recording.csv (its rows are the integrator's "
+        "own steps, at most 40 ms apart), summary.json and figures (PNG and SVG) into DIR.",
+        epilog="Lists are written with commas: --q0 -90,50,90. An option that a run does not "
+        "have is refused.",
+    )
+    parser.add_argument("name", metavar="NAME", help=f"one of {', '.join(RUNS)}")
+    _add_output(parser)
+    parser.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="YAML file whose keys are these options, with underscores and in the same units; "
+        "options on the command line win over it",
+    )
+    group = parser.add_argument_group("what a run can be told")
+    for option, fields in _fields_by_name().items():
+        first = next(iter(fields.values()))
+        unit = first.metadata["unit"]
+        group.add_argument(
+            f"--{option.replace('_', '-')}",
+            metavar=_metavar(first),
+            default=argparse.SUPPRESS,
+            help=f"{first.metadata['help']}{f' [{unit}]' if unit else ''} "
+            f"({_defaults_text(fields)})".replace("%", "%%"),
+        )
+    parser.set_defaults(command=_run)
+
+
+def _fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
+    """Collect the options of all runs: option -> run -> field."""
+    found: dict[str, dict[str, dataclasses.Field[Any]]] = {}
+    for name, kind in RUNS.items():
+        for field in dataclasses.fields(kind.options):
+            found.setdefault(field.name, {})[name] = field
+    return found
+
+
+def _default_of(field: dataclasses.Field[Any]) -> object:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return field.default
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, list):
+        return ",".join(f"{number:g}" for number in value)
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
+    """Say the default, for each run where they differ, and which runs have the option."""
+    runs_of: dict[str, list[str]] = {}
+    for name, field in fields.items():
+        value = _default_of(field)
+        text = "none" if value in (None, []) else _shown(value)
+        runs_of.setdefault(text, []).append(name)
+    everywhere = len(fields) == len(RUNS)
+    if len(runs_of) == 1 and everywhere:
+        return f"default {next(iter(runs_of))}"
+    return "; ".join(f"{', '.join(names)}: {text}" for text, names in runs_of.items())
+
+
+def _metavar(field: dataclasses.Field[Any]) -> str:
+    kind = str(field.type)
+    if kind.startswith("list"):
+        return "X,Y,Z"
+    return "TEXT" if kind == "str" else "X"
+
+
+def _run(chosen: argparse.Namespace) -> int:
+    kind = run_kind(chosen.name)
+    options = _options(kind, chosen)
+    check_target(chosen.out, overwrite=chosen.overwrite)
+    bar = ProgressBar(sys.stderr, chosen.name, max(options.duration, 1e-300), "s")
+    try:
+        outcome = kind.run(options, bar)
+    finally:
+        bar.close()
+    from drake_leg.runs.files import write_outcome
+
+    with results_folder(chosen.out) as folder:
+        write_outcome(folder, chosen.name, outcome)
+    summary = outcome.summary
+    rows = f"{summary['rows']} rows, {summary['real_time_factor']:.0f} x real time"
+    print(f"wrote {chosen.out}: {rows}{_quality(summary)}")
+    if summary["stop_reason"] is None:
+        return 0
+    stop = f"stopped at t = {summary['stopped_at_s']:.9g} s: {summary['stop_reason']}"
+    interrupted = summary["stop_reason"] == "interrupted"
+    return _fail(stop, INTERRUPTED if interrupted else STOPPED_EARLY)
+
+
+def _quality(summary: typing.Mapping[str, Any]) -> str:
+    if "max_position_error_m" in summary:
+        return f", foot within {summary['max_position_error_m']:.1e} m of the exact path"
+    return f", angle within {summary['max_angle_error_rad']:.1e} rad of the exact motion"
+
+
+def _options(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
+    """Put the options together: defaults, then the file's, then the command line's."""
+    options = _from_file(kind, chosen.name, chosen.config) if chosen.config else kind.options()
+    known = {field.name: field for field in dataclasses.fields(kind.options)}
+    given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
+    for name, text in given.items():
+        if name not in known:
+            raise InvalidValueError(
+                f"--{name.replace('_', '-')} means nothing to {chosen.name}; its options are "
+                f"{', '.join('--' + other.replace('_', '-') for other in known)}"
+            )
+    hints = typing.get_type_hints(kind.options)
+    values = {name: _value(name, hints[name], text) for name, text in given.items()}
+    return dataclasses.replace(options, **values)
+
+
+def _value(name: str, kind: object, text: str) -> object:
+    if kind is str:
+        return text
+    numbers = []
+    for part in text.split(","):
+        try:
+            numbers.append(float(part))
+        except ValueError:
+            raise InvalidValueError(
+                f"--{name.replace('_', '-')} is {text!r}, in which {part!r} is no number"
+            ) from None
+    if typing.get_origin(kind) is list:
+        return numbers
+    if len(numbers) != 1:
+        raise InvalidValueError(
+            f"--{name.replace('_', '-')} is {text!r}; it takes one number, not {len(numbers)}"
+        )
+    return numbers[0]
+
+
+def _from_file(kind: RunKind, name: str, path: Path) -> RunOptions:
+    """Read a YAML file by Drake's typed loader."""
+    from pydrake.common.yaml import yaml_load_typed
+    from yaml import YAMLError
+
+    keys = ", ".join(field.name for field in dataclasses.fields(kind.options))
+    try:
+        text = path.read_text(encoding="utf-8")
+        options: RunOptions = yaml_load_typed(
+            schema=kind.options, data=text, defaults=kind.options()
+        )
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidValueError(f"the config {path} cannot be read: {error}") from None
+    except (RuntimeError, ValueError, TypeError, YAMLError) as error:
+        reason = " ".join(str(error).split())
+        raise InvalidValueError(
+            f"the config {path} is no good: {reason}; the keys of {name} are {keys}"
+        ) from None
+    return options
+
+

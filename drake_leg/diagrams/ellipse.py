@@ -1,0 +1,74 @@
+"""The foot on an ellipse in a vertical plane: what the leg is for (report A, section 2.1).
+
+    Sine Wave (along) --+-> Mux -> Direction -> inverseJacobian -> ... the leg's diagram
+    Sine Wave (up) -----+
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import MatrixGain, Multiplexer, Sine
+
+from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, add_leg
+from drake_leg.diagrams.mechanism import add_scope
+from drake_leg.errors import InvalidValueError
+
+
+@dataclass(frozen=True, kw_only=True)
+class EllipseConfig(HexabotLegConfig):
+    """An ellipse ``amplitude / frequency`` wide to each side and ``lift`` high.
+
+    Along the horizontal direction the foot moves as it does on the straight step; it starts at
+    the rear end of the ellipse and rises first.
+    """
+
+    lift: float = 0.040  # [m], from the lowest point of the ellipse to the highest
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not math.isfinite(self.lift):
+            raise InvalidValueError(f"the lift is {self.lift!r} m; it must be a finite number")
+        if self.direction[2] != 0.0:
+            raise InvalidValueError(
+                f"the direction is {self.direction!r}; the ellipse's plane is vertical, "
+                "so that its direction must be horizontal (third number 0)"
+            )
+
+
+def build(config: EllipseConfig) -> Diagram:
+    """Wire the leg's diagram with two sine sources.
+
+    Parameters
+    ----------
+    config : EllipseConfig
+        Robot, posture and ellipse.
+
+    Returns
+    -------
+    Diagram
+        To be started with ``mechanism.start_on_motion``.
+    """
+    builder = DiagramBuilder()
+    frequency = config.frequency
+    upward = config.lift / 2.0 * frequency
+    along = builder.AddNamedSystem("Sine Wave along", Sine(config.amplitude, frequency, 0.0, 1))
+    up = builder.AddNamedSystem("Sine Wave up", Sine(upward, frequency, math.pi / 2, 1))
+    plane = np.column_stack([config.direction, (0.0, 0.0, 1.0)])
+
+    commands = []
+    for name, order in (("", "y0"), (" of the derivatives", "y1")):
+        mux = builder.AddNamedSystem(f"Mux{name}", Multiplexer(2))
+        turn = builder.AddNamedSystem(f"Direction{name}", MatrixGain(plane))
+        builder.Connect(along.GetOutputPort(order), mux.get_input_port(0))
+        builder.Connect(up.GetOutputPort(order), mux.get_input_port(1))
+        builder.Connect(mux.get_output_port(), turn.get_input_port())
+        commands.append(turn.get_output_port())
+    v, a = commands
+
+    add_scope(builder, "input", along.GetOutputPort("y0"))
+    add_leg(builder, config.robot, config.q0, config.gravity, v=v, a=a)
+    return builder.Build()

@@ -1,0 +1,165 @@
+"""The leg's Simulink diagram: report A, figure 10; report B, figure 4.
+
+    Sine Wave -> [Gain] -+
+    dy = 0 --------------+-> Mux -> inverseJacobian -> Demux -> Integrators -> joints -> foot
+    dz = 0 --------------+              ^                                        |
+                                        +----------- joint angles, sensed -------+
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
+from pydrake.systems.primitives import (
+    ConstantVectorSource,
+    Demultiplexer,
+    Gain,
+    Integrator,
+    MatrixGain,
+    Multiplexer,
+    Sine,
+)
+
+from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.leg import LegGeometry, leg_task
+from drake_leg.robot import STANDARD_GRAVITY, Robot, require_positive
+from drake_leg.systems.inverse_jacobian import InverseJacobian
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class HexabotLegConfig:
+    """A step of the leg: the foot's velocity is ``amplitude * sin(frequency t) * direction``."""
+
+    robot: Robot
+    q0: Vector  # [rad], initial hip, knee, ankle
+    amplitude: float = 0.070  # [m/s], of the foot
+    frequency: float = 1.0  # [rad/s]
+    direction: Vector = (1.0, 0.0, 0.0)  # unit vector in the base frame
+    gain: float = 1.0  # the sine has amplitude / gain; 1 is no gain block
+    gravity: float = STANDARD_GRAVITY  # [m/s^2]
+
+    def __post_init__(self) -> None:
+        LegGeometry.from_robot(self.robot)
+        if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
+            raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
+        if not math.isfinite(self.amplitude):
+            raise InvalidValueError(f"the amplitude is {self.amplitude!r} m/s; it must be finite")
+        require_positive("the frequency", self.frequency, "rad/s")
+        if not (math.isfinite(self.gain) and self.gain != 0.0):
+            raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
+        if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
+            raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
+
+
+def build(config: HexabotLegConfig) -> Diagram:
+    """Wire the leg's diagram.
+
+    Parameters
+    ----------
+    config : HexabotLegConfig
+        Robot, posture and step.
+
+    Returns
+    -------
+    Diagram
+        To be started with ``mechanism.start_on_motion``.
+    """
+    builder = DiagramBuilder()
+    amplitude = config.amplitude / config.gain
+    sine = builder.AddNamedSystem("Sine Wave", Sine(amplitude, config.frequency, 0.0, 1))
+    dy = builder.AddNamedSystem("dy", ConstantVectorSource([0.0]))
+    dz = builder.AddNamedSystem("dz", ConstantVectorSource([0.0]))
+
+    velocity, acceleration = sine.GetOutputPort("y0"), sine.GetOutputPort("y1")
+    add_scope(builder, "input", velocity)
+    if config.gain != 1.0:
+        velocity = _gain(builder, "Gain", config.gain, velocity)
+        acceleration = _gain(builder, "Gain of the derivative", config.gain, acceleration)
+
+    zeros = (dy.get_output_port(), dz.get_output_port())
+    v = _mux(builder, "Mux", velocity, *zeros)
+    a = _mux(builder, "Mux of the derivatives", acceleration, *zeros)
+    if config.direction != (1.0, 0.0, 0.0):
+        v = _turn(builder, "Direction", config.direction, v)
+        a = _turn(builder, "Direction of the derivatives", config.direction, a)
+
+    add_leg(builder, config.robot, config.q0, config.gravity, v=v, a=a)
+    return builder.Build()
+
+
+def add_leg(
+    builder: DiagramBuilder,
+    robot: Robot,
+    q0: Vector,
+    gravity: float,
+    *,
+    v: OutputPort,
+    a: OutputPort,
+) -> None:
+    """Add everything behind the Mux: inverse Jacobian, integrators, leg, sensors, scopes.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    robot : Robot
+        The leg.
+    q0 : (3,) tuple of float
+        Initial joint angles [rad].
+    gravity : float
+        [m/s^2].
+    v, a : OutputPort
+        The foot's commanded velocity [m/s] and acceleration [m/s^2] in the base frame.
+    """
+    task = leg_task(LegGeometry.from_robot(robot))
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
+    demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
+    integrators = [
+        builder.AddNamedSystem(f"Integrator {i}", Integrator([q0[i - 1]])) for i in (1, 2, 3)
+    ]
+    converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(3))
+    leg = add_mechanism(builder, robot, gravity)
+
+    builder.Connect(v, inverse_jacobian.GetInputPort("v"))
+    builder.Connect(a, inverse_jacobian.GetInputPort("a"))
+    builder.Connect(leg.joints.get_output_port(0), inverse_jacobian.GetInputPort("q"))
+    builder.Connect(inverse_jacobian.GetOutputPort("qdot"), demux.get_input_port())
+    for i, integrator in enumerate(integrators):
+        builder.Connect(demux.get_output_port(i), integrator.get_input_port())
+        builder.Connect(integrator.get_output_port(), converters.get_input_port(i))
+    builder.Connect(converters.get_output_port(), leg.motion.GetInputPort("q"))
+    builder.Connect(inverse_jacobian.GetOutputPort("qdot"), leg.motion.GetInputPort("qdot"))
+    builder.Connect(inverse_jacobian.GetOutputPort("qddot"), leg.motion.GetInputPort("qddot"))
+
+    add_mechanism_scopes(builder, leg)
+    add_scope(builder, "commanded velocities", v)
+    add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
+
+
+def _gain(builder: DiagramBuilder, name: str, gain: float, signal: OutputPort) -> OutputPort:
+    block = builder.AddNamedSystem(name, Gain(gain, 1))
+    builder.Connect(signal, block.get_input_port())
+    return block.get_output_port()
+
+
+def _mux(builder: DiagramBuilder, name: str, *signals: OutputPort) -> OutputPort:
+    block = builder.AddNamedSystem(name, Multiplexer(len(signals)))
+    for index, signal in enumerate(signals):
+        builder.Connect(signal, block.get_input_port(index))
+    return block.get_output_port()
+
+
+def _turn(
+    builder: DiagramBuilder, name: str, direction: Vector, signal: OutputPort
+) -> OutputPort:
+    """Turn the x axis into the direction; the other two columns meet zeros."""
+    matrix = np.column_stack([direction, np.zeros(3), np.zeros(3)])
+    block = builder.AddNamedSystem(name, MatrixGain(matrix))
+    builder.Connect(signal, block.get_input_port())
+    return block.get_output_port()

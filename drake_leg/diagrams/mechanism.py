@@ -1,0 +1,125 @@
+"""The mechanical half of a diagram: a robot whose joints follow a motion, its foot sensed.
+
+In Simscape these are the blue blocks: World Frame, Mechanism Configuration, Revolute Joints,
+Rigid Transforms and solids (here one MultibodyPlant), the converters at the joints' motion
+inputs and position sensors, and the 6-DOF joint that senses the foot.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
+from pydrake.systems.primitives import Demultiplexer, VectorLogSink
+
+from drake_leg.models.plant import build_plant
+from drake_leg.robot import Robot
+from drake_leg.systems.frame_sensor import FrameSensor
+from drake_leg.systems.prescribed_motion import PrescribedMotion
+
+MOTION = "Prescribed Motion"
+SENSOR = "6-DOF Joint"
+
+
+class Mechanism(NamedTuple):
+    """The blocks of the mechanical half; all belong to the builder's diagram."""
+
+    plant: MultibodyPlant
+    motion: PrescribedMotion
+    joints: Demultiplexer  # sensed positions on port 0, velocities on port 1
+    foot: FrameSensor
+
+
+def add_mechanism(builder: DiagramBuilder, robot: Robot, gravity: float) -> Mechanism:
+    """Add a motion-driven robot to a diagram, with its joints and its last frame sensed.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    robot : Robot
+        Fully actuated.
+    gravity : float
+        Along the world's -z [m/s^2].
+
+    Returns
+    -------
+    Mechanism
+        Its motion's inputs ``q``, ``qdot``, ``qddot`` are left to be connected.
+
+    Raises
+    ------
+    InvalidValueError
+        If a joint of the robot has no actuator, or gravity is not finite.
+    """
+    plant = builder.AddNamedSystem(robot.name, build_plant(robot, gravity=gravity))
+    n = plant.num_positions()
+    motion = builder.AddNamedSystem(MOTION, PrescribedMotion(plant))
+    joints = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([n, n]))
+    foot_frame = plant.GetFrameByName(f"frame_{len(robot.segments)}")
+    foot = builder.AddNamedSystem(SENSOR, FrameSensor(plant, foot_frame))
+
+    state = plant.get_state_output_port()
+    builder.Connect(motion.GetOutputPort("torque"), plant.get_actuation_input_port())
+    builder.Connect(state, motion.GetInputPort("state"))
+    builder.Connect(state, joints.get_input_port())
+    builder.Connect(state, foot.GetInputPort("state"))
+    return Mechanism(plant, motion, joints, foot)
+
+
+def add_mechanism_scopes(builder: DiagramBuilder, mechanism: Mechanism) -> None:
+    """Log what the mechanical half senses, each log named like the scope it stands for.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    mechanism : Mechanism
+        Its blocks.
+    """
+    plant, motion, joints, foot = mechanism
+    add_scope(builder, "foot positions", foot.GetOutputPort("position"))
+    add_scope(builder, "foot velocities", foot.GetOutputPort("velocity"))
+    add_scope(builder, "Q", foot.GetOutputPort("quaternion"))
+    add_scope(builder, "foot angular velocities", foot.GetOutputPort("angular_velocity"))
+    add_scope(builder, "joint positions", joints.get_output_port(0))
+    add_scope(builder, "joint velocities", joints.get_output_port(1))
+    add_scope(builder, "joint accelerations", plant.get_generalized_acceleration_output_port())
+    add_scope(builder, "joint torques", motion.GetOutputPort("torque"))
+
+
+def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:
+    """Log a signal at every step of the integrator.
+
+    A periodic log would cut the integrator's steps to its own period.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    name : str
+        Of the scope.
+    signal : OutputPort
+        A vector port.
+    """
+    scope = builder.AddNamedSystem(name, VectorLogSink(signal.size()))
+    builder.Connect(signal, scope.get_input_port())
+
+
+def start_on_motion(diagram: Diagram, context: Context) -> None:
+    """Put the joints on their prescribed motion, positions and velocities, at the context's time.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        With a motion-driven mechanism.
+    context : Context
+        Its root context; the plant's state in it is set.
+    """
+    motion = diagram.GetSubsystemByName(MOTION)
+    plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+    motion_context = motion.GetMyContextFromRoot(context)
+    plant_context = plant.GetMyMutableContextFromRoot(context)
+    plant.SetPositions(plant_context, motion.GetInputPort("q").Eval(motion_context))
+    plant.SetVelocities(plant_context, motion.GetInputPort("qdot").Eval(motion_context))

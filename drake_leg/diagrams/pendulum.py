@@ -1,0 +1,83 @@
+"""The pendulum's Simulink diagram: report A, figures 2 and 3.
+
+    World Frame -> Revolute Joint (damping, spring) -> Rigid Transform -> Brick Solid
+                        |
+                        +-> q, w -> Scopes
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.primitives import Demultiplexer
+
+from drake_leg.diagrams.mechanism import add_scope
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.pendulum import PendulumModel
+from drake_leg.models.plant import build_plant
+from drake_leg.robot import STANDARD_GRAVITY, Robot
+from drake_leg.systems.energy_sensor import EnergySensor
+
+
+@dataclass(frozen=True, kw_only=True)
+class PendulumConfig:
+    """A pendulum let go at rest; damping and spring are the robot's joint mechanics."""
+
+    robot: Robot
+    q0: float = 0.0  # [rad], the state target: where the simulation starts
+    gravity: float = STANDARD_GRAVITY  # [m/s^2]
+
+    def __post_init__(self) -> None:
+        PendulumModel.from_robot(self.robot)
+        if not math.isfinite(self.q0):
+            raise InvalidValueError(f"the state target is {self.q0!r}; it must be a finite angle")
+
+
+def build(config: PendulumConfig) -> Diagram:
+    """Wire the pendulum's diagram.
+
+    Parameters
+    ----------
+    config : PendulumConfig
+        Robot and state target.
+
+    Returns
+    -------
+    Diagram
+        To be started with ``start_at_target``.
+    """
+    builder = DiagramBuilder()
+    plant = builder.AddNamedSystem(
+        config.robot.name, build_plant(config.robot, gravity=config.gravity)
+    )
+    plant.SetDefaultPositions([config.q0])
+    joint = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([1, 1]))
+    energy = builder.AddNamedSystem("Energy", EnergySensor(plant))
+
+    builder.Connect(plant.get_state_output_port(), joint.get_input_port())
+    builder.Connect(plant.get_state_output_port(), energy.GetInputPort("state"))
+
+    add_scope(builder, "q", joint.get_output_port(0))
+    add_scope(builder, "w", joint.get_output_port(1))
+    add_scope(builder, "acceleration", plant.get_generalized_acceleration_output_port())
+    add_scope(builder, "energy", energy.GetOutputPort("energy"))
+    return builder.Build()
+
+
+def start_at_target(diagram: Diagram, context: Context) -> None:
+    """Put the joint on its state target, at rest.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        The pendulum's.
+    context : Context
+        Its root context; the plant's state in it is set.
+    """
+    plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+    plant.SetDefaultState(
+        plant.GetMyContextFromRoot(context), plant.GetMyMutableContextFromRoot(context).get_mutable_state()
+    )

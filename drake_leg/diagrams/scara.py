@@ -1,0 +1,122 @@
+"""The SCARA arm with its tool on a straight line, by the leg's inverse-Jacobian block.
+
+    Sine Wave -> Direction -> inverseJacobian -> Demux -> Integrators -> joints -> tool
+                                    ^                   lift = const -> |      |
+                                    +---- joint angles, sensed ----------------+
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.primitives import (
+    ConstantVectorSource,
+    Demultiplexer,
+    Integrator,
+    MatrixGain,
+    Multiplexer,
+    Sine,
+)
+
+from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task
+from drake_leg.robot import STANDARD_GRAVITY, Robot, require_positive
+from drake_leg.systems.inverse_jacobian import InverseJacobian
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScaraConfig:
+    """A straight horizontal move of the tool: ``amplitude * sin(frequency t)`` along a direction.
+
+    Yaw and height of the tool stay what they are.
+    """
+
+    robot: Robot
+    q0: tuple[float, float, float] = (math.pi / 6, math.pi / 2, -2 * math.pi / 3)  # [rad]
+    R: float = 0.050  # [m], height of the tool above its lowest position
+    amplitude: float = 0.050  # [m/s], of the tool
+    frequency: float = 1.0  # [rad/s]
+    direction: tuple[float, float, float] = (1.0, 0.0, 0.0)  # horizontal unit vector
+    gravity: float = STANDARD_GRAVITY  # [m/s^2]
+
+    def __post_init__(self) -> None:
+        lift_position(ScaraGeometry.from_robot(self.robot), self.R)
+        if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
+            raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
+        if not math.isfinite(self.amplitude):
+            raise InvalidValueError(f"the amplitude is {self.amplitude!r} m/s; it must be finite")
+        require_positive("the frequency", self.frequency, "rad/s")
+        if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
+            raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
+        if self.direction[2] != 0.0:
+            raise InvalidValueError(
+                f"the direction is {self.direction!r}; the SCARA's tool keeps its height, "
+                "so that the direction must be horizontal (third number 0)"
+            )
+
+
+def build(config: ScaraConfig) -> Diagram:
+    """Wire the SCARA's diagram.
+
+    Parameters
+    ----------
+    config : ScaraConfig
+        Robot, posture and move.
+
+    Returns
+    -------
+    Diagram
+        To be started with ``mechanism.start_on_motion``.
+    """
+    arm = ScaraGeometry.from_robot(config.robot)
+    x, y, _ = config.direction
+    to_task = np.array([[x], [y], [0.0]])  # the yaw rate is zero
+
+    builder = DiagramBuilder()
+    sine = builder.AddNamedSystem("Sine Wave", Sine(config.amplitude, config.frequency, 0.0, 1))
+    v = builder.AddNamedSystem("Direction", MatrixGain(to_task))
+    a = builder.AddNamedSystem("Direction of the derivatives", MatrixGain(to_task))
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(scara_task(arm)))
+    demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
+    integrators = [
+        builder.AddNamedSystem(f"Integrator {i}", Integrator([config.q0[i - 1]]))
+        for i in (1, 2, 3)
+    ]
+    lift = builder.AddNamedSystem("Lift", ConstantVectorSource([lift_position(arm, config.R)]))
+    at_rest = builder.AddNamedSystem("Lift at rest", ConstantVectorSource([0.0]))
+    q = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(4))
+    qdot = builder.AddNamedSystem("Simulink-PS Converters of the rates", Multiplexer([3, 1]))
+    qddot = builder.AddNamedSystem(
+        "Simulink-PS Converters of the accelerations", Multiplexer([3, 1])
+    )
+    scara = add_mechanism(builder, config.robot, config.gravity)
+    angles = builder.AddNamedSystem("Angles", Demultiplexer([3, 1]))
+
+    builder.Connect(sine.GetOutputPort("y0"), v.get_input_port())
+    builder.Connect(sine.GetOutputPort("y1"), a.get_input_port())
+    builder.Connect(v.get_output_port(), inverse_jacobian.GetInputPort("v"))
+    builder.Connect(a.get_output_port(), inverse_jacobian.GetInputPort("a"))
+    builder.Connect(scara.joints.get_output_port(0), angles.get_input_port())
+    builder.Connect(angles.get_output_port(0), inverse_jacobian.GetInputPort("q"))
+    builder.Connect(inverse_jacobian.GetOutputPort("qdot"), demux.get_input_port())
+    for i, integrator in enumerate(integrators):
+        builder.Connect(demux.get_output_port(i), integrator.get_input_port())
+        builder.Connect(integrator.get_output_port(), q.get_input_port(i))
+    builder.Connect(lift.get_output_port(), q.get_input_port(3))
+    builder.Connect(inverse_jacobian.GetOutputPort("qdot"), qdot.get_input_port(0))
+    builder.Connect(inverse_jacobian.GetOutputPort("qddot"), qddot.get_input_port(0))
+    builder.Connect(at_rest.get_output_port(), qdot.get_input_port(1))
+    builder.Connect(at_rest.get_output_port(), qddot.get_input_port(1))
+    builder.Connect(q.get_output_port(), scara.motion.GetInputPort("q"))
+    builder.Connect(qdot.get_output_port(), scara.motion.GetInputPort("qdot"))
+    builder.Connect(qddot.get_output_port(), scara.motion.GetInputPort("qddot"))
+
+    add_scope(builder, "input", sine.GetOutputPort("y0"))
+    add_mechanism_scopes(builder, scara)
+    add_scope(builder, "commanded velocities", v.get_output_port())
+    add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
+    return builder.Build()

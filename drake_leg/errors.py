@@ -1,0 +1,83 @@
+"""The errors that this package raises, each with the numbers that explain it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+class DrakeLegError(Exception):
+    """Root of all errors of this package; its text is one sentence for a person."""
+
+
+class InvalidValueError(DrakeLegError, ValueError):
+    """A value that makes no sense, with the remedy in the text."""
+
+
+class OutputError(DrakeLegError):
+    """A file or folder that cannot be written or read."""
+
+
+class SingularConfigurationError(DrakeLegError):
+    """The inverse Jacobian was asked for where it does not exist.
+
+    Attributes
+    ----------
+    q : tuple of float
+        Joint positions [rad or m].
+    sigma_min : float
+        Smallest singular value of the Jacobian there.
+    time : float or None
+        Simulated time [s], where there is one.
+    """
+
+    def __init__(
+        self, *, q: Sequence[float], sigma_min: float, time: float | None = None
+    ) -> None:
+        self.q = tuple(float(value) for value in q)
+        self.sigma_min = float(sigma_min)
+        self.time = time
+        when = "" if time is None else f" at t = {time:.9g} s"
+        posture = ", ".join(f"{value:.6g}" for value in self.q)
+        super().__init__(
+            f"the Jacobian is singular{when} (q = {posture}; "
+            f"smallest singular value {self.sigma_min:.3g}): choose another posture, "
+            "a smaller amplitude or a higher frequency"
+        )
+
+
+class StepBudgetError(DrakeLegError):
+    """The integrator needed more steps than a run is allowed.
+
+    Attributes
+    ----------
+    steps : int
+        Steps taken.
+    time : float
+        Simulated time reached [s].
+    """
+
+    def __init__(self, *, steps: int, time: float) -> None:
+        self.steps = steps
+        self.time = time
+        super().__init__(
+            f"the integrator had taken {steps} steps when it reached t = {time:.9g} s and "
+            "was stopped: choose a larger --max-step, a looser --accuracy or another --integrator"
+        )
+
+
+class UnstableRunError(DrakeLegError):
+    """The integration blew up: its step is too large for the model's stiffness.
+
+    Attributes
+    ----------
+    time : float
+        Simulated time [s] at which it was noticed.
+    """
+
+    def __init__(self, *, time: float, max_step: float, scheme: str) -> None:
+        self.time = time
+        super().__init__(
+            f"the integration had blown up at t = {time:.9g} s: steps of {max_step:g} s are too "
+            f"large for {scheme} on this model; choose a smaller --max-step, an --accuracy, or "
+            "--integrator radau3"
+        )

@@ -1,0 +1,82 @@
+"""Which figures a run leaves, by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from drake_leg.figures import pendulum, tip
+from drake_leg.kinematics.pendulum import PendulumModel
+from drake_leg.recording import Recording
+from drake_leg.robot import Robot
+
+LEG_JOINTS = {1: "hip", 2: "knee", 3: "ankle"}
+SCARA_JOINTS = {1: "shoulder", 2: "elbow", 3: "wrist"}
+
+Named = Iterator[tuple[str, Callable[[], Figure]]]
+
+
+def figures_of_run(
+    name: str, title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]
+) -> Named:
+    """Name the figures of a run and tell how each is drawn.
+
+    Parameters
+    ----------
+    name : str
+        Of the run, as on the command line.
+    title : str
+        Of the run, for the figures' titles.
+    robot : Robot
+        What moved.
+    recording : Recording
+        What was recorded.
+    summary : mapping
+        What it came to.
+
+    Yields
+    ------
+    tuple of str and callable
+        File name without ending, and a function that draws the figure.
+    """
+    if name.startswith("pendulum"):
+        yield from _pendulum(title, robot, recording, summary)
+    elif name == "scara":
+        yield from _scara(title, robot, recording)
+    else:
+        yield from _leg(title, robot, recording)
+
+
+def _pendulum(
+    title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]
+) -> Named:
+    rest = summary["exact_rest_angle_rad"]
+    scale = PendulumModel.from_robot(robot).gravity_torque
+    yield "angle", lambda: pendulum.angle(recording, f"{title}: angle", rest)
+    yield (
+        "angle_and_rate",
+        lambda: pendulum.angle_and_rate(recording, f"{title}: angle and rate"),
+    )
+    yield "energy", lambda: pendulum.energy(recording, f"{title}: energy", scale)
+
+
+def _leg(title: str, robot: Robot, recording: Recording) -> Named:
+    yield "step", lambda: tip.stroboscope(robot, recording, f"{title}: the first stroke")
+    yield "foot_position", lambda: tip.position(recording, f"{title}: foot position")
+    yield "foot_velocity", lambda: tip.velocity(recording, f"{title}: foot velocity")
+    yield "foot_rotation", lambda: tip.rotation(robot, recording, f"{title}: rotation of the foot")
+    yield "joint_angles", lambda: tip.joint_angles(recording, f"{title}: joint angles", LEG_JOINTS)
+    yield "joint_torques", lambda: tip.torques(recording, f"{title}: joint torques", LEG_JOINTS)
+    yield "singularity", lambda: tip.singularity(recording, f"{title}: distance from singularity")
+
+
+def _scara(title: str, robot: Robot, recording: Recording) -> Named:
+    angles, torques = f"{title}: joint angles", f"{title}: joint torques"
+    yield "step", lambda: tip.stroboscope(robot, recording, f"{title}: the first stroke")
+    yield "tool_position", lambda: tip.position(recording, f"{title}: tool position", "tool")
+    yield "tool_velocity", lambda: tip.velocity(recording, f"{title}: tool velocity", "tool")
+    yield "joint_angles", lambda: tip.joint_angles(recording, angles, SCARA_JOINTS)
+    yield "joint_torques", lambda: tip.torques(recording, torques, SCARA_JOINTS)
+    yield "singularity", lambda: tip.singularity(recording, f"{title}: distance from singularity")

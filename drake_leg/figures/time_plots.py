@@ -1,0 +1,103 @@
+"""Columns of a recording against time: what a Simulink scope shows."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from drake_leg.figures.style import LINES, legend_above, new_figure
+from drake_leg.kinematics.batches import Array
+from drake_leg.recording import Recording
+
+TIME = "time t [s]"
+
+
+def time_plot(
+    recording: Recording, columns: dict[str, str], *, title: str, ylabel: str, degrees: bool = False
+) -> Figure:
+    """Plot columns of one unit against time.
+
+    Parameters
+    ----------
+    recording : Recording
+        With a column ``time``.
+    columns : dict
+        Column name to label.
+    title, ylabel : str
+        The label with its unit.
+    degrees : bool
+        Whether to add an axis in degrees for columns in rad.
+
+    Returns
+    -------
+    Figure
+    """
+    return curves_plot(
+        recording["time"],
+        {label: recording[name] for name, label in columns.items()},
+        title=title,
+        ylabel=ylabel,
+        degrees=degrees,
+    )
+
+
+def curves_plot(
+    time: Array, curves: dict[str, Array], *, title: str, ylabel: str, degrees: bool = False
+) -> Figure:
+    """Plot curves of one unit against time.
+
+    Parameters
+    ----------
+    time : (n,) ndarray
+        [s].
+    curves : dict
+        Label to values (n,).
+    title, ylabel : str
+        The label with its unit.
+    degrees : bool
+        Whether to add an axis in degrees for curves in rad.
+
+    Returns
+    -------
+    Figure
+    """
+    figure, (axes,) = new_figure(title)
+    for (label, values), (colour, style) in zip(curves.items(), LINES, strict=False):
+        axes.plot(time, values, style, color=colour, label=label)
+    axes.set(xlabel=TIME, ylabel=ylabel)
+    widen_flat_axis(axes)
+    if degrees:
+        add_degrees(axes)
+    if len(curves) > 1:
+        legend_above(axes)
+    return figure
+
+
+def add_degrees(axes: Axes) -> None:
+    """Add an axis in degrees to the right of one in rad.
+
+    Parameters
+    ----------
+    axes : Axes
+        Whose y axis is in rad.
+    """
+    right = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
+    right.set_ylabel("[deg]")
+    right.spines["right"].set_visible(True)
+
+
+def widen_flat_axis(axes: Axes, least: float = 1e-6) -> None:
+    """Keep rounding noise from filling the height of a constant curve's axis.
+
+    Parameters
+    ----------
+    axes : Axes
+        To be widened where its range is narrower than ``least``.
+    least : float
+        In the unit of its y axis.
+    """
+    low, high = axes.get_ylim()
+    if high - low < least:
+        middle = (low + high) / 2.0
+        axes.set_ylim(middle - least, middle + least)

@@ -1,0 +1,302 @@
+"""Figures of a robot whose foot or tool follows a command."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from drake_leg.figures.style import BLUE, GREEN, GREY, ORANGE, legend_above, new_figure
+from drake_leg.figures.time_plots import TIME, curves_plot, time_plot, widen_flat_axis
+from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.kinematics.leg import LegGeometry, foot_rotation_angles
+from drake_leg.kinematics.rotation import rotation_matrices
+from drake_leg.recording import Recording
+from drake_leg.robot import Robot
+
+GHOSTS = 9  # postures drawn over the run's first stroke
+
+
+def position(recording: Recording, title: str, what: str = "foot") -> Figure:
+    """Draw the position of the foot against time (A 11, B 8).
+
+    Parameters
+    ----------
+    recording : Recording
+        With x, y, z.
+    title : str
+        Of the figure.
+    what : str
+        Foot or tool.
+
+    Returns
+    -------
+    Figure
+    """
+    return time_plot(
+        recording,
+        {"x": "x", "y": "y", "z": "z"},
+        title=title,
+        ylabel=f"{what} position in the base frame [m]",
+    )
+
+
+def velocity(recording: Recording, title: str, what: str = "foot") -> Figure:
+    """Draw the velocity of the foot against time (A 12, B 9).
+
+    Parameters
+    ----------
+    recording : Recording
+        With vx, vy, vz.
+    title : str
+        Of the figure.
+    what : str
+        Foot or tool.
+
+    Returns
+    -------
+    Figure
+    """
+    return time_plot(
+        recording,
+        {"vx": "$v_x$", "vy": "$v_y$", "vz": "$v_z$"},
+        title=title,
+        ylabel=f"{what} velocity in the base frame [m/s]",
+    )
+
+
+def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
+    """Draw joint angles against time (A 13, 14, 15).
+
+    Parameters
+    ----------
+    recording : Recording
+        With q1, q2, q3.
+    title : str
+        Of the figure.
+    joints : dict
+        Number of the joint, from 1, to its name.
+
+    Returns
+    -------
+    Figure
+    """
+    columns = {f"q{number}": f"$q_{number}$ ({name})" for number, name in joints.items()}
+    return time_plot(
+        recording, columns, title=title, ylabel="joint angle [rad]", degrees=True
+    )
+
+
+def rotation(robot: Robot, recording: Recording, title: str) -> Figure:
+    """Draw the rotation of the foot about its axes, in the leg's own Z-X-Z angles (A 16).
+
+    Parameters
+    ----------
+    robot : Robot
+        The leg.
+    recording : Recording
+        With the columns qw, qx, qy, qz.
+    title : str
+        Of the figure.
+
+    Returns
+    -------
+    Figure
+    """
+    R_BF = rotation_matrices(recording.stack("qw", "qx", "qy", "qz"))
+    angles = np.unwrap(foot_rotation_angles(LegGeometry.from_robot(robot), R_BF), axis=0)
+    labels = ("about Z: $q_1$", "about X", "about Z: $q_2 + q_3$")
+    return curves_plot(
+        recording["time"],
+        {label: angles[:, i] for i, label in enumerate(labels)},
+        title=title,
+        ylabel="Z-X-Z angle of the foot [rad]",
+        degrees=True,
+    )
+
+
+def torques(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
+    """Draw the computed torques against time.
+
+    Parameters
+    ----------
+    recording : Recording
+        With tau1, tau2, tau3.
+    title : str
+        Of the figure.
+    joints : dict
+        Number of the joint, from 1, to its name.
+
+    Returns
+    -------
+    Figure
+    """
+    columns = {f"tau{number}": name for number, name in joints.items()}
+    return time_plot(recording, columns, title=title, ylabel="computed torque [N m]")
+
+
+def singularity(recording: Recording, title: str) -> Figure:
+    """Draw the determinant and the smallest singular value of the Jacobian against time.
+
+    Parameters
+    ----------
+    recording : Recording
+        With det_j and sigma_min.
+    title : str
+        Of the figure.
+
+    Returns
+    -------
+    Figure
+    """
+    figure, (top, bottom) = new_figure(title, rows=2, height=5.0)
+    unit = next(h for h in recording.columns if h.startswith("det_j")).partition("[")[2]
+    power = unit.strip("]m^")
+    top.plot(recording["time"], recording["det_j"], color=BLUE)
+    top.axhline(0.0, color=GREY, linewidth=1.0)
+    top.set(ylabel=f"det J [m$^{power}$]")
+    bottom.plot(recording["time"], recording["sigma_min"], color=ORANGE)
+    bottom.axhline(0.0, color=GREY, linewidth=1.0, label="singular")
+    bottom.set(xlabel=TIME, ylabel=r"$\sigma_{\min}$ [m]")
+    return figure
+
+
+def input_and_velocity(recording: Recording, title: str, gain: float) -> Figure:
+    """Draw the sine's output and the velocity that it gives the foot (B 10).
+
+    Parameters
+    ----------
+    recording : Recording
+        With input, dx, dy, dz and the foot's velocity.
+    title : str
+        Of the figure.
+    gain : float
+        Of the block between the two.
+
+    Returns
+    -------
+    Figure
+    """
+    figure, (axes,) = new_figure(title)
+    time = recording["time"]
+    axes.plot(time, recording["input"], color=GREY, linewidth=3.5, alpha=0.6, label="input (sine)")
+    axes.plot(time, recording["vx"], color=BLUE, label="foot velocity $v_x$")
+    axes.set(xlabel=TIME, ylabel="velocity [m/s]")
+    if gain != 1.0:
+        row = int(np.argmax(recording["vx"]))
+        top, bottom = recording["vx"][row], recording["input"][row]
+        axes.annotate(
+            "",
+            (time[row], top),
+            xytext=(time[row], bottom),
+            arrowprops={"arrowstyle": "->", "color": ORANGE},
+        )
+        axes.annotate(
+            rf"$\times$ {gain:g}",
+            (time[row], (top + bottom) / 2),
+            xytext=(6, 0),
+            textcoords="offset points",
+            color=ORANGE,
+        )
+    widen_flat_axis(axes)
+    legend_above(axes)
+    return figure
+
+
+def velocity_and_position(
+    recording: Recording, title: str, *, frequency: float | None = None, with_input: bool = False
+) -> Figure:
+    """Draw velocity and position along x together (B 11; with the input, B 12).
+
+    Parameters
+    ----------
+    recording : Recording
+        With x, vx, and input.
+    title : str
+        Of the figure.
+    frequency : float, optional
+        Of the sine [rad/s]; where given, the quarter period between the maxima is marked.
+    with_input : bool
+        Whether to draw the sine's output, too.
+
+    Returns
+    -------
+    Figure
+    """
+    figure, (axes,) = new_figure(title, height=4.0)
+    time = recording["time"]
+    if with_input:
+        axes.plot(
+            time, recording["input"], color=GREY, linewidth=4.0, alpha=0.5, label="input (sine)"
+        )
+    axes.plot(time, recording["vx"], color=BLUE, label="velocity $v_x$ (left)")
+    axes.set(xlabel=TIME, ylabel="velocity [m/s]")
+    right = axes.twinx()
+    right.plot(time, recording["x"], color=ORANGE, linestyle="--", label="position x (right)")
+    right.set_ylabel("position [m]")
+    right.grid(visible=False)
+    right.spines["right"].set_visible(True)
+    if frequency is not None and time[-1] * frequency > np.pi:
+        peaks = np.pi / 2 / frequency, np.pi / frequency
+        for twin in (axes, right):
+            low, high = twin.get_ylim()
+            twin.set_ylim(low, high + 0.14 * (high - low))
+        low, high = axes.get_ylim()
+        level = high - 0.07 * (high - low)
+        for peak in peaks:
+            axes.axvline(peak, color=GREY, linestyle=":", linewidth=1.0)
+        arrow = {"arrowstyle": "<->", "color": GREY, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (peaks[1], level), xytext=(peaks[0], level), arrowprops=arrow)
+        axes.annotate(
+            "velocity leads by a quarter period",
+            (peaks[1], level),
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=9.5,
+            color=GREY,
+        )
+    legend_above(axes, right)
+    return figure
+
+
+def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
+    """Draw the links at instants of the first stroke, from the side and from the top (B 6, 7).
+
+    Parameters
+    ----------
+    robot : Robot
+        Its table places the joints.
+    recording : Recording
+        With joint positions and x, y, z.
+    title : str
+        Of the figure.
+
+    Returns
+    -------
+    Figure
+    """
+    tip = recording.stack("x", "y", "z")
+    distance = np.linalg.norm(tip - tip[0], axis=1)
+    last = int(np.argmax(distance))
+    instants = np.searchsorted(distance[: last + 1], np.linspace(0.0, distance[last], GHOSTS))
+    rows = np.unique(np.minimum(instants, last))
+    q = recording.stack(*(f"q{i + 1}" for i in range(len(robot.moving))))
+    X_B = base_transforms(robot.rows, q[rows])
+    joints = np.concatenate([np.zeros((len(rows), 1, 3)), X_B[:, :, :3, 3]], axis=1)
+
+    figure, (side, top) = new_figure(title, columns=2, height=4.0)
+    for axes, (across, up) in ((side, (0, 2)), (top, (0, 1))):
+        for shade, points in zip(np.linspace(0.2, 1.0, len(rows)), joints, strict=True):
+            x, y = points[:, across], points[:, up]
+            axes.plot(x, y, "-", color=BLUE, alpha=float(shade), linewidth=2.0)
+            axes.plot(x, y, "o", color=BLUE, alpha=float(shade), markersize=3.5)
+        axes.plot(tip[:, across], tip[:, up], color=ORANGE, linewidth=2.4, label="path of the tip")
+        axes.plot(tip[0, across], tip[0, up], "s", color=GREEN, markersize=6, label="start")
+        axes.set(xlabel="xyz"[across] + " [m]", ylabel="xyz"[up] + " [m]")
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+    side.set_xlabel("x [m]   (seen from the side)")
+    top.set_xlabel("x [m]   (seen from the top)")
+    legend_above(top)
+    return figure

@@ -1,0 +1,167 @@
+"""Any serial chain in Khalil's (modified DH) convention: transforms, foot pose, Jacobian.
+
+Frame 0 is the base B; frame i belongs to row i; the last frame is the foot F. Batches of joint
+positions may have any shape in front of the last axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drake_leg.kinematics.batches import Array, finite_vectors
+from drake_leg.robot import Row
+
+
+def moving_rows(rows: Sequence[Row]) -> list[int]:
+    """Return the indices of the rows that have a joint position, in order.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table.
+
+    Returns
+    -------
+    list of int
+        As many as the chain has degrees of freedom.
+    """
+    return [index for index, row in enumerate(rows) if row.joint != "fixed"]
+
+
+def row_transform(row: Row, q: ArrayLike = 0.0) -> Array:
+    """Transform from a row's frame to the frame before it.
+
+    ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``, with ``q`` added to ``theta``
+    (revolute) or to ``r`` (prismatic); a fixed row ignores ``q``.
+
+    Parameters
+    ----------
+    row : Row
+        One row of the table.
+    q : (...) array_like
+        Joint position [rad or m].
+
+    Returns
+    -------
+    (..., 4, 4) ndarray
+        Homogeneous transform X_PC, from the row's frame C to the frame before it P [-, m].
+
+    References
+    ----------
+    Report A, eq. 1.
+    """
+    position = np.asarray(q, dtype=np.float64)
+    theta = row.theta + (position if row.joint == "revolute" else np.zeros_like(position))
+    r = row.r + (position if row.joint == "prismatic" else np.zeros_like(position))
+    c, s = np.cos(theta), np.sin(theta)
+    ca, sa = np.cos(row.alpha), np.sin(row.alpha)
+    X_PC = np.zeros((*position.shape, 4, 4))
+    X_PC[..., 0, 0], X_PC[..., 0, 1], X_PC[..., 0, 3] = c, -s, row.d
+    X_PC[..., 1, 0], X_PC[..., 1, 1], X_PC[..., 1, 2], X_PC[..., 1, 3] = s * ca, c * ca, -sa, -r * sa
+    X_PC[..., 2, 0], X_PC[..., 2, 1], X_PC[..., 2, 2], X_PC[..., 2, 3] = s * sa, c * sa, ca, r * ca
+    X_PC[..., 3, 3] = 1.0
+    return X_PC
+
+
+def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
+    """Transforms from every row's frame to the base.
+
+    ``X_B[i] = X_B[i-1] @ row_transform(rows[i], q_i)``.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table, n rows of which m move.
+    q : (..., m) array_like
+        Joint positions [rad or m].
+
+    Returns
+    -------
+    (..., n, 4, 4) ndarray
+        Homogeneous transforms in the base frame [-, m]; the last one is the foot's.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in m, or is not finite.
+
+    References
+    ----------
+    Report A, eq. 6-8; report B, 1.4 and 2.4.
+    """
+    moving = moving_rows(rows)
+    positions = finite_vectors("q", q, len(moving))
+    X_B = np.empty((*positions.shape[:-1], len(rows), 4, 4))
+    X_BC = np.eye(4)
+    for index, row in enumerate(rows):
+        value = positions[..., moving.index(index)] if index in moving else np.zeros(())
+        X_BC = X_BC @ row_transform(row, value)
+        X_B[..., index, :, :] = X_BC
+    return X_B
+
+
+def foot_pose(rows: Sequence[Row], q: ArrayLike) -> Array:
+    """Pose of the last frame of the chain in the base.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table, of which m rows move.
+    q : (..., m) array_like
+        Joint positions [rad or m].
+
+    Returns
+    -------
+    X_BF : (..., 4, 4) ndarray
+        Homogeneous transform [-, m].
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in m, or is not finite.
+    """
+    return base_transforms(rows, q)[..., -1, :, :]
+
+
+def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
+    """Jacobian of the foot by the direct method (z x OE), rotation first as Drake has it.
+
+    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint gives ``[z; z x OF]``, a prismatic one
+    ``[0; z]``.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table, of which m rows move.
+    q : (..., m) array_like
+        Joint positions [rad or m].
+
+    Returns
+    -------
+    Jv_BF : (..., 6, m) ndarray
+        Rows 0-2 angular, rows 3-5 translational, in the base frame [rad, m per rad or m].
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in m, or is not finite.
+
+    References
+    ----------
+    Report A, eq. 9-15 (eq. 9-12 lack the joint rates in print).
+    """
+    X_B = base_transforms(rows, q)
+    p_BF = X_B[..., -1, :3, 3]
+    moving = moving_rows(rows)
+    Jv_BF = np.zeros((*X_B.shape[:-3], 6, len(moving)))
+    for column, index in enumerate(moving):
+        z_B = X_B[..., index, :3, 2]
+        if rows[index].joint == "revolute":
+            Jv_BF[..., :3, column] = z_B
+            Jv_BF[..., 3:, column] = np.cross(z_B, p_BF - X_B[..., index, :3, 3])
+        else:
+            Jv_BF[..., 3:, column] = z_B
+    return Jv_BF

@@ -1,0 +1,254 @@
+"""The pendulum's closed forms: inertia, energy, exact undamped motion, rest angles.
+
+q = 0 is horizontal and positive q turns the link downwards, so that the link hangs at
+q = pi/2; the swing angle from there is ``phi = q - pi/2``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from scipy.special import ellipj, ellipk
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array
+from drake_leg.robot import STANDARD_GRAVITY, Brick, Robot
+
+
+@dataclass(frozen=True, kw_only=True)
+class PendulumModel:
+    """What the equation of motion ``I qddot = m g (L/2) cos q - c qdot - k (q - q_ref)`` needs."""
+
+    mass: float  # [kg]
+    length: float  # [m]
+    inertia: float  # [kg*m^2], about the pivot
+    damping: float = 0.0  # [N*m*s/rad]
+    spring_stiffness: float = 0.0  # [N*m/rad]
+    equilibrium_position: float = 0.0  # [rad]
+    gravity: float = STANDARD_GRAVITY  # [m/s^2]
+
+    @classmethod
+    def from_robot(cls, robot: Robot, gravity: float = STANDARD_GRAVITY) -> Self:
+        """Read the model off a pendulum's data.
+
+        ``I = m (L^2 + w^2) / 12 + m (L/2)^2``.
+
+        Parameters
+        ----------
+        robot : Robot
+            A pendulum as ``robots.pendulum`` makes it.
+        gravity : float
+            [m/s^2].
+
+        Returns
+        -------
+        PendulumModel
+
+        Raises
+        ------
+        InvalidValueError
+            If the robot's first link is no brick.
+        """
+        segment = robot.segments[0]
+        solid = segment.link.solid if segment.link else None
+        if solid is None or not isinstance(solid.shape, Brick):
+            raise InvalidValueError(f"{robot.name!r} is no pendulum of one brick")
+        brick = solid.shape
+        mass = solid.density * brick.length * brick.width * brick.height
+        inertia = mass * (brick.length**2 + brick.width**2) / 12 + mass * (brick.length / 2) ** 2
+        return cls(
+            mass=mass,
+            length=brick.length,
+            inertia=inertia,
+            damping=segment.mechanics.damping,
+            spring_stiffness=segment.mechanics.spring_stiffness,
+            equilibrium_position=segment.mechanics.equilibrium_position,
+            gravity=gravity,
+        )
+
+    @property
+    def gravity_torque(self) -> float:
+        """``m g L / 2`` [N*m]: the torque of gravity on the horizontal link."""
+        return self.mass * self.gravity * self.length / 2
+
+    @property
+    def natural_frequency(self) -> float:
+        """Frequency of small swings ``sqrt(m g (L/2) / I)`` [rad/s]."""
+        return math.sqrt(self.gravity_torque / self.inertia)
+
+
+def energy(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
+    """Kinetic plus potential energy, gravity's counted from the pivot's height.
+
+    ``I qdot^2 / 2 - m g (L/2) sin q + k (q - q_ref)^2 / 2``.
+
+    Parameters
+    ----------
+    model : PendulumModel
+        The pendulum.
+    q, qdot : (...) array_like
+        Angle [rad] and rate [rad/s].
+
+    Returns
+    -------
+    (...) ndarray
+        [J].
+    """
+    angle, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
+    stretch = angle - model.equilibrium_position
+    return (
+        model.inertia * rate**2 / 2
+        - model.gravity_torque * np.sin(angle)
+        + model.spring_stiffness * stretch**2 / 2
+    )
+
+
+def acceleration(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
+    """Angular acceleration of the free, damped or sprung pendulum.
+
+    Parameters
+    ----------
+    model : PendulumModel
+        The pendulum.
+    q, qdot : (...) array_like
+        Angle [rad] and rate [rad/s].
+
+    Returns
+    -------
+    (...) ndarray
+        [rad/s^2].
+    """
+    angle, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
+    spring = model.spring_stiffness * (angle - model.equilibrium_position)
+    torque = model.gravity_torque * np.cos(angle) - model.damping * rate - spring
+    return torque / model.inertia
+
+
+def _swing(q0: float) -> float:
+    """Return the angle from hanging, brought into [-pi, pi]."""
+    return math.remainder(q0 - math.pi / 2, 2 * math.pi)
+
+
+def _oscillates(model: PendulumModel, q0: float) -> bool:
+    """Tell whether the undamped pendulum released at rest at q0 swings with a finite period."""
+    return (
+        model.damping == 0.0
+        and model.spring_stiffness == 0.0
+        and model.gravity > 0.0
+        and abs(_swing(q0)) > 1e-9
+        and abs(_swing(q0)) < math.pi - 1e-9
+    )
+
+
+def exact_period(model: PendulumModel, q0: float) -> float | None:
+    """Period of the free swing released at rest: ``4 K(sin(phi0/2)) / omega0``.
+
+    Parameters
+    ----------
+    model : PendulumModel
+        The pendulum.
+    q0 : float
+        Angle of release [rad].
+
+    Returns
+    -------
+    float or None
+        [s]; None where there is no period: with damping or a spring, hanging or upright.
+    """
+    if not _oscillates(model, q0):
+        return None
+    k = math.sin(_swing(q0) / 2)
+    return 4.0 * float(ellipk(k**2)) / model.natural_frequency
+
+
+def exact_motion(model: PendulumModel, q0: float, time: ArrayLike) -> tuple[Array, Array]:
+    """Angle and rate of the pendulum released at rest.
+
+    Without damping and spring by Jacobi's elliptic functions,
+    ``sin(phi/2) = k cd(omega0 t, k)``; otherwise by an eighth-order integration of the closed
+    equation of motion at a relative tolerance of 1e-12.
+
+    Parameters
+    ----------
+    model : PendulumModel
+        The pendulum.
+    q0 : float
+        Angle of release [rad].
+    time : (n,) array_like
+        Increasing instants from 0 [s].
+
+    Returns
+    -------
+    q, qdot : (n,) ndarray
+        [rad], [rad/s].
+    """
+    instants = np.asarray(time, dtype=np.float64)
+    if not _oscillates(model, q0):
+        return _integrated_motion(model, q0, instants)
+    phi0 = _swing(q0)
+    k, k_prime = math.sin(phi0 / 2), math.cos(phi0 / 2)
+    sn, cn, dn, _ = ellipj(model.natural_frequency * instants, k**2)
+    phi = 2.0 * np.arcsin(k * cn / dn)
+    rate = -2.0 * k * k_prime * model.natural_frequency * sn / dn
+    return q0 + (phi - phi0), rate
+
+
+def _integrated_motion(model: PendulumModel, q0: float, instants: Array) -> tuple[Array, Array]:
+    def derivatives(_time: float, state: Array) -> list[float]:
+        return [state[1], float(acceleration(model, state[0], state[1]))]
+
+    if instants[-1] <= 0.0:
+        return np.full_like(instants, q0), np.zeros_like(instants)
+    solution = solve_ivp(
+        derivatives,
+        (0.0, float(instants[-1])),
+        [q0, 0.0],
+        method="DOP853",
+        t_eval=instants,
+        rtol=1e-12,
+        atol=1e-13,
+    )
+    return solution.y[0], solution.y[1]
+
+
+def rest_angle(model: PendulumModel, q_end: float) -> float | None:
+    """Angle at which the damped pendulum rests, the one nearest to where it ended.
+
+    It solves ``k (q - q_ref) = m g (L/2) cos q``; without a spring it is where the link hangs.
+
+    Parameters
+    ----------
+    model : PendulumModel
+        The pendulum.
+    q_end : float
+        Angle near the rest [rad].
+
+    Returns
+    -------
+    float or None
+        [rad]; None without damping, for then it never rests, and where there is no rest
+        within half a turn of ``q_end``.
+    """
+    if model.damping == 0.0:
+        return None
+    if model.spring_stiffness == 0.0:
+        return q_end - _swing(q_end)
+
+    def torque(q: float) -> float:
+        spring = model.spring_stiffness * (q - model.equilibrium_position)
+        return model.gravity_torque * math.cos(q) - spring
+
+    grid = np.linspace(q_end - math.pi, q_end + math.pi, 721)
+    stable = [
+        brentq(torque, left, right, xtol=1e-15)
+        for left, right in pairwise(grid)
+        if torque(left) >= 0.0 > torque(right)
+    ]
+    return float(min(stable, key=lambda angle: abs(angle - q_end))) if stable else None

@@ -1,0 +1,35 @@
+"""Rotations between their descriptions."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from drake_leg.kinematics.batches import Array, assemble, finite_vectors
+
+
+def rotation_matrices(quaternions: ArrayLike) -> Array:
+    """Rotation matrices of unit quaternions.
+
+    Parameters
+    ----------
+    quaternions : (..., 4) array_like
+        w, x, y, z; q and -q give the same matrix.
+
+    Returns
+    -------
+    (..., 3, 3) ndarray
+        Rotation matrices.
+
+    Raises
+    ------
+    InvalidValueError
+        If the last axis is not 4 long, or a value is not finite.
+    """
+    w, x, y, z = finite_vectors("the quaternion", quaternions, 4).T
+    return assemble(
+        (
+            (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+            (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+            (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+        )
+    )

@@ -1,0 +1,288 @@
+"""Closed forms of the SCARA arm: tool, Jacobian of (x, y, yaw), determinant.
+
+The task coordinates are the tool's x and y [m] and its yaw q1 + q2 + q3 [rad], driven by the
+first three joints; the fourth sets the height alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array, assemble, finite_vectors, split
+from drake_leg.kinematics.task import Task, task_from_jacobian
+from drake_leg.robot import Robot, require_positive
+from drake_leg.robots import SCARA_HEIGHT, SCARA_LOWEST
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScaraGeometry:
+    """What the closed forms need of a SCARA arm."""
+
+    l1: float  # [m], first arm
+    l2: float  # [m], second arm
+    height: float = SCARA_HEIGHT  # [m], of the arms over the base
+    lowest: float = SCARA_LOWEST  # [m], height of the tool at R = 0
+
+    def __post_init__(self) -> None:
+        for name in ("l1", "l2", "height"):
+            require_positive(f"the SCARA's {name}", getattr(self, name), "m")
+
+    @classmethod
+    def from_robot(cls, robot: Robot) -> Self:
+        """Read the lengths off a SCARA's Khalil table.
+
+        Parameters
+        ----------
+        robot : Robot
+            A SCARA as ``robots.scara`` makes it.
+
+        Returns
+        -------
+        ScaraGeometry
+
+        Raises
+        ------
+        InvalidValueError
+            If the table has not the joints of the report's SCARA.
+        """
+        rows = robot.rows
+        if tuple(row.joint for row in rows) != ("revolute", "revolute", "revolute", "prismatic"):
+            raise InvalidValueError(f"{robot.name!r} has not the table of the report's SCARA")
+        return cls(l1=rows[1].d, l2=rows[2].d, height=rows[0].r)
+
+
+def lift_position(arm: ScaraGeometry, R: float) -> float:
+    """Position of the fourth joint for a height of the tool.
+
+    ``q4 = height - lowest - R``.
+
+    Parameters
+    ----------
+    arm : ScaraGeometry
+        Heights.
+    R : float
+        Height of the tool above its lowest position [m].
+
+    Returns
+    -------
+    float
+        q4 [m].
+
+    Raises
+    ------
+    InvalidValueError
+        If ``R`` is outside 0 ... height - lowest.
+
+    References
+    ----------
+    Report B, table 1.2.
+    """
+    stroke = arm.height - arm.lowest
+    if not 0.0 <= R <= stroke:
+        raise InvalidValueError(f"the tool height R is {R!r} m; it must be in 0 ... {stroke:.4g} m")
+    return stroke - R
+
+
+def tool_position(arm: ScaraGeometry, q: ArrayLike) -> Array:
+    """Position of the tool F in the base frame B.
+
+    Parameters
+    ----------
+    arm : ScaraGeometry
+        Lengths and heights.
+    q : (..., 4) array_like
+        Three angles [rad] and the lift [m].
+
+    Returns
+    -------
+    p_BF : (..., 3) ndarray
+        [m].
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in 4, or is not finite.
+
+    References
+    ----------
+    Report B, 1.4 (printed without the height 452.4 mm).
+    """
+    (q1, q2, _, q4), cos, sin = split("q", q, 4)
+    x = arm.l1 * cos(q1) + arm.l2 * cos(q1 + q2)
+    y = arm.l1 * sin(q1) + arm.l2 * sin(q1 + q2)
+    return assemble((x, y, arm.height - q4))
+
+
+def tool_rotation(q: ArrayLike) -> Array:
+    """Rotation of the tool frame F in the base frame B: yawed, its z axis down.
+
+    ``R_BF = Rz(q1 + q2 + q3) Rx(pi)``.
+
+    Parameters
+    ----------
+    q : (..., 4) array_like
+        Three angles [rad] and the lift [m].
+
+    Returns
+    -------
+    R_BF : (..., 3, 3) ndarray
+        Rotation matrices.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in 4, or is not finite.
+    """
+    (q1, q2, q3, _), cos, sin = split("q", q, 4)
+    c, s = cos(q1 + q2 + q3), sin(q1 + q2 + q3)
+    return assemble(((c, s, 0.0), (s, -c, 0.0), (0.0, 0.0, -1.0)))
+
+
+def task_jacobian(arm: ScaraGeometry, q: ArrayLike) -> Array:
+    """Jacobian of the task (x, y, yaw) against the three angles.
+
+    ``[vx, vy, yaw rate] = J @ qdot[:3]``.
+
+    Parameters
+    ----------
+    arm : ScaraGeometry
+        Lengths.
+    q : (..., 3) array_like
+        The three angles [rad].
+
+    Returns
+    -------
+    J : (..., 3, 3) ndarray
+        Rows 0 and 1 in m/rad, row 2 in rad/rad; singular where sin(q2) = 0.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in 3, or is not finite.
+
+    References
+    ----------
+    Report B, 1.5.
+    """
+    (q1, q2, _), cos, sin = split("q", q, 3)
+    x2, y2 = arm.l2 * cos(q1 + q2), arm.l2 * sin(q1 + q2)
+    x1, y1 = arm.l1 * cos(q1) + x2, arm.l1 * sin(q1) + y2
+    return assemble(((-y1, -y2, 0.0), (x1, x2, 0.0), (1.0, 1.0, 1.0)))
+
+
+def determinant(arm: ScaraGeometry, q: ArrayLike) -> Array:
+    """Determinant of the task Jacobian: ``l1 l2 sin(q2)``, whatever q1 is.
+
+    Parameters
+    ----------
+    arm : ScaraGeometry
+        Lengths.
+    q : (..., 3) array_like
+        The three angles [rad].
+
+    Returns
+    -------
+    (...) ndarray
+        [m^2].
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in 3, or is not finite.
+
+    References
+    ----------
+    Report B, 1.6 (which calls q1 = 0 singular; it is not).
+    """
+    return arm.l1 * arm.l2 * np.sin(finite_vectors("q", q, 3)[..., 1])
+
+
+def jacobian_rate_bias(arm: ScaraGeometry, q: ArrayLike, qdot: ArrayLike) -> Array:
+    """Task acceleration that is there without joint acceleration: ``dJ/dt @ qdot``.
+
+    Parameters
+    ----------
+    arm : ScaraGeometry
+        Lengths.
+    q, qdot : (..., 3) array_like
+        The three angles [rad] and their rates [rad/s].
+
+    Returns
+    -------
+    (..., 3) ndarray
+        [m/s^2, m/s^2, rad/s^2].
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` or ``qdot`` does not end in 3, or is not finite.
+    """
+    (q1, q2, _), cos, sin = split("q", q, 3)
+    (w1, w2, _), _, _ = split("qdot", qdot, 3)
+    q12, w12 = q1 + q2, w1 + w2
+    x = -arm.l1 * cos(q1) * w1**2 - arm.l2 * cos(q12) * w12**2
+    y = -arm.l1 * sin(q1) * w1**2 - arm.l2 * sin(q12) * w12**2
+    return assemble((x, y, 0.0))
+
+
+def scara_task(arm: ScaraGeometry) -> Task:
+    """Make the task (x, y, yaw) of the tool.
+
+    Parameters
+    ----------
+    arm : ScaraGeometry
+        Lengths.
+
+    Returns
+    -------
+    Task
+        Velocities in m/s, m/s, rad/s; angles in rad.
+
+    References
+    ----------
+    Report B, 1.5.
+    """
+    return task_from_jacobian(
+        jacobian=partial(task_jacobian, arm),
+        bias=partial(jacobian_rate_bias, arm),
+        determinant_scale=arm.l1 * arm.l2,
+    )
+
+
+def inverse_kinematics(arm: ScaraGeometry, task: ArrayLike, like: ArrayLike) -> Array:
+    """Angles that put the tool at (x, y, yaw), with the elbow on the side of a posture.
+
+    Parameters
+    ----------
+    arm : ScaraGeometry
+        Lengths.
+    task : (..., 3) array_like
+        x, y [m] and yaw [rad].
+    like : (3,) array_like
+        Angles [rad] whose elbow side (sign of sin q2) and turns are wanted.
+
+    Returns
+    -------
+    q : (..., 3) ndarray
+        The three angles [rad]; NaN where the point is out of reach.
+
+    Raises
+    ------
+    InvalidValueError
+        If a shape is wrong or a value is not finite.
+    """
+    goals, near = finite_vectors("task", task, 3), finite_vectors("like", like, 3)
+    x, y, yaw = goals[..., 0], goals[..., 1], goals[..., 2]
+    cosine = (x**2 + y**2 - arm.l1**2 - arm.l2**2) / (2.0 * arm.l1 * arm.l2)
+    within = np.abs(cosine) <= 1.0
+    q2 = np.sign(np.sin(near[1])) * np.arccos(np.where(within, cosine, np.nan))
+    q1 = np.arctan2(y, x) - np.arctan2(arm.l2 * np.sin(q2), arm.l1 + arm.l2 * np.cos(q2))
+    q = np.stack([q1, q2, yaw - q1 - q2], axis=-1)
+    turn = 2.0 * np.pi
+    return q + turn * np.round((near - q) / turn)

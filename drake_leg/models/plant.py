@@ -1,0 +1,40 @@
+"""From a robot to Drake's MultibodyPlant, by way of its SDF."""
+
+from __future__ import annotations
+
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+
+from drake_leg.models.sdf import sdf_text
+from drake_leg.robot import STANDARD_GRAVITY, Robot, require_non_negative
+
+
+def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
+    """Parse a robot's SDF into a continuous, finalised plant.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot; its base is welded to the world.
+    gravity : float
+        Strength of gravity, along the world's -z [m/s^2].
+
+    Returns
+    -------
+    MultibodyPlant
+        Named like the robot, with one model instance.
+
+    Raises
+    ------
+    InvalidValueError
+        If gravity is negative or not finite.
+    """
+    require_non_negative("gravity", gravity, "m/s^2")
+    plant = MultibodyPlant(time_step=0.0)
+    plant.set_name(robot.name)
+    parser = Parser(plant)
+    parser.SetStrictParsing()
+    parser.AddModelsFromString(sdf_text(robot), "sdf")
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
+    plant.Finalize()
+    return plant

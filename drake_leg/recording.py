@@ -1,0 +1,185 @@
+"""What a run leaves: named arrays with units, written to CSV and read back."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drake_leg.errors import InvalidValueError, OutputError
+from drake_leg.kinematics.batches import Array
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Columns of equal length, in order; a header such as ``vx[m/s]`` holds name and unit."""
+
+    columns: Mapping[str, Array]
+
+    def __post_init__(self) -> None:
+        lengths = {name: len(values) for name, values in self.columns.items()}
+        if len(set(lengths.values())) > 1:
+            raise InvalidValueError(f"the columns differ in length: {lengths}")
+
+    def __getitem__(self, name: str) -> Array:
+        """Return the column of a name, given with or without its unit.
+
+        Parameters
+        ----------
+        name : str
+            ``vx`` or ``vx[m/s]``.
+
+        Returns
+        -------
+        (rows,) ndarray
+            In the unit of its header.
+
+        Raises
+        ------
+        InvalidValueError
+            If there is no such column.
+        """
+        for header, values in self.columns.items():
+            if name in (header, header.partition("[")[0]):
+                return values
+        raise InvalidValueError(
+            f"there is no column {name!r}; the recording has {', '.join(self.columns)}"
+        )
+
+    def stack(self, *names: str) -> Array:
+        """Return several columns side by side.
+
+        Parameters
+        ----------
+        *names : str
+            Names of columns.
+
+        Returns
+        -------
+        (rows, len(names)) ndarray
+
+        Raises
+        ------
+        InvalidValueError
+            If a column is missing.
+        """
+        return np.stack([self[name] for name in names], axis=-1)
+
+    def write_csv(self, path: Path) -> None:
+        """Write the columns with 17 significant digits, so that reading gives them back exactly.
+
+        Parameters
+        ----------
+        path : Path
+            File to write.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written.
+        """
+        try:
+            with path.open("w", newline="", encoding="utf-8") as file:
+                writer = csv.writer(file)
+                writer.writerow(self.columns)
+                rows = zip(*(values.tolist() for values in self.columns.values()), strict=True)
+                writer.writerows([repr(value) for value in row] for row in rows)
+        except OSError as error:
+            raise OutputError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def read_csv(path: Path) -> Recording:
+    """Read a recording back.
+
+    Parameters
+    ----------
+    path : Path
+        A file that ``Recording.write_csv`` wrote.
+
+    Returns
+    -------
+    Recording
+        The same numbers, bit by bit.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be read, has no header, or holds something that is no number.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+    except (OSError, UnicodeDecodeError) as error:
+        raise OutputError(f"{path} cannot be read: {error}") from error
+    if not rows:
+        raise OutputError(f"{path} is empty; a recording starts with a line of column names")
+    header, body = rows[0], rows[1:]
+    for number, row in enumerate(body, start=2):
+        if len(row) != len(header):
+            raise OutputError(
+                f"{path}, line {number}, has {len(row)} values for {len(header)} columns"
+            )
+    try:
+        values = np.array(body, dtype=np.float64).reshape(-1, len(header))
+    except ValueError as error:
+        raise OutputError(f"{path} holds something that is no number: {error}") from error
+    return Recording(dict(zip(header, values.T, strict=True)))
+
+
+def numbered(name: str, unit: str, values: Array) -> dict[str, Array]:
+    """Make columns ``name1[unit]``, ``name2[unit]`` ... of an array.
+
+    Parameters
+    ----------
+    name, unit : str
+        Of the quantity.
+    values : (rows, n) ndarray
+        One column each.
+
+    Returns
+    -------
+    dict
+        Header to column.
+    """
+    return {f"{name}{i + 1}[{unit}]": values[:, i] for i in range(values.shape[1])}
+
+
+def lettered(prefix: str, letters: str, unit: str, values: Array) -> dict[str, Array]:
+    """Make columns such as ``vx[m/s]``, ``vy[m/s]`` ... of an array.
+
+    Parameters
+    ----------
+    prefix, letters, unit : str
+        ``v``, ``xyz``, ``m/s``; an empty unit gives no brackets.
+    values : (rows, len(letters)) ndarray
+        One column each.
+
+    Returns
+    -------
+    dict
+        Header to column.
+    """
+    suffix = f"[{unit}]" if unit else ""
+    return {f"{prefix}{letter}{suffix}": values[:, i] for i, letter in enumerate(letters)}
+
+
+def without_sign_jumps(quaternions: ArrayLike) -> Array:
+    """Choose of q and -q, the same rotation, the one nearest to the row before.
+
+    Parameters
+    ----------
+    quaternions : (rows, 4) array_like
+        w, x, y, z.
+
+    Returns
+    -------
+    (rows, 4) ndarray
+        The first row keeps its sign.
+    """
+    rows = np.asarray(quaternions, dtype=np.float64)
+    flips = np.where((rows[1:] * rows[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
+    return rows * np.concatenate([[1.0], np.cumprod(flips)])[:, np.newaxis]

@@ -1,0 +1,170 @@
+"""The leg's runs: a straight step (variants A and B) and an ellipse."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from drake_leg.diagrams import ellipse, hexabot_leg
+from drake_leg.diagrams.mechanism import start_on_motion
+from drake_leg.integrator import IntegratorSettings
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.leg import (
+    LegGeometry,
+    foot_jacobian,
+    foot_position,
+    inverse_kinematics,
+)
+from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
+from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.recording import Recording
+from drake_leg.robot import Robot
+from drake_leg.robots import LegVariant
+from drake_leg.robots import hexabot_leg as leg_robot
+from drake_leg.runs.options import EllipseOptions, LegBOptions, LegOptions
+from drake_leg.runs.outcome import Outcome, outcome_of
+from drake_leg.runs.tip import default_step, exact_tip, tip_columns, tip_findings, torque_error
+from drake_leg.simulation import Progress, Run, simulate
+
+
+def run_straight(
+    variant: LegVariant, options: LegBOptions, progress: Progress | None = None
+) -> Outcome:
+    """Make the foot step along a straight line.
+
+    Parameters
+    ----------
+    variant : {"A", "B"}
+        Whose leg.
+    options : LegBOptions
+        Posture, step, lengths, integrator.
+    progress : callable, optional
+        Called with the simulated time [s].
+
+    Returns
+    -------
+    Outcome
+        Compared with ``paths.straight_path``.
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    SingularConfigurationError
+        If the leg is singular where it starts.
+    """
+    config = hexabot_leg.HexabotLegConfig(
+        robot=_robot(variant, options),
+        q0=options.posture(),
+        amplitude=options.amplitude,
+        frequency=options.frequency,
+        direction=options.unit_direction(),
+        gain=options.gain,
+        gravity=options.gravity,
+    )
+    settings = options.integrator_settings(default_step(config.frequency))
+    run = simulate(
+        hexabot_leg.build(config),
+        start=start_on_motion,
+        duration=options.duration,
+        settings=settings,
+        progress=progress,
+    )
+    along = np.array(config.direction)
+    path = straight_path(
+        run.time, amplitude=config.amplitude, frequency=config.frequency, direction=along
+    )
+    across = np.eye(3) - np.outer(along, along)
+    return _outcome(config, options, settings, run, path, across)
+
+
+def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Outcome:
+    """Make the foot of leg B go round an ellipse in a vertical plane.
+
+    Parameters
+    ----------
+    options : EllipseOptions
+        Posture, ellipse, lengths, integrator.
+    progress : callable, optional
+        Called with the simulated time [s].
+
+    Returns
+    -------
+    Outcome
+        Compared with ``paths.elliptic_path``; off-axis means out of the ellipse's plane.
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    SingularConfigurationError
+        If the leg is singular where it starts.
+    """
+    config = ellipse.EllipseConfig(
+        robot=_robot("B", options),
+        q0=options.posture(),
+        amplitude=options.amplitude,
+        frequency=options.frequency,
+        direction=options.unit_direction(),
+        lift=options.lift,
+        gravity=options.gravity,
+    )
+    settings = options.integrator_settings(default_step(config.frequency))
+    run = simulate(
+        ellipse.build(config),
+        start=start_on_motion,
+        duration=options.duration,
+        settings=settings,
+        progress=progress,
+    )
+    along = np.array(config.direction)
+    path = elliptic_path(
+        run.time,
+        amplitude=config.amplitude,
+        frequency=config.frequency,
+        direction=along,
+        lift=config.lift,
+    )
+    across = np.cross(along, UP)[:, np.newaxis]
+    return _outcome(config, options, settings, run, path, across)
+
+
+def _robot(variant: LegVariant, options: LegOptions) -> Robot:
+    return leg_robot(
+        variant,
+        l1=options.l1,
+        l2=options.l2,
+        l3=options.l3,
+        density=options.density,
+        damping=options.si_damping(),
+    )
+
+
+def _outcome(
+    config: hexabot_leg.HexabotLegConfig,
+    options: LegOptions,
+    settings: IntegratorSettings,
+    run: Run,
+    path: CommandedMotion,
+    across: Array,
+) -> Outcome:
+    leg = LegGeometry.from_robot(config.robot)
+    start = foot_position(leg, config.q0)
+    sigma_min = smallest_singular_value(foot_jacobian(leg, run.scopes["joint positions"]))
+    det_j = run.scopes["singularity check"][:, 0]
+    columns = tip_columns(config.robot, run)
+    columns |= {"det_j[m^3]": det_j, "sigma_min[m]": sigma_min}
+    angles = inverse_kinematics(leg, start + path.displacement, like=config.q0)
+    exact: Mapping[str, Array] = exact_tip(start, path, angles)
+    findings = {
+        "q0_deg": options.q0,
+        **tip_findings(run, start, path, np.array(config.direction), across),
+        "max_torque_error_n_m": torque_error(config.robot, run, config.gravity),
+        "sigma_min_m": float(sigma_min.min()),
+        "det_j_min_m3": float(det_j.min()),
+        "det_j_max_m3": float(det_j.max()),
+    }
+    return outcome_of(
+        config.robot, run, settings, options.duration, Recording(columns), exact, findings
+    )

@@ -1,0 +1,282 @@
+"""What a person may change of a run, in a person's units: degrees, and names as on the
+command line. One dataclass a family of runs; a YAML file has the same keys.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.integrator import INTEGRATORS, IntegratorSettings
+from drake_leg.robot import STANDARD_GRAVITY
+from drake_leg.robots import (
+    ALUMINIUM,
+    HEXABOT_LENGTHS,
+    PENDULUM_SIZE,
+    SCARA_LENGTHS,
+    WATER,
+)
+
+# N*m/(deg/s) is Simscape's default unit of damping: 57.3 times N*m*s/rad.
+DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
+STATE_TARGET = 30.0  # [deg], report A, section 1.2
+
+
+def option(default: Any, help_text: str, unit: str = "") -> Any:  # noqa: ANN401 - as dataclasses.field
+    """Declare an option: a dataclass field with the text of its help.
+
+    Parameters
+    ----------
+    default : object
+        A list is copied for every instance.
+    help_text : str
+        One phrase.
+    unit : str
+        As in the help, without brackets.
+
+    Returns
+    -------
+    dataclasses.Field
+    """
+    metadata = {"help": help_text, "unit": unit}
+    if isinstance(default, list):
+        return field(default_factory=lambda: list(default), metadata=metadata)
+    return field(default=default, metadata=metadata)
+
+
+@dataclass(kw_only=True)
+class RunOptions:
+    """What every run has."""
+
+    duration: float = option(20.0, "simulated time", "s")
+    gravity: float = option(STANDARD_GRAVITY, "gravity, along -z", "m/s^2")
+    damping: float = option(0.0, "damping of every joint, in --damping-unit")
+    damping_unit: str = option("N*m*s/rad", f"unit of --damping: {' or '.join(DAMPING_UNITS)}")
+    integrator: str = option("runge_kutta5", f"one of {', '.join(INTEGRATORS)}")
+    accuracy: float | None = option(
+        None, "relative accuracy of error control; without it the steps are fixed"
+    )
+    max_step: float | None = option(
+        None,
+        "greatest step, at most 0.04: the rows of recording.csv are the integrator's own steps; "
+        "by default 0.04, and less for a fast motion, a stiff joint or a singularity nearby",
+        "s",
+    )
+
+    def si_damping(self) -> float:
+        """Return the damping in N*m*s/rad.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        InvalidValueError
+            If the unit is unknown.
+        """
+        if self.damping_unit not in DAMPING_UNITS:
+            raise InvalidValueError(
+                f"the damping unit is {self.damping_unit!r}; it must be "
+                f"{' or '.join(DAMPING_UNITS)}"
+            )
+        return self.damping * DAMPING_UNITS[self.damping_unit]
+
+    def integrator_settings(self, default_step: float) -> IntegratorSettings:
+        """Return how time is stepped.
+
+        Parameters
+        ----------
+        default_step : float
+            Greatest step where none is asked for [s].
+
+        Returns
+        -------
+        IntegratorSettings
+
+        Raises
+        ------
+        InvalidValueError
+            If the integrator is unknown, or a number makes no sense.
+        """
+        return IntegratorSettings(
+            scheme=self.integrator,
+            accuracy=self.accuracy,
+            max_step=default_step if self.max_step is None else self.max_step,
+        )
+
+
+@dataclass(kw_only=True)
+class StepOptions(RunOptions):
+    """What every robot has whose tip follows a sine."""
+
+    q0: list[float] = option([], "initial joint angles", "deg")
+    amplitude: float = option(0.0, "greatest speed of the foot or tool", "m/s")
+    frequency: float = option(1.0, "of the sine", "rad/s")
+    direction: list[float] = option([1.0, 0.0, 0.0], "of the motion, in the base frame")
+
+    def unit_direction(self) -> tuple[float, float, float]:
+        """Return the direction with length 1.
+
+        Returns
+        -------
+        (3,) tuple of float
+
+        Raises
+        ------
+        InvalidValueError
+            If it has not three finite numbers, or is zero.
+        """
+        if len(self.direction) != 3:
+            raise InvalidValueError(
+                f"the direction is {self.direction}; it must have three numbers, as 1,0,0"
+            )
+        length = math.hypot(*self.direction)
+        if not (math.isfinite(length) and length > 0.0):
+            raise InvalidValueError(
+                f"the direction is {self.direction}; it must be finite and not zero"
+            )
+        x, y, z = (value / length for value in self.direction)
+        return x, y, z
+
+    def posture(self) -> tuple[float, float, float]:
+        """Return q0 in rad.
+
+        Returns
+        -------
+        (3,) tuple of float
+
+        Raises
+        ------
+        InvalidValueError
+            If it has not three finite angles.
+        """
+        if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
+            raise InvalidValueError(
+                f"q0 is {self.q0}; it must be three finite angles in degrees, as 90,-50,-90"
+            )
+        q1, q2, q3 = (math.radians(angle) for angle in self.q0)
+        return q1, q2, q3
+
+
+@dataclass(kw_only=True)
+class LegOptions(StepOptions):
+    """The hexabot leg, in variant B's posture by default."""
+
+    q0: list[float] = option([90.0, -50.0, -90.0], "initial hip, knee, ankle angles", "deg")
+    amplitude: float = option(0.070, "greatest speed of the foot", "m/s")
+    l1: float = option(HEXABOT_LENGTHS[0], "length of the coxa", "m")
+    l2: float = option(HEXABOT_LENGTHS[1], "length of the femur", "m")
+    l3: float = option(HEXABOT_LENGTHS[2], "length of the tibia", "m")
+    density: float = option(WATER, "of the solids", "kg/m^3")
+
+
+@dataclass(kw_only=True)
+class LegBOptions(LegOptions):
+    """The straight step."""
+
+    gain: float = option(
+        1.0, "of a gain block after the sine, whose own amplitude is amplitude / gain; 1: no block"
+    )
+
+
+@dataclass(kw_only=True)
+class LegAOptions(LegBOptions):
+    """The straight step of variant A, from the same foot position."""
+
+    q0: list[float] = option([90.0, 50.0, 90.0], "initial hip, knee, ankle angles", "deg")
+
+
+@dataclass(kw_only=True)
+class EllipseOptions(LegOptions):
+    """The elliptic step."""
+
+    lift: float = option(0.040, "height of the ellipse", "m")
+
+
+@dataclass(kw_only=True)
+class ScaraOptions(StepOptions):
+    """The SCARA's straight move."""
+
+    q0: list[float] = option([30.0, 90.0, -120.0], "initial angles of the three joints", "deg")
+    amplitude: float = option(0.050, "greatest speed of the tool", "m/s")
+    tool_height: float = option(0.050, "R, of the tool over its lowest position", "m")
+    l1: float = option(SCARA_LENGTHS[0], "length of the first arm", "m")
+    l2: float = option(SCARA_LENGTHS[1], "length of the second arm", "m")
+    density: float = option(ALUMINIUM, "of the solids", "kg/m^3")
+
+
+@dataclass(kw_only=True)
+class PendulumOptions(RunOptions):
+    """The pendulum, whatever acts at its joint."""
+
+    q0: list[float] = option([0.0], "initial angle; 0 is horizontal, 90 hangs", "deg")
+    size: list[float] = option(list(PENDULUM_SIZE), "length, width, height of the link", "m")
+    density: float = option(ALUMINIUM, "of the solids", "kg/m^3")
+
+    def start(self) -> float:
+        """Return the initial angle in rad.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        InvalidValueError
+            If q0 is not one finite angle.
+        """
+        if len(self.q0) != 1 or not math.isfinite(self.q0[0]):
+            raise InvalidValueError(f"q0 is {self.q0}; it must be one finite angle in degrees")
+        return math.radians(self.q0[0])
+
+
+@dataclass(kw_only=True)
+class FreePendulumOptions(PendulumOptions):
+    """The free pendulum."""
+
+    duration: float = option(10.0, "simulated time", "s")
+
+
+@dataclass(kw_only=True)
+class DampedPendulumOptions(PendulumOptions):
+    """The damped pendulum; its state target is where it starts, not where it goes."""
+
+    duration: float = option(30.0, "simulated time", "s")
+    damping: float = option(0.01, "damping of every joint, in --damping-unit")
+    target: float | None = option(None, f"state target: where it starts; {STATE_TARGET:g}", "deg")
+    q0: list[float] = option([], "the same as --target", "deg")
+
+    def start(self) -> float:
+        """Return the state target in rad, under either of its names.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        InvalidValueError
+            If it is not one finite angle, or the two names disagree.
+        """
+        if not self.q0:
+            self.q0 = [STATE_TARGET if self.target is None else self.target]
+        start = super().start()
+        if self.target not in (None, self.q0[0]):
+            raise InvalidValueError(
+                f"q0 is {self.q0[0]:g} deg and the state target {self.target:g} deg, two names "
+                "of the angle where the simulation starts: give one of them"
+            )
+        return start
+
+
+@dataclass(kw_only=True)
+class SpringPendulumOptions(PendulumOptions):
+    """The damped pendulum with a spring that pulls it to a target."""
+
+    duration: float = option(30.0, "simulated time", "s")
+    damping: float = option(0.01, "damping of every joint, in --damping-unit")
+    spring_stiffness: float = option(5.0, "of the spring at the joint", "N*m/rad")
+    target: float = option(30.0, "equilibrium position of the spring", "deg")

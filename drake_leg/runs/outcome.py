@@ -1,0 +1,69 @@
+"""What a run returns, whichever robot it moved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from drake_leg.integrator import IntegratorSettings
+from drake_leg.kinematics.batches import Array
+from drake_leg.recording import Recording
+from drake_leg.robot import Robot
+from drake_leg.simulation import Run
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """A recording and what it comes to."""
+
+    robot: Robot
+    recording: Recording
+    exact: Mapping[str, Array]  # by column name: what the recording ought to hold
+    summary: Mapping[str, Any]  # as in summary.json
+
+
+def outcome_of(
+    robot: Robot,
+    run: Run,
+    settings: IntegratorSettings,
+    duration: float,
+    recording: Recording,
+    exact: Mapping[str, Array],
+    findings: Mapping[str, Any],
+) -> Outcome:
+    """Put a run's summary together: first what all runs have, then the findings.
+
+    Parameters
+    ----------
+    robot : Robot
+        What moved.
+    run : Run
+        How it went.
+    settings : IntegratorSettings
+        How time was stepped.
+    duration : float
+        What was asked for [s].
+    recording : Recording
+        What was recorded.
+    exact : mapping of str to (rows,) ndarray
+        Exact values of some of the columns.
+    findings : mapping
+        The entries of the summary that belong to this kind of run.
+
+    Returns
+    -------
+    Outcome
+    """
+    common = {
+        "robot": robot.name,
+        "duration_s": duration,
+        "stopped_at_s": run.stopped_at,
+        "stop_reason": run.stop_reason,
+        "integrator": settings.scheme,
+        "accuracy": settings.accuracy,
+        "max_step_s": settings.max_step,
+        "rows": len(run.time),
+        "real_time_factor": run.real_time_factor,
+    }
+    return Outcome(robot=robot, recording=recording, exact=exact, summary={**common, **findings})

@@ -1,0 +1,179 @@
+"""The pendulum's runs: free, damped with a state target, damped with a spring."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import BPoly
+from scipy.optimize import brentq
+
+from drake_leg.diagrams import pendulum
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.pendulum import (
+    PendulumModel,
+    exact_motion,
+    exact_period,
+    rest_angle,
+)
+from drake_leg.recording import Recording
+from drake_leg.robot import JointMechanics
+from drake_leg.robots import pendulum as pendulum_robot
+from drake_leg.runs.options import PendulumOptions, SpringPendulumOptions
+from drake_leg.runs.outcome import Outcome, outcome_of
+from drake_leg.simulation import Progress, Run, simulate
+
+LONGEST_STEP = 0.002  # [s]
+STEP_OF_SWING = 0.015  # greatest step times natural frequency
+STEP_OF_STIFFNESS = 0.1  # greatest step times the fastest rate of spring and damper
+AT_REST = 1e-3  # [rad/s], speed below which the last tenth of a run counts as rest
+
+
+def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> Outcome:
+    """Let the pendulum go, with whatever acts at its joint.
+
+    Parameters
+    ----------
+    options : PendulumOptions
+        Link, joint mechanics, start, integrator.
+    progress : callable, optional
+        Called with the simulated time [s].
+
+    Returns
+    -------
+    Outcome
+        Compared with ``kinematics.pendulum.exact_motion``.
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    """
+    if len(options.size) != 3:
+        raise InvalidValueError(
+            f"the size is {options.size}; it must be length, width and height in m, "
+            "as 0.30,0.02,0.01"
+        )
+    length, width, height = options.size
+    robot = pendulum_robot(
+        size=(length, width, height), density=options.density, mechanics=_mechanics(options)
+    )
+    config = pendulum.PendulumConfig(robot=robot, q0=options.start(), gravity=options.gravity)
+    model = PendulumModel.from_robot(robot, options.gravity)
+    settings = options.integrator_settings(default_step(model))
+    run = simulate(
+        pendulum.build(config),
+        start=pendulum.start_at_target,
+        duration=options.duration,
+        settings=settings,
+        progress=progress,
+    )
+    recording = Recording(
+        {
+            "time[s]": run.time,
+            "q[rad]": run.scopes["q"][:, 0],
+            "qdot[rad/s]": run.scopes["w"][:, 0],
+            "qddot[rad/s^2]": run.scopes["acceleration"][:, 0],
+            "energy[J]": run.scopes["energy"][:, 0],
+        }
+    )
+    q, qdot = exact_motion(model, config.q0, run.time)
+    return outcome_of(
+        robot,
+        run,
+        settings,
+        options.duration,
+        recording,
+        {"q": q, "qdot": qdot},
+        _findings(model, config.q0, run, recording, q),
+    )
+
+
+def default_step(model: PendulumModel) -> float:
+    """Greatest step that keeps the energy of the swing and the spring's motion accurate.
+
+    Parameters
+    ----------
+    model : PendulumModel
+        The pendulum.
+
+    Returns
+    -------
+    float
+        [s]; 2 ms at most.
+    """
+    stiffness = math.sqrt(model.spring_stiffness / model.inertia)
+    fastest = max(stiffness, model.damping / model.inertia)
+    limits = [LONGEST_STEP]
+    if model.natural_frequency > 0.0:
+        limits.append(STEP_OF_SWING / model.natural_frequency)
+    if fastest > 0.0:
+        limits.append(STEP_OF_STIFFNESS / fastest)
+    return min(limits)
+
+
+def measured_period(recording: Recording) -> float | None:
+    """Period of the swing, from the instants at which the link passes the vertical.
+
+    Between two rows the angle is the quintic that agrees with their angles, rates and
+    accelerations.
+
+    Parameters
+    ----------
+    recording : Recording
+        With time, q, qdot, qddot.
+
+    Returns
+    -------
+    float or None
+        [s], the mean over all whole swings; None if there is none.
+    """
+    time = recording["time"]
+    states = recording.stack("q", "qdot", "qddot")
+    swing = states[:, 0] - math.pi / 2
+    swing -= 2 * math.pi * np.round(swing.mean() / (2 * math.pi))
+    falls = np.flatnonzero((swing[:-1] > 0.0) & (swing[1:] <= 0.0))
+    if len(falls) < 2:
+        return None
+    first, last = (_crossing(time, swing, states, row) for row in falls[[0, -1]])
+    return (last - first) / (len(falls) - 1)
+
+
+def _crossing(time: Array, swing: Array, states: Array, row: int) -> float:
+    ends = [[swing[i], states[i, 1], states[i, 2]] for i in (row, row + 1)]
+    width = time[row + 1] - time[row]
+    curve = BPoly.from_derivatives([0.0, width], ends)
+    return float(time[row] + brentq(curve, 0.0, width, xtol=1e-15))
+
+
+def _mechanics(options: PendulumOptions) -> JointMechanics:
+    if isinstance(options, SpringPendulumOptions):
+        return JointMechanics(
+            damping=options.si_damping(),
+            spring_stiffness=options.spring_stiffness,
+            equilibrium_position=math.radians(options.target),
+            actuated=False,
+        )
+    return JointMechanics(damping=options.si_damping(), actuated=False)
+
+
+def _findings(
+    model: PendulumModel, q0: float, run: Run, recording: Recording, exact_q: Array
+) -> dict[str, Any]:
+    q, qdot, energy = recording["q"], recording["qdot"], recording["energy"]
+    tail = np.abs(qdot[run.time >= 0.9 * run.time[-1]])
+    rested = model.damping > 0.0 and tail.max() < AT_REST
+    period = exact_period(model, q0)
+    conservative = model.damping == 0.0
+    drift = float(np.abs(energy - energy[0]).max() / model.gravity_torque)
+    return {
+        "q0_rad": q0,
+        "period_s": None if period is None else measured_period(recording),
+        "exact_period_s": period,
+        "energy_drift": drift if conservative else None,
+        "rest_angle_rad": float(q[-1]) if rested else None,
+        "exact_rest_angle_rad": rest_angle(model, float(q[-1])) if rested else None,
+        "max_angle_error_rad": float(np.abs(q - exact_q).max()),
+    }

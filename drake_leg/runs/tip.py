@@ -1,0 +1,169 @@
+"""What the runs have in common in which a foot or a tool follows a commanded path."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.tree import MultibodyForces
+
+from drake_leg.integrator import ROW_INTERVAL
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.paths import CommandedMotion
+from drake_leg.models.plant import build_plant
+from drake_leg.recording import lettered, without_sign_jumps
+from drake_leg.robot import Robot
+from drake_leg.simulation import Run
+
+STEPS_PER_PERIOD = 150
+
+
+def default_step(frequency: float) -> float:
+    """Greatest step for a sine: its period in 150, and at most 40 ms.
+
+    Parameters
+    ----------
+    frequency : float
+        [rad/s].
+
+    Returns
+    -------
+    float
+        [s]; 40 ms where the frequency makes no sense (it is refused elsewhere).
+    """
+    if not (math.isfinite(frequency) and frequency > 0.0):
+        return ROW_INTERVAL
+    return min(ROW_INTERVAL, 2.0 * math.pi / (STEPS_PER_PERIOD * frequency))
+
+
+def tip_columns(robot: Robot, run: Run) -> dict[str, Array]:
+    """Name what the scopes of a motion-driven robot recorded.
+
+    Parameters
+    ----------
+    robot : Robot
+        Its joints give the units.
+    run : Run
+        With the scopes of ``mechanism.add_mechanism_scopes``.
+
+    Returns
+    -------
+    dict
+        Header to column: time, input, command, joints, tip, torques.
+    """
+    kinds = [segment.row.joint for segment in robot.moving]
+    length = ["rad" if kind == "revolute" else "m" for kind in kinds]
+    force = ["N*m" if kind == "revolute" else "N" for kind in kinds]
+    command = run.scopes["commanded velocities"]
+    columns = {"time[s]": run.time, "input[m/s]": run.scopes["input"][:, 0]}
+    columns |= lettered("d", "xyz", "m/s", command)
+    for name, scope, units in (
+        ("q", "joint positions", length),
+        ("qdot", "joint velocities", [f"{unit}/s" for unit in length]),
+        ("qddot", "joint accelerations", [f"{unit}/s^2" for unit in length]),
+    ):
+        columns |= _joint_columns(name, units, run.scopes[scope])
+    columns |= lettered("", "xyz", "m", run.scopes["foot positions"])
+    columns |= lettered("v", "xyz", "m/s", run.scopes["foot velocities"])
+    columns |= lettered("q", "wxyz", "", without_sign_jumps(run.scopes["Q"]))
+    columns |= lettered("w", "xyz", "rad/s", run.scopes["foot angular velocities"])
+    return columns | _joint_columns("tau", force, run.scopes["joint torques"])
+
+
+def _joint_columns(name: str, units: list[str], values: Array) -> dict[str, Array]:
+    return {f"{name}{i + 1}[{unit}]": values[:, i] for i, unit in enumerate(units)}
+
+
+def tip_findings(run: Run, start: Array, path: CommandedMotion, along: Array, across: Array) -> dict[str, Any]:
+    """Compare the tip's motion with its exact path.
+
+    Parameters
+    ----------
+    run : Run
+        With foot scopes.
+    start : (3,) ndarray
+        Exact position of the tip at the start [m].
+    path : CommandedMotion
+        Exact motion from there, at the run's instants.
+    along : (3,) ndarray
+        Unit vector of the step.
+    across : (3, k) ndarray
+        Orthonormal directions in which the tip must not move.
+
+    Returns
+    -------
+    dict
+        Entries of the summary, in m and m/s.
+    """
+    measured = run.scopes["foot positions"]
+    moved = measured - start
+    velocity_error = run.scopes["foot velocities"] - path.velocity
+    return {
+        "stroke_m": float(np.ptp(moved @ along)),
+        "max_position_error_m": _greatest(moved - path.displacement),
+        "max_off_axis_m": _greatest(moved @ across),
+        "max_velocity_error_m_s": _greatest(velocity_error),
+    }
+
+
+def _greatest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())
+
+
+def torque_error(robot: Robot, run: Run, gravity: float) -> float:
+    """Greatest difference between the recorded torques and Drake's inverse dynamics.
+
+    Inverse dynamics is evaluated on a plant of its own, at the recorded positions, velocities
+    and accelerations.
+
+    Parameters
+    ----------
+    robot : Robot
+        Motion-driven.
+    run : Run
+        With joint scopes.
+    gravity : float
+        [m/s^2].
+
+    Returns
+    -------
+    float
+        [N*m] or [N].
+    """
+    plant = build_plant(robot, gravity=gravity)
+    context = plant.CreateDefaultContext()
+    forces = MultibodyForces(plant)
+    joints = [run.scopes[f"joint {name}"] for name in ("positions", "velocities", "accelerations")]
+    exact = np.empty_like(joints[0])
+    for row, (q, qdot, qddot) in enumerate(zip(*joints, strict=True)):
+        plant.SetPositions(context, q)
+        plant.SetVelocities(context, qdot)
+        plant.CalcForceElementsContribution(context, forces)
+        exact[row] = plant.CalcInverseDynamics(context, qddot, forces)
+    return float(np.abs(run.scopes["joint torques"] - exact).max())
+
+
+def exact_tip(start: Array, path: CommandedMotion, angles: Array) -> Mapping[str, Array]:
+    """Name the exact values of the columns of a tip's run.
+
+    Parameters
+    ----------
+    start : (3,) ndarray
+        [m].
+    path : CommandedMotion
+        Exact motion from there.
+    angles : (rows, 3) ndarray
+        Exact joint angles [rad].
+
+    Returns
+    -------
+    dict
+        Column name, without unit, to exact values.
+    """
+    return {
+        **lettered("", "xyz", "", start + path.displacement),
+        **lettered("v", "xyz", "", path.velocity),
+        **{f"q{i + 1}": angles[:, i] for i in range(3)},
+    }

@@ -1,0 +1,202 @@
+"""From a diagram to what its scopes recorded: integrator, stops, progress.
+
+Drake's error control has a trap: when it rejects a step it puts the old state back without
+telling the caches, so that whatever depends on the state alone (a plant's kinematics) is used
+stale in the repeated step. Runs with error control therefore go without caching; runs at a
+given step, the default, reject nothing and keep it.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+from pydrake.systems.framework import Context, Diagram, EventStatus
+from pydrake.systems.primitives import VectorLogSink
+
+from drake_leg.errors import (
+    InvalidValueError,
+    SingularConfigurationError,
+    StepBudgetError,
+    UnstableRunError,
+)
+from drake_leg.integrator import IntegratorSettings
+from drake_leg.kinematics.batches import Array
+from drake_leg.robot import require_positive
+from drake_leg.systems.inverse_jacobian import InverseJacobian
+
+STEP_BUDGET = 2_000_000  # steps that one run may take
+SINGULAR_BELOW = 1e-5  # normalised determinant at which a run stops
+APPROACH = 0.05  # a step changes the determinant by about this part at most
+GROWTH = 1.1  # from one step to the next, at most
+SMALLEST_STEP = 1e-11  # [s]
+RUNAWAY = 1e6  # [rad, rad/s, m, m/s]: no joint of these robots gets there but by instability
+
+Start = Callable[[Diagram, Context], None]
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """What a simulation left."""
+
+    time: Array  # [s], (rows,)
+    scopes: dict[str, Array]  # by scope name, (rows, size)
+    stopped_at: float | None  # [s]; None when it ran through
+    stop_reason: str | None
+    wall_time: float  # [s], of AdvanceTo
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated time over the wall time of ``AdvanceTo``."""
+        return float(self.time[-1]) / self.wall_time if self.wall_time > 0.0 else math.inf
+
+
+def simulate(
+    diagram: Diagram,
+    *,
+    start: Start,
+    duration: float,
+    settings: IntegratorSettings | None = None,
+    progress: Progress | None = None,
+) -> Run:
+    """Run a diagram and collect its scopes.
+
+    A run stops early, and says why, where the inverse Jacobian becomes singular, where the
+    step budget is spent, where the integrator gives up, and on Ctrl-C; what was recorded until
+    then is returned.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        With per-step logs as scopes.
+    start : callable
+        ``start(diagram, context)`` sets the initial state.
+    duration : float
+        [s].
+    settings : IntegratorSettings, optional
+        Runge-Kutta of order 5 at steps of 40 ms by default.
+    progress : callable, optional
+        Called with the simulated time [s] after every step.
+
+    Returns
+    -------
+    Run
+        Rows are the integrator's own steps.
+
+    Raises
+    ------
+    InvalidValueError
+        If the duration is not positive, or needs more steps than the budget.
+    SingularConfigurationError
+        If the robot is singular at the start.
+    """
+    settings = settings or IntegratorSettings()
+    require_positive("the duration", duration, "s")
+    if duration / settings.max_step > STEP_BUDGET:
+        raise InvalidValueError(
+            f"{duration!r} s at steps of {settings.max_step!r} s are more than the "
+            f"{STEP_BUDGET} steps a run may take: choose a shorter duration or a larger step"
+        )
+    simulator = Simulator(diagram)
+    ResetIntegratorFromFlags(simulator, settings.scheme, settings.max_step)
+    integrator = simulator.get_mutable_integrator()
+    context = simulator.get_mutable_context()
+    if settings.accuracy is None:
+        integrator.set_fixed_step_mode(True)
+    else:
+        integrator.set_target_accuracy(settings.accuracy)
+        context.DisableCaching()
+    start(diagram, context)
+
+    watch = _Watch(diagram, context, settings.max_step)
+    steps = 0
+
+    def after_step(root: Context) -> EventStatus:
+        nonlocal steps
+        steps += 1
+        now = root.get_time()
+        if progress:
+            progress(now)
+        if steps > STEP_BUDGET:
+            raise StepBudgetError(steps=steps, time=now)
+        if not np.abs(root.get_continuous_state_vector().CopyToVector()).max() < RUNAWAY:
+            raise UnstableRunError(time=now, max_step=settings.max_step, scheme=settings.scheme)
+        integrator.set_maximum_step_size(watch.next_step(root))
+        return EventStatus.DidNothing()
+
+    simulator.Initialize()
+    simulator.set_monitor(after_step)
+    reason = None
+    began = clock.perf_counter()
+    try:
+        simulator.AdvanceTo(duration)
+    except KeyboardInterrupt:
+        reason = "interrupted"
+    except (SingularConfigurationError, StepBudgetError, UnstableRunError) as error:
+        reason = str(error)
+    except RuntimeError as error:
+        reason = f"the integrator gave up: {str(error).splitlines()[0]}"
+    wall_time = clock.perf_counter() - began
+    times, scopes = _read_scopes(diagram, context)
+    return Run(
+        time=times,
+        scopes=scopes,
+        stopped_at=None if reason is None else float(times[-1]),
+        stop_reason=reason,
+        wall_time=wall_time,
+    )
+
+
+class _Watch:
+    """Keeps the steps fine near a singularity, and stops the run where it is met.
+
+    Near a zero of the determinant the joint rates change on the time scale
+    ``|det| / |d det/dt|``. Steps that are a fixed part of it, and that grow slowly, approach the
+    zero without ever jumping across, and pass close by it without losing the line.
+    """
+
+    def __init__(self, diagram: Diagram, context: Context, max_step: float) -> None:
+        self._blocks = [s for s in diagram.GetSystems() if isinstance(s, InverseJacobian)]
+        self._max_step = max_step
+        self._step = max_step
+        self._time = context.get_time()
+        self._determinants = [self._checked_determinant(block, context) for block in self._blocks]
+
+    @staticmethod
+    def _checked_determinant(block: InverseJacobian, root: Context) -> float:
+        context = block.GetMyContextFromRoot(root)
+        determinant = block.normalised_determinant(context)
+        if abs(determinant) <= SINGULAR_BELOW:
+            raise block.singular(context)
+        return determinant
+
+    def next_step(self, root: Context) -> float:
+        step = min(GROWTH * self._step, self._max_step)
+        elapsed = root.get_time() - self._time
+        for index, block in enumerate(self._blocks):
+            before, now = self._determinants[index], self._checked_determinant(block, root)
+            if now * before < 0.0:
+                raise block.singular(block.GetMyContextFromRoot(root))
+            if now != before:
+                step = min(step, APPROACH * elapsed * abs(now) / abs(now - before))
+            self._determinants[index] = now
+        self._time = root.get_time()
+        self._step = max(step, SMALLEST_STEP)
+        return self._step
+
+
+def _read_scopes(diagram: Diagram, context: Context) -> tuple[Array, dict[str, Array]]:
+    logs = {
+        system.get_name(): system.FindLog(context)
+        for system in diagram.GetSystems()
+        if isinstance(system, VectorLogSink)
+    }
+    rows = min(log.num_samples() for log in logs.values())
+    first = next(iter(logs.values()))
+    times = np.array(first.sample_times()[:rows])
+    return times, {name: np.array(log.data().T[:rows]) for name, log in logs.items()}

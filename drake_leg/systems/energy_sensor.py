@@ -1,0 +1,37 @@
+"""The mechanical energy of a plant."""
+
+from __future__ import annotations
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+
+class EnergySensor(LeafSystem):
+    """Kinetic plus potential energy of a plant, gravity's and springs' included.
+
+    ========== ===== ===== ======== =============================================
+    port       kind  size  unit     meaning
+    ========== ===== ===== ======== =============================================
+    ``state``  in    n     rad, /s  the plant's state (positions, then velocities)
+    ``energy`` out   1     J        gravity's part is zero at the world's origin
+    ========== ===== ===== ======== =============================================
+
+    The plant's own context for the computation is scratch: nothing in it outlives a call.
+
+    Parameters
+    ----------
+    plant : MultibodyPlant
+        Finalised.
+    """
+
+    def __init__(self, plant: MultibodyPlant) -> None:
+        super().__init__()
+        self._plant = plant
+        self._scratch = plant.CreateDefaultContext()
+        self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
+        self.DeclareVectorOutputPort("energy", 1, self._calc_energy, {self._state.ticket()})
+
+    def _calc_energy(self, context: Context, energy: BasicVector) -> None:
+        self._plant.SetPositionsAndVelocities(self._scratch, self._state.Eval(context))
+        kinetic = self._plant.EvalKineticEnergy(self._scratch)
+        energy.SetFromVector([kinetic + self._plant.EvalPotentialEnergy(self._scratch)])
