@@ -243,14 +243,14 @@ def _options(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
     options = _from_file(kind, chosen.name, chosen.config) if chosen.config else kind.options()
     known = {field.name: field for field in dataclasses.fields(kind.options)}
     given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
-    for name, text in given.items():
+    for name in given:
         if name not in known:
             raise InvalidValueError(
                 f"--{name.replace('_', '-')} means nothing to {chosen.name}; its options are "
                 f"{', '.join('--' + other.replace('_', '-') for other in known)}"
             )
     hints = typing.get_type_hints(kind.options)
-    values = {name: _value(name, hints[name], text) for name, text in given.items()}
+    values: dict[str, Any] = {n: _value(n, hints[n], text) for n, text in given.items()}
     return dataclasses.replace(options, **values)
 
 
@@ -293,5 +293,3 @@ def _from_file(kind: RunKind, name: str, path: Path) -> RunOptions:
             f"the config {path} is no good: {reason}; the keys of {name} are {keys}"
         ) from None
     return options
-
-

@@ -30,9 +30,7 @@ class SingularConfigurationError(DrakeLegError):
         Simulated time [s], where there is one.
     """
 
-    def __init__(
-        self, *, q: Sequence[float], sigma_min: float, time: float | None = None
-    ) -> None:
+    def __init__(self, *, q: Sequence[float], sigma_min: float, time: float | None = None) -> None:
         self.q = tuple(float(value) for value in q)
         self.sigma_min = float(sigma_min)
         self.time = time

@@ -182,4 +182,5 @@ def without_sign_jumps(quaternions: ArrayLike) -> Array:
     """
     rows = np.asarray(quaternions, dtype=np.float64)
     flips = np.where((rows[1:] * rows[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
-    return rows * np.concatenate([[1.0], np.cumprod(flips)])[:, np.newaxis]
+    signs: Array = np.concatenate([[1.0], np.cumprod(flips)])
+    return rows * signs[:, np.newaxis]

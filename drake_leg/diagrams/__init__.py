@@ -1,0 +1,1 @@
+"""The Simulink diagrams of the reports, one a file."""

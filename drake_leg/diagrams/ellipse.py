@@ -1,5 +1,7 @@
 """The foot on an ellipse in a vertical plane: what the leg is for (report A, section 2.1).
 
+Along and up, each its own source::
+
     Sine Wave (along) --+-> Mux -> Direction -> inverseJacobian -> ... the leg's diagram
     Sine Wave (up) -----+
 """

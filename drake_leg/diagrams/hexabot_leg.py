@@ -1,5 +1,7 @@
 """The leg's Simulink diagram: report A, figure 10; report B, figure 4.
 
+The signal blocks, left to right::
+
     Sine Wave -> [Gain] -+
     dy = 0 --------------+-> Mux -> inverseJacobian -> Demux -> Integrators -> joints -> foot
     dz = 0 --------------+              ^                                        |
@@ -155,9 +157,7 @@ def _mux(builder: DiagramBuilder, name: str, *signals: OutputPort) -> OutputPort
     return block.get_output_port()
 
 
-def _turn(
-    builder: DiagramBuilder, name: str, direction: Vector, signal: OutputPort
-) -> OutputPort:
+def _turn(builder: DiagramBuilder, name: str, direction: Vector, signal: OutputPort) -> OutputPort:
     """Turn the x axis into the direction; the other two columns meet zeros."""
     matrix = np.column_stack([direction, np.zeros(3), np.zeros(3)])
     block = builder.AddNamedSystem(name, MatrixGain(matrix))

@@ -1,5 +1,7 @@
 """The pendulum's Simulink diagram: report A, figures 2 and 3.
 
+The mechanical blocks::
+
     World Frame -> Revolute Joint (damping, spring) -> Rigid Transform -> Brick Solid
                         |
                         +-> q, w -> Scopes
@@ -79,5 +81,6 @@ def start_at_target(diagram: Diagram, context: Context) -> None:
     """
     plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
     plant.SetDefaultState(
-        plant.GetMyContextFromRoot(context), plant.GetMyMutableContextFromRoot(context).get_mutable_state()
+        plant.GetMyContextFromRoot(context),
+        plant.GetMyMutableContextFromRoot(context).get_mutable_state(),
     )

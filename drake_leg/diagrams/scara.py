@@ -1,5 +1,7 @@
 """The SCARA arm with its tool on a straight line, by the leg's inverse-Jacobian block.
 
+The signal blocks, left to right::
+
     Sine Wave -> Direction -> inverseJacobian -> Demux -> Integrators -> joints -> tool
                                     ^                   lift = const -> |      |
                                     +---- joint angles, sensed ----------------+
@@ -83,8 +85,7 @@ def build(config: ScaraConfig) -> Diagram:
     inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(scara_task(arm)))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
     integrators = [
-        builder.AddNamedSystem(f"Integrator {i}", Integrator([config.q0[i - 1]]))
-        for i in (1, 2, 3)
+        builder.AddNamedSystem(f"Integrator {i}", Integrator([config.q0[i - 1]])) for i in (1, 2, 3)
     ]
     lift = builder.AddNamedSystem("Lift", ConstantVectorSource([lift_position(arm, config.R)]))
     at_rest = builder.AddNamedSystem("Lift at rest", ConstantVectorSource([0.0]))

@@ -49,9 +49,7 @@ def figures_of_run(
         yield from _leg(title, robot, recording)
 
 
-def _pendulum(
-    title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]
-) -> Named:
+def _pendulum(title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]) -> Named:
     rest = summary["exact_rest_angle_rad"]
     scale = PendulumModel.from_robot(robot).gravity_torque
     yield "angle", lambda: pendulum.angle(recording, f"{title}: angle", rest)

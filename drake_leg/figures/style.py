@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -16,7 +17,7 @@ BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#9B4F96"
 GREY = "#6B6B6B"
 LINES = ((BLUE, "-"), (ORANGE, "--"), (GREEN, "-."), (PURPLE, ":"))
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.size": 10.0,
     "axes.grid": True,
     "axes.axisbelow": True,

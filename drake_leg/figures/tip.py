@@ -82,9 +82,7 @@ def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Fi
     Figure
     """
     columns = {f"q{number}": f"$q_{number}$ ({name})" for number, name in joints.items()}
-    return time_plot(
-        recording, columns, title=title, ylabel="joint angle [rad]", degrees=True
-    )
+    return time_plot(recording, columns, title=title, ylabel="joint angle [rad]", degrees=True)
 
 
 def rotation(robot: Robot, recording: Recording, title: str) -> Figure:

@@ -1,0 +1,1 @@
+"""Closed forms and chains on NumPy; imports no Drake."""

@@ -47,7 +47,9 @@ def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
     """
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != size:
-        raise InvalidValueError(f"{what} has shape {array.shape}; its last axis must be {size} long")
+        raise InvalidValueError(
+            f"{what} has shape {array.shape}; its last axis must be {size} long"
+        )
     single = array.ndim == 1
     if not (all(map(math.isfinite, array.tolist())) if single else np.isfinite(array).all()):
         raise InvalidValueError(f"{what} has a value that is not finite: {array!r}")

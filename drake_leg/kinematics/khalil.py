@@ -60,7 +60,12 @@ def row_transform(row: Row, q: ArrayLike = 0.0) -> Array:
     ca, sa = np.cos(row.alpha), np.sin(row.alpha)
     X_PC = np.zeros((*position.shape, 4, 4))
     X_PC[..., 0, 0], X_PC[..., 0, 1], X_PC[..., 0, 3] = c, -s, row.d
-    X_PC[..., 1, 0], X_PC[..., 1, 1], X_PC[..., 1, 2], X_PC[..., 1, 3] = s * ca, c * ca, -sa, -r * sa
+    X_PC[..., 1, 0], X_PC[..., 1, 1], X_PC[..., 1, 2], X_PC[..., 1, 3] = (
+        s * ca,
+        c * ca,
+        -sa,
+        -r * sa,
+    )
     X_PC[..., 2, 0], X_PC[..., 2, 1], X_PC[..., 2, 2], X_PC[..., 2, 3] = s * sa, c * sa, ca, r * ca
     X_PC[..., 3, 3] = 1.0
     return X_PC

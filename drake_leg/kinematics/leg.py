@@ -349,7 +349,8 @@ def inverse_kinematics(leg: LegGeometry, p_BF: ArrayLike, like: ArrayLike) -> Ar
     q2 = np.arctan2(w, u) - np.arctan2(leg.l3 * np.sin(q3), leg.l2 + leg.l3 * np.cos(q3))
     q = np.stack([q1, q2, q3], axis=-1)
     turn = 2.0 * np.pi
-    return q + turn * np.round((near - q) / turn)
+    nearest: Array = q + turn * np.round((near - q) / turn)
+    return nearest
 
 
 def foot_rotation_angles(leg: LegGeometry, R_BF: ArrayLike) -> Array:

@@ -44,9 +44,12 @@ def straight_path(
     ----------
     Report A, section 2.4; report B, section 3.4.
     """
+    along = np.asarray(direction, dtype=np.float64)
     phase = frequency * np.asarray(time, dtype=np.float64)
     advance = amplitude / frequency * (1.0 - np.cos(phase))
-    return CommandedMotion(np.outer(advance, direction), np.outer(amplitude * np.sin(phase), direction))
+    return CommandedMotion(
+        np.outer(advance, along), np.outer(amplitude * np.sin(phase), along)
+    )
 
 
 def elliptic_path(
@@ -80,4 +83,6 @@ def elliptic_path(
     phase = frequency * np.asarray(time, dtype=np.float64)
     rise = lift / 2.0 * np.sin(phase)
     climb = lift / 2.0 * frequency * np.cos(phase)
-    return CommandedMotion(along.displacement + np.outer(rise, UP), along.velocity + np.outer(climb, UP))
+    return CommandedMotion(
+        along.displacement + np.outer(rise, UP), along.velocity + np.outer(climb, UP)
+    )

@@ -15,7 +15,7 @@ from drake_leg.kinematics.batches import Array
 SINGULAR_BELOW = 1e-8
 
 
-def exact_rates(J: Array, v: Array, q: Sequence[float] | Array) -> Array:
+def exact_rates(J: Array, v: Array, q: Sequence[float]) -> Array:
     """Solve ``J @ qdot = v``: the reports' ``inv(J) * v``.
 
     LAPACK's ``dgesv`` is called by itself: ``numpy.linalg.solve`` wraps it at four times the
@@ -27,7 +27,7 @@ def exact_rates(J: Array, v: Array, q: Sequence[float] | Array) -> Array:
         Jacobian at ``q``.
     v : (n,) ndarray
         Commanded task velocity, in the units of J's rows per second.
-    q : (n,) ndarray
+    q : (n,) sequence of float
         Joint positions [rad or m], for the error's text.
 
     Returns
@@ -65,5 +65,5 @@ def smallest_singular_value(J: Array) -> Array:
     (...) ndarray
         In the unit of J.
     """
-    singular_values: Array = np.linalg.svd(J, compute_uv=False)
-    return singular_values[..., -1]
+    smallest: Array = np.linalg.svd(J, compute_uv=False)[..., -1]
+    return smallest

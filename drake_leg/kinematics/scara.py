@@ -285,4 +285,5 @@ def inverse_kinematics(arm: ScaraGeometry, task: ArrayLike, like: ArrayLike) -> 
     q1 = np.arctan2(y, x) - np.arctan2(arm.l2 * np.sin(q2), arm.l1 + arm.l2 * np.cos(q2))
     q = np.stack([q1, q2, yaw - q1 - q2], axis=-1)
     turn = 2.0 * np.pi
-    return q + turn * np.round((near - q) / turn)
+    nearest: Array = q + turn * np.round((near - q) / turn)
+    return nearest

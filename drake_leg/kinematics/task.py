@@ -56,10 +56,10 @@ def task_from_jacobian(
     """
 
     def rates(q: Floats, v: Floats) -> Floats:
-        return exact_rates(jacobian(q), np.asarray(v), q)
+        return exact_rates(jacobian(q), np.asarray(v), q).tolist()
 
     def accelerations(q: Floats, qdot: Floats, a: Floats) -> Floats:
-        return exact_rates(jacobian(q), np.asarray(a) - bias(q, qdot), q)
+        return exact_rates(jacobian(q), np.asarray(a) - bias(q, qdot), q).tolist()
 
     return Task(
         jacobian=jacobian,

@@ -1,0 +1,1 @@
+"""From a robot as data to SDF and to a MultibodyPlant."""

@@ -105,9 +105,7 @@ def _add_text(parent: ET.Element, tag: str, text: str) -> None:
     ET.SubElement(parent, tag).text = text
 
 
-def _add_frame(
-    model: ET.Element, name: str, link: str, pose: Sequence[float] = (0.0,) * 6
-) -> None:
+def _add_frame(model: ET.Element, name: str, link: str, pose: Sequence[float] = (0.0,) * 6) -> None:
     frame = ET.SubElement(model, "frame", name=name, attached_to=link)
     if any(pose):
         _add_text(frame, "pose", _numbers(pose))

@@ -1,5 +1,6 @@
-"""What a person may change of a run, in a person's units: degrees, and names as on the
-command line. One dataclass a family of runs; a YAML file has the same keys.
+"""What a person may change of a run, in a person's units and under the command line's names.
+
+One dataclass a family of runs; a YAML file has the same keys.
 """
 
 from __future__ import annotations

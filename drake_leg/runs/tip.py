@@ -76,7 +76,9 @@ def _joint_columns(name: str, units: list[str], values: Array) -> dict[str, Arra
     return {f"{name}{i + 1}[{unit}]": values[:, i] for i, unit in enumerate(units)}
 
 
-def tip_findings(run: Run, start: Array, path: CommandedMotion, along: Array, across: Array) -> dict[str, Any]:
+def tip_findings(
+    run: Run, start: Array, path: CommandedMotion, along: Array, across: Array
+) -> dict[str, Any]:
     """Compare the tip's motion with its exact path.
 
     Parameters

@@ -1,0 +1,1 @@
+"""The blocks that Drake lacks, one a file."""
