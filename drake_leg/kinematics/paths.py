@@ -47,9 +47,7 @@ def straight_path(
     along = np.asarray(direction, dtype=np.float64)
     phase = frequency * np.asarray(time, dtype=np.float64)
     advance = amplitude / frequency * (1.0 - np.cos(phase))
-    return CommandedMotion(
-        np.outer(advance, along), np.outer(amplitude * np.sin(phase), along)
-    )
+    return CommandedMotion(np.outer(advance, along), np.outer(amplitude * np.sin(phase), along))
 
 
 def elliptic_path(

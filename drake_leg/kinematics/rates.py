@@ -65,5 +65,4 @@ def smallest_singular_value(J: Array) -> Array:
     (...) ndarray
         In the unit of J.
     """
-    smallest: Array = np.linalg.svd(J, compute_uv=False)[..., -1]
-    return smallest
+    return np.linalg.svd(J, compute_uv=False)[..., -1].astype(np.float64, copy=False)

@@ -56,10 +56,13 @@ def task_from_jacobian(
     """
 
     def rates(q: Floats, v: Floats) -> Floats:
-        return exact_rates(jacobian(q), np.asarray(v), q).tolist()
+        qdot: list[float] = exact_rates(jacobian(q), np.asarray(v), q).tolist()
+        return qdot
 
     def accelerations(q: Floats, qdot: Floats, a: Floats) -> Floats:
-        return exact_rates(jacobian(q), np.asarray(a) - bias(q, qdot), q).tolist()
+        right_side = np.asarray(a) - bias(q, qdot)
+        qddot: list[float] = exact_rates(jacobian(q), right_side, q).tolist()
+        return qddot
 
     return Task(
         jacobian=jacobian,

@@ -1,0 +1,1 @@
+"""Every figure and table of both reports on one page."""
