@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -130,13 +130,15 @@ def read_csv(path: Path) -> Recording:
     return Recording(dict(zip(header, values.T, strict=True)))
 
 
-def numbered(name: str, unit: str, values: Array) -> dict[str, Array]:
-    """Make columns ``name1[unit]``, ``name2[unit]`` ... of an array.
+def numbered(name: str, units: Sequence[str], values: Array) -> dict[str, Array]:
+    """Make columns such as ``q1[rad]``, ``q2[rad]`` ... of an array.
 
     Parameters
     ----------
-    name, unit : str
+    name : str
         Of the quantity.
+    units : sequence of str
+        One a column.
     values : (rows, n) ndarray
         One column each.
 
@@ -145,7 +147,7 @@ def numbered(name: str, unit: str, values: Array) -> dict[str, Array]:
     dict
         Header to column.
     """
-    return {f"{name}{i + 1}[{unit}]": values[:, i] for i in range(values.shape[1])}
+    return {f"{name}{i + 1}[{unit}]": values[:, i] for i, unit in enumerate(units)}
 
 
 def lettered(prefix: str, letters: str, unit: str, values: Array) -> dict[str, Array]:

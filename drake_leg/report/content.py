@@ -285,8 +285,8 @@ CHAPTERS = (
                 name="a_table_1",
                 heading="A table 1, eq. 1–17",
                 caption="The Khalil table of leg A, its transforms, its Jacobian and its "
-                "determinant, each in closed form (s = −1), from the chain of the table (the Jacobian by the "
-                "direct method, z × OE), and from Drake.",
+                "determinant, each in closed form (s = −1), from the chain of the table (the "
+                "Jacobian by the direct method, z × OE), and from Drake.",
                 robot=LEG_A,
                 posture=_degrees(LegAOptions().q0),
                 compare=_leg_a_matrices,
@@ -389,7 +389,8 @@ CHAPTERS = (
                 name="b_table_2_2",
                 heading="B table 2.2, 2.3–2.5",
                 caption="The Khalil table of leg B, its transforms, its Jacobian and its "
-                "determinant, each in closed form (s = 1), from the chain of the table, and from Drake.",
+                "determinant, each in closed form (s = 1), from the chain of the table, and from "
+                "Drake.",
                 robot=LEG_B,
                 posture=_degrees(LegBOptions().q0),
                 compare=_leg_b_matrices,

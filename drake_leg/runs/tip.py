@@ -13,7 +13,7 @@ from drake_leg.integrator import ROW_INTERVAL
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.paths import CommandedMotion
 from drake_leg.models.plant import build_plant
-from drake_leg.recording import lettered, without_sign_jumps
+from drake_leg.recording import lettered, numbered, without_sign_jumps
 from drake_leg.robot import Robot
 from drake_leg.simulation import Run
 
@@ -64,16 +64,12 @@ def tip_columns(robot: Robot, run: Run) -> dict[str, Array]:
         ("qdot", "joint velocities", [f"{unit}/s" for unit in length]),
         ("qddot", "joint accelerations", [f"{unit}/s^2" for unit in length]),
     ):
-        columns |= _joint_columns(name, units, run.scopes[scope])
+        columns |= numbered(name, units, run.scopes[scope])
     columns |= lettered("", "xyz", "m", run.scopes["foot positions"])
     columns |= lettered("v", "xyz", "m/s", run.scopes["foot velocities"])
     columns |= lettered("q", "wxyz", "", without_sign_jumps(run.scopes["Q"]))
     columns |= lettered("w", "xyz", "rad/s", run.scopes["foot angular velocities"])
-    return columns | _joint_columns("tau", force, run.scopes["joint torques"])
-
-
-def _joint_columns(name: str, units: list[str], values: Array) -> dict[str, Array]:
-    return {f"{name}{i + 1}[{unit}]": values[:, i] for i, unit in enumerate(units)}
+    return columns | numbered("tau", force, run.scopes["joint torques"])
 
 
 def tip_findings(
