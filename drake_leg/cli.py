@@ -193,8 +193,7 @@ def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
     """Say the default, for each run where they differ, and which runs have the option."""
     runs_of: dict[str, list[str]] = {}
     for name, field in fields.items():
-        value = _default_of(field)
-        text = "none" if value in (None, []) else _shown(value)
+        text = field.metadata["shown"] or _shown(_default_of(field))
         runs_of.setdefault(text, []).append(name)
     everywhere = len(fields) == len(RUNS)
     if len(runs_of) == 1 and everywhere:
@@ -227,9 +226,12 @@ def _run(chosen: argparse.Namespace) -> int:
     print(f"wrote {chosen.out}: {rows}{_quality(summary)}")
     if summary["stop_reason"] is None:
         return 0
-    stop = f"stopped at t = {summary['stopped_at_s']:.9g} s: {summary['stop_reason']}"
     interrupted = summary["stop_reason"] == "interrupted"
-    return _fail(stop, INTERRUPTED if interrupted else STOPPED_EARLY)
+    return _fail(
+        f"stopped at {summary['stopped_at_s']:.9g} s of {summary['duration_s']:g} s: "
+        f"{summary['stop_reason']}",
+        INTERRUPTED if interrupted else STOPPED_EARLY,
+    )
 
 
 def _quality(summary: typing.Mapping[str, Any]) -> str:

@@ -37,7 +37,7 @@ class SingularConfigurationError(DrakeLegError):
         when = "" if time is None else f" at t = {time:.9g} s"
         posture = ", ".join(f"{value:.6g}" for value in self.q)
         super().__init__(
-            f"the Jacobian is singular{when} (q = {posture}; "
+            f"the Jacobian is singular{when} (q = {posture} rad; "
             f"smallest singular value {self.sigma_min:.3g}): choose another posture, "
             "a smaller amplitude or a higher frequency"
         )

@@ -24,8 +24,17 @@ from drake_leg.robots import (
 DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
 STATE_TARGET = 30.0  # [deg], report A, section 1.2
 
+# One text for an option that several runs have.
+DURATION = "simulated time"
+DAMPING = "damping of every joint, in --damping-unit"
+Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where it hangs"
+AMPLITUDE = "greatest speed of the foot or of the tool"
+L1 = "length of the coxa or of the first arm"
+L2 = "length of the femur or of the second arm"
+TARGET = "where pendulum-damped starts; where the spring of pendulum-spring is at rest"
 
-def option(default: Any, help_text: str, unit: str = "") -> Any:  # noqa: ANN401 - as dataclasses.field
+
+def option(default: Any, help_text: str, unit: str = "", *, shown: str = "") -> Any:  # noqa: ANN401 - as dataclasses.field
     """Declare an option: a dataclass field with the text of its help.
 
     Parameters
@@ -36,12 +45,14 @@ def option(default: Any, help_text: str, unit: str = "") -> Any:  # noqa: ANN401
         One phrase.
     unit : str
         As in the help, without brackets.
+    shown : str
+        Default as the help shows it, where the value does not say it.
 
     Returns
     -------
     dataclasses.Field
     """
-    metadata = {"help": help_text, "unit": unit}
+    metadata = {"help": help_text, "unit": unit, "shown": shown}
     if isinstance(default, list):
         return field(default_factory=lambda: list(default), metadata=metadata)
     return field(default=default, metadata=metadata)
@@ -51,19 +62,20 @@ def option(default: Any, help_text: str, unit: str = "") -> Any:  # noqa: ANN401
 class RunOptions:
     """What every run has."""
 
-    duration: float = option(20.0, "simulated time", "s")
+    duration: float = option(20.0, DURATION, "s")
     gravity: float = option(STANDARD_GRAVITY, "gravity, along -z", "m/s^2")
-    damping: float = option(0.0, "damping of every joint, in --damping-unit")
+    damping: float = option(0.0, DAMPING)
     damping_unit: str = option("N*m*s/rad", f"unit of --damping: {' or '.join(DAMPING_UNITS)}")
     integrator: str = option("runge_kutta5", f"one of {', '.join(INTEGRATORS)}")
     accuracy: float | None = option(
-        None, "relative accuracy of error control; without it the steps are fixed"
+        None, "relative accuracy of error control", shown="none, the steps are fixed"
     )
     max_step: float | None = option(
         None,
-        "greatest step, at most 0.04: the rows of recording.csv are the integrator's own steps; "
-        "by default 0.04, and less for a fast motion, a stiff joint or a singularity nearby",
+        "greatest step, at most 0.04: the rows of recording.csv are the integrator's own steps",
         "s",
+        shown="0.04, and less for a fast motion, a stiff joint, a singularity nearby; "
+        "a pendulum's 0.002",
     )
 
     def si_damping(self) -> float:
@@ -113,8 +125,8 @@ class RunOptions:
 class StepOptions(RunOptions):
     """What every robot has whose tip follows a sine."""
 
-    q0: list[float] = option([], "initial joint angles", "deg")
-    amplitude: float = option(0.0, "greatest speed of the foot or tool", "m/s")
+    q0: list[float] = option([], Q0, "deg")
+    amplitude: float = option(0.0, AMPLITUDE, "m/s")
     frequency: float = option(1.0, "of the sine", "rad/s")
     direction: list[float] = option([1.0, 0.0, 0.0], "of the motion, in the base frame")
 
@@ -166,10 +178,10 @@ class StepOptions(RunOptions):
 class LegOptions(StepOptions):
     """The hexabot leg, in variant B's posture by default."""
 
-    q0: list[float] = option([90.0, -50.0, -90.0], "initial hip, knee, ankle angles", "deg")
-    amplitude: float = option(0.070, "greatest speed of the foot", "m/s")
-    l1: float = option(HEXABOT_LENGTHS[0], "length of the coxa", "m")
-    l2: float = option(HEXABOT_LENGTHS[1], "length of the femur", "m")
+    q0: list[float] = option([90.0, -50.0, -90.0], Q0, "deg")
+    amplitude: float = option(0.070, AMPLITUDE, "m/s")
+    l1: float = option(HEXABOT_LENGTHS[0], L1, "m")
+    l2: float = option(HEXABOT_LENGTHS[1], L2, "m")
     l3: float = option(HEXABOT_LENGTHS[2], "length of the tibia", "m")
     density: float = option(WATER, "of the solids", "kg/m^3")
 
@@ -187,7 +199,7 @@ class LegBOptions(LegOptions):
 class LegAOptions(LegBOptions):
     """The straight step of variant A, from the same foot position."""
 
-    q0: list[float] = option([90.0, 50.0, 90.0], "initial hip, knee, ankle angles", "deg")
+    q0: list[float] = option([90.0, 50.0, 90.0], Q0, "deg")
 
 
 @dataclass(kw_only=True)
@@ -201,11 +213,11 @@ class EllipseOptions(LegOptions):
 class ScaraOptions(StepOptions):
     """The SCARA's straight move."""
 
-    q0: list[float] = option([30.0, 90.0, -120.0], "initial angles of the three joints", "deg")
-    amplitude: float = option(0.050, "greatest speed of the tool", "m/s")
+    q0: list[float] = option([30.0, 90.0, -120.0], Q0, "deg")
+    amplitude: float = option(0.050, AMPLITUDE, "m/s")
     tool_height: float = option(0.050, "R, of the tool over its lowest position", "m")
-    l1: float = option(SCARA_LENGTHS[0], "length of the first arm", "m")
-    l2: float = option(SCARA_LENGTHS[1], "length of the second arm", "m")
+    l1: float = option(SCARA_LENGTHS[0], L1, "m")
+    l2: float = option(SCARA_LENGTHS[1], L2, "m")
     density: float = option(ALUMINIUM, "of the solids", "kg/m^3")
 
 
@@ -213,7 +225,7 @@ class ScaraOptions(StepOptions):
 class PendulumOptions(RunOptions):
     """The pendulum, whatever acts at its joint."""
 
-    q0: list[float] = option([0.0], "initial angle; 0 is horizontal, 90 hangs", "deg")
+    q0: list[float] = option([0.0], Q0, "deg")
     size: list[float] = option(list(PENDULUM_SIZE), "length, width, height of the link", "m")
     density: float = option(ALUMINIUM, "of the solids", "kg/m^3")
 
@@ -238,17 +250,17 @@ class PendulumOptions(RunOptions):
 class FreePendulumOptions(PendulumOptions):
     """The free pendulum."""
 
-    duration: float = option(10.0, "simulated time", "s")
+    duration: float = option(10.0, DURATION, "s")
 
 
 @dataclass(kw_only=True)
 class DampedPendulumOptions(PendulumOptions):
     """The damped pendulum; its state target is where it starts, not where it goes."""
 
-    duration: float = option(30.0, "simulated time", "s")
-    damping: float = option(0.01, "damping of every joint, in --damping-unit")
-    target: float | None = option(None, f"state target: where it starts; {STATE_TARGET:g}", "deg")
-    q0: list[float] = option([], "the same as --target", "deg")
+    duration: float = option(30.0, DURATION, "s")
+    damping: float = option(0.01, DAMPING)
+    target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
+    q0: list[float] = option([], Q0, "deg", shown="as --target")
 
     def start(self) -> float:
         """Return the state target in rad, under either of its names.
@@ -277,7 +289,7 @@ class DampedPendulumOptions(PendulumOptions):
 class SpringPendulumOptions(PendulumOptions):
     """The damped pendulum with a spring that pulls it to a target."""
 
-    duration: float = option(30.0, "simulated time", "s")
-    damping: float = option(0.01, "damping of every joint, in --damping-unit")
+    duration: float = option(30.0, DURATION, "s")
+    damping: float = option(0.01, DAMPING)
     spring_stiffness: float = option(5.0, "of the spring at the joint", "N*m/rad")
-    target: float = option(30.0, "equilibrium position of the spring", "deg")
+    target: float = option(30.0, TARGET, "deg")
