@@ -1,142 +1,31 @@
-"""The command line ``drake-leg``: the only place that prints.
-
-Exit status: 0 when all went well, 2 for bad input or a folder that cannot be written, 3 when a
-run stopped before its end (what it recorded until then is saved), 130 on Ctrl-C.
-"""
+"""``drake-leg run``."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
-import re
 import sys
 import typing
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
-from drake_leg.errors import DrakeLegError, InvalidValueError, SingularConfigurationError
+from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail
+from drake_leg.errors import InvalidValueError
 from drake_leg.output import check_target, results_folder
 from drake_leg.progress import ProgressBar
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
 from drake_leg.runs.options import RunOptions
 
-BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 2, 3, 130
 
-
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, without the usage in front."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line.
+def add(commands: Commands) -> None:
+    """Add the command.
 
     Parameters
     ----------
-    arguments : sequence of str, optional
-        Without the program's name; by default the process's own.
-
-    Returns
-    -------
-    int
-        Exit status.
+    commands : argparse subparsers
+        Of the program.
     """
-    words = sys.argv[1:] if arguments is None else list(arguments)
-    parser = _parser()
-    chosen = parser.parse_args(_join_negative_values(words))
-    try:
-        status: int = chosen.command(chosen)
-    except SingularConfigurationError as error:
-        return _fail(error, STOPPED_EARLY)
-    except DrakeLegError as error:
-        return _fail(error, BAD_INPUT)
-    except KeyboardInterrupt:
-        return _fail("interrupted", INTERRUPTED)
-    except BrokenPipeError:
-        sys.stderr.close()
-        return BAD_INPUT
-    return status
-
-
-def _fail(error: object, status: int) -> int:
-    print(f"drake-leg: {error}", file=sys.stderr)
-    return status
-
-
-def _join_negative_values(words: Sequence[str]) -> list[str]:
-    """Make ``--q0 -90,50,90`` into ``--q0=-90,50,90``: no option here begins with a number."""
-    joined: list[str] = []
-    for word in words:
-        option_before = joined and re.fullmatch(r"--[a-z][a-z0-9-]*", joined[-1])
-        if option_before and re.match(r"-[\d.]|-(inf|nan)", word, re.IGNORECASE):
-            joined[-1] += f"={word}"
-        else:
-            joined.append(word)
-    return joined
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="drake-leg",
-        description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
-        "from their Khalil tables to simulated, compared and plotted runs.",
-        epilog="Exit status: 0 all well, 2 bad input, 3 a run stopped before its end, "
-        "130 interrupted.",
-    )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
-    _add_list(commands)
-    _add_run(commands)
-    _add_report(commands)
-    return parser
-
-
-def _add_list(commands: Any) -> None:  # noqa: ANN401 - argparse's subparsers have no public type
-    parser = commands.add_parser("list", help="list the runs", description="List the runs.")
-    parser.set_defaults(command=_list)
-
-
-def _list(_chosen: argparse.Namespace) -> int:
-    for name, kind in RUNS.items():
-        print(f"{name:<16} {kind.title:<24} {kind.shows}")
-    return 0
-
-
-def _add_report(commands: Any) -> None:  # noqa: ANN401
-    parser = commands.add_parser(
-        "report",
-        help="reproduce the figures and tables of both reports on one page",
-        description="Reproduce every time plot, table and matrix of both reports: the figures "
-        "as PNG and SVG, named after the reports, and report.html with everything on one page.",
-    )
-    _add_output(parser)
-    parser.set_defaults(command=_report)
-
-
-def _add_output(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder to make")
-    parser.add_argument(
-        "--overwrite", action="store_true", help="replace DIR if it holds older results"
-    )
-
-
-def _report(chosen: argparse.Namespace) -> int:
-    check_target(chosen.out, overwrite=chosen.overwrite)
-    from drake_leg.report.page import STAGES, write_report
-
-    bar = ProgressBar(sys.stderr, "report", STAGES, "stages")
-    try:
-        with results_folder(chosen.out) as folder:
-            write_report(folder, bar)
-    finally:
-        bar.close()
-    print(f"wrote {chosen.out / 'report.html'} and the figures beside it")
-    return 0
-
-
-def _add_run(commands: Any) -> None:  # noqa: ANN401
     parser = commands.add_parser(
         "run",
         help="carry out one run",
@@ -146,7 +35,7 @@ def _add_run(commands: Any) -> None:  # noqa: ANN401
         "have is refused.",
     )
     parser.add_argument("name", metavar="NAME", help=f"one of {', '.join(RUNS)}")
-    _add_output(parser)
+    add_output(parser)
     parser.add_argument(
         "--config",
         type=Path,
@@ -227,14 +116,14 @@ def _run(chosen: argparse.Namespace) -> int:
     if summary["stop_reason"] is None:
         return 0
     interrupted = summary["stop_reason"] == "interrupted"
-    return _fail(
+    return fail(
         f"stopped at {summary['stopped_at_s']:.9g} s of {summary['duration_s']:g} s: "
         f"{summary['stop_reason']}",
         INTERRUPTED if interrupted else STOPPED_EARLY,
     )
 
 
-def _quality(summary: typing.Mapping[str, Any]) -> str:
+def _quality(summary: Mapping[str, Any]) -> str:
     if "max_position_error_m" in summary:
         return f", foot within {summary['max_position_error_m']:.1e} m of the exact path"
     return f", angle within {summary['max_angle_error_rad']:.1e} rad of the exact motion"

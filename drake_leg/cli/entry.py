@@ -1,0 +1,78 @@
+"""The parser, the errors' way to the terminal, and the exit status."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from drake_leg.cli import listing, report, run
+from drake_leg.cli.common import BAD_INPUT, INTERRUPTED, STOPPED_EARLY, fail
+from drake_leg.errors import DrakeLegError, SingularConfigurationError
+
+COMMANDS = (listing, run, report)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence, without the usage in front."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Without the program's name; by default the process's own.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    parser = _build_parser()
+    chosen = parser.parse_args(_join_negative_values(words))
+    try:
+        status: int = chosen.command(chosen)
+    except SingularConfigurationError as error:
+        return fail(error, STOPPED_EARLY)
+    except DrakeLegError as error:
+        return fail(error, BAD_INPUT)
+    except KeyboardInterrupt:
+        return fail("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        sys.stderr.close()
+        return BAD_INPUT
+    return status
+
+
+def _join_negative_values(words: Sequence[str]) -> list[str]:
+    """Make ``--q0 -90,50,90`` into ``--q0=-90,50,90``: no option here begins with a number."""
+    joined: list[str] = []
+    for word in words:
+        option_before = joined and re.fullmatch(r"--[a-z][a-z0-9-]*", joined[-1])
+        if option_before and re.match(r"-[\d.]|-(inf|nan)", word, re.IGNORECASE):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
+def _build_parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="drake-leg",
+        description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
+        "from their Khalil tables to simulated, compared and plotted runs.",
+        epilog="Exit status: 0 all well, 2 bad input, 3 a run stopped before its end, "
+        "130 interrupted.",
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    for command in COMMANDS:
+        command.add(commands)
+    return parser

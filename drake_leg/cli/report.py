@@ -1,0 +1,42 @@
+"""``drake-leg report``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from drake_leg.cli.common import Commands, add_output
+from drake_leg.output import check_target, results_folder
+from drake_leg.progress import ProgressBar
+
+
+def add(commands: Commands) -> None:
+    """Add the command.
+
+    Parameters
+    ----------
+    commands : argparse subparsers
+        Of the program.
+    """
+    parser = commands.add_parser(
+        "report",
+        help="reproduce the figures and tables of both reports on one page",
+        description="Reproduce every time plot, table and matrix of both reports: the figures "
+        "as PNG and SVG, named after the reports, and report.html with everything on one page.",
+    )
+    add_output(parser)
+    parser.set_defaults(command=_report)
+
+
+def _report(chosen: argparse.Namespace) -> int:
+    check_target(chosen.out, overwrite=chosen.overwrite)
+    from drake_leg.report.page import STAGES, write_report
+
+    bar = ProgressBar(sys.stderr, "report", STAGES, "stages")
+    try:
+        with results_folder(chosen.out) as folder:
+            write_report(folder, bar)
+    finally:
+        bar.close()
+    print(f"wrote {chosen.out / 'report.html'} and the figures beside it")
+    return 0
