@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
 from typing import Any
 
+from drake_leg.errors import InvalidValueError
+from drake_leg.robot import Robot
+from drake_leg.robots import ROBOTS
+
 BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 2, 3, 130
+
+ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
 
 Commands = Any  # what argparse's add_subparsers returns; its type has no public name
 
@@ -43,3 +50,77 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--overwrite", action="store_true", help="replace DIR if it holds older results"
     )
+
+
+def numbers(option: str, text: str, count: int | None = None) -> list[float]:
+    """Read numbers with commas between them.
+
+    Parameters
+    ----------
+    option : str
+        Where they were given, for the error's sentence.
+    text : str
+        ``1,0,0``.
+    count : int, optional
+        How many there must be.
+
+    Returns
+    -------
+    list of float
+
+    Raises
+    ------
+    InvalidValueError
+        If a part is no finite number, or the count is another.
+    """
+    values = []
+    for part in text.split(","):
+        try:
+            values.append(float(part))
+        except ValueError:
+            raise InvalidValueError(
+                f"{option} is {text!r}, in which {part!r} is no number"
+            ) from None
+    if not all(map(math.isfinite, values)):
+        raise InvalidValueError(f"{option} is {text!r}; its numbers must be finite")
+    if count is not None and len(values) != count:
+        raise InvalidValueError(
+            f"{option} is {text!r}; it takes {count} number{'s' * (count > 1)}, not {len(values)}"
+        )
+    return values
+
+
+def add_robot(parser: argparse.ArgumentParser) -> None:
+    """Add the argument that names a robot.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of the command.
+    """
+    names = ", ".join(ROBOT_NAMES)
+    parser.add_argument("robot", metavar="NAME", help=f"one of {names}")
+
+
+def robot_named(name: str) -> Robot:
+    """Look a robot up.
+
+    Parameters
+    ----------
+    name : str
+        As on the command line.
+
+    Returns
+    -------
+    Robot
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no such robot.
+    """
+    if name not in ROBOT_NAMES:
+        raise InvalidValueError(
+            f"there is no robot {name!r}; the robots are {', '.join(ROBOT_NAMES)}"
+        )
+    return ROBOT_NAMES[name]

@@ -8,11 +8,11 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from drake_leg.cli import listing, report, run
+from drake_leg.cli import doctor, listing, report, run
 from drake_leg.cli.common import BAD_INPUT, INTERRUPTED, STOPPED_EARLY, fail
 from drake_leg.errors import DrakeLegError, SingularConfigurationError
 
-COMMANDS = (listing, run, report)
+COMMANDS = (listing, run, report, doctor)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail
+from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail, numbers
 from drake_leg.errors import InvalidValueError
 from drake_leg.output import check_target, results_folder
 from drake_leg.progress import ProgressBar
@@ -148,21 +148,10 @@ def _options(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
 def _value(name: str, kind: object, text: str) -> object:
     if kind is str:
         return text
-    numbers = []
-    for part in text.split(","):
-        try:
-            numbers.append(float(part))
-        except ValueError:
-            raise InvalidValueError(
-                f"--{name.replace('_', '-')} is {text!r}, in which {part!r} is no number"
-            ) from None
+    option = f"--{name.replace('_', '-')}"
     if typing.get_origin(kind) is list:
-        return numbers
-    if len(numbers) != 1:
-        raise InvalidValueError(
-            f"--{name.replace('_', '-')} is {text!r}; it takes one number, not {len(numbers)}"
-        )
-    return numbers[0]
+        return numbers(option, text)
+    return numbers(option, text, 1)[0]
 
 
 def _from_file(kind: RunKind, name: str, path: Path) -> RunOptions:

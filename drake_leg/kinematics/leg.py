@@ -103,6 +103,38 @@ def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:
     return assemble((cos(q1) * reach, sin(q1) * reach, leg.sign * depth))
 
 
+def foot_and_jacobian(leg: LegGeometry, q: ArrayLike) -> tuple[Array, Array]:
+    """Position of the foot and its translational Jacobian at once: they share most of the work.
+
+    Parameters
+    ----------
+    leg : LegGeometry
+        Lengths and variant.
+    q : (..., 3) array_like
+        Hip, knee, ankle angles [rad].
+
+    Returns
+    -------
+    p_BF : (..., 3) ndarray
+        [m], as ``foot_position``.
+    Jv_BF : (..., 3, 3) ndarray
+        [m/rad], as ``foot_jacobian``.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in 3, or is not finite.
+    """
+    (q1, q2, q3), cos, sin = split("q", q, 3)
+    c1, s1, q23, s = cos(q1), sin(q1), q2 + q3, leg.sign
+    x3, z3 = leg.l3 * cos(q23), leg.l3 * sin(q23)
+    x2, depth = leg.l2 * cos(q2) + x3, leg.l2 * sin(q2) + z3
+    reach = leg.l1 + x2
+    x, y = c1 * reach, s1 * reach
+    rows = ((-y, -c1 * depth, -c1 * z3), (x, -s1 * depth, -s1 * z3), (0.0, s * x2, s * x3))
+    return assemble((x, y, s * depth)), assemble(rows)
+
+
 def foot_rotation(leg: LegGeometry, q: ArrayLike) -> Array:
     """Rotation of the foot frame F in the base frame B.
 
@@ -167,19 +199,7 @@ def foot_jacobian(leg: LegGeometry, q: ArrayLike) -> Array:
     ----------
     Report A, eq. 15.
     """
-    (q1, q2, q3), cos, sin = split("q", q, 3)
-    c1, s1 = cos(q1), sin(q1)
-    x3, z3 = leg.l3 * cos(q2 + q3), leg.l3 * sin(q2 + q3)
-    x2, depth = leg.l2 * cos(q2) + x3, leg.l2 * sin(q2) + z3
-    reach = leg.l1 + x2
-    s = leg.sign
-    return assemble(
-        (
-            (-s1 * reach, -c1 * depth, -c1 * z3),
-            (c1 * reach, -s1 * depth, -s1 * z3),
-            (0.0, s * x2, s * x3),
-        )
-    )
+    return foot_and_jacobian(leg, q)[1]
 
 
 def determinant(leg: LegGeometry, q: ArrayLike) -> Array:
@@ -308,49 +328,6 @@ def leg_task(leg: LegGeometry) -> Task:
         accelerations=accelerations,
         determinant_scale=l2 * l3 * (l1 + l2 + l3),
     )
-
-
-def inverse_kinematics(leg: LegGeometry, p_BF: ArrayLike, like: ArrayLike) -> Array:
-    """Joint angles that put the foot at a point, on the branch of a given posture.
-
-    ``foot_position(leg, inverse_kinematics(leg, p_BF, like)) == p_BF``. The branch is the facing
-    (sign of the reach) and the bend of the knee (sign of sin q3) of ``like``; the hip angle is
-    the one nearest to that of ``like``, and so are q2 and q3.
-
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths and variant.
-    p_BF : (..., 3) array_like
-        Foot position in the base frame [m].
-    like : (3,) array_like
-        Joint angles [rad] whose branch is wanted; not singular.
-
-    Returns
-    -------
-    q : (..., 3) ndarray
-        Hip, knee, ankle angles [rad]; NaN where the point is out of reach.
-
-    Raises
-    ------
-    InvalidValueError
-        If a shape is wrong or a value is not finite.
-    """
-    points, near = finite_vectors("p_BF", p_BF, 3), finite_vectors("like", like, 3)
-    facing = np.sign(leg.l1 + leg.l2 * np.cos(near[1]) + leg.l3 * np.cos(near[1] + near[2]))
-    bend = np.sign(np.sin(near[2]))
-    x, y, z = points[..., 0], points[..., 1], points[..., 2]
-    q1 = np.arctan2(facing * y, facing * x)
-    u = facing * np.hypot(x, y) - leg.l1
-    w = leg.sign * z
-    cosine = (u**2 + w**2 - leg.l2**2 - leg.l3**2) / (2.0 * leg.l2 * leg.l3)
-    within = np.abs(cosine) <= 1.0
-    q3 = bend * np.arccos(np.where(within, cosine, np.nan))
-    q2 = np.arctan2(w, u) - np.arctan2(leg.l3 * np.sin(q3), leg.l2 + leg.l3 * np.cos(q3))
-    q = np.stack([q1, q2, q3], axis=-1)
-    turn = 2.0 * np.pi
-    nearest: Array = q + turn * np.round((near - q) / turn)
-    return nearest
 
 
 def foot_rotation_angles(leg: LegGeometry, R_BF: ArrayLike) -> Array:

@@ -255,6 +255,41 @@ def scara_task(arm: ScaraGeometry) -> Task:
     )
 
 
+def branch_angles(arm: ScaraGeometry, task: ArrayLike) -> Array:
+    """Angles of both branches, elbow left (sin q2 > 0) and elbow right.
+
+    Parameters
+    ----------
+    arm : ScaraGeometry
+        Lengths.
+    task : (..., 3) array_like
+        x, y [m] and yaw [rad].
+
+    Returns
+    -------
+    q : (..., 2, 3) ndarray
+        The three angles [rad], elbow left first; NaN where the point is out of reach.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``task`` does not end in 3, or is not finite.
+    """
+    goals = finite_vectors("task", task, 3)
+    x, y, yaw = goals[..., 0], goals[..., 1], goals[..., 2]
+    d = np.hypot(x, y)
+    out = (arm.l1 + arm.l2 - d) * (arm.l1 + arm.l2 + d)
+    inn = (d - abs(arm.l1 - arm.l2)) * (d + abs(arm.l1 - arm.l2))
+    within = (out >= 0.0) & (inn >= 0.0)
+    out, inn = np.where(within, out, np.nan), np.where(within, inn, np.nan)
+    elbow = 2.0 * np.arctan2(np.sqrt(out), np.sqrt(inn))
+    solutions = []
+    for q2 in (elbow, -elbow):
+        q1 = np.arctan2(y, x) - np.arctan2(arm.l2 * np.sin(q2), arm.l1 + arm.l2 * np.cos(q2))
+        solutions.append(np.stack([q1, q2, yaw - q1 - q2], axis=-1))
+    return np.stack(solutions, axis=-2)
+
+
 def inverse_kinematics(arm: ScaraGeometry, task: ArrayLike, like: ArrayLike) -> Array:
     """Angles that put the tool at (x, y, yaw), with the elbow on the side of a posture.
 
@@ -277,13 +312,8 @@ def inverse_kinematics(arm: ScaraGeometry, task: ArrayLike, like: ArrayLike) -> 
     InvalidValueError
         If a shape is wrong or a value is not finite.
     """
-    goals, near = finite_vectors("task", task, 3), finite_vectors("like", like, 3)
-    x, y, yaw = goals[..., 0], goals[..., 1], goals[..., 2]
-    cosine = (x**2 + y**2 - arm.l1**2 - arm.l2**2) / (2.0 * arm.l1 * arm.l2)
-    within = np.abs(cosine) <= 1.0
-    q2 = np.sign(np.sin(near[1])) * np.arccos(np.where(within, cosine, np.nan))
-    q1 = np.arctan2(y, x) - np.arctan2(arm.l2 * np.sin(q2), arm.l1 + arm.l2 * np.cos(q2))
-    q = np.stack([q1, q2, yaw - q1 - q2], axis=-1)
+    near = finite_vectors("like", like, 3)
+    q = branch_angles(arm, task)[..., 0 if np.sin(near[1]) >= 0.0 else 1, :]
     turn = 2.0 * np.pi
     nearest: Array = q + turn * np.round((near - q) / turn)
     return nearest

@@ -14,8 +14,8 @@ from drake_leg.kinematics.leg import (
     LegGeometry,
     foot_jacobian,
     foot_position,
-    inverse_kinematics,
 )
+from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
 from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.recording import Recording

@@ -1,0 +1,108 @@
+"""``drake-leg doctor``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+
+from drake_leg.cli.common import Commands, add_robot, numbers, robot_named
+from drake_leg.doctor import Diagnosis, examine_posture
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.stroke import Stroke
+from drake_leg.robot import Robot
+
+
+def add(commands: Commands) -> None:
+    """Add the command.
+
+    Parameters
+    ----------
+    commands : argparse subparsers
+        Of the program.
+    """
+    parser = commands.add_parser(
+        "doctor",
+        help="examine a posture before simulating it",
+        description="Say of a posture: rank and smallest singular value of the foot's Jacobian, "
+        "manipulability, the singular family that is near, the lost direction, the stroke along "
+        "a direction to the first singularity, and the greatest amplitude that stays inside.",
+    )
+    add_robot(parser)
+    parser.add_argument(
+        "--q", required=True, metavar="X,Y,Z", help="joint angles [deg]; a lift [m]"
+    )
+    parser.add_argument(
+        "--direction", default="1,0,0", metavar="X,Y,Z", help="of the stroke (default 1,0,0)"
+    )
+    parser.add_argument(
+        "--frequency", default="1", metavar="X", help="of the sine [rad/s] (default 1)"
+    )
+    parser.add_argument(
+        "--foot", metavar="X,Y,Z", help="point whose inverse kinematics is wanted [m]"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.set_defaults(command=_doctor)
+
+
+def _doctor(chosen: argparse.Namespace) -> int:
+    robot = robot_named(chosen.robot)
+    diagnosis = examine_posture(
+        robot,
+        _positions(robot, numbers("--q", chosen.q)),
+        direction=numbers("--direction", chosen.direction, 3),
+        frequency=numbers("--frequency", chosen.frequency, 1)[0],
+        foot=numbers("--foot", chosen.foot, 3) if chosen.foot else None,
+    )
+    if chosen.json:
+        print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
+    else:
+        print("\n".join(_lines(diagnosis)))
+    return 0
+
+
+def _positions(robot: Robot, values: list[float]) -> list[float]:
+    """Convert degrees where a joint turns; the SCARA's lift may be left out."""
+    kinds = [segment.row.joint for segment in robot.moving]
+    if robot.name == "scara" and len(values) == 3:
+        kinds = kinds[:3]
+    if len(values) != len(kinds):
+        raise InvalidValueError(
+            f"--q has {len(values)} numbers; {robot.name} has {len(kinds)} joint positions"
+        )
+    return [
+        math.radians(value) if kind == "revolute" else value
+        for value, kind in zip(values, kinds, strict=True)
+    ]
+
+
+def _lines(diagnosis: Diagnosis) -> list[str]:
+    rank = diagnosis.rank
+    lines = [
+        f"rank            {rank.rank} of {rank.full_rank}",
+        f"sigma_min       {rank.sigma_min:.6g} m",
+        f"manipulability  {rank.manipulability:.6g}",
+    ]
+    lines += [f"{near.family:<15} {near.meaning}" for near in diagnosis.nearness]
+    lines += [
+        "lost direction  (" + ", ".join(f"{x:.6g}" for x in row) + ")"
+        for row in rank.lost_directions
+    ]
+    if rank.rank < rank.full_rank:
+        lines.append("stroke          none: the posture is singular already")
+    elif diagnosis.forward and diagnosis.backward:
+        lines.append(f"stroke forward  {_stroke(diagnosis.forward)}")
+        lines.append(f"stroke backward {_stroke(diagnosis.backward)}")
+        lines.append(f"amplitude       below {diagnosis.greatest_amplitude:.6g} m/s stays inside")
+    for solution in diagnosis.solutions or ():
+        where = "out of reach"
+        if solution.q is not None:
+            where = ", ".join(f"{math.degrees(angle):.6f}" for angle in solution.q) + " deg"
+            where += "" if solution.within_limits else "   (outside the joints' limits)"
+        lines.append(f"{solution.name}: {where}")
+    return lines
+
+
+def _stroke(stroke: Stroke) -> str:
+    family = f", where it meets the {stroke.family} family" if stroke.family else ""
+    return f"{stroke.length:.9g} m{family}"
