@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import jacobian
@@ -156,7 +154,7 @@ class _Leg:
             Nearness(
                 family="stretch",
                 measure=abs(math.sin(q[2])),
-                meaning=f"|sin q3| = {abs(math.sin(q[2])):.4g}; the leg is stretched or folded at 0",
+                meaning=f"|sin q3| = {abs(math.sin(q[2])):.4g}; at 0 it is stretched or folded",
             ),
             Nearness(
                 family="hip-axis",
@@ -196,10 +194,11 @@ class _Scara:
         """Keep the yaw of the posture; the height is the lift's alone."""
         names = ("elbow left", "elbow right")
         angles = branch_angles(self._arm, [foot[0], foot[1], sum(q[:3])])
-        reached = np.isfinite(angles).all(axis=-1)
         return tuple(
-            Solution(name=name, q=tuple(map(float, row)) if ok else None, within_limits=bool(ok))
-            for name, row, ok in zip(names, angles, reached, strict=True)
+            Solution(name=name, q=tuple(q), within_limits=True)
+            if all(map(math.isfinite, q))
+            else Solution(name=name, q=None, within_limits=False)
+            for name, q in zip(names, angles.tolist(), strict=True)
         )
 
 

@@ -27,7 +27,7 @@ from pydrake.systems.primitives import (
 
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.leg import LegGeometry, leg_task
+from drake_leg.kinematics.foot_task import foot_task
 from drake_leg.robot import STANDARD_GRAVITY, Robot, require_positive
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
@@ -47,7 +47,7 @@ class HexabotLegConfig:
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
 
     def __post_init__(self) -> None:
-        LegGeometry.from_robot(self.robot)
+        foot_task(self.robot)
         if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
         if not math.isfinite(self.amplitude):
@@ -111,7 +111,7 @@ def add_leg(
     builder : DiagramBuilder
         The diagram under construction.
     robot : Robot
-        The leg.
+        The leg, or another robot of three joints.
     q0 : (3,) tuple of float
         Initial joint angles [rad].
     gravity : float
@@ -119,8 +119,7 @@ def add_leg(
     v, a : OutputPort
         The foot's commanded velocity [m/s] and acceleration [m/s^2] in the base frame.
     """
-    task = leg_task(LegGeometry.from_robot(robot))
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(foot_task(robot)))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
     integrators = [
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q0[i - 1]])) for i in (1, 2, 3)

@@ -71,6 +71,31 @@ def row_transform(row: Row, q: ArrayLike = 0.0) -> Array:
     return X_PC
 
 
+def row_transform_rate(row: Row, q: ArrayLike = 0.0) -> Array:
+    """Derivative of ``row_transform`` by the joint position.
+
+    Parameters
+    ----------
+    row : Row
+        One row of the table; a fixed row gives zeros.
+    q : (...) array_like
+        Joint position [rad or m].
+
+    Returns
+    -------
+    (..., 4, 4) ndarray
+        dX_PC/dq.
+    """
+    X_PC = row_transform(row, q)
+    generator = np.zeros((4, 4))
+    if row.joint == "revolute":
+        generator[0, 1], generator[1, 0] = -1.0, 1.0
+    elif row.joint == "prismatic":
+        generator[2, 3] = 1.0
+    rate: Array = X_PC @ generator
+    return rate
+
+
 def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
     """Transforms from every row's frame to the base.
 
@@ -170,3 +195,95 @@ def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
         else:
             Jv_BF[..., 3:, column] = z_B
     return Jv_BF
+
+
+def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
+    """Jacobian of the foot by the indirect method: the derivative of its pose.
+
+    ``v = dp/dq``, and the angular part from ``[w]x = dR/dq R^T``; no cross product is taken, so
+    that it is a witness of ``jacobian``.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table, of which m rows move.
+    q : (..., m) array_like
+        Joint positions [rad or m].
+
+    Returns
+    -------
+    Jv_BF : (..., 6, m) ndarray
+        As ``jacobian``.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not end in m, or is not finite.
+
+    References
+    ----------
+    Report A, appendix (indirect method).
+    """
+    moving = moving_rows(rows)
+    positions = finite_vectors("q", q, len(moving))
+    R_FB = np.swapaxes(foot_pose(rows, positions)[..., :3, :3], -1, -2)
+    Jv_BF = np.empty((*positions.shape[:-1], 6, len(moving)))
+    for column, index in enumerate(moving):
+        rate = np.eye(4)
+        for i, row in enumerate(rows):
+            value = positions[..., moving.index(i)] if i in moving else np.zeros(())
+            rate = rate @ (row_transform_rate if i == index else row_transform)(row, value)
+        spin = rate[..., :3, :3] @ R_FB
+        Jv_BF[..., 0, column] = spin[..., 2, 1]
+        Jv_BF[..., 1, column] = spin[..., 0, 2]
+        Jv_BF[..., 2, column] = spin[..., 1, 0]
+        Jv_BF[..., 3:, column] = rate[..., :3, 3]
+    return Jv_BF
+
+
+def jacobian_rate_bias(rows: Sequence[Row], q: ArrayLike, qdot: ArrayLike) -> Array:
+    """Foot acceleration that is there without joint acceleration: ``dJv_BF/dt @ qdot``.
+
+    An axis turns with the body before it, ``dz/dt = w x z``, and an origin moves with it.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table, of which m rows move.
+    q, qdot : (..., m) array_like
+        Joint positions [rad or m] and their rates.
+
+    Returns
+    -------
+    (..., 6) ndarray
+        Angular [rad/s^2], then translational [m/s^2], in the base frame.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` or ``qdot`` does not end in m, or is not finite.
+    """
+    moving = moving_rows(rows)
+    rates = finite_vectors("qdot", qdot, len(moving))[..., np.newaxis]
+    X_B = base_transforms(rows, q)
+    J = jacobian(rows, q)
+    p_BF = X_B[..., -1, :3, 3]
+    v_BF = (J[..., 3:, :] @ rates)[..., 0]
+    w = np.zeros_like(p_BF)
+    v_o, o_before = np.zeros_like(p_BF), np.zeros_like(p_BF)
+    bias = np.zeros((*p_BF.shape[:-1], 6))
+    for column, index in enumerate(moving):
+        z, o = X_B[..., index, :3, 2], X_B[..., index, :3, 3]
+        rate = rates[..., column, :]
+        v_o = v_o + np.cross(w, o - o_before)
+        z_dot = np.cross(w, z)
+        if rows[index].joint == "revolute":
+            bias[..., :3] += z_dot * rate
+            turning = np.cross(z_dot, p_BF - o) + np.cross(z, v_BF - v_o)
+            bias[..., 3:] += turning * rate
+            w = w + z * rate
+        else:
+            v_o = v_o + z * rate
+            bias[..., 3:] += z_dot * rate
+        o_before = o
+    return bias

@@ -1,20 +1,18 @@
-"""The leg's runs: a straight step (variants A and B) and an ellipse."""
+"""The leg's runs: a straight step and an ellipse; the step of any robot of three joints, too."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
 
 import numpy as np
 
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
+from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import (
-    LegGeometry,
-    foot_jacobian,
-    foot_position,
-)
+from drake_leg.kinematics.khalil import foot_pose, jacobian
+from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
 from drake_leg.kinematics.rates import smallest_singular_value
@@ -22,7 +20,13 @@ from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 from drake_leg.robots import LegVariant
 from drake_leg.robots import hexabot_leg as leg_robot
-from drake_leg.runs.options import EllipseOptions, LegBOptions, LegOptions
+from drake_leg.runs.options import (
+    EllipseOptions,
+    LegBOptions,
+    LegOptions,
+    StepOptions,
+    StraightOptions,
+)
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.tip import default_step, exact_tip, tip_columns, tip_findings, torque_error
 from drake_leg.simulation import Progress, Run, simulate
@@ -54,9 +58,36 @@ def run_straight(
     SingularConfigurationError
         If the leg is singular where it starts.
     """
+    return run_robot(_robot(variant, options), options, progress)
+
+
+def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None = None) -> Outcome:
+    """Make the foot of any robot of three joints step along a straight line.
+
+    Parameters
+    ----------
+    robot : Robot
+        With three joint positions.
+    options : StraightOptions
+        Posture, in degrees where a joint turns and in m where it slides, step, integrator.
+    progress : callable, optional
+        Called with the simulated time [s].
+
+    Returns
+    -------
+    Outcome
+        Compared with ``paths.straight_path``.
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense, or the robot has not three joint positions.
+    SingularConfigurationError
+        If the robot is singular where it starts.
+    """
     config = hexabot_leg.HexabotLegConfig(
-        robot=_robot(variant, options),
-        q0=options.posture(),
+        robot=robot,
+        q0=_posture(robot, options),
         amplitude=options.amplitude,
         frequency=options.frequency,
         direction=options.unit_direction(),
@@ -141,30 +172,50 @@ def _robot(variant: LegVariant, options: LegOptions) -> Robot:
     )
 
 
+def _posture(robot: Robot, options: StraightOptions) -> tuple[float, float, float]:
+    """Take q0 in rad where a joint turns, in m where it slides."""
+    angles = options.posture()
+    if len(robot.moving) != 3:
+        return angles
+    q1, q2, q3 = (
+        angle if segment.row.joint == "revolute" else math.degrees(angle)
+        for angle, segment in zip(angles, robot.moving, strict=True)
+    )
+    return q1, q2, q3
+
+
 def _outcome(
     config: hexabot_leg.HexabotLegConfig,
-    options: LegOptions,
+    options: StepOptions,
     settings: IntegratorSettings,
     run: Run,
     path: CommandedMotion,
     across: Array,
 ) -> Outcome:
-    leg = LegGeometry.from_robot(config.robot)
-    start = foot_position(leg, config.q0)
-    sigma_min = smallest_singular_value(foot_jacobian(leg, run.scopes["joint positions"]))
+    robot = config.robot
+    start = foot_pose(robot.rows, config.q0)[:3, 3]
+    J = jacobian(robot.rows, run.scopes["joint positions"])[:, 3:, :]
+    sigma_min = smallest_singular_value(J)
     det_j = run.scopes["singularity check"][:, 0]
-    columns = tip_columns(config.robot, run)
-    columns |= {"det_j[m^3]": det_j, "sigma_min[m]": sigma_min}
-    angles = inverse_kinematics(leg, start + path.displacement, like=config.q0)
-    exact: Mapping[str, Array] = exact_tip(start, path, angles)
+    power = sum(segment.row.joint == "revolute" for segment in robot.moving)
+    columns = tip_columns(robot, run)
+    columns |= {f"det_j[m^{power}]": det_j, "sigma_min[m]": sigma_min}
+    exact = exact_tip(start, path, _exact_angles(config, start + path.displacement))
     findings = {
         "q0_deg": options.q0,
         **tip_findings(run, start, path, np.array(config.direction), across),
-        "max_torque_error_n_m": torque_error(config.robot, run, config.gravity),
+        "max_torque_error_n_m": torque_error(robot, run, config.gravity),
         "sigma_min_m": float(sigma_min.min()),
-        "det_j_min_m3": float(det_j.min()),
-        "det_j_max_m3": float(det_j.max()),
+        f"det_j_min_m{power}": float(det_j.min()),
+        f"det_j_max_m{power}": float(det_j.max()),
     }
-    return outcome_of(
-        config.robot, run, settings, options.duration, Recording(columns), exact, findings
-    )
+    return outcome_of(robot, run, settings, options.duration, Recording(columns), exact, findings)
+
+
+def _exact_angles(config: hexabot_leg.HexabotLegConfig, feet: Array) -> Array | None:
+    """Return the closed form's joint angles; there is none for a robot from a file."""
+    try:
+        leg = LegGeometry.from_robot(config.robot)
+    except InvalidValueError:
+        return None
+    return inverse_kinematics(leg, feet, like=config.q0)

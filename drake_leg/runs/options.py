@@ -64,8 +64,6 @@ class RunOptions:
 
     duration: float = option(20.0, DURATION, "s")
     gravity: float = option(STANDARD_GRAVITY, "gravity, along -z", "m/s^2")
-    damping: float = option(0.0, DAMPING)
-    damping_unit: str = option("N*m*s/rad", f"unit of --damping: {' or '.join(DAMPING_UNITS)}")
     integrator: str = option("runge_kutta5", f"one of {', '.join(INTEGRATORS)}")
     accuracy: float | None = option(
         None, "relative accuracy of error control", shown="none, the steps are fixed"
@@ -77,25 +75,6 @@ class RunOptions:
         shown="0.04, and less for a fast motion, a stiff joint, a singularity nearby; "
         "a pendulum's 0.002",
     )
-
-    def si_damping(self) -> float:
-        """Return the damping in N*m*s/rad.
-
-        Returns
-        -------
-        float
-
-        Raises
-        ------
-        InvalidValueError
-            If the unit is unknown.
-        """
-        if self.damping_unit not in DAMPING_UNITS:
-            raise InvalidValueError(
-                f"the damping unit is {self.damping_unit!r}; it must be "
-                f"{' or '.join(DAMPING_UNITS)}"
-            )
-        return self.damping * DAMPING_UNITS[self.damping_unit]
 
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
         """Return how time is stepped.
@@ -119,6 +98,33 @@ class RunOptions:
             accuracy=self.accuracy,
             max_step=default_step if self.max_step is None else self.max_step,
         )
+
+
+@dataclass(kw_only=True)
+class DampingOptions(RunOptions):
+    """What every run has whose robot comes from here."""
+
+    damping: float = option(0.0, DAMPING)
+    damping_unit: str = option("N*m*s/rad", f"unit of --damping: {' or '.join(DAMPING_UNITS)}")
+
+    def si_damping(self) -> float:
+        """Return the damping in N*m*s/rad.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        InvalidValueError
+            If the unit is unknown.
+        """
+        if self.damping_unit not in DAMPING_UNITS:
+            raise InvalidValueError(
+                f"the damping unit is {self.damping_unit!r}; it must be "
+                f"{' or '.join(DAMPING_UNITS)}"
+            )
+        return self.damping * DAMPING_UNITS[self.damping_unit]
 
 
 @dataclass(kw_only=True)
@@ -175,7 +181,7 @@ class StepOptions(RunOptions):
 
 
 @dataclass(kw_only=True)
-class LegOptions(StepOptions):
+class LegOptions(StepOptions, DampingOptions):
     """The hexabot leg, in variant B's posture by default."""
 
     q0: list[float] = option([90.0, -50.0, -90.0], Q0, "deg")
@@ -187,12 +193,19 @@ class LegOptions(StepOptions):
 
 
 @dataclass(kw_only=True)
-class LegBOptions(LegOptions):
-    """The straight step."""
+class StraightOptions(StepOptions):
+    """The straight step of a robot from a file."""
 
+    q0: list[float] = option([0.0, 0.0, 0.0], Q0, "deg")
+    amplitude: float = option(0.050, AMPLITUDE, "m/s")
     gain: float = option(
         1.0, "of a gain block after the sine, whose own amplitude is amplitude / gain; 1: no block"
     )
+
+
+@dataclass(kw_only=True)
+class LegBOptions(LegOptions, StraightOptions):
+    """The straight step of variant B."""
 
 
 @dataclass(kw_only=True)
@@ -210,7 +223,7 @@ class EllipseOptions(LegOptions):
 
 
 @dataclass(kw_only=True)
-class ScaraOptions(StepOptions):
+class ScaraOptions(StepOptions, DampingOptions):
     """The SCARA's straight move."""
 
     q0: list[float] = option([30.0, 90.0, -120.0], Q0, "deg")
@@ -222,7 +235,7 @@ class ScaraOptions(StepOptions):
 
 
 @dataclass(kw_only=True)
-class PendulumOptions(RunOptions):
+class PendulumOptions(DampingOptions):
     """The pendulum, whatever acts at its joint."""
 
     q0: list[float] = option([0.0], Q0, "deg")

@@ -143,7 +143,7 @@ def torque_error(robot: Robot, run: Run, gravity: float) -> float:
     return float(np.abs(run.scopes["joint torques"] - exact).max())
 
 
-def exact_tip(start: Array, path: CommandedMotion, angles: Array) -> Mapping[str, Array]:
+def exact_tip(start: Array, path: CommandedMotion, angles: Array | None) -> Mapping[str, Array]:
     """Name the exact values of the columns of a tip's run.
 
     Parameters
@@ -152,16 +152,16 @@ def exact_tip(start: Array, path: CommandedMotion, angles: Array) -> Mapping[str
         [m].
     path : CommandedMotion
         Exact motion from there.
-    angles : (rows, 3) ndarray
-        Exact joint angles [rad].
+    angles : (rows, 3) ndarray or None
+        Exact joint angles [rad], where they are known.
 
     Returns
     -------
     dict
         Column name, without unit, to exact values.
     """
-    return {
-        **lettered("", "xyz", "", start + path.displacement),
-        **lettered("v", "xyz", "", path.velocity),
-        **{f"q{i + 1}": angles[:, i] for i in range(3)},
-    }
+    exact = lettered("", "xyz", "", start + path.displacement)
+    exact |= lettered("v", "xyz", "", path.velocity)
+    if angles is not None:
+        exact |= {f"q{i + 1}": angles[:, i] for i in range(3)}
+    return exact
