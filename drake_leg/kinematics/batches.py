@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 # The components of a vector or of a batch of vectors, and the cos and sin that suit them.
 Components = tuple[Sequence[Any], Callable[[Any], Any], Callable[[Any], Any]]
 
+BLOCK = 4096  # vectors evaluated at a time
+
 
 def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
     """Return ``values`` as an array of shape (..., size), all finite.
@@ -107,3 +109,34 @@ def assemble(entries: Any) -> Array:  # noqa: ANN401 - nested tuples of floats o
         for j, entry in enumerate(row):
             matrix[..., i, j] = entry
     return matrix if rows is entries else matrix[..., 0, :]
+
+
+def in_blocks(
+    function: Callable[[Array], Sequence[Array]], vectors: Array, *shapes: tuple[int, ...]
+) -> tuple[Array, ...]:
+    """Evaluate a function of a batch block by block, so that what it computes stays in cache.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(block)`` of (k, n) vectors gives one (k, *shape) array for each shape.
+    vectors : (..., n) ndarray
+        The batch.
+    *shapes : tuple of int
+        Of each result, for one vector.
+
+    Returns
+    -------
+    tuple of (..., *shape) ndarray
+        One for each shape.
+    """
+    flat = vectors.reshape(-1, vectors.shape[-1])
+    results = [np.empty((len(flat), *shape)) for shape in shapes]
+    for start in range(0, len(flat), BLOCK):
+        block = slice(start, start + BLOCK)
+        for result, part in zip(results, function(flat[block]), strict=True):
+            result[block] = part
+    batch = vectors.shape[:-1]
+    return tuple(
+        result.reshape(*batch, *shape) for result, shape in zip(results, shapes, strict=True)
+    )

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, assemble, finite_vectors, split
+from drake_leg.kinematics.batches import Array, assemble, finite_vectors, in_blocks, split
 from drake_leg.kinematics.rates import SINGULAR_BELOW
 from drake_leg.kinematics.task import Floats, Task, singular_posture
 from drake_leg.robot import Robot, require_positive
@@ -125,6 +125,14 @@ def foot_and_jacobian(leg: LegGeometry, q: ArrayLike) -> tuple[Array, Array]:
     InvalidValueError
         If ``q`` does not end in 3, or is not finite.
     """
+    angles = finite_vectors("q", q, 3)
+    if angles.ndim == 1:
+        return _foot_and_jacobian(leg, angles)
+    p_BF, Jv_BF = in_blocks(partial(_foot_and_jacobian, leg), angles, (3,), (3, 3))
+    return p_BF, Jv_BF
+
+
+def _foot_and_jacobian(leg: LegGeometry, q: Array) -> tuple[Array, Array]:
     (q1, q2, q3), cos, sin = split("q", q, 3)
     c1, s1, q23, s = cos(q1), sin(q1), q2 + q3, leg.sign
     x3, z3 = leg.l3 * cos(q23), leg.l3 * sin(q23)
