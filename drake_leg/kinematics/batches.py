@@ -58,6 +58,34 @@ def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
     return array
 
 
+def one_vector(what: str, values: ArrayLike, size: int) -> Array:
+    """Return ``values`` as a single finite vector.
+
+    Parameters
+    ----------
+    what : str
+        Name of the quantity, for the error's sentence.
+    values : (size,) array_like
+        In any unit.
+    size : int
+        Its length.
+
+    Returns
+    -------
+    (size,) ndarray
+        The same numbers as float64.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is a batch, has another length, or a value is not finite.
+    """
+    vector = finite_vectors(what, values, size)
+    if vector.ndim != 1:
+        raise InvalidValueError(f"{what} has shape {vector.shape}; it must be one vector of {size}")
+    return vector
+
+
 def split(what: str, values: ArrayLike, size: int) -> Components:
     """Check vectors and take them apart.
 

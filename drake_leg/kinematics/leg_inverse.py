@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.kinematics.batches import Array, finite_vectors
+from drake_leg.kinematics.batches import Array, finite_vectors, one_vector
 from drake_leg.kinematics.leg import LegGeometry
 
 BRANCHES = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # facing, bend
@@ -110,7 +110,9 @@ def branches(
         If ``p_BF`` has not three finite numbers.
     """
     found = []
-    for (facing, bend), q in zip(BRANCHES, branch_angles(leg, p_BF), strict=True):
+    for (facing, bend), q in zip(
+        BRANCHES, branch_angles(leg, one_vector("p_BF", p_BF, 3)), strict=True
+    ):
         reached = bool(np.isfinite(q).all())
         inside = limits is None or all(
             low <= angle <= high for angle, (low, high) in zip(q, limits, strict=True)
@@ -151,7 +153,7 @@ def inverse_kinematics(leg: LegGeometry, p_BF: ArrayLike, like: ArrayLike) -> Ar
     InvalidValueError
         If a shape is wrong or a value is not finite.
     """
-    near = finite_vectors("like", like, 3)
+    near = one_vector("like", like, 3)
     reach = leg.l1 + leg.l2 * math.cos(near[1]) + leg.l3 * math.cos(near[1] + near[2])
     branch = (1 if reach >= 0.0 else -1, 1 if math.sin(near[2]) >= 0.0 else -1)
     q = branch_angles(leg, p_BF)[..., BRANCHES.index(branch), :]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, assemble, finite_vectors, split
+from drake_leg.kinematics.batches import Array, assemble, finite_vectors, one_vector, split
 from drake_leg.kinematics.task import Task, task_from_jacobian
 from drake_leg.robot import Robot, require_positive
 from drake_leg.robots import SCARA_HEIGHT, SCARA_LOWEST
@@ -312,7 +312,7 @@ def inverse_kinematics(arm: ScaraGeometry, task: ArrayLike, like: ArrayLike) -> 
     InvalidValueError
         If a shape is wrong or a value is not finite.
     """
-    near = finite_vectors("like", like, 3)
+    near = one_vector("like", like, 3)
     q = branch_angles(arm, task)[..., 0 if np.sin(near[1]) >= 0.0 else 1, :]
     turn = 2.0 * np.pi
     nearest: Array = q + turn * np.round((near - q) / turn)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, finite_vectors
+from drake_leg.kinematics.batches import Array, one_vector
 from drake_leg.kinematics.khalil import foot_pose, jacobian, moving_rows
 from drake_leg.kinematics.leg import LegGeometry, foot_position
 from drake_leg.kinematics.scara import ScaraGeometry
@@ -61,7 +61,7 @@ def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
     InvalidValueError
         If a shape is wrong, a value is not finite, or the direction is zero.
     """
-    angles = finite_vectors("q", q, 3)
+    angles = one_vector("q", q, 3)
     d = _unit(direction)
     p = foot_position(leg, angles)
     reach = leg.l1 + leg.l2 * math.cos(angles[1]) + leg.l3 * math.cos(angles[1] + angles[2])
@@ -140,7 +140,7 @@ def scara_stroke(arm: ScaraGeometry, q: ArrayLike, direction: ArrayLike) -> Stro
     InvalidValueError
         If a shape is wrong, a value is not finite, or the direction is zero or not horizontal.
     """
-    angles = finite_vectors("q", q, 3)
+    angles = one_vector("q", q, 3)
     d = _unit(direction)
     if d[2] != 0.0:
         raise InvalidValueError(
@@ -194,7 +194,7 @@ def chain_stroke(rows: Sequence[Row], q: ArrayLike, direction: ArrayLike) -> Str
             f"the chain has {len(moving_rows(rows))} joints; a stroke needs exactly three"
         )
     d = _unit(direction)
-    posture = finite_vectors("q", q, 3)
+    posture = one_vector("q", q, 3)
     start = foot_pose(rows, posture)[:3, 3]
     size = sum(math.hypot(row.d, row.r) for row in rows) or 1.0
     way, step = 0.0, size / CHAIN_STEPS
@@ -247,7 +247,7 @@ def greatest_amplitude(stroke: Stroke, frequency: float) -> float:
 
 
 def _unit(direction: ArrayLike) -> Array:
-    d = finite_vectors("the direction", direction, 3)
+    d = one_vector("the direction", direction, 3)
     length = float(np.linalg.norm(d))
     if length == 0.0:
         raise InvalidValueError("the direction is zero; it must point somewhere, as 1,0,0")
