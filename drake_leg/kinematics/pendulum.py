@@ -7,6 +7,7 @@ q = pi/2; the swing angle from there is ``phi = q - pi/2``.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Self
@@ -15,11 +16,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from scipy.special import ellipj, ellipk
+from scipy.special import ellipj, ellipkm1
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import STANDARD_GRAVITY, Brick, Robot
+
+
+NEARLY_UPRIGHT = 1e-3  # [rad] from upright
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +62,7 @@ class PendulumModel:
         """
         segment = robot.segments[0]
         solid = segment.link.solid if segment.link else None
-        if solid is None or not isinstance(solid.shape, Brick):
+        if len(robot.moving) != 1 or solid is None or not isinstance(solid.shape, Brick):
             raise InvalidValueError(f"{robot.name!r} is no pendulum of one brick")
         brick = solid.shape
         mass = solid.density * brick.length * brick.width * brick.height
@@ -164,15 +168,16 @@ def exact_period(model: PendulumModel, q0: float) -> float | None:
     """
     if not _oscillates(model, q0):
         return None
-    k = math.sin(_swing(q0) / 2)
-    return 4.0 * float(ellipk(k**2)) / model.natural_frequency
+    k_prime = math.cos(_swing(q0) / 2)
+    return 4.0 * float(ellipkm1(k_prime**2)) / model.natural_frequency
 
 
 def exact_motion(model: PendulumModel, q0: float, time: ArrayLike) -> tuple[Array, Array]:
     """Angle and rate of the pendulum released at rest.
 
     Without damping and spring by Jacobi's elliptic functions,
-    ``sin(phi/2) = k cd(omega0 t, k)``; otherwise by an eighth-order integration of the closed
+    ``sin(phi/2) = k cd(omega0 t, k)``; otherwise, and where it starts so nearly upright that the
+    elliptic functions lose their digits, by an eighth-order integration of the closed
     equation of motion at a relative tolerance of 1e-12.
 
     Parameters
@@ -190,32 +195,53 @@ def exact_motion(model: PendulumModel, q0: float, time: ArrayLike) -> tuple[Arra
         [rad], [rad/s].
     """
     instants = np.asarray(time, dtype=np.float64)
+    phi0 = _swing(q0)
     if not _oscillates(model, q0):
         return _integrated_motion(model, q0, instants)
-    phi0 = _swing(q0)
+    if math.pi - abs(phi0) < NEARLY_UPRIGHT:
+        return _motion_from_upright(model, q0, instants)
     k, k_prime = math.sin(phi0 / 2), math.cos(phi0 / 2)
     sn, cn, dn, _ = ellipj(model.natural_frequency * instants, k**2)
-    phi = 2.0 * np.arcsin(k * cn / dn)
+    phi = 2.0 * np.arctan2(k * cn, k_prime)
     rate = -2.0 * k * k_prime * model.natural_frequency * sn / dn
     return q0 + (phi - phi0), rate
 
 
 def _integrated_motion(model: PendulumModel, q0: float, instants: Array) -> tuple[Array, Array]:
+    solution = _solution(model, q0, float(instants[-1]), tolerance=1e-13)
+    return solution(instants)
+
+
+def _motion_from_upright(model: PendulumModel, q0: float, instants: Array) -> tuple[Array, Array]:
+    """Integrate the first quarter of the swing alone, and mirror it."""
+    quarter = (exact_period(model, q0) or 0.0) / 4
+    phase = np.mod(instants, 4 * quarter)
+    back = np.where(phase > 2 * quarter, 4 * quarter - phase, phase)
+    folded = np.where(back > quarter, 2 * quarter - back, back)
+    phi0 = _swing(q0)
+    q, qdot = _solution(model, q0, quarter, tolerance=1e-9 * (math.pi - abs(phi0)))(folded)
+    phi = np.where(back > quarter, -1.0, 1.0) * (phi0 + (q - q0))
+    return q0 + (phi - phi0), np.where(phase > 2 * quarter, -1.0, 1.0) * qdot
+
+
+def _solution(
+    model: PendulumModel, q0: float, duration: float, tolerance: float
+) -> Callable[[Array], tuple[Array, Array]]:
     def derivatives(_time: float, state: Array) -> list[float]:
         return [state[1], float(acceleration(model, state[0], state[1]))]
 
-    if instants[-1] <= 0.0:
-        return np.full_like(instants, q0), np.zeros_like(instants)
-    solution = solve_ivp(
+    if duration <= 0.0:
+        return lambda time: (np.full_like(time, q0), np.zeros_like(time))
+    solved = solve_ivp(
         derivatives,
-        (0.0, float(instants[-1])),
+        (0.0, duration),
         [q0, 0.0],
         method="DOP853",
-        t_eval=instants,
+        dense_output=True,
         rtol=1e-12,
-        atol=1e-13,
+        atol=tolerance,
     )
-    return solution.y[0], solution.y[1]
+    return lambda time: tuple(solved.sol(time))
 
 
 def rest_angle(model: PendulumModel, q_end: float) -> float | None:
@@ -239,7 +265,7 @@ def rest_angle(model: PendulumModel, q_end: float) -> float | None:
     if model.damping == 0.0:
         return None
     if model.spring_stiffness == 0.0:
-        return q_end - _swing(q_end)
+        return q_end - _swing(q_end) if model.gravity_torque > 0.0 else q_end
 
     def torque(q: float) -> float:
         spring = model.spring_stiffness * (q - model.equilibrium_position)

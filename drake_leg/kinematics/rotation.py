@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array, assemble, finite_vectors
@@ -25,7 +26,7 @@ def rotation_matrices(quaternions: ArrayLike) -> Array:
     InvalidValueError
         If the last axis is not 4 long, or a value is not finite.
     """
-    w, x, y, z = finite_vectors("the quaternion", quaternions, 4).T
+    w, x, y, z = np.moveaxis(finite_vectors("the quaternion", quaternions, 4), -1, 0)
     return assemble(
         (
             (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
