@@ -22,7 +22,6 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import STANDARD_GRAVITY, Brick, Robot
 
-
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright
 
 
