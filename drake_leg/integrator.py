@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot import require_positive
 
+# Not among them: velocity_implicit_euler, which loses the states of Integrator blocks.
 INTEGRATORS = (
     "runge_kutta5",
     "runge_kutta3",
@@ -15,7 +16,6 @@ INTEGRATORS = (
     "explicit_euler",
     "semi_explicit_euler",
     "implicit_euler",
-    "velocity_implicit_euler",
     "radau1",
     "radau3",
 )
@@ -24,7 +24,6 @@ ERROR_CONTROLLED = (
     "runge_kutta3",
     "bogacki_shampine3",
     "implicit_euler",
-    "velocity_implicit_euler",
     "radau1",
     "radau3",
 )

@@ -31,10 +31,12 @@ from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 STEP_BUDGET = 2_000_000  # steps that one run may take
 SINGULAR_BELOW = 1e-5  # normalised determinant at which a run stops
-APPROACH = 0.05  # a step changes the determinant by about this part at most
-GROWTH = 1.1  # from one step to the next, at most
+APPROACH = 0.05  # part of the determinant that a step changes, at most
+LARGEST_TURN = 0.05  # [rad or m] of a joint in a step
+GROWTH = 1.2  # from one step to the next, at most
+SHRINK = 1.5  # from one trial to the next
 SMALLEST_STEP = 1e-11  # [s]
-RUNAWAY = 1e6  # [rad, rad/s, m, m/s]: no joint of these robots gets there but by instability
+RUNAWAY = 1e9  # [rad, rad/s, m, m/s]: no joint of these robots gets there but by instability
 
 Start = Callable[[Diagram, Context], None]
 Progress = Callable[[float], None]
@@ -130,6 +132,7 @@ def simulate(
         return EventStatus.DidNothing()
 
     simulator.Initialize()
+    integrator.set_maximum_step_size(watch.next_step(context))
     simulator.set_monitor(after_step)
     reason = None
     began = clock.perf_counter()
@@ -155,37 +158,32 @@ def simulate(
 class _Watch:
     """Keeps the steps fine near a singularity, and stops the run where it is met.
 
-    Near a zero of the determinant the joint rates change on the time scale
-    ``|det| / |d det/dt|``. Steps that are a fixed part of it, and that grow slowly, approach the
-    zero without ever jumping across, and pass close by it without losing the line.
+    The joints' rates and accelerations tell beforehand how far a step will change the
+    determinant. Steps that change it by a small part approach a zero without ever jumping
+    across, and pass close by it without losing the line.
     """
 
     def __init__(self, diagram: Diagram, context: Context, max_step: float) -> None:
         self._blocks = [s for s in diagram.GetSystems() if isinstance(s, InverseJacobian)]
+        self._signs = [1.0 for _ in self._blocks]
         self._max_step = max_step
         self._step = max_step
-        self._time = context.get_time()
-        self._determinants = [self._checked_determinant(block, context) for block in self._blocks]
-
-    @staticmethod
-    def _checked_determinant(block: InverseJacobian, root: Context) -> float:
-        context = block.GetMyContextFromRoot(root)
-        determinant = block.normalised_determinant(context)
-        if abs(determinant) <= SINGULAR_BELOW:
-            raise block.singular(context)
-        return determinant
+        for index, block in enumerate(self._blocks):
+            determinant = block.normalised_determinant(block.GetMyContextFromRoot(context))
+            self._signs[index] = math.copysign(1.0, determinant)
 
     def next_step(self, root: Context) -> float:
         step = min(GROWTH * self._step, self._max_step)
-        elapsed = root.get_time() - self._time
-        for index, block in enumerate(self._blocks):
-            before, now = self._determinants[index], self._checked_determinant(block, root)
-            if now * before < 0.0:
-                raise block.singular(block.GetMyContextFromRoot(root))
-            if now != before:
-                step = min(step, APPROACH * elapsed * abs(now) / abs(now - before))
-            self._determinants[index] = now
-        self._time = root.get_time()
+        for sign, block in zip(self._signs, self._blocks, strict=True):
+            context = block.GetMyContextFromRoot(root)
+            now = block.normalised_determinant(context)
+            if sign * now <= SINGULAR_BELOW:
+                raise block.singular(context)
+            while step > SMALLEST_STEP:
+                turn, drift = block.look_ahead(context, step)
+                if turn <= LARGEST_TURN and drift <= APPROACH:
+                    break
+                step /= SHRINK
         self._step = max(step, SMALLEST_STEP)
         return self._step
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.errors import SingularConfigurationError
@@ -46,7 +47,7 @@ class InverseJacobian(LeafSystem):
         self._a = self.DeclareVectorInputPort("a", n)
         q, v, a = self._q.ticket(), self._v.ticket(), self._a.ticket()
         self._qdot = self.DeclareVectorOutputPort("qdot", n, self._calc_qdot, {q, v})
-        self.DeclareVectorOutputPort("qddot", n, self._calc_qddot, {q, v, a})
+        self._qddot = self.DeclareVectorOutputPort("qddot", n, self._calc_qddot, {q, v, a})
         self._det_j = self.DeclareVectorOutputPort("det_j", 1, self._calc_det_j, {q})
 
     def normalised_determinant(self, context: Context) -> float:
@@ -63,6 +64,32 @@ class InverseJacobian(LeafSystem):
             Dimensionless.
         """
         return float(self._det_j.Eval(context)[0]) / self._task.determinant_scale
+
+    def look_ahead(self, context: Context, step: float) -> tuple[float, float]:
+        """Tell how far a step would go, from the joints' rates and, if ``a`` is wired, theirs.
+
+        The parts of rates and of accelerations are counted apart: they may cancel at the end of
+        the step, but not within it.
+
+        Parameters
+        ----------
+        context : Context
+            This system's own.
+        step : float
+            How far [s].
+
+        Returns
+        -------
+        float, float
+            Greatest change of a joint [rad or m], and of the determinant relative to its value.
+        """
+        q, changes = self._q.Eval(context), [step * self._qdot.Eval(context)]
+        if self._a.HasValue(context):
+            changes.append(0.5 * step**2 * self._qddot.Eval(context))
+        now = self._task.determinant(q)
+        drift = sum(abs(self._task.determinant(q + change) - now) for change in changes)
+        turn = sum(float(np.abs(change).max()) for change in changes)
+        return turn, drift / abs(now)
 
     def singular(self, context: Context) -> SingularConfigurationError:
         """Describe the present posture as singular.
