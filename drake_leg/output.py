@@ -39,8 +39,10 @@ def check_target(target: Path, *, overwrite: bool) -> None:
                 f"{target} holds something else than results of this program and is not "
                 "overwritten: choose another --out"
             )
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=target.parent):
+        if exists and Path.cwd().is_relative_to(target.resolve()):
+            raise OutputError(f"{target} is the folder that you are in: choose another --out")
+        existing = next(folder for folder in target.absolute().parents if folder.exists())
+        with tempfile.TemporaryDirectory(prefix=_scratch_prefix(target), dir=existing):
             pass
     except (OSError, ValueError) as error:
         raise _cannot_write(target, error) from error
@@ -68,7 +70,8 @@ def results_folder(target: Path) -> Iterator[Path]:
         If something cannot be written.
     """
     try:
-        scratch = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+        target.parent.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=_scratch_prefix(target), dir=target.parent))
     except OSError as error:
         raise _cannot_write(target, error) from error
     try:
@@ -98,15 +101,26 @@ def _put_in_place(scratch: Path, target: Path) -> None:
     if not target.exists():
         scratch.rename(target)
         return
-    old = Path(tempfile.mkdtemp(prefix=f".{target.name}.old.", dir=target.parent))
-    target.rename(old / "results")
+    old = Path(tempfile.mkdtemp(prefix=_scratch_prefix(target), dir=target.parent))
     try:
-        scratch.rename(target)
+        target.rename(old / "results")
+        _exchange(scratch, target, old / "results")
     except OSError:
-        (old / "results").rename(target)
         old.rmdir()
         raise
     shutil.rmtree(old, ignore_errors=True)
+
+
+def _exchange(scratch: Path, target: Path, old: Path) -> None:
+    try:
+        scratch.rename(target)
+    except OSError:
+        old.rename(target)
+        raise
+
+
+def _scratch_prefix(target: Path) -> str:
+    return f".{target.name[:40]}."
 
 
 def _umask() -> int:

@@ -113,11 +113,16 @@ def read_csv(path: Path) -> Recording:
     try:
         with path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise OutputError(f"{path} cannot be read: {error}") from error
     if not rows:
         raise OutputError(f"{path} is empty; a recording starts with a line of column names")
     header, body = rows[0], rows[1:]
+    for name in header:
+        if header.count(name) > 1:
+            raise OutputError(
+                f"{path} has {header.count(name)} columns {name!r}; names must differ"
+            )
     for number, row in enumerate(body, start=2):
         if len(row) != len(header):
             raise OutputError(

@@ -142,8 +142,8 @@ def simulate(
         reason = "interrupted"
     except (SingularConfigurationError, StepBudgetError, UnstableRunError) as error:
         reason = str(error)
-    except RuntimeError as error:
-        reason = f"the integrator gave up: {str(error).splitlines()[0]}"
+    except (RuntimeError, SystemExit) as error:
+        reason = f"the integrator gave up: {' '.join(str(error).split())}"
     wall_time = clock.perf_counter() - began
     times, scopes = _read_scopes(diagram, context)
     return Run(

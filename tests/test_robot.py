@@ -9,6 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.robot import (
+    LEAST,
+    MOST,
     Brick,
     Cylinder,
     Inertial,
@@ -127,9 +129,17 @@ def test_require_non_negative_names_quantity_value_and_unit(value):
 
 
 def test_the_bounds_themselves_are_allowed():
-    require_positive("the girth", 5e-324, "ell")
+    require_positive("the girth", LEAST, "ell")
+    require_positive("the girth", MOST, "ell")
     require_non_negative("the girth", 0.0, "ell")
     assert JointMechanics(damping=0.0, spring_stiffness=0.0).equilibrium_position == 0.0
+
+
+@pytest.mark.parametrize("value", [5e-324, LEAST / 2, MOST * 2, 1e300])
+def test_what_no_robot_has_is_refused(value):
+    for require in (require_positive, require_non_negative):
+        with pytest.raises(InvalidValueError, match=r"the girth is .* it must be in"):
+            require("the girth", value, "ell")
 
 
 def test_an_invalid_value_is_both_this_packages_error_and_a_value_error():

@@ -50,11 +50,9 @@ class HexabotLegConfig:
         foot_task(self.robot)
         if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
-        if not math.isfinite(self.amplitude):
-            raise InvalidValueError(f"the amplitude is {self.amplitude!r} m/s; it must be finite")
+        require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
-        if not (math.isfinite(self.gain) and self.gain != 0.0):
-            raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
+        require_positive("the size of the gain", abs(self.gain), "")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
 

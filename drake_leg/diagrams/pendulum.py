@@ -9,7 +9,6 @@ The mechanical blocks::
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -17,10 +16,9 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Demultiplexer
 
 from drake_leg.diagrams.mechanism import add_scope
-from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
-from drake_leg.robot import STANDARD_GRAVITY, Robot
+from drake_leg.robot import STANDARD_GRAVITY, Robot, require_angle
 from drake_leg.systems.energy_sensor import EnergySensor
 
 
@@ -34,8 +32,7 @@ class PendulumConfig:
 
     def __post_init__(self) -> None:
         PendulumModel.from_robot(self.robot)
-        if not math.isfinite(self.q0):
-            raise InvalidValueError(f"the state target is {self.q0!r}; it must be a finite angle")
+        require_angle("the state target", self.q0)
 
 
 def build(config: PendulumConfig) -> Diagram:

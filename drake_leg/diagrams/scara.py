@@ -49,8 +49,7 @@ class ScaraConfig:
         lift_position(ScaraGeometry.from_robot(self.robot), self.R)
         if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
-        if not math.isfinite(self.amplitude):
-            raise InvalidValueError(f"the amplitude is {self.amplitude!r} m/s; it must be finite")
+        require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")

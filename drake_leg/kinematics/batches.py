@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 Components = tuple[Sequence[Any], Callable[[Any], Any], Callable[[Any], Any]]
 
 BLOCK = 4096  # vectors evaluated at a time
+FLAT = 4e-16  # of the longest side squared: rounding of a flat triangle's sides
 
 
 def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
@@ -137,6 +138,38 @@ def assemble(entries: Any) -> Array:  # noqa: ANN401 - nested tuples of floats o
         for j, entry in enumerate(row):
             matrix[..., i, j] = entry
     return matrix if rows is entries else matrix[..., 0, :]
+
+
+def triangle_angle(a: float, b: float, c: Array) -> Array:
+    """Outer angle between two sides of a triangle whose third side is given.
+
+    ``tan^2(angle / 2) = ((a + b)^2 - c^2) / (c^2 - (a - b)^2)``, which keeps its digits where the
+    triangle is nearly flat. It is the bend of a two-link arm whose tip is ``c`` away: 0 where the
+    arm is stretched, pi where it is folded.
+
+    Parameters
+    ----------
+    a, b : float
+        The two sides [m].
+    c : (...) ndarray
+        The third side [m].
+
+    Returns
+    -------
+    (...) ndarray
+        In 0 ... pi [rad]; NaN where there is no such triangle, by more than rounding.
+    """
+    longest, shortest = a + b, abs(a - b)
+    outer, inner = (longest - c) * (longest + c), (c - shortest) * (c + shortest)
+    rounding = FLAT * longest**2
+    outer = np.where(np.abs(outer) <= rounding, 0.0, outer)
+    inner = np.where(np.abs(inner) <= rounding, 0.0, inner)
+    exists = (outer >= 0.0) & (inner >= 0.0)
+    return np.where(
+        exists,
+        2.0 * np.arctan2(np.sqrt(np.maximum(outer, 0.0)), np.sqrt(np.maximum(inner, 0.0))),
+        np.nan,
+    )
 
 
 def in_blocks(

@@ -362,6 +362,8 @@ def foot_rotation_angles(leg: LegGeometry, R_BF: ArrayLike) -> Array:
         If the last axis is not 3 long, or a value is not finite.
     """
     R = finite_vectors("R_BF", R_BF, 3)
+    if R.ndim < 2 or R.shape[-2] != 3:
+        raise InvalidValueError(f"R_BF has shape {R.shape}; it must end in 3, 3")
     s = leg.sign
     a = np.arctan2(s * R[..., 0, 2], -s * R[..., 1, 2])
     b = s * np.arccos(np.clip(R[..., 2, 2], -1.0, 1.0))

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.kinematics.batches import Array, finite_vectors, one_vector
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array, finite_vectors, one_vector, triangle_angle
 from drake_leg.kinematics.leg import LegGeometry
 
 BRANCHES = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # facing, bend
@@ -40,9 +41,7 @@ def branch_angles(leg: LegGeometry, p_BF: ArrayLike) -> Array:
 
     ``foot_position(leg, branch_angles(leg, p)[..., b, :]) == p`` wherever it is not NaN.
 
-    The ankle follows from the triangle of femur, tibia and the distance d from knee to foot,
-    ``tan^2(q3 / 2) = ((l2 + l3)^2 - d^2) / (d^2 - (l2 - l3)^2)``, which keeps its digits where
-    the leg is nearly stretched.
+    The ankle follows from the triangle of femur, tibia and the distance from knee to foot.
 
     Parameters
     ----------
@@ -71,14 +70,9 @@ def branch_angles(leg: LegGeometry, p_BF: ArrayLike) -> Array:
 def _solve(leg: LegGeometry, x: Array, y: Array, w: Array, facing: int, bend: int) -> Array:
     q1 = np.arctan2(facing * y, facing * x)
     u = facing * np.hypot(x, y) - leg.l1
-    d = np.hypot(u, w)
-    out = (leg.l2 + leg.l3 - d) * (leg.l2 + leg.l3 + d)
-    inn = (d - abs(leg.l2 - leg.l3)) * (d + abs(leg.l2 - leg.l3))
-    within = (out >= 0.0) & (inn >= 0.0)
-    out, inn = np.where(within, out, np.nan), np.where(within, inn, np.nan)
-    q3 = 2.0 * bend * np.arctan2(np.sqrt(out), np.sqrt(inn))
+    q3 = bend * triangle_angle(leg.l2, leg.l3, np.hypot(u, w))
     q2 = np.arctan2(w, u) - np.arctan2(leg.l3 * np.sin(q3), leg.l2 + leg.l3 * np.cos(q3))
-    q = np.stack([np.where(within, q1, np.nan), q2, q3], axis=-1)
+    q = np.stack([np.where(np.isnan(q3), np.nan, q1), q2, q3], axis=-1)
     wrapped: Array = math.pi - np.mod(math.pi - q, 2.0 * math.pi)
     return wrapped
 
@@ -107,8 +101,10 @@ def branches(
     Raises
     ------
     InvalidValueError
-        If ``p_BF`` has not three finite numbers.
+        If ``p_BF`` has not three finite numbers, or there are not three pairs of limits.
     """
+    if limits is not None and len(limits) != 3:
+        raise InvalidValueError(f"there are {len(limits)} pairs of limits; a leg has three joints")
     found = []
     for (facing, bend), q in zip(
         BRANCHES, branch_angles(leg, one_vector("p_BF", p_BF, 3)), strict=True

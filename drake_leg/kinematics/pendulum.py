@@ -20,7 +20,7 @@ from scipy.special import ellipj, ellipkm1
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import STANDARD_GRAVITY, Brick, Robot
+from drake_leg.robot import STANDARD_GRAVITY, Brick, Robot, require_non_negative, require_positive
 
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright
 
@@ -36,6 +36,13 @@ class PendulumModel:
     spring_stiffness: float = 0.0  # [N*m/rad]
     equilibrium_position: float = 0.0  # [rad]
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
+
+    def __post_init__(self) -> None:
+        for name, unit in (("mass", "kg"), ("length", "m")):
+            require_positive(f"the pendulum's {name}", getattr(self, name), unit)
+        require_non_negative("the damping", self.damping, "N*m*s/rad")
+        require_non_negative("the spring stiffness", self.spring_stiffness, "N*m/rad")
+        require_non_negative("gravity", self.gravity, "m/s^2")
 
     @classmethod
     def from_robot(cls, robot: Robot, gravity: float = STANDARD_GRAVITY) -> Self:
@@ -57,7 +64,7 @@ class PendulumModel:
         Raises
         ------
         InvalidValueError
-            If the robot's first link is no brick.
+            If the robot has not one joint and one brick.
         """
         segment = robot.segments[0]
         solid = segment.link.solid if segment.link else None

@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, assemble, finite_vectors, one_vector, split
+from drake_leg.kinematics.batches import (
+    Array,
+    assemble,
+    finite_vectors,
+    one_vector,
+    split,
+    triangle_angle,
+)
 from drake_leg.kinematics.task import Task, task_from_jacobian
 from drake_leg.robot import Robot, require_positive
 from drake_leg.robots import SCARA_HEIGHT, SCARA_LOWEST
@@ -277,12 +284,7 @@ def branch_angles(arm: ScaraGeometry, task: ArrayLike) -> Array:
     """
     goals = finite_vectors("task", task, 3)
     x, y, yaw = goals[..., 0], goals[..., 1], goals[..., 2]
-    d = np.hypot(x, y)
-    out = (arm.l1 + arm.l2 - d) * (arm.l1 + arm.l2 + d)
-    inn = (d - abs(arm.l1 - arm.l2)) * (d + abs(arm.l1 - arm.l2))
-    within = (out >= 0.0) & (inn >= 0.0)
-    out, inn = np.where(within, out, np.nan), np.where(within, inn, np.nan)
-    elbow = 2.0 * np.arctan2(np.sqrt(out), np.sqrt(inn))
+    elbow = triangle_angle(arm.l1, arm.l2, np.hypot(x, y))
     solutions = []
     for q2 in (elbow, -elbow):
         q1 = np.arctan2(y, x) - np.arctan2(arm.l2 * np.sin(q2), arm.l1 + arm.l2 * np.cos(q2))

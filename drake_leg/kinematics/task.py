@@ -29,7 +29,7 @@ class Task:
     determinant: Callable[[Floats], float]  # q -> det J
     rates: Callable[[Floats, Floats], Floats]  # q, v -> J^-1 v
     accelerations: Callable[[Floats, Floats, Floats], Floats]  # q, qdot, a -> J^-1 (a - Jdot qdot)
-    determinant_scale: float  # greatest determinant of any posture, in the same unit
+    determinant_scale: float  # bound of the determinant over all postures, in the same unit
     size: int = 3
 
 
@@ -48,7 +48,7 @@ def task_from_jacobian(
     bias : callable
         q, qdot -> dJ/dt @ qdot, (n,).
     determinant_scale : float
-        Greatest determinant of any posture, in its unit.
+        Bound of the determinant over all postures, in its unit.
 
     Returns
     -------

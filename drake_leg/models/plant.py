@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot import STANDARD_GRAVITY, Robot, require_non_negative
 
@@ -27,14 +28,18 @@ def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> Multibody
     Raises
     ------
     InvalidValueError
-        If gravity is negative or not finite.
+        If gravity is negative or not finite, or Drake refuses the model.
     """
     require_non_negative("gravity", gravity, "m/s^2")
     plant = MultibodyPlant(time_step=0.0)
     plant.set_name(robot.name)
     parser = Parser(plant)
     parser.SetStrictParsing()
-    parser.AddModelsFromString(sdf_text(robot), "sdf")
-    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
-    plant.Finalize()
+    try:
+        parser.AddModelsFromString(sdf_text(robot), "sdf")
+        plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
+        plant.Finalize()
+    except RuntimeError as error:
+        reason = " ".join(str(error).split())
+        raise InvalidValueError(f"Drake does not take the model {robot.name!r}: {reason}") from None
     return plant

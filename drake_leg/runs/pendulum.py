@@ -28,7 +28,7 @@ from drake_leg.simulation import Progress, Run, simulate
 LONGEST_STEP = 0.002  # [s]
 STEP_OF_SWING = 0.015  # greatest step times natural frequency
 STEP_OF_STIFFNESS = 0.1  # greatest step times the fastest rate of spring and damper
-AT_REST = 1e-3  # [rad/s], speed below which the last tenth of a run counts as rest
+AT_REST = 1e-3  # [rad/s], [rad/s^2], below which the last tenth of a run counts as rest
 
 
 def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> Outcome:
@@ -163,11 +163,13 @@ def _findings(
     model: PendulumModel, q0: float, run: Run, recording: Recording, exact_q: Array
 ) -> dict[str, Any]:
     q, qdot, energy = recording["q"], recording["qdot"], recording["energy"]
-    tail = np.abs(qdot[run.time >= 0.9 * run.time[-1]])
-    rested = model.damping > 0.0 and tail.max() < AT_REST
+    tail = run.time >= 0.9 * run.time[-1]
+    moves = max(np.abs(qdot[tail]).max(), np.abs(recording["qddot"][tail]).max())
+    rested = model.damping > 0.0 and moves < AT_REST
     period = exact_period(model, q0)
     conservative = model.damping == 0.0
-    drift = float(np.abs(energy - energy[0]).max() / model.gravity_torque)
+    scale = model.gravity_torque or 1.0
+    drift = float(np.abs(energy - energy[0]).max() / scale)
     return {
         "q0_rad": q0,
         "period_s": None if period is None else measured_period(recording),
