@@ -3,14 +3,38 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from drake_leg.errors import InvalidValueError
+from drake_leg.names import (
+    BASE,
+    BASE_WELD,
+    PLACES,
+    frame_name,
+    place_name,
+    require_name,
+    require_unique,
+)
 
 JointType = Literal["revolute", "prismatic", "fixed"]
 
+# What is smaller or larger than this in SI units is no robot; numbers beyond it end in an
+# overflow inside a parser or a solver.
+LEAST, MOST = 1e-30, 1e15
+LARGEST_ANGLE = 1e6  # [rad] or [m]
+
 STANDARD_GRAVITY = 9.80665  # [m/s^2], Simscape's default; Drake's own is 9.81
+
+# In N*m*s/rad; N*m/(deg/s) is Simscape's default.
+DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
+
+# Of the sum of the principal moments: how far rounding may take a plate off the triangle
+# inequality. SDF's parser allows no more.
+_MOMENT_ROUNDING = 1e-15
 
 
 def require_positive(what: str, value: float, unit: str) -> None:
@@ -22,7 +46,11 @@ def require_positive(what: str, value: float, unit: str) -> None:
         Naming the quantity, the value and the unit.
     """
     if not (math.isfinite(value) and value > 0.0):
-        raise InvalidValueError(f"{what} is {value!r} {unit}; it must be a positive number")
+        raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be a positive number")
+    if not LEAST <= value <= MOST:
+        raise InvalidValueError(
+            f"{what} is {float(value)!r} {unit}; it must be in {LEAST:g} ... {MOST:g} {unit}"
+        )
 
 
 def require_non_negative(what: str, value: float, unit: str) -> None:
@@ -34,7 +62,25 @@ def require_non_negative(what: str, value: float, unit: str) -> None:
         Naming the quantity, the value and the unit.
     """
     if not (math.isfinite(value) and value >= 0.0):
-        raise InvalidValueError(f"{what} is {value!r} {unit}; it must be zero or positive")
+        raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be zero or positive")
+    if value:
+        require_positive(what, value, unit)
+
+
+def require_angle(what: str, value: float) -> None:
+    """Refuse a joint position that is not finite or beyond any robot's.
+
+    Raises
+    ------
+    InvalidValueError
+        Naming the quantity and the value.
+    """
+    if not math.isfinite(value):
+        raise InvalidValueError(f"{what} is {float(value)!r}; it must be a finite angle")
+    if abs(value) > LARGEST_ANGLE:
+        raise InvalidValueError(
+            f"{what} is {float(value)!r} rad; it must be at most {LARGEST_ANGLE:g} rad"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,33 +166,110 @@ class Solid:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Inertial:
+    """Mass properties said outright, where they do not follow from a homogeneous solid.
+
+    The inertia matrix is about the centre of mass, along the axes of the link's frame; its
+    products are the entries of the matrix, as in SDF.
+    """
+
+    mass: float  # [kg]
+    centre: tuple[float, float, float]  # [m], p_LC: centre of mass in the link's frame
+    moments: tuple[float, float, float]  # [kg*m^2], Ixx, Iyy, Izz
+    products: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [kg*m^2], Ixy, Ixz, Iyz
+
+    def __post_init__(self) -> None:
+        require_positive("the mass", self.mass, "kg")
+        if not all(map(math.isfinite, (*self.centre, *self.moments, *self.products))):
+            raise InvalidValueError(f"{self} has a value that is not finite")
+        small, middle, great = self.principal_moments()
+        shown = ", ".join(f"{moment:.6g}" for moment in (small, middle, great))
+        if small <= 0.0:
+            raise InvalidValueError(
+                f"the inertia has the principal moments {shown} kg*m^2; all of them must be "
+                "positive"
+            )
+        if small + middle < great - _MOMENT_ROUNDING * (small + middle + great):
+            raise InvalidValueError(
+                f"the inertia has the principal moments {shown} kg*m^2; no body has one that is "
+                "greater than the other two together"
+            )
+
+    def principal_moments(self) -> tuple[float, float, float]:
+        """Moments about the principal axes of inertia.
+
+        Returns
+        -------
+        (3,) tuple of float
+            The smallest first [kg*m^2].
+        """
+        (xx, yy, zz), (xy, xz, yz) = self.moments, self.products
+        small, middle, great = (
+            sorted(self.moments)
+            if not any(self.products)
+            else np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).tolist()
+        )
+        return small, middle, great
+
+
+@dataclass(frozen=True, kw_only=True)
 class Link:
     """A rigid body whose frame is the DH frame of its row.
 
-    ``solid`` None is a body without mass of its own, allowed between two joints.
+    Its mass follows from ``solid``; where ``inertial`` is given, that acts, and the solid is only
+    seen. With neither it is a body without mass, allowed between two joints.
     """
 
     name: str
     solid: Solid | None = None
+    inertial: Inertial | None = None
     end: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m], p_LE: end of the link in its frame
+
+    @property
+    def centre_of_mass(self) -> tuple[float, float, float]:
+        """Centre of mass in the link's frame, p_LC [m]; the origin where there is no mass."""
+        body = self.inertial or self.solid
+        return body.centre if body else (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class JointMechanics:
-    """What acts at a joint, under Simscape's names (internal mechanics and actuation)."""
+    """What acts at a joint, under Simscape's names (internal mechanics, actuation, limits)."""
 
     damping: float = 0.0  # [N*m*s/rad] or [N*s/m]
     spring_stiffness: float = 0.0  # [N*m/rad] or [N/m]
     equilibrium_position: float = 0.0  # [rad] or [m], where the spring is at rest
     actuated: bool = True
+    lower: float | None = None  # [rad] or [m], least position; None: no limit
+    upper: float | None = None  # [rad] or [m], greatest position
+    velocity: float | None = None  # [rad/s] or [m/s], greatest speed
+    effort: float | None = None  # [N*m] or [N], greatest torque or force of the actuator
 
     def __post_init__(self) -> None:
         require_non_negative("the damping", self.damping, "N*m*s/rad")
         require_non_negative("the spring stiffness", self.spring_stiffness, "N*m/rad")
-        if not math.isfinite(self.equilibrium_position):
+        require_angle("the spring's equilibrium position", self.equilibrium_position)
+        self._check_limits()
+
+    def _check_limits(self) -> None:
+        for name, limit in (("lower", self.lower), ("upper", self.upper)):
+            if limit is not None and not math.isfinite(limit):
+                raise InvalidValueError(
+                    f"the {name} limit is {limit!r}; it must be finite, or left out"
+                )
+        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
             raise InvalidValueError(
-                f"the spring's equilibrium position is {self.equilibrium_position!r}; "
-                "it must be a finite angle"
+                f"the lower limit is {self.lower:.9g} and the upper one {self.upper:.9g}; the "
+                "lower one must be less, and a joint that cannot move is a fixed row"
+            )
+        if self.velocity is not None:
+            require_positive("the velocity limit", self.velocity, "rad/s")
+        if self.effort is not None:
+            require_positive("the effort limit", self.effort, "N*m")
+        if self.effort is not None and not self.actuated:
+            raise InvalidValueError(
+                f"the effort limit is {self.effort!r} N*m at a joint that is not actuated; "
+                "leave out one of the two"
             )
 
 
@@ -166,6 +289,10 @@ class Segment:
             )
         if self.link is None and self.row.joint != "fixed":
             raise InvalidValueError(f"a {self.row.joint} row has no link; only a fixed row may")
+        if self.row.joint == "fixed" and self.mechanics != JointMechanics():
+            raise InvalidValueError(
+                "a fixed row has joint mechanics or limits; only a row that moves may"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,6 +303,37 @@ class Robot:
     title: str  # as in headings: Hexabot leg B
     source: str  # report and table
     segments: tuple[Segment, ...]
+
+    def __post_init__(self) -> None:
+        require_name("the robot's name", self.name)
+        for index, segment in enumerate(self.segments, start=1):
+            if segment.link is not None and segment.joint is not None:
+                require_name(f"the link of row {index}", segment.link.name)
+                require_name(f"the joint of row {index}", segment.joint)
+        require_unique(self._names())
+        if not self.moving:
+            raise InvalidValueError(
+                f"the robot {self.name!r} has no row that moves; at least one must be revolute "
+                "or prismatic"
+            )
+
+    def _names(self) -> Iterator[tuple[str, str]]:
+        """List all names of links, joints and frames in its model, with what they name."""
+        yield BASE, "the base"
+        yield BASE_WELD, "the base's weld"
+        yield frame_name(0), "the base's frame"
+        for index, segment in enumerate(self.segments, start=1):
+            if segment.link is not None and segment.joint is not None:
+                yield segment.link.name, f"the link of row {index}"
+                yield segment.joint, f"the joint of row {index}"
+            yield frame_name(index), f"the frame of row {index}"
+        for index, segment in enumerate(self.segments, start=1):
+            if segment.link is not None:
+                for place in PLACES:
+                    yield (
+                        place_name(segment.link.name, place),
+                        f"a frame on the link of row {index}",
+                    )
 
     @property
     def rows(self) -> tuple[Row, ...]:

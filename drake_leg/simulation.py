@@ -93,7 +93,8 @@ def simulate(
     Raises
     ------
     InvalidValueError
-        If the duration is not positive, or needs more steps than the budget.
+        If the duration is not positive, or needs more steps than the budget, or if Drake refuses
+        the initial state.
     SingularConfigurationError
         If the robot is singular at the start.
     """
@@ -113,7 +114,7 @@ def simulate(
     else:
         integrator.set_target_accuracy(settings.accuracy)
         context.DisableCaching()
-    start(diagram, context)
+    _start(start, diagram, context)
 
     watch = _Watch(diagram, context, settings.max_step)
     steps = 0
@@ -153,6 +154,18 @@ def simulate(
         stop_reason=reason,
         wall_time=wall_time,
     )
+
+
+def _start(start: Start, diagram: Diagram, context: Context) -> None:
+    """Set the initial state, and see that the motion has a beginning."""
+    try:
+        start(diagram, context)
+        diagram.EvalTimeDerivatives(context)
+    except (RuntimeError, SystemExit) as error:
+        reason = " ".join(str(error).split())
+        raise InvalidValueError(
+            f"the simulation cannot start from these numbers: Drake says {reason}"
+        ) from None
 
 
 class _Watch:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import io
 import re
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from drake_leg.cli import doctor, listing, report, run
+from drake_leg.cli import check, derive, doctor, errata, listing, report, run, sdf
 from drake_leg.cli.common import BAD_INPUT, INTERRUPTED, STOPPED_EARLY, fail
 from drake_leg.errors import DrakeLegError, SingularConfigurationError
 
-COMMANDS = (listing, run, report, doctor)
+COMMANDS = (listing, run, report, derive, errata, doctor, sdf, check)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -36,6 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit status.
     """
     words = sys.argv[1:] if arguments is None else list(arguments)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     parser = _build_parser()
     chosen = parser.parse_args(_join_negative_values(words))
     try:
@@ -69,8 +73,8 @@ def _build_parser() -> argparse.ArgumentParser:
         prog="drake-leg",
         description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
         "from their Khalil tables to simulated, compared and plotted runs.",
-        epilog="Exit status: 0 all well, 2 bad input, 3 a run stopped before its end, "
-        "130 interrupted.",
+        epilog="COMMAND --help tells every option with its unit and its default. Exit status: "
+        "0 all well, 2 bad input, 3 a run stopped before its end, 130 interrupted.",
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:

@@ -91,10 +91,9 @@ def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
 
 
 def _metavar(field: dataclasses.Field[Any]) -> str:
-    kind = str(field.type)
-    if kind.startswith("list"):
+    if typing.get_origin(field.type) is list:
         return "X,Y,Z"
-    return "TEXT" if kind == "str" else "X"
+    return "TEXT" if field.type is str else "X"
 
 
 def _run(chosen: argparse.Namespace) -> int:
@@ -161,15 +160,39 @@ def _from_file(kind: RunKind, name: str, path: Path) -> RunOptions:
 
     keys = ", ".join(field.name for field in dataclasses.fields(kind.options))
     try:
-        text = path.read_text(encoding="utf-8")
+        text = _with_lists(kind, path.read_text(encoding="utf-8"))
         options: RunOptions = yaml_load_typed(
             schema=kind.options, data=text, defaults=kind.options()
         )
     except (OSError, UnicodeDecodeError) as error:
         raise InvalidValueError(f"the config {path} cannot be read: {error}") from None
-    except (RuntimeError, ValueError, TypeError, YAMLError) as error:
+    except (
+        RuntimeError,
+        ValueError,
+        TypeError,
+        AttributeError,
+        AssertionError,
+        YAMLError,
+    ) as error:
         reason = " ".join(str(error).split())
         raise InvalidValueError(
             f"the config {path} is no good: {reason}; the keys of {name} are {keys}"
         ) from None
     return options
+
+
+def _with_lists(kind: RunKind, text: str) -> str:
+    """Make a lone number a list where a list is meant; a text there would be taken apart."""
+    from yaml import safe_dump, safe_load
+
+    content = safe_load(text)
+    if not isinstance(content, dict):
+        return text
+    hints = typing.get_type_hints(kind.options)
+    for name, value in content.items():
+        if typing.get_origin(hints.get(name)) is not list or isinstance(value, list):
+            continue
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueError(f"{name} is {value!r}; write a list of numbers, as [90, -50, -90]")
+        content[name] = [value]
+    return str(safe_dump(content))

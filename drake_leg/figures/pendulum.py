@@ -31,6 +31,9 @@ def angle(recording: Recording, title: str, rest: float | None = None) -> Figure
     )
     if rest is not None:
         axes = figure.axes[0]
+        low, high = axes.get_ylim()
+        margin = 0.05 * max(high, rest) - 0.05 * min(low, rest)
+        axes.set_ylim(min(low, rest - margin), max(high, rest + margin))
         axes.axhline(rest, color=GREY, linestyle=":", linewidth=1.2)
         axes.annotate(
             f"rest at {rest:.4f} rad = {np.degrees(rest):.2f} deg",

@@ -7,28 +7,32 @@ Every link's frame is the DH frame of its row. Beside it stand the frames ``fram
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.models.solids import mass_properties
+from drake_leg.names import BASE, BASE_WELD, PLACES, frame_name, place_name
 from drake_leg.robot import Brick, Cylinder, JointMechanics, Link, Robot, Row, Segment, Shape
 
 PACKAGE = "drake_leg"
-BASE = "base"
 CENTRED = (0.0, 0.0, 0.0)
+STEEP = 0.99  # sine of the pitch beyond which roll, pitch, yaw lose digits
 
 
-def sdf_text(robot: Robot) -> str:
+def sdf_text(robot: Robot, *, origin: str = "drake_leg.robots") -> str:
     """Write a robot as an SDF document.
 
     Parameters
     ----------
     robot : Robot
         Rows, links, solids, joint mechanics.
+    origin : str
+        What the document says that it is generated from.
 
     Returns
     -------
@@ -36,18 +40,20 @@ def sdf_text(robot: Robot) -> str:
         An SDF 1.9 document with one model, its base welded to the world.
     """
     sdf = ET.Element("sdf", version="1.9")
-    sdf.append(ET.Comment(f" {robot.title} ({robot.source}). Generated from drake_leg.robots. "))
+    about = f"{robot.title} ({robot.source}). Generated from {origin}."
+    sdf.append(ET.Comment(_comment(about)))
     model = ET.SubElement(sdf, "model", name=robot.name)
     _add_base(model)
-    parent = BASE
+    parent = before = BASE  # the link that carries the next joint, and the frame of the row before
     for index, segment in enumerate(robot.segments, start=1):
         if segment.link is None:
-            _add_frame(model, f"frame_{index}", parent, _pose_of(segment.row))
+            _add_frame(model, frame_name(index), before, segment.row)
+            before = frame_name(index)
             continue
-        model.append(ET.Comment(f" Row {index}: {_row_text(segment.row)} "))
-        _add_link(model, segment.link, segment.row, parent, index)
+        model.append(ET.Comment(_comment(f"Row {index}: {_row_text(segment.row)}")))
+        _add_link(model, segment.link, segment.row, before, index)
         _add_joint(model, segment, parent)
-        parent = segment.link.name
+        parent = before = segment.link.name
     ET.indent(sdf)
     return '<?xml version="1.0"?>\n' + ET.tostring(sdf, encoding="unicode") + "\n"
 
@@ -91,72 +97,101 @@ def _row_text(row: Row) -> str:
     return f"sigma={sigma}, d={row.d:g} m, {angles}, theta={math.degrees(row.theta):g} deg"
 
 
-def _pose_of(row: Row) -> tuple[float, ...]:
-    """Return x, y, z [m] and roll, pitch, yaw [rad] of a row's frame at joint position 0."""
+def _comment(text: str) -> str:
+    """Make the text of an XML comment, in which two hyphens may not meet."""
+    return f" {re.sub('-(?=-)', '- ', text)} "
+
+
+def _set_pose(pose: ET.Element, row: Row) -> None:
+    """Write the pose of a row's frame at joint position 0: x, y, z [m] and its rotation.
+
+    The rotation is roll, pitch, yaw [rad], or a quaternion where these lose digits: near a pitch
+    of 90 degrees.
+    """
     X_PC = row_transform(row)
-    x, y, z = X_PC[:3, 3]
-    snapped = np.where(np.abs(X_PC[:3, :3]) < 1e-15, 0.0, X_PC[:3, :3])
-    roll, pitch, yaw = Rotation.from_matrix(snapped).as_euler("xyz")
-    cleaned = (0.0 if abs(value) < 1e-15 else float(value) for value in (x, y, z))
-    return (*cleaned, float(roll), float(pitch), float(yaw))
+    position = [0.0 if abs(value) < 1e-15 else float(value) for value in X_PC[:3, 3]]
+    R_PC = np.where(np.abs(X_PC[:3, :3]) < 1e-15, 0.0, X_PC[:3, :3])
+    if abs(R_PC[2, 0]) < STEEP:
+        angles = Rotation.from_matrix(R_PC).as_euler("xyz")
+        pose.text = _numbers((*position, *angles))
+    else:
+        pose.set("rotation_format", "quat_xyzw")
+        about_x, about_z = Rotation.from_euler("x", row.alpha), Rotation.from_euler("z", row.theta)
+        pose.text = _numbers((*position, *(about_x * about_z).as_quat()))
 
 
 def _add_text(parent: ET.Element, tag: str, text: str) -> None:
     ET.SubElement(parent, tag).text = text
 
 
-def _add_frame(model: ET.Element, name: str, link: str, pose: Sequence[float] = (0.0,) * 6) -> None:
-    frame = ET.SubElement(model, "frame", name=name, attached_to=link)
-    if any(pose):
-        _add_text(frame, "pose", _numbers(pose))
+def _add_frame(model: ET.Element, name: str, parent: str, row: Row | None = None) -> None:
+    """Add a frame on a link or on another frame, at the place of a fixed row's frame."""
+    frame = ET.SubElement(model, "frame", name=name, attached_to=parent)
+    if row is not None:
+        _set_pose(ET.SubElement(frame, "pose"), row)
+
+
+def _add_place(model: ET.Element, link: str, place: str, position: Sequence[float]) -> None:
+    frame = ET.SubElement(model, "frame", name=place_name(link, place), attached_to=link)
+    if any(position):
+        _add_text(frame, "pose", _numbers((*position, 0.0, 0.0, 0.0)))
 
 
 def _add_base(model: ET.Element) -> None:
     model.append(ET.Comment(" Welded to the world: the inertia of the base never acts. "))
     link = ET.SubElement(model, "link", name=BASE)
     _add_inertial(link, CENTRED, 1.0, (1.0, 1.0, 1.0))
-    joint = ET.SubElement(model, "joint", name=f"{BASE}_weld", type="fixed")
+    joint = ET.SubElement(model, "joint", name=BASE_WELD, type="fixed")
     _add_text(joint, "parent", "world")
     _add_text(joint, "child", BASE)
-    _add_frame(model, "frame_0", BASE)
+    _add_frame(model, frame_name(0), BASE)
 
 
-def _add_link(model: ET.Element, link: Link, row: Row, parent: str, index: int) -> None:
+def _add_link(model: ET.Element, link: Link, row: Row, before: str, index: int) -> None:
     element = ET.SubElement(model, "link", name=link.name)
-    pose = ET.SubElement(element, "pose", relative_to=parent)
-    pose.text = _numbers(_pose_of(row))
+    _set_pose(ET.SubElement(element, "pose", relative_to=before), row)
+    _add_mass(element, link)
     solid = link.solid
-    if solid is None:
-        _add_inertial(element, CENTRED, 0.0, CENTRED)
-    else:
-        properties = mass_properties(solid)
-        _add_inertial(element, solid.centre, properties.mass, properties.moments)
+    if solid is not None:
         visual = ET.SubElement(element, "visual", name=f"{link.name}_visual")
         _add_text(visual, "pose", _numbers((*solid.centre, 0.0, 0.0, 0.0)))
         _add_geometry(visual, solid.shape)
         material = ET.SubElement(visual, "material")
         _add_text(material, "diffuse", _numbers((*solid.colour, 1.0)))
-    _add_frame(model, f"frame_{index}", link.name)
-    for place, position in (
-        ("base", CENTRED),
-        ("cog", solid.centre if solid else CENTRED),
-        ("end", link.end),
-    ):
-        _add_frame(model, f"{link.name}_{place}", link.name, (*position, 0.0, 0.0, 0.0))
+    _add_frame(model, frame_name(index), link.name)
+    for place, position in zip(PLACES, (CENTRED, link.centre_of_mass, link.end), strict=True):
+        _add_place(model, link.name, place, position)
+
+
+def _add_mass(element: ET.Element, link: Link) -> None:
+    body, solid = link.inertial, link.solid
+    if body is not None:
+        _add_inertial(element, body.centre, body.mass, body.moments, body.products, show=_number)
+    elif solid is not None:
+        properties = mass_properties(solid)
+        _add_inertial(element, solid.centre, properties.mass, properties.moments)
+    else:
+        _add_inertial(element, CENTRED, 0.0, CENTRED)
 
 
 def _add_inertial(
-    link: ET.Element, centre: Sequence[float], mass: float, moments: Sequence[float]
+    link: ET.Element,
+    centre: Sequence[float],
+    mass: float,
+    moments: Sequence[float],
+    products: Sequence[float] = CENTRED,
+    *,
+    show: Callable[[float], str] = _quantity,
 ) -> None:
     inertial = ET.SubElement(link, "inertial")
     if any(centre):
         _add_text(inertial, "pose", _numbers((*centre, 0.0, 0.0, 0.0)))
-    _add_text(inertial, "mass", _quantity(mass))
+    _add_text(inertial, "mass", show(mass))
     inertia = ET.SubElement(inertial, "inertia")
     for tag, value in zip(("ixx", "iyy", "izz"), moments, strict=True):
-        _add_text(inertia, tag, _quantity(value))
-    for tag in ("ixy", "ixz", "iyz"):
-        _add_text(inertia, tag, "0")
+        _add_text(inertia, tag, show(value))
+    for tag, value in zip(("ixy", "ixz", "iyz"), products, strict=True):
+        _add_text(inertia, tag, show(value))
 
 
 def _add_geometry(visual: ET.Element, shape: Shape) -> None:
@@ -186,11 +221,25 @@ def _add_joint(model: ET.Element, segment: Segment, parent: str) -> None:
 def _add_axis(joint: ET.Element, mechanics: JointMechanics) -> None:
     axis = ET.SubElement(joint, "axis")
     _add_text(axis, "xyz", "0 0 1")
-    if not mechanics.actuated:
-        limit = ET.SubElement(axis, "limit")
-        _add_text(limit, "effort", "0")
+    _add_limits(axis, mechanics)
     dynamics = ET.SubElement(axis, "dynamics")
     _add_text(dynamics, "damping", _number(mechanics.damping))
     if mechanics.spring_stiffness:
         _add_text(dynamics, "spring_reference", _number(mechanics.equilibrium_position))
         _add_text(dynamics, "spring_stiffness", _number(mechanics.spring_stiffness))
+
+
+def _add_limits(axis: ET.Element, mechanics: JointMechanics) -> None:
+    """Add the limits that there are; an effort of 0 makes a joint without actuator."""
+    limits = {
+        "lower": mechanics.lower,
+        "upper": mechanics.upper,
+        "effort": mechanics.effort if mechanics.actuated else 0.0,
+        "velocity": mechanics.velocity,
+    }
+    if all(value is None for value in limits.values()):
+        return
+    limit = ET.SubElement(axis, "limit")
+    for tag, value in limits.items():
+        if value is not None:
+            _add_text(limit, tag, _number(value))

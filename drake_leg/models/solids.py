@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from drake_leg.robot import Brick, Cylinder, Shape, Solid
+from drake_leg.robot import Brick, Cylinder, Shape, Solid, require_positive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +51,11 @@ def mass_properties(solid: Solid) -> MassProperties:
     -------
     MassProperties
         [kg], [kg*m^2].
+
+    Raises
+    ------
+    InvalidValueError
+        If the solid is so small or so large that its mass or a moment has no number.
     """
     shape = solid.shape
     mass = solid.density * volume(shape)
@@ -63,6 +68,9 @@ def mass_properties(solid: Solid) -> MassProperties:
     else:
         about = 2 / 5 * shape.radius**2
         per_mass = (about, about, about)
+    require_positive("the mass of a solid", mass, "kg")
+    for moment in per_mass:
+        require_positive("a moment of inertia of a solid", mass * moment, "kg*m^2")
     return MassProperties(
         mass=mass, moments=(mass * per_mass[0], mass * per_mass[1], mass * per_mass[2])
     )

@@ -1,9 +1,8 @@
 """What a person may change of a run, in a person's units and under the command line's names.
 
-One dataclass a family of runs; a YAML file has the same keys.
+One dataclass a family of runs; a YAML file has the same keys. Drake's YAML loader reads the
+annotations of the fields as types, so that they must not be postponed to strings here.
 """
-
-from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
