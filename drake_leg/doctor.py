@@ -21,7 +21,7 @@ from drake_leg.kinematics.stroke import (
     leg_stroke,
     scara_stroke,
 )
-from drake_leg.robot import Robot, require_positive
+from drake_leg.robot import Robot, Segment, require_positive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,11 +137,21 @@ def _degrees(q: Sequence[float] | None) -> list[float] | None:
     return None if q is None else [math.degrees(angle) for angle in q]
 
 
+def _limits(segment: Segment) -> tuple[float, float]:
+    lower, upper = segment.mechanics.lower, segment.mechanics.upper
+    return (-math.inf if lower is None else lower, math.inf if upper is None else upper)
+
+
+def _inside(q: Sequence[float], limits: Sequence[tuple[float, float]]) -> bool:
+    return all(low <= angle <= high for angle, (low, high) in zip(q, limits, strict=True))
+
+
 class _Leg:
     """The hexabot's leg, in closed form."""
 
     def __init__(self, robot: Robot) -> None:
         self._leg = LegGeometry.from_robot(robot)
+        self._limits = [_limits(segment) for segment in robot.moving]
 
     def jacobian(self, q: Sequence[float]) -> Array:
         return foot_jacobian(self._leg, q)
@@ -169,7 +179,7 @@ class _Leg:
     def solutions(self, _q: Sequence[float], foot: Sequence[float]) -> tuple[Solution, ...]:
         return tuple(
             Solution(name=branch.name, q=branch.q, within_limits=branch.within_limits)
-            for branch in branches(self._leg, foot)
+            for branch in branches(self._leg, foot, self._limits)
         )
 
 
@@ -178,6 +188,7 @@ class _Scara:
 
     def __init__(self, robot: Robot) -> None:
         self._arm = ScaraGeometry.from_robot(robot)
+        self._limits = [_limits(segment) for segment in robot.moving[:3]]
 
     def jacobian(self, q: Sequence[float]) -> Array:
         return task_jacobian(self._arm, q)[:2, :2]
@@ -195,7 +206,7 @@ class _Scara:
         names = ("elbow left", "elbow right")
         angles = branch_angles(self._arm, [foot[0], foot[1], sum(q[:3])])
         return tuple(
-            Solution(name=name, q=tuple(q), within_limits=True)
+            Solution(name=name, q=tuple(q), within_limits=_inside(q, self._limits))
             if all(map(math.isfinite, q))
             else Solution(name=name, q=None, within_limits=False)
             for name, q in zip(names, angles.tolist(), strict=True)

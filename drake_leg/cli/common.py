@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot import Robot
 from drake_leg.robots import ROBOTS
 
 BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 2, 3, 130
@@ -88,39 +87,3 @@ def numbers(option: str, text: str, count: int | None = None) -> list[float]:
             f"{option} is {text!r}; it takes {count} number{'s' * (count > 1)}, not {len(values)}"
         )
     return values
-
-
-def add_robot(parser: argparse.ArgumentParser) -> None:
-    """Add the argument that names a robot.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of the command.
-    """
-    names = ", ".join(ROBOT_NAMES)
-    parser.add_argument("robot", metavar="NAME", help=f"one of {names}")
-
-
-def robot_named(name: str) -> Robot:
-    """Look a robot up.
-
-    Parameters
-    ----------
-    name : str
-        As on the command line.
-
-    Returns
-    -------
-    Robot
-
-    Raises
-    ------
-    InvalidValueError
-        If there is no such robot.
-    """
-    if name not in ROBOT_NAMES:
-        raise InvalidValueError(
-            f"there is no robot {name!r}; the robots are {', '.join(ROBOT_NAMES)}"
-        )
-    return ROBOT_NAMES[name]

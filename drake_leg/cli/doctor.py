@@ -6,7 +6,8 @@ import argparse
 import json
 import math
 
-from drake_leg.cli.common import Commands, add_robot, numbers, robot_named
+from drake_leg.cli.common import Commands, numbers
+from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.doctor import Diagnosis, examine_posture
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.stroke import Stroke
@@ -28,7 +29,7 @@ def add(commands: Commands) -> None:
         "manipulability, the singular family that is near, the lost direction, the stroke along "
         "a direction to the first singularity, and the greatest amplitude that stays inside.",
     )
-    add_robot(parser)
+    add_robot_source(parser)
     parser.add_argument(
         "--q", required=True, metavar="X,Y,Z", help="joint angles [deg]; a lift [m]"
     )
@@ -46,7 +47,7 @@ def add(commands: Commands) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
-    robot = robot_named(chosen.robot)
+    robot = robot_source(chosen.robot).robot()
     diagnosis = examine_posture(
         robot,
         _positions(robot, numbers("--q", chosen.q)),

@@ -11,11 +11,15 @@ from pathlib import Path
 from typing import Any
 
 from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail, numbers
+from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.output import check_target, results_folder
 from drake_leg.progress import ProgressBar
-from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
-from drake_leg.runs.options import RunOptions
+from drake_leg.runs.catalogue import RUNS, Progress, RunKind, run_kind
+from drake_leg.runs.options import RunOptions, StraightOptions
+
+if typing.TYPE_CHECKING:
+    from drake_leg.runs.outcome import Outcome
 
 
 def add(commands: Commands) -> None:
@@ -34,7 +38,12 @@ def add(commands: Commands) -> None:
         epilog="Lists are written with commas: --q0 -90,50,90. An option that a run does not "
         "have is refused.",
     )
-    parser.add_argument("name", metavar="NAME", help=f"one of {', '.join(RUNS)}")
+    parser.add_argument(
+        "name",
+        metavar="NAME",
+        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot with three joints, "
+        "which makes the straight step",
+    )
     add_output(parser)
     parser.add_argument(
         "--config",
@@ -55,6 +64,20 @@ def add(commands: Commands) -> None:
             f"({_defaults_text(fields)})".replace("%", "%%"),
         )
     parser.set_defaults(command=_run)
+
+
+def _kind(name: str) -> RunKind:
+    """Look a run up; a robot from a file makes the straight step."""
+    if not name.lower().endswith(".toml"):
+        return run_kind(name)
+    robot = robot_source(name).robot()
+
+    def step(options: StraightOptions, progress: Progress | None = None) -> Outcome:
+        from drake_leg.runs.leg import run_robot
+
+        return run_robot(robot, options, progress)
+
+    return RunKind(title=robot.title, shows="", options=StraightOptions, run=step)
 
 
 def _fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
@@ -97,7 +120,7 @@ def _metavar(field: dataclasses.Field[Any]) -> str:
 
 
 def _run(chosen: argparse.Namespace) -> int:
-    kind = run_kind(chosen.name)
+    kind = _kind(chosen.name)
     options = _options(kind, chosen)
     check_target(chosen.out, overwrite=chosen.overwrite)
     bar = ProgressBar(sys.stderr, chosen.name, max(options.duration, 1e-300), "s")
@@ -108,7 +131,7 @@ def _run(chosen: argparse.Namespace) -> int:
     from drake_leg.runs.files import write_outcome
 
     with results_folder(chosen.out) as folder:
-        write_outcome(folder, chosen.name, outcome)
+        write_outcome(folder, chosen.name, kind.title, outcome)
     summary = outcome.summary
     rows = f"{summary['rows']} rows, {summary['real_time_factor']:.0f} x real time"
     print(f"wrote {chosen.out}: {rows}{_quality(summary)}")

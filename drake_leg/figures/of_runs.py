@@ -8,6 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from drake_leg.figures import pendulum, tip
+from drake_leg.kinematics.leg import is_hexabot_leg
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
@@ -61,12 +62,21 @@ def _pendulum(title: str, robot: Robot, recording: Recording, summary: Mapping[s
 
 
 def _leg(title: str, robot: Robot, recording: Recording) -> Named:
+    angles, torques = f"{title}: joint angles", f"{title}: joint torques"
+    turning = {
+        number: str(segment.joint)
+        for number, segment in enumerate(robot.moving, start=1)
+        if segment.row.joint == "revolute"
+    }
     yield "step", lambda: tip.stroboscope(robot, recording, f"{title}: the first stroke")
     yield "foot_position", lambda: tip.position(recording, f"{title}: foot position")
     yield "foot_velocity", lambda: tip.velocity(recording, f"{title}: foot velocity")
-    yield "foot_rotation", lambda: tip.rotation(robot, recording, f"{title}: rotation of the foot")
-    yield "joint_angles", lambda: tip.joint_angles(recording, f"{title}: joint angles", LEG_JOINTS)
-    yield "joint_torques", lambda: tip.torques(recording, f"{title}: joint torques", LEG_JOINTS)
+    if is_hexabot_leg(robot):
+        rotation = f"{title}: rotation of the foot"
+        yield "foot_rotation", lambda: tip.rotation(robot, recording, rotation)
+    if turning:
+        yield "joint_angles", lambda: tip.joint_angles(recording, angles, turning)
+        yield "joint_torques", lambda: tip.torques(recording, torques, turning)
     yield "singularity", lambda: tip.singularity(recording, f"{title}: distance from singularity")
 
 

@@ -8,7 +8,7 @@ from functools import partial
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import jacobian, jacobian_rate_bias, moving_rows
-from drake_leg.kinematics.leg import LegGeometry, leg_task
+from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg, leg_task
 from drake_leg.kinematics.task import Floats, Task, task_from_jacobian
 from drake_leg.robot import Robot, Row
 
@@ -36,10 +36,9 @@ def foot_task(robot: Robot) -> Task:
         raise InvalidValueError(
             f"{robot.name!r} has {joints} joint positions; moving its foot takes exactly three"
         )
-    try:
+    if is_hexabot_leg(robot):
         return leg_task(LegGeometry.from_robot(robot))
-    except InvalidValueError:
-        return _chain_task(robot.rows)
+    return _chain_task(robot.rows)
 
 
 def _chain_task(rows: tuple[Row, ...]) -> Task:

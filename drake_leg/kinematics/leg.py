@@ -73,6 +73,25 @@ class LegGeometry:
         return cls(l1=rows[1].d, l2=rows[2].d, l3=rows[3].d, sign=sign)
 
 
+def is_hexabot_leg(robot: Robot) -> bool:
+    """Tell whether a robot has the table of the reports' leg, whatever its lengths.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any.
+
+    Returns
+    -------
+    bool
+    """
+    try:
+        LegGeometry.from_robot(robot)
+    except InvalidValueError:
+        return False
+    return True
+
+
 def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:
     """Position of the foot F in the base frame B.
 

@@ -17,7 +17,17 @@ from scipy.spatial.transform import Rotation
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.models.solids import mass_properties
 from drake_leg.names import BASE, BASE_WELD, PLACES, frame_name, place_name
-from drake_leg.robot import Brick, Cylinder, JointMechanics, Link, Robot, Row, Segment, Shape
+from drake_leg.robot import (
+    LEAST,
+    Brick,
+    Cylinder,
+    JointMechanics,
+    Link,
+    Robot,
+    Row,
+    Segment,
+    Shape,
+)
 
 PACKAGE = "drake_leg"
 CENTRED = (0.0, 0.0, 0.0)
@@ -80,7 +90,8 @@ def package_text() -> str:
 
 
 def _number(value: float) -> str:
-    return repr(0.0 if value == 0.0 else float(value)).removesuffix(".0")
+    # What is smaller than any part of a robot is nothing: parsers stumble over it.
+    return repr(0.0 if abs(value) < LEAST else float(value)).removesuffix(".0")
 
 
 def _quantity(value: float) -> str:

@@ -19,6 +19,7 @@ from drake_leg.report.content import (
     command,
     deviation,
 )
+from drake_leg.report.errata import errata_chapter
 from drake_leg.report.formulas import as_html
 from drake_leg.report.matrices import Comparison
 from drake_leg.report.style import STYLE_SHEET
@@ -59,6 +60,7 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> None:
                 body.append(_table_section(item))
             done += 1
             progress(done)
+    body.append(errata_chapter())
     page = _page(_overview(outcomes), "\n".join(body))
     (folder / "report.html").write_text(page, encoding="utf-8")
 
@@ -78,7 +80,8 @@ def _page(overview: str, body: str) -> str:
 <p>Two student reports modelled these robots with MATLAB, Simulink and Simscape Multibody. Here
 are their time plots, tables and matrices, simulated by Drake from SDF, in the reports' order.
 Each item says how far it is from the exact answer, and each plot which command reproduces it.
-Where a report is wrong in print, that is said.</p>
+Where a report is wrong in print, that is said there, and again in the <a href="#errata">list of
+errata</a> at the end.</p>
 <p>Report A: F. Olanrewaju, N. Jabeen, <cite>Modeling of a Simple Pendulum and a Hexabot Leg using
 MATLAB/Simulink</cite>. Report B: M. E. Deowan, T. M. Hossain, <cite>Geometric, Kinematic and
 Dynamical modeling of Robotic systems</cite>, Université de Toulon, 2023.</p>

@@ -34,6 +34,12 @@ th { color: var(--soft); font-weight: 600; font-size: .87em; }
 .matrix .proof { margin-left: auto; white-space: nowrap; }
 .correction { background: var(--note); border-left: 3px solid var(--note-line);
   border-radius: 4px; padding: .45rem .8rem; font-size: .93em; }
+.errata h3 { margin-top: 1.6rem; }
+.errata dl { display: grid; grid-template-columns: 4.5rem 1fr; gap: .2rem .6rem; margin: 0; }
+.errata dt { color: var(--soft); font-size: .87em; padding-top: .1rem; }
+.errata dd { margin: 0; overflow-wrap: anywhere; }
+.errata sub { line-height: 0; }
+@media (max-width: 34rem) { .errata dl { display: block; } .errata dd { margin-bottom: .4rem; } }
 footer { margin-top: 3rem; color: var(--soft); font-size: .87em; }
 @media print { main { max-width: none; padding: 0; } section { break-inside: avoid; }
   .wide { overflow: visible; } body { font-size: 11pt; } }

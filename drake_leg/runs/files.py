@@ -7,11 +7,10 @@ from pathlib import Path
 
 from drake_leg.figures.of_runs import figures_of_run
 from drake_leg.figures.style import save
-from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.outcome import Outcome
 
 
-def write_outcome(folder: Path, name: str, outcome: Outcome) -> None:
+def write_outcome(folder: Path, name: str, title: str, outcome: Outcome) -> None:
     """Write ``recording.csv``, ``summary.json`` and the run's figures.
 
     Parameters
@@ -20,6 +19,8 @@ def write_outcome(folder: Path, name: str, outcome: Outcome) -> None:
         Existing, to be written into.
     name : str
         Of the run, as on the command line.
+    title : str
+        Of the run, for the figures.
     outcome : Outcome
         What it left.
 
@@ -33,7 +34,6 @@ def write_outcome(folder: Path, name: str, outcome: Outcome) -> None:
     outcome.recording.write_csv(folder / "recording.csv")
     summary = json.dumps(outcome.summary, indent=2, allow_nan=False)
     (folder / "summary.json").write_text(summary + "\n", encoding="utf-8")
-    title = run_kind(name).title
     for file_name, draw in figures_of_run(
         name, title, outcome.robot, outcome.recording, outcome.summary
     ):

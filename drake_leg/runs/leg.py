@@ -8,11 +8,10 @@ import numpy as np
 
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import foot_pose, jacobian
-from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
 from drake_leg.kinematics.rates import smallest_singular_value
@@ -214,8 +213,6 @@ def _outcome(
 
 def _exact_angles(config: hexabot_leg.HexabotLegConfig, feet: Array) -> Array | None:
     """Return the closed form's joint angles; there is none for a robot from a file."""
-    try:
-        leg = LegGeometry.from_robot(config.robot)
-    except InvalidValueError:
+    if not is_hexabot_leg(config.robot):
         return None
-    return inverse_kinematics(leg, feet, like=config.q0)
+    return inverse_kinematics(LegGeometry.from_robot(config.robot), feet, like=config.q0)

@@ -1,0 +1,137 @@
+"""The right form of a printed entry, derived with SymPy and written in the print's own notation."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+
+import sympy as sp
+from sympy.printing.str import StrPrinter
+
+from drake_leg.check.claims import Claim
+from drake_leg.check.expressions import OPERATORS, SIGNS
+from drake_leg.check.notation import plain, readable, spelled_as
+from drake_leg.check.printed_file import METRES, Printed
+from drake_leg.check.reader import Reader
+from drake_leg.errors import InvalidValueError
+from drake_leg.robot import Robot
+from drake_leg.symbolic.chain import (
+    SymbolicChain,
+    direct_jacobian,
+    row_transform,
+    symbolic_chain,
+)
+from drake_leg.symbolic.trigonometry import tidy
+
+
+class RightForms:
+    """Writes right entries for one print.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot as it is.
+    printed : Printed
+        Whose names of lengths and angles are used.
+    reader : Reader
+        Of the print.
+    """
+
+    def __init__(self, robot: Robot, printed: Printed, reader: Reader) -> None:
+        self._chain = symbolic_chain(robot.rows)
+        self._metres = METRES[printed.lengths or "m"]
+        self._symbols = printed.symbols
+        spelling = " ".join(printed.joints.values())
+        self._joints = {
+            self._chain.q[index]: _as_sympy(tree, spelling) for index, tree in reader.joints.items()
+        }
+
+    def text(self, claim: Claim, row: int, column: int, spelling: str) -> str:
+        """Write the right entry.
+
+        Parameters
+        ----------
+        claim : Claim
+            What the matrix is.
+        row, column : int
+            Of the entry, from 0.
+        spelling : str
+            All of the matrix's text: angles and lengths are named as there.
+
+        Returns
+        -------
+        str
+        """
+        entry = tidy(_matrix(claim, self._chain)[row, column])
+        entry = entry.subs(self._lengths(spelling)).subs(self._joints)
+        text = _Decimals().doprint(entry.replace(_is_decimal, lambda number: sp.Float(number)))
+        return spelled_as(spelling, text)
+
+    def _lengths(self, spelling: str) -> dict[sp.Symbol, sp.Expr]:
+        """Name the table's lengths as the print does, or write their numbers."""
+        spelled = re.sub(r"[_{}\\]", "", spelling.casefold())
+        used = {n: value for n, value in self._symbols.items() if plain(n) in spelled}
+        return {
+            symbol: self._length(symbol.name, value, used)
+            for symbol, value in self._chain.values.items()
+        }
+
+    def _length(self, name: str, value: float, used: Mapping[str, float]) -> sp.Expr:
+        if name.startswith(("alpha", "theta")):
+            return sp.Float(value)
+        number = Fraction(value / self._metres).limit_denominator(10**6)
+        same = [n for n, meant in used.items() if abs(meant - number) <= 1e-9 * abs(meant)]
+        if same:
+            best = next((n for n in same if plain(n) == name), same[0])
+            return sp.Symbol(readable(best), positive=True)
+        return sp.Rational(number.numerator, number.denominator)
+
+
+class _Decimals(StrPrinter):  # type: ignore[misc] # SymPy has no types
+    """Writes 112.4 and not 112.400000000000."""
+
+    def _print_Float(self, expr: sp.Float) -> str:
+        return f"{float(expr):.10g}"
+
+
+def _is_decimal(expression: sp.Basic) -> bool:
+    """Whether an expression is a fraction that people write with a point."""
+    return bool(expression.is_Rational and expression.q not in (1, 2))
+
+
+def _matrix(claim: Claim, chain: SymbolicChain) -> sp.Matrix:
+    """Derive all entries of a claim, in the chain's symbols."""
+    if claim.kind in ("transform", "position"):
+        first, last = claim.frames
+        product = sp.eye(4)
+        for row in chain.rows[first:last]:
+            product = product * row_transform(row)
+        return product if claim.kind == "transform" else product[:3, 3]
+    Jv_BF = direct_jacobian(chain).extract(list(claim.rows), list(range(claim.shape[1])))
+    if claim.kind == "jacobian":
+        return Jv_BF
+    square = direct_jacobian(chain).extract(list(claim.rows), list(range(len(claim.rows))))
+    return sp.Matrix([[square.det()]])
+
+
+def _as_sympy(node: ast.expr, spelling: str) -> sp.Expr:
+    """Turn a formula into an expression whose symbols are written as in the print."""
+    match node:
+        case ast.Constant(value=value):
+            return sp.Rational(str(value))
+        case ast.Name(id="pi"):
+            return sp.pi
+        case ast.Name(id="deg"):
+            return sp.pi / 180
+        case ast.Name(id=name):
+            written = re.search(rf"\b{name}\b", spelling, re.IGNORECASE)
+            return sp.Symbol(written[0] if written else name, real=True)
+        case ast.UnaryOp(op=sign, operand=operand):
+            return SIGNS[type(sign)](_as_sympy(operand, spelling))
+        case ast.BinOp(left=left, op=sign, right=right):
+            return OPERATORS[type(sign)](_as_sympy(left, spelling), _as_sympy(right, spelling))
+        case ast.Call(func=ast.Name(id=name), args=[argument]):
+            return getattr(sp, name)(_as_sympy(argument, spelling))
+    raise InvalidValueError(f"{ast.dump(node)} is no formula")

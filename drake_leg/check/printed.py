@@ -1,0 +1,195 @@
+"""A teacher's grader: printed transforms, Jacobians and tables against the robot as it is."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+import numpy as np
+
+from drake_leg.check.captions import grade_caption
+from drake_leg.check.claims import Claim, claim_of, right_values, scales
+from drake_leg.check.diagnosis import explain
+from drake_leg.check.expressions import evaluate, names_in
+from drake_leg.check.findings import Finding
+from drake_leg.check.notation import readable, spelled_as
+from drake_leg.check.postures import COUNT, Postures, draw_postures
+from drake_leg.check.printed_file import Printed, PrintedMatrix
+from drake_leg.check.printed_table import grade_table
+from drake_leg.check.reader import Reader
+from drake_leg.check.rotations import rotation_fault
+from drake_leg.check.sampling import table_length
+from drake_leg.check.table import lint_table
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array
+from drake_leg.robot import Robot
+
+TOLERANCE = 1e-6  # of 1, or of the robot's size: a print's numbers are rounded
+LARGEST_SYMBOLIC = 4  # joints; right entries of longer chains are said as numbers
+
+
+def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
+    """Compare everything that is printed with the robot.
+
+    Every entry is evaluated at random postures, beside the chain of the robot's table; an entry
+    that differs somewhere is wrong.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot as it is.
+    printed : Printed
+        A table, matrices, or both.
+    seed : int
+        Of the random postures.
+
+    Returns
+    -------
+    list of Finding
+        One for every wrong row, entry, rotation and caption; empty for a print without fault.
+
+    Raises
+    ------
+    InvalidValueError
+        If the print's units are not said, a matrix's name means nothing, or a definition is no
+        formula.
+    """
+    if printed.table is not None and printed.lengths is None and not printed.matrices:
+        return lint_table(printed.table)
+    if printed.lengths is None:
+        raise InvalidValueError(f'{printed.origin}: lengths is missing; say lengths = "mm" or "m"')
+    if seed < 0:
+        raise InvalidValueError(f"the seed is {seed}; it must not be negative")
+    reader = Reader(printed, robot)
+    postures = draw_postures(robot, reader, np.random.default_rng(seed))
+    findings = []
+    if printed.table is not None:
+        findings += grade_table(robot, printed.table, reader, postures)
+    grader = _Grader(robot, printed, reader, postures)
+    for matrix in printed.matrices:
+        findings += grader.grade(matrix)
+    return findings
+
+
+class _Grader:
+    """Grades the matrices of one print."""
+
+    def __init__(self, robot: Robot, printed: Printed, reader: Reader, postures: Postures) -> None:
+        self._robot, self._reader, self._postures = robot, reader, postures
+        self._length = table_length(robot.rows) / self._postures.metres
+        self._right_forms = None
+        if find_spec("sympy") is not None and len(robot.moving) <= LARGEST_SYMBOLIC:
+            from drake_leg.check.formulas import RightForms
+
+            self._right_forms = RightForms(robot, printed, reader)
+
+    def grade(self, matrix: PrintedMatrix) -> Iterator[Finding]:
+        """Find everything that is wrong with a matrix."""
+        claim = claim_of(matrix, self._robot)
+        caption = grade_caption(matrix.caption, claim, self._robot)
+        if caption:
+            yield caption
+        shape = (len(matrix.entries), len(matrix.entries[0]))
+        if shape != claim.shape:
+            yield Finding(
+                place=claim.name,
+                fault=f"it has {shape[0]} rows and {shape[1]} columns",
+                remedy=f"it should have {claim.shape[0]} rows and {claim.shape[1]} columns",
+            )
+            return
+        right = right_values(claim, self._robot, self._postures)
+        margin = TOLERANCE * scales(claim, self._length)
+        values = np.full(right.shape, np.nan)
+        for row, column in np.ndindex(*shape):
+            entry = _Entry(
+                matrix=matrix,
+                claim=claim,
+                row=row,
+                column=column,
+                right=right[:, row, column],
+                margin=float(margin[row, column]),
+            )
+            values[:, row, column], finding = self._grade_entry(entry)
+            if finding:
+                yield finding
+        if claim.kind == "transform":
+            yield from _grade_rotation(claim, values[:, :3, :3])
+
+    def _grade_entry(self, entry: _Entry) -> tuple[Array, Finding | None]:
+        """Evaluate an entry; say what is wrong with it."""
+        nothing = np.full(COUNT, np.nan)
+        try:
+            tree = self._reader.formula(entry.text, entry.matrix.where)
+        except InvalidValueError as error:
+            return nothing, entry.finding(str(error), self._remedy(entry))
+        strangers = sorted(names_in(tree) - set(self._postures.values))
+        if strangers:
+            fault = (
+                f"printed {readable(entry.text)}, in which {' and '.join(strangers)} has no value"
+            )
+            return nothing, entry.finding(
+                spelled_as(entry.spelling, fault),
+                f"{self._remedy(entry)}, or give it one under symbols",
+            )
+        values = self._values(tree)
+        if entry.agrees(values):
+            return values, None
+        wrong = explain(tree, len(self._robot.moving), lambda t: entry.agrees(self._values(t)))
+        fault = f"printed {readable(entry.text)}" + (f", in which {wrong}" if wrong else "")
+        return values, entry.finding(spelled_as(entry.spelling, fault), self._remedy(entry))
+
+    def _values(self, tree: ast.expr) -> Array:
+        return np.broadcast_to(evaluate(tree, self._postures.values), COUNT)
+
+    def _remedy(self, entry: _Entry) -> str:
+        """Write what is right: as a formula, or as a number at a posture."""
+        if self._right_forms is not None:
+            form = self._right_forms.text(entry.claim, entry.row, entry.column, entry.spelling)
+            return f"it should be {form}"
+        numbers = f"at {self._postures.at(0)} it should be {entry.right[0]:.6g}"
+        return spelled_as(entry.spelling, numbers)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Entry:
+    """One entry of a matrix and what is right there."""
+
+    matrix: PrintedMatrix
+    claim: Claim
+    row: int  # from 0
+    column: int
+    right: Array  # (N,) in the print's units
+    margin: float  # how far from it counts as equal
+
+    @property
+    def text(self) -> str:
+        """The entry as printed."""
+        return self.matrix.entries[self.row][self.column].strip()
+
+    @property
+    def spelling(self) -> str:
+        """All formulas that belong to the matrix, as examples of its notation."""
+        cells = [cell for row in self.matrix.entries for cell in row]
+        return " ".join([*cells, *self.matrix.where.values()])
+
+    def agrees(self, values: Array) -> bool:
+        """Whether values are right at all postures; one that is not finite is not."""
+        return bool(np.all(np.abs(values - self.right) <= self.margin))
+
+    def finding(self, fault: str, remedy: str) -> Finding:
+        """Name the entry by row and column, from 1."""
+        place = f"{self.claim.name} ({self.row + 1}, {self.column + 1})"
+        return Finding(place=place, fault=fault, remedy=remedy)
+
+
+def _grade_rotation(claim: Claim, R: Array) -> Iterator[Finding]:
+    fault = rotation_fault(R, TOLERANCE) if np.isfinite(R).all() else None
+    if fault:
+        yield Finding(
+            place=claim.name,
+            fault=f"its rotation part is no rotation: {fault}",
+            remedy=f"its columns are the axes of frame {claim.frames[1]}: of length 1, at right "
+            "angles, right-handed",
+        )

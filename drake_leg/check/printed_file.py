@@ -1,0 +1,185 @@
+"""A print as typed into a file: tables and matrices as text, with the units of their numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from drake_leg.check.printed_csv import parse_csv
+from drake_leg.check.rows import Table, TableRow
+from drake_leg.robot_file.document import parse_document, read_text
+from drake_leg.robot_file.keys import Keys, shown
+
+METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
+
+_KEYS = ("title", "angles", "lengths", "symbols", "where", "joints", "table", "matrix")
+_TABLE_KEYS = ("frame", "sigma", "d", "alpha", "r", "theta")
+_MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrintedMatrix:
+    """A matrix as printed."""
+
+    name: str  # T12, T04, J, ...
+    entries: tuple[tuple[str, ...], ...]
+    caption: str = ""
+    rows: tuple[str, ...] = ()  # of a Jacobian: x, y, z, wx, wy, wz; empty where not said
+    where: Mapping[str, str] = field(default_factory=dict)  # name to formula, for this matrix
+
+
+@dataclass(frozen=True, kw_only=True)
+class Printed:
+    """A print as typed."""
+
+    origin: str  # name of the file
+    angles: str | None = None  # deg or rad, of bare numbers in a table
+    lengths: str | None = None  # mm, cm or m, of bare numbers
+    symbols: Mapping[str, float] = field(default_factory=dict)  # name to value in these units
+    where: Mapping[str, str] = field(default_factory=dict)  # name to formula: sigma1 and the like
+    joints: Mapping[str, str] = field(default_factory=dict)  # joint to formula of its position
+    table: Table | None = None
+    matrices: tuple[PrintedMatrix, ...] = ()
+
+
+def read_printed(path: Path) -> Printed:
+    """Read a print from a TOML or CSV file.
+
+    Parameters
+    ----------
+    path : Path
+        ``.toml``; anything else is read as CSV.
+
+    Returns
+    -------
+    Printed
+
+    Raises
+    ------
+    InvalidValueError
+        With file, key and value.
+    """
+    text, where = read_text(path), str(path)
+    csv = path.suffix.lower() != ".toml"
+    document = parse_csv(text, where) if csv else parse_document(text, where)
+    return printed_of_document(document, where)
+
+
+def is_print(document: Mapping[str, Any]) -> bool:
+    """Whether a TOML file is a print and no robot.
+
+    Parameters
+    ----------
+    document : mapping
+        The file as nested tables.
+
+    Returns
+    -------
+    bool
+    """
+    return "row" not in document and ("table" in document or "matrix" in document)
+
+
+def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
+    """Take a print out of a file.
+
+    Parameters
+    ----------
+    document : mapping
+        The file as nested tables.
+    where : str
+        Name of the file, the beginning of every error's sentence.
+
+    Returns
+    -------
+    Printed
+
+    Raises
+    ------
+    InvalidValueError
+        With file, key and value; also if there is neither a table nor a matrix.
+    """
+    keys = Keys(document, where, _KEYS, {"row": "a printed table's rows stand under [[table]]"})
+    angles = keys.choice("angles", ("deg", "rad")) if keys.has("angles") else None
+    lengths = keys.choice("lengths", tuple(METRES)) if keys.has("lengths") else None
+    table = _table(keys, angles, lengths) if keys.has("table") else None
+    matrices = tuple(_matrix(part, f"{where}: matrix {i}") for i, part in _parts(keys, "matrix"))
+    if table is None and not matrices:
+        raise keys.error("there is neither a [[table]] nor a [[matrix]] in it")
+    return Printed(
+        origin=where,
+        angles=angles,
+        lengths=lengths,
+        symbols=_symbols(keys),
+        where=_formulas(keys, "where"),
+        joints=_formulas(keys, "joints"),
+        table=table,
+        matrices=matrices,
+    )
+
+
+def _parts(keys: Keys, key: str) -> list[tuple[int, object]]:
+    parts = keys.value(key, [])
+    if not isinstance(parts, list):
+        raise keys.error(f"{key} is one table; write [[{key}]] with two brackets")
+    return list(enumerate(parts, start=1))
+
+
+def _symbols(keys: Keys) -> dict[str, float]:
+    table = keys.value("symbols", {})
+    known = tuple(table) if isinstance(table, dict) else ()
+    numbers = Keys(table, f"{keys.where}: symbols", known)
+    return {name: numbers.number(name, "in the file's units") for name in known}
+
+
+def _formulas(keys: Keys, key: str) -> dict[str, str]:
+    table = keys.value(key, {})
+    known = tuple(table) if isinstance(table, dict) else ()
+    formulas = Keys(table, f"{keys.where}: {key}", known)
+    return {name: formulas.text(name) for name in known}
+
+
+def _table(keys: Keys, angles: str | None, lengths: str | None) -> Table:
+    rows = []
+    for number, part in _parts(keys, "table"):
+        cells = Keys(part, f"{keys.where}: table row {number}", _TABLE_KEYS)
+        texts = {key: _cell(cells, key) for key in _TABLE_KEYS if cells.has(key)}
+        rows.append(TableRow(frame=texts.pop("frame", ""), cells=texts))
+    return Table(rows=tuple(rows), angles=angles, lengths=lengths)
+
+
+def _cell(keys: Keys, key: str) -> str:
+    value = keys.value(key)
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise keys.error(f"{key} is {shown(value)}; it must be text or a number")
+    return str(value)
+
+
+def _matrix(part: object, where: str) -> PrintedMatrix:
+    called = part.get("name", "") if isinstance(part, dict) else ""
+    keys = Keys(part, f"{where} ({called})" if called else where, _MATRIX_KEYS)
+    name = keys.text("name")
+    entries = keys.value("entries", remedy="its rows are lists of text: [[..., ...], [..., ...]]")
+    if not isinstance(entries, list) or not entries:
+        raise keys.error("entries is no list of rows")
+    for row in entries:
+        if not isinstance(row, list) or len(row) != len(entries[0]) or not row:
+            raise keys.error(f"the row {shown(row)} is not as long as the first one")
+    rows = keys.value("rows", [])
+    if not isinstance(rows, list) or not all(isinstance(row, str) for row in rows):
+        raise keys.error(f"rows is {shown(rows)}; it must be a list of text, as x, y, yaw")
+    return PrintedMatrix(
+        name=name,
+        entries=tuple(tuple(_entry(keys, cell) for cell in row) for row in entries),
+        caption=keys.text("caption", ""),
+        rows=tuple(rows),
+        where=_formulas(keys, "where"),
+    )
+
+
+def _entry(keys: Keys, cell: object) -> str:
+    if isinstance(cell, bool) or not isinstance(cell, str | int | float):
+        raise keys.error(f"the entry {shown(cell)} is neither text nor a number")
+    return str(cell)

@@ -1,0 +1,171 @@
+"""``drake-leg check``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drake_leg.cli.common import Commands
+from drake_leg.cli.robot_source import RobotSource, add_robot_source, robot_source
+from drake_leg.robot import Robot
+
+if TYPE_CHECKING:
+    from drake_leg.check.findings import Finding
+    from drake_leg.check.proof import Comparison, Proof
+
+FOUND = 1  # exit status where something is wrong with what was checked
+TABLES = (".csv", ".tsv", ".txt")
+
+
+def add(commands: Commands) -> None:
+    """Add the command.
+
+    Parameters
+    ----------
+    commands : argparse subparsers
+        Of the program.
+    """
+    parser = commands.add_parser(
+        "check",
+        help="prove a robot, or grade a print against it",
+        description="Read a robot's table for slips, then compare its chain with SymPy's "
+        "derivation, with Drake's plant on its SDF and with exact differences, at random "
+        "configurations. With --printed, grade printed tables, transforms and Jacobians against "
+        "the robot instead. A printed table alone (CSV or TOML) is only read for slips.",
+        epilog="Exit status: 0 nothing is wrong, 1 something is, 2 bad input.",
+    )
+    add_robot_source(parser)
+    parser.add_argument(
+        "--printed", type=Path, metavar="FILE", help="TOML or CSV with what is printed"
+    )
+    parser.add_argument(
+        "--samples", type=int, default=32, metavar="N", help="configurations (default 32)"
+    )
+    parser.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="of the random numbers (default 0)"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.set_defaults(command=_check)
+
+
+def _check(chosen: argparse.Namespace) -> int:
+    if chosen.printed is not None:
+        return _check_print(robot_source(chosen.robot).robot(), chosen)
+    if Path(chosen.robot).suffix.lower() in TABLES:
+        return _check_table(Path(chosen.robot), chosen)
+    source = robot_source(chosen.robot)
+    from drake_leg.check.printed_file import is_print
+
+    if is_print(source.document()):
+        return _check_table(Path(chosen.robot), chosen)
+    return _check_robot(source, chosen)
+
+
+def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
+    from drake_leg.check.findings import errors
+    from drake_leg.check.proof import prove
+    from drake_leg.check.rows import table_of_document
+    from drake_leg.check.sizes import lint_sizes
+    from drake_leg.check.table import lint_table
+
+    findings = lint_table(table_of_document(source.document()))
+    if errors(findings):
+        return _report(source.where, findings, chosen)
+    robot = source.robot()
+    findings += lint_sizes(robot)
+    proof = prove(robot, samples=chosen.samples, seed=chosen.seed)
+    if chosen.json:
+        _print_json(source.where, findings, proof)
+    else:
+        _print_findings(source.where, findings, "no slip in the table")
+        print("\n".join(_proof_lines(robot, proof)))
+    return 0 if proof.holds else FOUND
+
+
+def _check_table(path: Path, chosen: argparse.Namespace) -> int:
+    from drake_leg.check.printed_file import read_printed
+    from drake_leg.check.table import lint_table
+    from drake_leg.errors import InvalidValueError
+
+    table = read_printed(path).table
+    if table is None:
+        raise InvalidValueError(
+            f"{path} has no table, only matrices: say of which robot they are, as in "
+            f"drake-leg check leg-b --printed {path}"
+        )
+    return _report(str(path), lint_table(table), chosen)
+
+
+def _check_print(robot: Robot, chosen: argparse.Namespace) -> int:
+    from drake_leg.check.printed import grade
+    from drake_leg.check.printed_file import read_printed
+
+    findings = grade(robot, read_printed(chosen.printed), seed=chosen.seed)
+    return _report(f"{chosen.printed} against {chosen.robot}", findings, chosen)
+
+
+def _report(what: str, findings: Sequence[Finding], chosen: argparse.Namespace) -> int:
+    from drake_leg.check.findings import errors
+
+    if chosen.json:
+        _print_json(what, findings, None)
+    else:
+        _print_findings(what, findings, "nothing is wrong")
+    return FOUND if errors(findings) else 0
+
+
+def _print_findings(what: str, findings: Sequence[Finding], praise: str) -> None:
+    count = f"{len(findings)} finding{'s' * (len(findings) != 1)}" if findings else praise
+    print(f"{what}: {count}")
+    for finding in findings:
+        print(f"  {finding.sentence()}")
+
+
+def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> None:
+    from drake_leg.check.findings import errors
+
+    content = {
+        "checked": what,
+        "ok": not errors(findings) and (proof is None or proof.holds),
+        "findings": [finding.as_json() for finding in findings],
+        "proof": proof and proof.as_json(),
+    }
+    print(json.dumps(content, indent=2, ensure_ascii=False))
+
+
+def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
+    from drake_leg.check.proof import TOLERANCE
+
+    yield (
+        f"greatest differences on {proof.samples} random configurations within the limits, "
+        f"lengths relative to {proof.size:.6g} m:"
+    )
+    for comparison in proof.comparisons:
+        pair = f"{comparison.first} - {comparison.second}"
+        mark = "" if comparison.agrees else "  !"
+        yield f"  {comparison.quantity:<10} {pair:<20} {comparison.difference:.1e}{mark}"
+    worst = proof.worst
+    yield f"the greatest of all: {_where(robot, worst)}"
+    verdict = "proved: none is" if proof.holds else "NOT proved: at least one is"
+    yield f"{verdict} above {TOLERANCE:g}"
+
+
+def _where(robot: Robot, comparison: Comparison) -> str:
+    row, column = comparison.entry
+    first, second = comparison.values
+    at = ", ".join(
+        f"{segment.joint} = {_position(segment.row.joint, value)}"
+        for segment, value in zip(robot.moving, comparison.q, strict=True)
+    )
+    return (
+        f"entry ({row}, {column}) of the {comparison.quantity} is {first:.15g} by "
+        f"{comparison.first} and {second:.15g} by {comparison.second} at {at}"
+    )
+
+
+def _position(joint: str, value: float) -> str:
+    return f"{math.degrees(value):.6g} deg" if joint == "revolute" else f"{value:.6g} m"

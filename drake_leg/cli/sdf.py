@@ -1,0 +1,54 @@
+"""``drake-leg sdf``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from drake_leg.cli.common import Commands
+from drake_leg.cli.robot_source import add_robot_source, robot_source
+
+
+def add(commands: Commands) -> None:
+    """Add the command.
+
+    Parameters
+    ----------
+    commands : argparse subparsers
+        Of the program.
+    """
+    parser = commands.add_parser(
+        "sdf",
+        help="write a robot as SDF, or as TOML",
+        description="Print a robot's SDF for Drake or Gazebo, or write it to a file. With --toml "
+        "the robot as TOML instead: a beginning for one of your own.",
+    )
+    add_robot_source(parser)
+    parser.add_argument("--toml", action="store_true", help="TOML instead of SDF")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="file to write, .sdf or .toml (default: print)"
+    )
+    parser.add_argument("--overwrite", action="store_true", help="replace FILE if it exists")
+    parser.set_defaults(command=_sdf)
+
+
+def _sdf(chosen: argparse.Namespace) -> int:
+    from drake_leg.check.suspicions import suspicions
+    from drake_leg.models.sdf import sdf_text
+    from drake_leg.robot_file import robot_toml
+    from drake_leg.text_file import write_text
+
+    source = robot_source(chosen.robot)
+    robot = source.robot()
+    for suspicion in suspicions(source.document(), robot):
+        print(f"drake-leg: {source.where}: {suspicion.sentence()}", file=sys.stderr)
+    text = robot_toml(robot) if chosen.toml else sdf_text(robot, origin=source.origin)
+    if chosen.out is None:
+        print(text, end="")
+        return 0
+    write_text(
+        chosen.out, text, ending=".toml" if chosen.toml else ".sdf", overwrite=chosen.overwrite
+    )
+    print(f"wrote {chosen.out}")
+    return 0

@@ -1,0 +1,68 @@
+"""What an erratum is, and how its numbers are written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Erratum:
+    """One error of a report."""
+
+    number: int  # 1 ... 25, through both reports
+    source: str  # the report
+    where: str  # section, equation, table or figure there
+    printed: str  # what it prints: text in quotation marks, a formula without
+    right: str  # what it should print
+    effect: str  # a sentence on what the error does, its numbers computed
+
+
+def number(value: float, decimals: int = 1) -> str:
+    """Write a number with a true minus sign, and no sign before a zero.
+
+    Parameters
+    ----------
+    value : float
+        In any unit.
+    decimals : int
+        Digits after the point.
+
+    Returns
+    -------
+    str
+    """
+    return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−")
+
+
+def vector(values: Iterable[float], decimals: int = 1) -> str:
+    """Write a vector in parentheses.
+
+    Parameters
+    ----------
+    values : iterable of float
+        In any unit.
+    decimals : int
+        Digits after the point.
+
+    Returns
+    -------
+    str
+    """
+    return f"({', '.join(number(value, decimals) for value in values)})"
+
+
+def angles(q: Iterable[float]) -> str:
+    """Write angles in whole degrees.
+
+    Parameters
+    ----------
+    q : iterable of float
+        [rad].
+
+    Returns
+    -------
+    str
+    """
+    return f"({', '.join(number(math.degrees(angle), 0) + '°' for angle in q)})"

@@ -1,0 +1,261 @@
+"""The errata of report B's leg, and of its simulation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from drake_leg.errata.erratum import Erratum, angles, number, vector
+from drake_leg.errata.formulas import (
+    Formula,
+    Values,
+    angle_values,
+    evaluate,
+    evaluate_entry,
+    multiplied,
+    rotation_defect,
+    shown,
+)
+from drake_leg.errata.printed import (
+    LEG_B_PRINTED,
+    LEG_B_RIGHT,
+    LEG_B_SIGMAS_PRINTED,
+    LEG_B_SIGMAS_RIGHT,
+    LEG_B_TABLE_PRINTED,
+    LEG_B_TABLE_RIGHT,
+)
+from drake_leg.errata.step import FORWARDS, MM, far_end
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import jacobian
+from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, leg_task
+from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.paths import CommandedMotion, straight_path
+from drake_leg.kinematics.singularity import examine
+from drake_leg.robot import Row
+from drake_leg.robots import LEG_B
+from drake_leg.runs.options import LegBOptions
+
+SOURCE = "Report B"
+GEOMETRY = LegGeometry.from_robot(LEG_B)
+GAIN = 10.0  # "a constant factor of 10"
+
+
+def leg_b_errata() -> tuple[Erratum, ...]:
+    """List the errata of report B's leg.
+
+    Returns
+    -------
+    tuple of Erratum
+        Numbers 17 to 25.
+
+    References
+    ----------
+    Report B, experiment 2 and chapter 3.
+    """
+    return (*_of_the_matrices(), *_of_the_simulation())
+
+
+def _of_the_matrices() -> tuple[Erratum, ...]:
+    return (
+        Erratum(
+            number=17,
+            source=SOURCE,
+            where="table 2.2, rows 2–4",
+            printed=f"frame, σ, d, α, r, θ = {shown(LEG_B_TABLE_PRINTED[1:])}",
+            right=f"frame, σ, d, α, r, θ = {shown(LEG_B_TABLE_RIGHT[1:])}",
+            effect=_shifted_table(),
+        ),
+        Erratum(
+            number=18,
+            source=SOURCE,
+            where="section 2.3, T12",
+            printed=shown(LEG_B_PRINTED["T12"]),
+            right=shown(LEG_B_RIGHT["T12"]),
+            effect=f"Classic and modified DH are mixed. {_no_rotation('T12')}",
+        ),
+        Erratum(
+            number=19,
+            source=SOURCE,
+            where="section 2.3, T34",
+            printed=shown(LEG_B_PRINTED["T34"]),
+            right=shown(LEG_B_RIGHT["T34"]),
+            effect=_no_rotation("T34"),
+        ),
+        Erratum(
+            number=20,
+            source=SOURCE,
+            where="sections 2.4 and 2.5.1, T04",
+            printed=_rows("T04", LEG_B_PRINTED, LEG_B_SIGMAS_PRINTED),
+            right=_rows("T04", LEG_B_RIGHT, LEG_B_SIGMAS_RIGHT),
+            effect=_wrong_pose(),
+        ),
+        Erratum(
+            number=21,
+            source=SOURCE,
+            where="section 2.5.2, J",
+            printed=_rows("J", LEG_B_PRINTED, LEG_B_SIGMAS_PRINTED),
+            right=_rows("J", LEG_B_RIGHT, LEG_B_SIGMAS_RIGHT),
+            effect=_wrong_jacobian(),
+        ),
+    )
+
+
+def _of_the_simulation() -> tuple[Erratum, ...]:
+    return (
+        Erratum(
+            number=22,
+            source=SOURCE,
+            where="section 3.6, figure 10",
+            printed="“align with each other with the same amplitude”; “maintaining a constant "
+            "factor of 10”",
+            right="One of the two: J J⁻¹ = 1, so that a factor of 10 takes a gain block in the "
+            "diagram",
+            effect=_gain(),
+        ),
+        Erratum(
+            number=23,
+            source=SOURCE,
+            where="figure 9",
+            printed="“Figure 9: Foot Position”",
+            right="Figure 9: Foot velocity",
+            effect="No number is wrong; figures 8 and 9 have one caption, and a reader takes a "
+            "velocity for a position.",
+        ),
+        Erratum(
+            number=24,
+            source=SOURCE,
+            where="section 3.6",
+            printed="“These commands has desired positions to control the leg's motion”",
+            right="The commands are velocities, which J⁻¹ turns into joint rates",
+            effect=_velocity_command(),
+        ),
+        Erratum(
+            number=25,
+            source=SOURCE,
+            where="section 3.8, against 3.7",
+            printed="“the input velocity and position are synchronized with the output velocity”",
+            right="Input and velocity are synchronised; the position is a quarter period behind "
+            "them, as section 3.7 says",
+            effect=_phase(),
+        ),
+    )
+
+
+def _rows(name: str, formulas: Mapping[str, Formula], sigmas: Mapping[str, str]) -> str:
+    """Show the rows in which a matrix is wrong, and the abbreviations in them."""
+    rows = shown(formulas[name][:2])
+    used = {sigma: shown(((text,),))[1:-1] for sigma, text in sigmas.items() if sigma in rows}
+    return f"first rows {rows}, {', '.join(f'{sigma} = {text}' for sigma, text in used.items())}"
+
+
+def _values(q: Array) -> Values:
+    """Give the report's symbols their values, the abbreviations as they are printed."""
+    lengths = {"L1": MM * GEOMETRY.l1, "L2": MM * GEOMETRY.l2, "L3": MM * GEOMETRY.l3}
+    values = angle_values(q.tolist()) | lengths
+    return values | {n: evaluate_entry(e, values) for n, e in LEG_B_SIGMAS_PRINTED.items()}
+
+
+def _start() -> Array:
+    return np.array(LegBOptions().posture())
+
+
+def _shifted_table() -> str:
+    """Read the printed table by its headings: lengths as joint types, an angle as a length."""
+    literal = (
+        Row(joint="revolute"),
+        Row(joint="revolute", d=90.0 / MM),
+        Row(joint="revolute"),
+        Row(joint="fixed"),
+    )
+    ranks = [examine(jacobian(rows, _start())[3:]).rank for rows in (literal, LEG_B.rows)]
+    return (
+        "Read by its headings, a length is a joint's type and 90° a length, and all α are 0: the "
+        f"three axes are parallel, two of them go through the foot, and the rank is {ranks[0]} "
+        f"instead of {ranks[1]}."
+    )
+
+
+def _no_rotation(name: str) -> str:
+    q = _start()
+    printed = LEG_B_RIGHT | {name: LEG_B_PRINTED[name]}
+    determinant, deviation = rotation_defect(evaluate(LEG_B_PRINTED[name], _values(q)))
+    foot = multiplied(printed, _values(q))[:3, 3]
+    away = math.dist(foot, MM * foot_position(GEOMETRY, q))
+    return (
+        f"It is no rotation: its determinant is {number(determinant)}, and R'R differs from 1 by "
+        f"up to {number(deviation)}. At θ = {angles(q)} it puts the foot {number(away)} mm "
+        "from its place."
+    )
+
+
+def _wrong_pose() -> str:
+    q = _start()
+    printed = evaluate(LEG_B_PRINTED["T04"], _values(q))
+    determinant, _ = rotation_defect(printed)
+    return (
+        f"At θ = {angles(q)} it has the foot at {vector(printed[:3, 3])} mm instead of "
+        f"{vector(MM * foot_position(GEOMETRY, q))} mm, and its upper left is no rotation: its "
+        f"determinant is {number(determinant, 2)}."
+    )
+
+
+def _wrong_jacobian() -> str:
+    told = []
+    for q in (_start(), far_end(GEOMETRY, LegBOptions())):
+        printed = evaluate(LEG_B_PRINTED["J"], _values(q))
+        v = MM * foot_jacobian(GEOMETRY, q) @ np.linalg.solve(printed, FORWARDS)
+        told.append(f"{vector(v, 2)} mm/s at θ = {angles(q)}")
+    return f"Told to go (1, 0, 0) mm/s through this J, the foot goes {' and '.join(told)}."
+
+
+def _path() -> tuple[Array, CommandedMotion]:
+    """The default step: phases of one period [rad], and the exact motion."""
+    options = LegBOptions()
+    phase = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
+    motion = straight_path(
+        phase / options.frequency,
+        amplitude=options.amplitude,
+        frequency=options.frequency,
+        direction=options.unit_direction(),
+    )
+    return phase, motion
+
+
+def _gain() -> str:
+    motion, task = _path()[1], leg_task(GEOMETRY)
+    q = inverse_kinematics(
+        GEOMETRY, foot_position(GEOMETRY, _start()) + motion.displacement, like=_start()
+    )
+    rates = np.array([task.rates(*pair) for pair in zip(q, motion.velocity, strict=True)])
+    went = (foot_jacobian(GEOMETRY, q) @ rates[:, :, np.newaxis])[:, :, 0]
+    factor = np.abs(went).max() / np.abs(motion.velocity).max()
+    peak = MM * LegBOptions().amplitude
+    return (
+        f"Along the default step J J⁻¹ makes the foot's velocity {number(factor, 6)} times the "
+        f"command. A sine of {number(peak / GAIN, 0)} mm/s gives {number(peak, 0)} mm/s only "
+        f"behind a gain of {number(GAIN, 0)}."
+    )
+
+
+def _velocity_command() -> str:
+    motion = _path()[1]
+    x = MM * motion.displacement[:, 0]
+    swing = MM * motion.velocity[:, 0]
+    return (
+        f"A sine of {number(swing.max(), 0)} moves the foot from {number(x.min(), 0)} to "
+        f"{number(x.max(), 0)} mm as a velocity in mm/s; as a position in mm it would move it from "
+        f"{number(swing.min(), 0)} to {number(swing.max(), 0)} mm."
+    )
+
+
+def _phase() -> str:
+    phase, motion = _path()
+    x, v = motion.displacement[:, 0], motion.velocity[:, 0]
+    turning = np.exp(-1j * phase)
+    lag = np.angle((v @ turning) / (x @ turning), deg=True)
+    return (
+        f"The position lags by {number(lag)}°; its correlation with the velocity over a period is "
+        f"{number(np.corrcoef(x, v)[0, 1], 2)}, not 1."
+    )

@@ -1,0 +1,149 @@
+"""The errata of report B's SCARA."""
+
+from __future__ import annotations
+
+import math
+
+from drake_leg.errata.erratum import Erratum, angles, number
+from drake_leg.errata.formulas import (
+    Formula,
+    angle_values,
+    evaluate,
+    multiplied,
+    rotation_defect,
+    shown,
+)
+from drake_leg.errata.printed import SCARA_PRINTED, SCARA_RIGHT
+from drake_leg.errata.step import MM
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.scara import (
+    ScaraGeometry,
+    determinant,
+    lift_position,
+    task_jacobian,
+    tool_position,
+)
+from drake_leg.kinematics.singularity import examine
+from drake_leg.robots import SCARA
+from drake_leg.runs.options import ScaraOptions
+
+SOURCE = "Report B"
+GEOMETRY = ScaraGeometry.from_robot(SCARA)
+
+
+def scara_errata() -> tuple[Erratum, ...]:
+    """List the errata of the SCARA.
+
+    Returns
+    -------
+    tuple of Erratum
+        Numbers 12 to 16.
+
+    References
+    ----------
+    Report B, experiment 1.
+    """
+    return (
+        Erratum(
+            number=12,
+            source=SOURCE,
+            where="sections 1.3 and 1.4, T01 and T03",
+            printed=f"third row {_third_row(SCARA_PRINTED['T03'])} in both",
+            right=f"third row {_third_row(SCARA_RIGHT['T03'])}",
+            effect=_height(),
+        ),
+        Erratum(
+            number=13,
+            source=SOURCE,
+            where="section 1.3, T12",
+            printed=f"third row {_third_row(SCARA_PRINTED['T12'])}",
+            right=f"third row {_third_row(SCARA_RIGHT['T12'])}",
+            effect=_no_rotation("T12"),
+        ),
+        Erratum(
+            number=14,
+            source=SOURCE,
+            where="section 1.3, T34",
+            printed=shown(SCARA_PRINTED["T34"]),
+            right=shown(SCARA_RIGHT["T34"]),
+            effect=_no_rotation("T34"),
+        ),
+        Erratum(
+            number=15,
+            source=SOURCE,
+            where="headings of sections 1.4 and 1.5",
+            printed="“Homogeneous Transform Matrix for First Two DOF [0-3]”; “Jacobian of first "
+            "two dof link”",
+            right="First three DOF",
+            effect=_three_joints(),
+        ),
+        Erratum(
+            number=16,
+            source=SOURCE,
+            where="section 1.6",
+            printed="“Angle θ1 = 0”, “Angle θ2 = 0”",
+            right="θ2 = kπ, π included, whatever θ1 is",
+            effect=_singular(),
+        ),
+    )
+
+
+def _third_row(formula: Formula) -> str:
+    return shown((formula[2],))
+
+
+def _values() -> dict[str, float]:
+    """Give the report's symbols their values at the default posture."""
+    options = ScaraOptions()
+    q1, q2, q3 = options.posture()
+    sums = {"θ12": q1 + q2, "θ123": q1 + q2 + q3}
+    return angle_values((q1, q2, q3)) | sums | {"R": MM * options.tool_height}
+
+
+def _tool() -> Array:
+    """Where the tool is at the default posture [mm]."""
+    options = ScaraOptions()
+    lift = lift_position(GEOMETRY, options.tool_height)
+    return MM * tool_position(GEOMETRY, (*options.posture(), lift))
+
+
+def _tool_with(name: str) -> Array:
+    """Where the tool is said to be if one transform is taken as it is printed [mm]."""
+    return multiplied(SCARA_RIGHT | {name: SCARA_PRINTED[name]}, _values())[:3, 3]
+
+
+def _height() -> str:
+    right, said = _tool()[2], _tool_with("T01")[2]
+    return (
+        f"The tool is said to be {number(right - said)} mm too low: at z = {number(said)} mm, "
+        f"under the base, instead of {number(right)} mm."
+    )
+
+
+def _no_rotation(name: str) -> str:
+    volume, deviation = rotation_defect(evaluate(SCARA_PRINTED[name], _values()))
+    away = math.dist(_tool_with(name), _tool())
+    return (
+        f"It is no rotation: its determinant is {number(volume)} instead of 1, and R'R "
+        f"differs from 1 by up to {number(deviation)}. It puts the tool {number(away)} mm from its "
+        "place."
+    )
+
+
+def _three_joints() -> str:
+    J = task_jacobian(GEOMETRY, ScaraOptions().posture())
+    return (
+        "The matrices under these headings turn by θ1 + θ2 + θ3, and at "
+        f"θ = {angles(ScaraOptions().posture())} this Jacobian has rank {examine(J).rank}."
+    )
+
+
+def _singular() -> str:
+    said, unsaid = (0.0, math.pi / 2, 0.0), (math.pi / 6, math.pi, 0.0)
+    rank = [examine(task_jacobian(GEOMETRY, q)).rank for q in (said, unsaid)]
+    square = [MM**2 * float(determinant(GEOMETRY, q)) for q in (said, unsaid)]
+    return (
+        f"At θ = {angles(said)}, said to be singular, the determinant is {number(square[0], 0)} "
+        f"mm², the greatest there is, and the rank {rank[0]}. At {angles(unsaid)} it is "
+        f"{number(square[1], 0)} and the rank {rank[1]}."
+    )

@@ -1,0 +1,95 @@
+"""What a link weighs and looks like: the tables ``solid`` and ``inertial`` of a row."""
+
+from __future__ import annotations
+
+from drake_leg.models.solids import mass_properties, volume
+from drake_leg.robot import Brick, Cylinder, Inertial, Shape, Solid, Sphere
+from drake_leg.robot_file.keys import Keys
+
+# Of each shape: its class, and its dimensions in the order in which they are written.
+SHAPES: dict[str, tuple[type[Shape], tuple[str, ...]]] = {
+    "brick": (Brick, ("length", "width", "height")),
+    "cylinder": (Cylinder, ("radius", "length")),
+    "sphere": (Sphere, ("radius",)),
+}
+GREY = (0.5, 0.5, 0.5)
+ORIGIN = (0.0, 0.0, 0.0)
+
+_SOLID_KEYS = ("density", "centre", "colour")
+_INERTIAL_KEYS = ("mass", "centre", "moments", "products")
+_INSTEAD_OF_SOLID = {
+    "mass": "a mass stands with centre and moments under [row.inertial], beside the solid",
+    "color": "did you mean 'colour'?",
+    "center": "did you mean 'centre'?",
+}
+
+
+def read_solid(table: object, where: str, inertial: Inertial | None) -> Solid:
+    """Read the solid of a row.
+
+    Parameters
+    ----------
+    table : object
+        What stands behind the key ``solid``.
+    where : str
+        File and row, the beginning of every error's sentence.
+    inertial : Inertial, optional
+        The link's mass, where it is given: then the density may be left out.
+
+    Returns
+    -------
+    Solid
+
+    Raises
+    ------
+    InvalidValueError
+        With file, key and value.
+    """
+    every = {key for _, names in SHAPES.values() for key in names}
+    shape_keys = Keys(table, where, ("shape", *sorted(every), *_SOLID_KEYS), _INSTEAD_OF_SOLID)
+    kind = shape_keys.choice("shape", tuple(SHAPES))
+    make, names = SHAPES[kind]
+    keys = Keys(table, f"{where} ({kind})", ("shape", *names, *_SOLID_KEYS))
+    shape: Shape = keys.make(make, **{name: keys.positive(name, "m") for name in names})
+    of_mass = {} if inertial is None else {"default": inertial.mass / volume(shape)}
+    colour = keys.three("colour", "0 to 1", GREY)
+    if not all(0.0 <= part <= 1.0 for part in colour):
+        raise keys.error(f"colour is {list(colour)}; red, green and blue go from 0 to 1")
+    solid = keys.make(
+        Solid,
+        shape=shape,
+        density=keys.positive("density", "kg/m^3", **of_mass),
+        centre=keys.three("centre", "m", ORIGIN),
+        colour=colour,
+    )
+    keys.make(mass_properties, solid=solid)
+    return solid
+
+
+def read_inertial(table: object, where: str) -> Inertial:
+    """Read the explicit mass properties of a row.
+
+    Parameters
+    ----------
+    table : object
+        What stands behind the key ``inertial``.
+    where : str
+        File and row, the beginning of every error's sentence.
+
+    Returns
+    -------
+    Inertial
+
+    Raises
+    ------
+    InvalidValueError
+        With file, key and value.
+    """
+    keys = Keys(table, where, _INERTIAL_KEYS, {"center": "did you mean 'centre'?"})
+    return keys.make(
+        Inertial,
+        mass=keys.positive("mass", "kg"),
+        centre=keys.three("centre", "m"),
+        moments=keys.three("moments", "kg*m^2"),
+        products=keys.three("products", "kg*m^2", ORIGIN),
+    )

@@ -1,0 +1,87 @@
+"""A TOML file as nested tables, or one sentence that says where it is no TOML."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from drake_leg.errors import InvalidValueError
+
+Document = dict[str, Any]
+
+# What people write, as a pattern of the line, and what they should write.
+_REMEDIES = {
+    r"=\s*~": '~ stands in quotes: sigma = "~"',
+    r"°": 'leave out the sign; angles = "deg" says the unit once',
+    r"^\[row\]": "every row begins with [[row]], two brackets",
+}
+
+
+def read_text(path: Path) -> str:
+    """Read a file that a person wrote.
+
+    Parameters
+    ----------
+    path : Path
+        Text in UTF-8, with or without a byte order mark.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InvalidValueError
+        If it cannot be read.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InvalidValueError(
+            f"{path} is no text in UTF-8 (byte {error.start} is 0x{error.object[error.start]:02x})"
+            ": save it as UTF-8"
+        ) from None
+    except (OSError, ValueError) as error:
+        why = (error.strerror if isinstance(error, OSError) else None) or str(error)
+        raise InvalidValueError(f"{path} cannot be read: {why}") from None
+
+
+def parse_document(text: str, where: str) -> Document:
+    """Parse TOML.
+
+    Parameters
+    ----------
+    text : str
+        The file's content.
+    where : str
+        Name of the file, for the error's sentence.
+
+    Returns
+    -------
+    dict
+        Nested tables.
+
+    Raises
+    ------
+    InvalidValueError
+        With the line that is no TOML.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InvalidValueError(_syntax_sentence(text, where, str(error))) from None
+    except (RecursionError, ValueError) as error:  # brackets too deep, an integer too long
+        raise InvalidValueError(f"{where} is no TOML for a robot: {error}") from None
+
+
+def _syntax_sentence(text: str, where: str, reason: str) -> str:
+    found = re.search(r"\(at line (\d+), column \d+\)", reason)
+    if not found:
+        return f"{where} is no TOML: {reason}"
+    number = int(found[1])
+    line = text.splitlines()[number - 1].strip() if number <= len(text.splitlines()) else ""
+    reason = reason.replace(f" {found[0]}", "")
+    remedies = [remedy for pattern, remedy in _REMEDIES.items() if re.search(pattern, line)]
+    return "; ".join([f"{where}, line {number}: {line!r} is no TOML ({reason})", *remedies[:1]])

@@ -1,0 +1,163 @@
+"""From a TOML file to a robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drake_leg.robot import JointType, Link, Robot, Row, Segment
+from drake_leg.robot_file.bodies import ORIGIN, read_inertial, read_solid
+from drake_leg.robot_file.classic import ClassicRow, khalil_rows
+from drake_leg.robot_file.document import parse_document, read_text
+from drake_leg.robot_file.joints import read_mechanics
+from drake_leg.robot_file.keys import Keys
+from drake_leg.robot_file.units import AngleUnit, in_radians, joint_units
+
+ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "row")
+TABLE_KEYS = {
+    "khalil": ("sigma", "d", "alpha", "r", "theta"),
+    "classic": ("sigma", "theta", "d", "a", "alpha"),
+}
+BODY_KEYS = ("joint", "link", "end", "solid", "inertial", "mechanics", "limits")
+SIGMAS: dict[int | str, JointType] = {0: "revolute", 1: "prismatic", "~": "fixed"}
+
+_INSTEAD_OF_ROBOT = {
+    "lengths": "lengths are in m throughout",
+    "rows": "rows are tables of their own, each under [[row]]",
+    "units": 'lengths are in m throughout, and angles = "deg" or "rad"',
+}
+_NO_PARENTS = "a robot is one chain, and every row's parent is the row before it"
+_INSTEAD_OF_ROW = {
+    "parent": _NO_PARENTS,
+    "child": _NO_PARENTS,
+    "children": _NO_PARENTS,
+    "a": 'it belongs to the classic convention: say convention = "classic", or give d and r',
+    "mass": "a mass stands with centre and moments under [row.inertial]",
+    "density": "a density stands under [row.solid]",
+    "damping": "damping stands under [row.mechanics]",
+    "r": 'it belongs to Khalil\'s convention: leave out convention = "classic", or give d and a',
+}
+
+
+def load_robot(path: Path) -> Robot:
+    """Read a robot from a TOML file.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file.
+
+    Returns
+    -------
+    Robot
+        In Khalil's convention, whatever the file has.
+
+    Raises
+    ------
+    InvalidValueError
+        With file, key and value, if something makes no sense.
+    """
+    return read_robot(read_text(path), str(path))
+
+
+def read_robot(text: str, where: str) -> Robot:
+    """Read a robot from TOML.
+
+    Parameters
+    ----------
+    text : str
+        The file's content.
+    where : str
+        Name of the file, the beginning of every error's sentence.
+
+    Returns
+    -------
+    Robot
+        In Khalil's convention, whatever the file has.
+
+    Raises
+    ------
+    InvalidValueError
+        With file, key and value, if something makes no sense.
+    """
+    keys = Keys(parse_document(text, where), where, ROBOT_KEYS, _INSTEAD_OF_ROBOT)
+    name = keys.text("name")
+    convention = keys.choice("convention", tuple(TABLE_KEYS), "khalil")
+    angles: AngleUnit = keys.choice("angles", ("deg", "rad"))
+    tables = keys.value("row", remedy="every row of the table stands under [[row]]")
+    if not isinstance(tables, list) or not tables:
+        raise keys.error("row is no list of tables; every row stands under [[row]], two brackets")
+    rows = [
+        Keys(table, f"{where}: row {index}", (*TABLE_KEYS[convention], *BODY_KEYS), _INSTEAD_OF_ROW)
+        for index, table in enumerate(tables, start=1)
+    ]
+    title, source = keys.text("title", name), keys.text("source", Path(where).name)
+    segments = _segments(rows, convention, angles)
+    return keys.make(Robot, name=name, title=title, source=source, segments=segments)
+
+
+def _segments(rows: list[Keys], convention: str, angles: AngleUnit) -> tuple[Segment, ...]:
+    tools: list[Row] = []
+    if convention == "classic":
+        *table, tool = khalil_rows([_classic_row(keys, angles) for keys in rows])
+        tools.append(tool)
+    else:
+        table = [_khalil_row(keys, angles) for keys in rows]
+    numbered = enumerate(zip(rows, table, strict=True), start=1)
+    carried = [_segment(keys, row, index, angles) for index, (keys, row) in numbered]
+    return (*carried, *(Segment(row=row) for row in tools))
+
+
+def _joint_type(keys: Keys) -> JointType:
+    return SIGMAS[keys.choice("sigma", tuple(SIGMAS))]
+
+
+def _khalil_row(keys: Keys, angles: AngleUnit) -> Row:
+    return keys.make(
+        Row,
+        joint=_joint_type(keys),
+        d=keys.number("d", "m"),
+        alpha=in_radians(keys.number("alpha", angles), angles),
+        r=keys.number("r", "m"),
+        theta=in_radians(keys.number("theta", angles), angles),
+    )
+
+
+def _classic_row(keys: Keys, angles: AngleUnit) -> ClassicRow:
+    return ClassicRow(
+        joint=_joint_type(keys),
+        theta=in_radians(keys.number("theta", angles), angles),
+        d=keys.number("d", "m"),
+        a=keys.number("a", "m"),
+        alpha=in_radians(keys.number("alpha", angles), angles),
+    )
+
+
+def _segment(keys: Keys, row: Row, index: int, angles: AngleUnit) -> Segment:
+    acting = [key for key in ("mechanics", "limits") if keys.has(key)]
+    if row.joint == "fixed" and acting:
+        raise keys.error(f'{acting[0]} stands at a fixed row (sigma = "~"), which cannot move')
+    if row.joint == "fixed" and not any(keys.has(key) for key in BODY_KEYS):
+        return Segment(row=row)
+    link = keys.text("link", f"link_{index}")
+    joint = keys.text("joint", f"{link}_weld" if row.joint == "fixed" else f"joint_{index}")
+    return keys.make(
+        Segment,
+        row=row,
+        joint=joint,
+        link=_link(keys, link),
+        mechanics=read_mechanics(
+            keys.value("mechanics", {}),
+            keys.value("limits", {}),
+            keys.where,
+            joint_units(row.joint, angles),
+        ),
+    )
+
+
+def _link(keys: Keys, name: str) -> Link:
+    inertial = solid = None
+    if keys.has("inertial"):
+        inertial = read_inertial(keys.value("inertial"), f"{keys.where}, inertial")
+    if keys.has("solid"):
+        solid = read_solid(keys.value("solid"), f"{keys.where}, solid", inertial)
+    return Link(name=name, solid=solid, inertial=inertial, end=keys.three("end", "m", ORIGIN))

@@ -1,0 +1,150 @@
+"""From a robot to a TOML file that a person can read, and that is read back as the same robot."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+from drake_leg.robot import Inertial, JointMechanics, Link, Robot, Segment, Solid
+from drake_leg.robot_file.bodies import ORIGIN, SHAPES
+from drake_leg.robot_file.units import AngleUnit, JointUnits, exact_degrees, joint_units
+
+COMMENT_COLUMN = 32
+HEAD = (
+    "# A robot of drake-leg: its Khalil (modified DH) table from base to tip, one [[row]] each.\n"
+    "# Lengths are in m, masses in kg, angles in the unit below, speeds in that unit per second."
+)
+
+
+def robot_toml(robot: Robot) -> str:
+    """Write a robot as TOML.
+
+    ``read_robot(robot_toml(robot), name) == robot``, to the last bit.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any robot.
+
+    Returns
+    -------
+    str
+        Angles in degrees where all of them are read back exactly, otherwise in radians.
+    """
+    angles: AngleUnit = "deg"
+    if any(exact_degrees(angle) is None for angle in _angles(robot)):
+        angles = "rad"
+    lines = [
+        HEAD,
+        _line("name", robot.name),
+        _line("title", robot.title),
+        _line("source", robot.source),
+        _line("convention", "khalil", '"khalil" (modified DH) or "classic" (standard DH)'),
+        _line("angles", angles, '"deg" or "rad"'),
+    ]
+    for segment in robot.segments:
+        lines += ["", "[[row]]", *_row_lines(segment, angles)]
+    return "\n".join(lines) + "\n"
+
+
+def _angles(robot: Robot) -> Iterator[float]:
+    """List every number of a robot that is written in the file's unit of angles."""
+    for segment in robot.segments:
+        yield from (segment.row.alpha, segment.row.theta)
+        if segment.row.joint == "revolute":
+            mechanics = segment.mechanics
+            yield mechanics.equilibrium_position
+            limits = (mechanics.lower, mechanics.upper, mechanics.velocity)
+            yield from (limit for limit in limits if limit is not None)
+
+
+def _row_lines(segment: Segment, angles: AngleUnit) -> Iterator[str]:
+    row, link = segment.row, segment.link
+    sigma = "~" if row.sigma is None else row.sigma
+    yield _line("sigma", sigma, '0 revolute, 1 prismatic, "~" fixed')
+    yield _line("d", row.d, "[m] along x of the frame before")
+    yield _line("alpha", _angle(row.alpha, angles), f"[{angles}] about x of the frame before")
+    yield _line("r", row.r, "[m] along z")
+    yield _line("theta", _angle(row.theta, angles), f"[{angles}] about z")
+    if link is None:
+        return
+    yield _line("joint", segment.joint)
+    yield _line("link", link.name)
+    if link.end != ORIGIN:
+        yield _line("end", link.end, "[m] end of the link in its frame")
+    yield from _body_lines(link)
+    yield from _joint_lines(segment.mechanics, joint_units(row.joint, angles))
+
+
+def _body_lines(link: Link) -> Iterator[str]:
+    if link.inertial is not None:
+        yield from _inertial_lines(link.inertial)
+    if link.solid is not None:
+        yield from _solid_lines(link.solid)
+
+
+def _inertial_lines(body: Inertial) -> Iterator[str]:
+    yield "[row.inertial]"
+    yield _line("mass", body.mass, "[kg]")
+    yield _line("centre", body.centre, "[m] centre of mass in the link's frame")
+    yield _line("moments", body.moments, "[kg*m^2] Ixx, Iyy, Izz about the centre of mass")
+    yield _line("products", body.products, "[kg*m^2] Ixy, Ixz, Iyz of the inertia matrix")
+
+
+def _solid_lines(solid: Solid) -> Iterator[str]:
+    kinds = {kind: (name, dimensions) for name, (kind, dimensions) in SHAPES.items()}
+    name, dimensions = kinds[type(solid.shape)]
+    yield "[row.solid]"
+    yield _line("shape", name)
+    for dimension in dimensions:
+        yield _line(dimension, getattr(solid.shape, dimension), "[m]")
+    yield _line("density", solid.density, "[kg/m^3]")
+    yield _line("centre", solid.centre, "[m] in the link's frame")
+    yield _line("colour", solid.colour, "red, green, blue, 0 to 1")
+
+
+def _joint_lines(mechanics: JointMechanics, units: JointUnits) -> Iterator[str]:
+    default = JointMechanics()
+    position, damping = units.position, next(iter(units.damping))
+    acting = (
+        ("damping", mechanics.damping, damping),
+        ("spring_stiffness", mechanics.spring_stiffness, units.stiffness),
+        ("equilibrium_position", _position(mechanics.equilibrium_position, units), position),
+        ("actuated", mechanics.actuated, ""),
+    )
+    bounds = (
+        ("lower", _position(mechanics.lower, units), position),
+        ("upper", _position(mechanics.upper, units), position),
+        ("velocity", _position(mechanics.velocity, units), units.velocity),
+        ("effort", mechanics.effort, units.effort),
+    )
+    for header, entries in (("[row.mechanics]", acting), ("[row.limits]", bounds)):
+        said = [
+            entry for entry in entries if getattr(mechanics, entry[0]) != getattr(default, entry[0])
+        ]
+        if said:
+            yield header
+            yield from (_line(key, value, unit and f"[{unit}]") for key, value, unit in said)
+
+
+def _position(value: float | None, units: JointUnits) -> float | None:
+    return value if value is None or units.position != "deg" else exact_degrees(value)
+
+
+def _angle(value: float, angles: AngleUnit) -> float | None:
+    return exact_degrees(value) if angles == "deg" else value
+
+
+def _line(key: str, value: object, comment: str = "") -> str:
+    line = f"{key} = {_shown(value)}"
+    return f"{line:<{COMMENT_COLUMN}}# {comment}" if comment else line
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_shown, value))}]"
+    if isinstance(value, float | int):
+        return repr(0.0 if value == 0.0 else float(value)).removesuffix(".0")
+    return json.dumps(value, ensure_ascii=False)

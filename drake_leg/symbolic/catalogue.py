@@ -1,0 +1,68 @@
+"""The derivations by name; SymPy is imported only when one is carried out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.robot import Robot
+from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.symbolic.optional import require_sympy
+
+if TYPE_CHECKING:
+    from drake_leg.symbolic.equations import Equation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Subject:
+    """A robot that is derived, and what of it a report makes its Jacobian of."""
+
+    robot: Robot
+    numbering: str  # what stands before an equation's number
+    task: tuple[int, ...]  # rows of the spatial Jacobian
+
+
+SUBJECTS = {
+    "leg-a": Subject(robot=LEG_A, numbering="Report A, eq.", task=(3, 4, 5)),
+    "leg-b": Subject(robot=LEG_B, numbering="Report B, section", task=(3, 4, 5)),
+    "scara": Subject(robot=SCARA, numbering="Report B, section", task=(3, 4, 2)),
+}
+
+
+def derived_equations(name: str) -> tuple[Equation, ...]:
+    """Derive all equations of one of the reports' robots, and what they prove.
+
+    Parameters
+    ----------
+    name : str
+        Of ``SUBJECTS``.
+
+    Returns
+    -------
+    tuple of Equation
+        Those that its report numbers; then the two Jacobians' difference, the factored
+        determinant and its zeros, without a number.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no such subject.
+    MissingSymPyError
+        If SymPy is not installed.
+    """
+    if name not in SUBJECTS:
+        raise InvalidValueError(
+            f"there is no derivation {name!r}; the derivations are {', '.join(SUBJECTS)}"
+        )
+    require_sympy(f"the derivation of {name}")
+    from drake_leg.symbolic import equations
+    from drake_leg.symbolic.derivation import derive
+
+    numbered = {
+        "leg-a": equations.leg_a_equations,
+        "leg-b": equations.leg_b_equations,
+        "scara": equations.scara_equations,
+    }
+    derivation = derive(SUBJECTS[name].robot.rows, SUBJECTS[name].task)
+    return (*numbered[name](derivation), *equations.findings(derivation))

@@ -1,0 +1,300 @@
+"""Any serial chain in Khalil's convention, in symbols: transforms, foot, Jacobian by two methods.
+
+What ``kinematics.khalil`` does with numbers is done here with expressions. Nothing is simplified,
+so that a chain of six axes takes a second; ``trigonometry.tidy`` makes a result readable.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.robot import JointType, Row
+
+Function = Callable[[ArrayLike], Array]  # of the joint positions
+
+
+@dataclass(frozen=True, kw_only=True)
+class SymbolicRow:
+    """A row of a Khalil table, its joint's position already in ``theta`` or ``r``."""
+
+    joint: JointType
+    d: sp.Expr
+    alpha: sp.Expr
+    r: sp.Expr
+    theta: sp.Expr
+
+
+@dataclass(frozen=True, kw_only=True)
+class SymbolicChain:
+    """A Khalil table in symbols."""
+
+    rows: tuple[SymbolicRow, ...]
+    q: tuple[sp.Symbol, ...]  # joint positions, q1 ... qm
+    values: Mapping[sp.Symbol, float]  # of the other symbols [m or rad]
+
+
+class ChainFunctions(NamedTuple):
+    """A chain's foot and Jacobian as functions of one vector of joint positions."""
+
+    foot: Function  # q (m,) -> X_BF (4, 4) [-, m]
+    jacobian: Function  # q (m,) -> Jv_BF (6, m), rotation first [rad, m per rad or m]
+
+
+def symbolic_chain(rows: Sequence[Row]) -> SymbolicChain:
+    """Write a table in symbols.
+
+    Lengths along x that are not zero become l1, l2, ...; those along z become h, or h1, h2, ...
+    where there are several; a negative length becomes -l. Angles that are simple fractions of pi
+    become exact, others symbols with the row's number, alpha3 or theta5.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table, of which m rows move.
+
+    Returns
+    -------
+    SymbolicChain
+        With the symbols' numbers, so that ``evaluator`` gives numbers back.
+    """
+    values: dict[sp.Symbol, float] = {}
+    q: list[sp.Symbol] = []
+    along_x = _names("l", [row.d for row in rows])
+    along_z = _names("h", [row.r for row in rows])
+    if len(along_z) == 1:
+        along_z = dict.fromkeys(along_z, "h")
+    symbolic = []
+    for index, row in enumerate(rows):
+        r = _length(along_z.get(index, ""), row.r, values)
+        theta = _angle(f"theta{index + 1}", row.theta, values)
+        if row.joint != "fixed":
+            q.append(sp.Symbol(f"q{len(q) + 1}", real=True))
+            r, theta = (r, theta + q[-1]) if row.joint == "revolute" else (r + q[-1], theta)
+        symbolic.append(
+            SymbolicRow(
+                joint=row.joint,
+                d=_length(along_x.get(index, ""), row.d, values),
+                alpha=_angle(f"alpha{index + 1}", row.alpha, values),
+                r=r,
+                theta=theta,
+            )
+        )
+    return SymbolicChain(rows=tuple(symbolic), q=tuple(q), values=values)
+
+
+def _names(letter: str, lengths: Sequence[float]) -> dict[int, str]:
+    """Number the lengths that are not zero: index -> name."""
+    present = [index for index, length in enumerate(lengths) if length != 0.0]
+    return {index: f"{letter}{number}" for number, index in enumerate(present, start=1)}
+
+
+def _length(name: str, value: float, values: dict[sp.Symbol, float]) -> sp.Expr:
+    if value == 0.0:
+        return sp.Integer(0)
+    symbol = sp.Symbol(name, positive=True)
+    values[symbol] = abs(value)
+    return symbol if value > 0.0 else -symbol
+
+
+def _angle(name: str, value: float, values: dict[sp.Symbol, float]) -> sp.Expr:
+    turns = Fraction(value / math.pi).limit_denominator(360)
+    if abs(float(turns) * math.pi - value) <= 2.0 * sys.float_info.epsilon * abs(value):
+        return sp.Rational(turns.numerator, turns.denominator) * sp.pi
+    symbol = sp.Symbol(name, real=True)
+    values[symbol] = value
+    return symbol
+
+
+def row_transform(row: SymbolicRow) -> sp.Matrix:
+    """Transform from a row's frame to the frame before it.
+
+    ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``.
+
+    Parameters
+    ----------
+    row : SymbolicRow
+        One row of the table.
+
+    Returns
+    -------
+    (4, 4) Matrix
+        Homogeneous transform X_PC, from the row's frame C to the frame before it P.
+
+    References
+    ----------
+    Report A, eq. 1.
+    """
+    c, s = sp.cos(row.theta), sp.sin(row.theta)
+    ca, sa = sp.cos(row.alpha), sp.sin(row.alpha)
+    return sp.Matrix(
+        [
+            [c, -s, 0, row.d],
+            [s * ca, c * ca, -sa, -row.r * sa],
+            [s * sa, c * sa, ca, row.r * ca],
+            [0, 0, 0, 1],
+        ]
+    )
+
+
+def base_transforms(chain: SymbolicChain) -> tuple[sp.Matrix, ...]:
+    """Transforms from every row's frame to the base, row after row multiplied.
+
+    Parameters
+    ----------
+    chain : SymbolicChain
+        The table, n rows.
+
+    Returns
+    -------
+    (n,) tuple of (4, 4) Matrix
+        Homogeneous transforms in the base frame; the last one is the foot's.
+
+    References
+    ----------
+    Report A, eq. 6-8; report B, 1.4 and 2.4.
+    """
+    X_BC = sp.eye(4)
+    transforms = []
+    for row in chain.rows:
+        X_BC = X_BC * row_transform(row)
+        transforms.append(X_BC)
+    return tuple(transforms)
+
+
+def foot_position(chain: SymbolicChain) -> sp.Matrix:
+    """Position of the last frame of the chain in the base.
+
+    Parameters
+    ----------
+    chain : SymbolicChain
+        The table.
+
+    Returns
+    -------
+    p_BF : (3, 1) Matrix
+        Lengths in the table's symbols.
+
+    References
+    ----------
+    Report B, 2.5.1.
+    """
+    return base_transforms(chain)[-1][:3, 3]
+
+
+def direct_jacobian(chain: SymbolicChain) -> sp.Matrix:
+    """Jacobian by the direct method: every joint's own contribution.
+
+    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint gives ``[z; z x OF]``, a prismatic one
+    ``[0; z]``.
+
+    Parameters
+    ----------
+    chain : SymbolicChain
+        The table, of which m rows move.
+
+    Returns
+    -------
+    Jv_BF : (6, m) Matrix
+        Rows 0-2 angular, rows 3-5 translational, in the base frame.
+
+    References
+    ----------
+    Report A, eq. 9-15.
+    """
+    transforms = base_transforms(chain)
+    p_BF = transforms[-1][:3, 3]
+    columns = []
+    for row, X_BC in zip(chain.rows, transforms, strict=True):
+        z_B, p_BC = X_BC[:3, 2], X_BC[:3, 3]
+        if row.joint == "revolute":
+            columns.append(sp.Matrix([*z_B, *z_B.cross(p_BF - p_BC)]))
+        elif row.joint == "prismatic":
+            columns.append(sp.Matrix([0, 0, 0, *z_B]))
+    return sp.Matrix.hstack(sp.zeros(6, 0), *columns)
+
+
+def indirect_jacobian(chain: SymbolicChain) -> sp.Matrix:
+    """Jacobian by the indirect method: derivatives of the foot's pose.
+
+    Its columns are ``[w; dp_BF/dqi]``, with ``w`` the axis of the skew matrix
+    ``dR_BF/dqi R_BF'``.
+
+    Parameters
+    ----------
+    chain : SymbolicChain
+        The table, of which m rows move.
+
+    Returns
+    -------
+    Jv_BF : (6, m) Matrix
+        Rows 0-2 angular, rows 3-5 translational, in the base frame.
+
+    References
+    ----------
+    Report A, appendix, "Computing the Jacobian Using Indirect Method".
+    """
+    X_BF = base_transforms(chain)[-1]
+    R_BF, p_BF = X_BF[:3, :3], X_BF[:3, 3]
+    columns = []
+    for position in chain.q:
+        spin = R_BF.diff(position) * R_BF.T
+        columns.append(sp.Matrix([spin[2, 1], spin[0, 2], spin[1, 0], *p_BF.diff(position)]))
+    return sp.Matrix.hstack(sp.zeros(6, 0), *columns)
+
+
+def evaluator(chain: SymbolicChain, expression: sp.Matrix) -> Function:
+    """Make a NumPy function of a matrix of expressions, at the table's own lengths and angles.
+
+    Parameters
+    ----------
+    chain : SymbolicChain
+        Joint positions and the numbers of all other symbols.
+    expression : (a, b) Matrix
+        In the chain's symbols.
+
+    Returns
+    -------
+    callable
+        q (m,) -> (a, b) ndarray; raises ``InvalidValueError`` if q is not m finite numbers.
+    """
+    symbols, numbers = list(chain.values), list(chain.values.values())
+    compiled = sp.lambdify([list(chain.q), symbols], expression, "numpy", cse=True)
+
+    def evaluate(q: ArrayLike) -> Array:
+        positions = one_vector("q", q, len(chain.q)).tolist()
+        return np.array(compiled(positions, numbers), dtype=np.float64)
+
+    return evaluate
+
+
+def chain_functions(rows: Sequence[Row]) -> ChainFunctions:
+    """Derive any chain's foot and Jacobian, as a witness of the numeric ones.
+
+    The Jacobian is the indirect method's, so that it shares no formula with
+    ``kinematics.khalil.jacobian``.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table, of which m rows move.
+
+    Returns
+    -------
+    ChainFunctions
+        ``foot(q)`` and ``jacobian(q)`` of one vector q (m,) [rad or m].
+    """
+    chain = symbolic_chain(rows)
+    return ChainFunctions(
+        foot=evaluator(chain, base_transforms(chain)[-1]),
+        jacobian=evaluator(chain, indirect_jacobian(chain)),
+    )

@@ -1,0 +1,38 @@
+"""The one place that knows that SymPy may be missing."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+from drake_leg.errors import DrakeLegError
+
+
+class MissingSymPyError(DrakeLegError):
+    """SymPy is wanted and not installed.
+
+    Attributes
+    ----------
+    purpose : str
+        What wanted it.
+    """
+
+    def __init__(self, purpose: str) -> None:
+        self.purpose = purpose
+        super().__init__(f"{purpose} needs SymPy: pip install 'drake-leg[symbolic]'")
+
+
+def require_sympy(purpose: str) -> None:
+    """Refuse to go on without SymPy.
+
+    Parameters
+    ----------
+    purpose : str
+        What wants it, the subject of the error's sentence.
+
+    Raises
+    ------
+    MissingSymPyError
+        If SymPy is not installed.
+    """
+    if find_spec("sympy") is None:
+        raise MissingSymPyError(purpose)

@@ -1,0 +1,100 @@
+"""Where a determinant is zero: its factors, each solved for the joint angles in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from drake_leg.symbolic.trigonometry import pythagoras
+
+ANY_INTEGER = sp.Symbol("k", integer=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """The values of one angle at which a factor is zero, the other angles as they are."""
+
+    angle: sp.Symbol
+    values: tuple[sp.Expr, ...]  # each with a free integer k [rad]
+    real_where: sp.Expr  # the values are real where this is not negative
+
+
+@dataclass(frozen=True, kw_only=True)
+class SingularFamily:
+    """One factor of a determinant and its zeros."""
+
+    factor: sp.Expr
+    solutions: tuple[Solution, ...]  # one for every angle that the factor contains
+
+
+def singular_families(determinant: sp.Expr, q: tuple[sp.Symbol, ...]) -> tuple[SingularFamily, ...]:
+    """Find all zeros of a factored determinant.
+
+    Parameters
+    ----------
+    determinant : Expr
+        A product; each factor of degree one in the sine and cosine of each angle.
+    q : tuple of Symbol
+        The joint angles.
+
+    Returns
+    -------
+    tuple of SingularFamily
+        One for every factor that depends on the angles, the simplest first.
+
+    References
+    ----------
+    Report A, eq. 17 and appendix; report B, 1.6.
+    """
+    factors = [f for f in sp.Mul.make_args(determinant) if f.free_symbols & set(q)]
+    factors.sort(key=sp.count_ops)
+    return tuple(
+        SingularFamily(
+            factor=factor,
+            solutions=tuple(solve_for(factor, angle) for angle in q if factor.has(angle)),
+        )
+        for factor in factors
+    )
+
+
+def solve_for(factor: sp.Expr, angle: sp.Symbol) -> Solution:
+    """Solve ``a cos(x) + b sin(x) + c = 0`` by the tangent of the half angle.
+
+    With ``t = tan(x/2)`` it is ``(c - a) t^2 + 2 b t + (c + a) = 0``, and ``x = 2 atan(t)``. Where
+    ``c = a`` for all values of the other angles, ``x = pi`` is a root besides.
+
+    Parameters
+    ----------
+    factor : Expr
+        Of degree one in cos(x) and sin(x), or in those of sums with x.
+    angle : Symbol
+        x.
+
+    Returns
+    -------
+    Solution
+        The roots plus any number of turns; where they are all multiples of pi, as one value.
+
+    References
+    ----------
+    Report A, appendix (MATLAB's ``solve``).
+    """
+    expanded = sp.expand(sp.expand_trig(factor))
+    a, b = expanded.coeff(sp.cos(angle)), expanded.coeff(sp.sin(angle))
+    c = expanded - sp.expand(a * sp.cos(angle) + b * sp.sin(angle))
+    t = sp.Symbol("t", real=True)
+    roots = [2 * sp.atan(root) for root in sp.solve((c - a) * t**2 + 2 * b * t + c + a, t)]
+    if sp.expand(c - a) == 0:
+        roots.append(sp.pi)
+    return Solution(
+        angle=angle,
+        values=_with_turns(roots),
+        real_where=sp.factor(pythagoras(a**2 + b**2 - c**2)),
+    )
+
+
+def _with_turns(roots: list[sp.Expr]) -> tuple[sp.Expr, ...]:
+    if set(roots) == {sp.Integer(0), sp.pi}:
+        return (sp.pi * ANY_INTEGER,)
+    return tuple(root + 2 * sp.pi * ANY_INTEGER for root in roots)
