@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from drake_leg.errors import InvalidValueError
 from drake_leg.names import (
     BASE,
@@ -33,8 +31,9 @@ STANDARD_GRAVITY = 9.80665  # [m/s^2], Simscape's default; Drake's own is 9.81
 DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
 
 # Of the sum of the principal moments: how far rounding may take a plate off the triangle
-# inequality. SDF's parser allows no more.
-_MOMENT_ROUNDING = 1e-15
+# inequality, and how far a body with products of inertia must stay inside, because SDF's parser
+# finds its principal moments only that well.
+_MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
 
 
 def require_positive(what: str, value: float, unit: str) -> None:
@@ -183,16 +182,18 @@ class Inertial:
         if not all(map(math.isfinite, (*self.centre, *self.moments, *self.products))):
             raise InvalidValueError(f"{self} has a value that is not finite")
         small, middle, great = self.principal_moments()
-        shown = ", ".join(f"{moment:.6g}" for moment in (small, middle, great))
-        if small <= 0.0:
+        total = small + middle + great
+        margin = _MOMENT_MARGIN * total if any(self.products) else -_MOMENT_ROUNDING * total
+        shown = ", ".join(f"{moment:.9g}" for moment in (small, middle, great))
+        if small < max(LEAST, margin):
             raise InvalidValueError(
                 f"the inertia has the principal moments {shown} kg*m^2; all of them must be "
                 "positive"
             )
-        if small + middle < great - _MOMENT_ROUNDING * (small + middle + great):
+        if small + middle < great + margin:
             raise InvalidValueError(
-                f"the inertia has the principal moments {shown} kg*m^2; no body has one that is "
-                "greater than the other two together"
+                f"the inertia has the principal moments {shown} kg*m^2; the greatest must be less "
+                "than the other two together, as it is for every body"
             )
 
     def principal_moments(self) -> tuple[float, float, float]:
@@ -204,11 +205,13 @@ class Inertial:
             The smallest first [kg*m^2].
         """
         (xx, yy, zz), (xy, xz, yz) = self.moments, self.products
-        small, middle, great = (
-            sorted(self.moments)
-            if not any(self.products)
-            else np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).tolist()
-        )
+        if not any(self.products):
+            small, middle, great = sorted(self.moments)
+            return small, middle, great
+        import numpy as np
+
+        matrix = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+        small, middle, great = np.linalg.eigvalsh(matrix).tolist()
         return small, middle, great
 
 

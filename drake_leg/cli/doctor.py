@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import math
+from typing import TYPE_CHECKING
 
 from drake_leg.cli.common import Commands, numbers
 from drake_leg.cli.robot_source import add_robot_source, robot_source
-from drake_leg.doctor import Diagnosis, examine_posture
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.stroke import Stroke
 from drake_leg.robot import Robot
+
+if TYPE_CHECKING:
+    from drake_leg.doctor import Diagnosis
+    from drake_leg.kinematics.stroke import Stroke
 
 
 def add(commands: Commands) -> None:
@@ -47,6 +50,8 @@ def add(commands: Commands) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
+    from drake_leg.doctor import examine_posture
+
     robot = robot_source(chosen.robot).robot()
     diagnosis = examine_posture(
         robot,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from drake_leg.models.solids import mass_properties, volume
 from drake_leg.robot import Brick, Cylinder, Inertial, Shape, Solid, Sphere
 from drake_leg.robot_file.keys import Keys
 
 # Of each shape: its class, and its dimensions in the order in which they are written.
-SHAPES: dict[str, tuple[type[Shape], tuple[str, ...]]] = {
+SHAPES: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
     "brick": (Brick, ("length", "width", "height")),
     "cylinder": (Cylinder, ("radius", "length")),
     "sphere": (Sphere, ("radius",)),
@@ -50,7 +52,7 @@ def read_solid(table: object, where: str, inertial: Inertial | None) -> Solid:
     kind = shape_keys.choice("shape", tuple(SHAPES))
     make, names = SHAPES[kind]
     keys = Keys(table, f"{where} ({kind})", ("shape", *names, *_SOLID_KEYS))
-    shape: Shape = keys.make(make, **{name: keys.positive(name, "m") for name in names})
+    shape = keys.make(make, **{name: keys.positive(name, "m") for name in names})
     of_mass = {} if inertial is None else {"default": inertial.mass / volume(shape)}
     colour = keys.three("colour", "0 to 1", GREY)
     if not all(0.0 <= part <= 1.0 for part in colour):

@@ -125,6 +125,7 @@ def test_the_singularity_check_shows_det_j_and_sigma_min_in_their_units(name, po
 def test_the_stroboscope_draws_links_of_their_true_length(name, lengths):
     figure = figures_of(name)["step"]()
     side, top = figure.axes
+    assert (side.get_ylabel(), top.get_ylabel()) == ("z [m]", "y [m]")
     shadows = [
         [line for line in axes.get_lines() if line.get_linestyle() == "-"
          and len(line.get_xdata()) == 5]
@@ -135,6 +136,8 @@ def test_the_stroboscope_draws_links_of_their_true_length(name, lengths):
         x, z = from_the_side.get_data()
         x_again, y = from_the_top.get_data()
         np.testing.assert_array_equal(x, x_again)
+        assert z[0] == y[0] == 0.0
+        assert z[1] == 0.0  # the coxa is level
         joints = np.stack([x, y, z], axis=-1)
         steps = np.linalg.norm(np.diff(joints, axis=0), axis=1)
         np.testing.assert_allclose(steps, lengths, atol=1e-12)

@@ -1,0 +1,44 @@
+import dataclasses
+import json
+
+import pytest
+
+from drake_leg.cli import main
+from drake_leg.errata import errata
+
+
+def test_the_list_says_everything(capsys):
+    assert main(["errata"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for erratum in errata():
+        for part in (
+            f"{erratum.number} {erratum.source}, {erratum.where}",
+            f"printed {erratum.printed}",
+            f"right {erratum.right}",
+            f"effect {erratum.effect}",
+        ):
+            assert part in text
+
+
+@pytest.mark.parametrize(("columns", "widest"), [("40", 40), ("72", 72), ("300", 100), ("10", 39)])
+def test_lines_fit_the_terminal(capsys, monkeypatch, columns, widest):
+    monkeypatch.setenv("COLUMNS", columns)
+    assert main(["errata"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    bodies = [line for line in lines if line.startswith("    ")]
+    assert max(map(len, bodies)) <= widest
+    assert not any(line.endswith(" ") for line in lines)
+
+
+def test_json_has_every_field(capsys):
+    assert main(["errata", "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == [dataclasses.asdict(erratum) for erratum in errata()]
+    assert {"source", "where", "printed", "right", "effect"} < set(printed[0])
+
+
+def test_a_stray_word_is_refused(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["errata", "all"])
+    assert stop.value.code == 2
+    assert "unrecognized arguments: all" in capsys.readouterr().err
