@@ -159,6 +159,58 @@ def test_a_matrix_is_shown_in_one_line():
     assert shown((("2*cos(θ1)", "-1"), ("0", "θ1"))) == "[2·cos(θ1), −1; 0, θ1]"
 
 
+PRINTED_WRONGLY = {
+    "SCARA T01": (SCARA_PRINTED, SCARA_RIGHT, {(2, 3): "0"}),
+    "SCARA T12": (SCARA_PRINTED, SCARA_RIGHT, {(2, 1): "1", (2, 2): "0"}),
+    "SCARA T34": (
+        SCARA_PRINTED,
+        SCARA_RIGHT,
+        {(0, 2): "1", (1, 1): "1", (1, 3): "1", (2, 3): "452.4 - 340 - R"},
+    ),
+    "SCARA T03": (SCARA_PRINTED, SCARA_RIGHT, {(2, 3): "0"}),
+    "leg T12": (
+        LEG_B_PRINTED,
+        LEG_B_RIGHT,
+        {(0, 1): "0", (0, 2): "sin(θ2)", (2, 1): "0", (2, 2): "-cos(θ2)"},
+    ),
+    "leg T34": (LEG_B_PRINTED, LEG_B_RIGHT, {(0, 2): "1", (1, 3): "1"}),
+    "leg T04": (
+        LEG_B_PRINTED,
+        LEG_B_RIGHT,
+        {
+            (0, 0): "cos(θ2 - θ3)*cos(θ1)",
+            (0, 1): "sin(θ2 - θ3)*cos(θ1)",
+            (1, 0): "cos(θ2 - θ3)*sin(θ1)",
+            (1, 1): "sin(θ2 - θ3)*sin(θ1)",
+        },
+    ),
+    "leg J": (
+        LEG_B_PRINTED,
+        LEG_B_RIGHT,
+        {
+            (0, 1): "-50*cos(θ1)*(2*sin(θ2 - θ3) + 2*sin(θ2) + 1)",
+            (0, 2): "100*sin(θ2 - θ3)*cos(θ1)",
+            (1, 2): "100*sin(θ2 - θ3)*sin(θ1)",
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PRINTED_WRONGLY)
+def test_the_matrices_are_quoted_as_printed(name):
+    printed, right, wrong = PRINTED_WRONGLY[name]
+    entries = [np.array(matrices[name.split()[-1]]) for matrices in (printed, right)]
+    places = [tuple(place) for place in np.argwhere(entries[0] != entries[1]).tolist()]
+    assert {place: entries[0][place] for place in places} == wrong
+
+
+def test_the_abbreviations_are_quoted_as_printed():
+    assert LEG_B_SIGMAS_PRINTED == {
+        "σ1": "2*cos(θ2 - θ3) + 2*cos(θ2) + 1",
+        "σ2": "2*sin(θ2 - θ3) + 2*sin(θ2)",
+    }
+
+
 # Report A, the pendulum
 
 

@@ -13,7 +13,8 @@ def test_a_plain_name_is_taken(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["", "world", "__model__", "__x__", "a::b", "a b", "1a", "a/b", "a\n", "<a>", "a.b", "-a"]
+    "name",
+    ["", "world", "__model__", "__x__", "a::b", "a b", "1a", "a/b", "a\n", "<a>", "a.b", "-a"],
 )
 def test_a_name_that_sdf_or_a_shell_stumbles_over_is_refused(name):
     with pytest.raises(InvalidValueError, match="the link is"):

@@ -228,7 +228,9 @@ def robots(draw):
         segments.append(Segment(row=row, joint=f"{draw(NAMES)}{index}y", link=link, **acting))
     title = draw(st.text(st.characters(categories=("L", "N", "P", "S", "Zs")), max_size=20))
     return Robot(
-        name=draw(NAMES), title="".join(filter(str.isprintable, title)), source="chance",
+        name=draw(NAMES),
+        title="".join(filter(str.isprintable, title)),
+        source="chance",
         segments=tuple(segments),
     )
 

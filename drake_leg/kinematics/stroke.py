@@ -23,6 +23,7 @@ ON_AXIS = 1e-12  # of the leg's length: a line that passes the hip axis closer t
 CHAIN_STEPS = 200  # steps of a numerical stroke over the length of the chain
 CHAIN_RESOLUTION = 1e-10  # smallest step, of the length of the chain
 LARGEST_CHANGE = 0.5  # [rad or m] of a joint in one step; more is a jump to another branch
+NEWTON_STEPS = 20
 TANGENT = 1e-7  # relative imaginary part below which a pair of roots counts as one that touches
 
 
@@ -91,7 +92,7 @@ def _polished(
     leg: LegGeometry, p: Array, d: Array, facing: float, radius: float, s: float
 ) -> float | None:
     """Refine a root by Newton's method on the distance; None if it is on the other side."""
-    for _ in range(4):
+    for _ in range(NEWTON_STEPS):
         x, y, z = p + s * d
         h = math.hypot(x, y)
         u = facing * h - leg.l1
@@ -101,7 +102,10 @@ def _polished(
         slope = (u * facing * (x * d[0] + y * d[1]) / h + z * d[2]) / distance
         if abs(slope) < 1e-9:
             break
-        s -= float((distance - radius) / slope)
+        change = float((distance - radius) / slope)
+        s -= change
+        if abs(change) < 1e-15 * leg.l1:
+            break
     x, y, z = p + s * d
     miss = abs(math.hypot(facing * math.hypot(x, y) - leg.l1, z) - radius)
     return s if s > 0.0 and miss < 1e-9 * (leg.l1 + leg.l2 + leg.l3) else None

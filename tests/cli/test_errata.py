@@ -32,7 +32,9 @@ def test_lines_fit_the_terminal(capsys, monkeypatch, columns, widest):
 
 def test_json_has_every_field(capsys):
     assert main(["errata", "--json"]) == 0
-    printed = json.loads(capsys.readouterr().out)
+    text = capsys.readouterr().out
+    assert "θ2 − θ3" in text
+    printed = json.loads(text)
     assert printed == [dataclasses.asdict(erratum) for erratum in errata()]
     assert {"source", "where", "printed", "right", "effect"} < set(printed[0])
 

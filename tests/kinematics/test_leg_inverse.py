@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position
+from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian, foot_position
 from drake_leg.kinematics.leg_inverse import (
     BRANCHES,
     branch_angles,
@@ -166,3 +166,41 @@ def test_a_wrong_shape_or_value_is_refused_by_name(what, function):
 def test_branches_are_those_of_one_point(points):
     with pytest.raises(InvalidValueError, match="p_BF"):
         branches(A, points)
+
+
+@pytest.mark.slow
+@each_leg
+def test_a_hundred_thousand_feet_are_met_by_every_branch(leg):
+    q = np.random.default_rng(7).uniform(-np.pi, np.pi, (100_000, 3))
+    feet = foot_position(leg, q)
+    found = branch_angles(leg, feet)
+    reached = np.isfinite(found).all(axis=-1)
+    errors = foot_position(leg, np.where(reached[..., None], found, 0.0)) - feet[:, None]
+    assert np.abs(errors[reached]).max() < 1e-12
+    apart = np.abs(np.exp(1j * found) - np.exp(1j * q)[:, None]).max(axis=-1)
+    assert np.where(reached, apart, np.inf).min(axis=1).max() < 1e-8  # the posture is among them
+
+
+@pytest.mark.slow
+@each_leg
+def test_a_grid_search_finds_no_other_branch(leg):
+    """Newton's method from a grid of postures ends nowhere but on the closed form's branches."""
+    rng = np.random.default_rng(11)
+    axis = np.linspace(-np.pi, np.pi, 7)[:-1] + 0.3
+    grid = np.stack(np.meshgrid(axis, axis, axis), axis=-1).reshape(-1, 3)
+    for posture in rng.uniform(-np.pi, np.pi, (20, 3)):
+        foot = foot_position(leg, posture)
+        known = branch_angles(leg, foot)
+        known = known[np.isfinite(known).all(axis=-1)]
+        q = grid.copy()
+        for _ in range(60):
+            J = foot_jacobian(leg, q)
+            damped = J @ np.swapaxes(J, -1, -2) + 1e-10 * np.eye(3)
+            miss = (foot - foot_position(leg, q))[..., None]
+            change = (np.swapaxes(J, -1, -2) @ np.linalg.solve(damped, miss))[..., 0]
+            q += np.clip(change, -0.5, 0.5)
+        solved = q[np.abs(foot_position(leg, q) - foot).max(axis=-1) < 1e-13]
+        assert len(solved) > len(grid) // 4
+        apart = np.abs(np.exp(1j * solved)[:, None] - np.exp(1j * known)).max(axis=-1)
+        assert apart.min(axis=1).max() < 1e-5  # no posture but a known one
+        assert (apart.min(axis=0) < 1e-5).all()  # and every known one is found

@@ -41,7 +41,7 @@ def test_drake_reads_every_limit():
     assert joint.position_lower_limits() == [-1.0]
     assert joint.position_upper_limits() == [2.0]
     assert joint.velocity_upper_limits() == [3.0]
-    assert plant.get_joint_actuator(plant.GetActuatorIndices()[0]).effort_limit() == 4.0
+    assert plant.GetEffortUpperLimits() == [4.0]
 
 
 def test_a_limit_on_one_side_leaves_the_other_open():

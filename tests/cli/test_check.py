@@ -1,0 +1,139 @@
+"""``drake-leg check``, in process."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from drake_leg.check.witness import DrakeWitness
+from drake_leg.cli import main
+
+CHECK = Path(__file__).parents[1] / "check"
+RX90 = str(CHECK / "robots" / "rx90.toml")
+LEG_PRINT = str(CHECK / "printed" / "report_b_leg.toml")
+LEG_TABLE = str(CHECK / "printed" / "report_b_leg_table.txt")
+SCARA_CSV = str(CHECK / "printed" / "report_b_scara.csv")
+
+
+def checked(capsys, *words):
+    """Return the status and what is printed."""
+    status = main(["check", *words])
+    out, err = capsys.readouterr()
+    assert err == "" or status == 2
+    return status, out or err
+
+
+@pytest.mark.parametrize("name", ["pendulum", "leg-a", "leg-b", "scara", RX90])
+def test_a_right_robot_is_proved(name, capsys):
+    status, out = checked(capsys, name, "--samples", "4")
+    assert status == 0
+    assert out.startswith(f"{name}: no slip in the table\n")
+    assert out.endswith("proved: none is above 1e-12\n")
+    assert "on 4 random configurations" in out
+
+
+def test_the_proof_as_json(capsys):
+    status, out = checked(capsys, "scara", "--samples", "2", "--seed", "7", "--json")
+    content = json.loads(out)
+    assert (status, content["ok"], content["findings"]) == (0, True, [])
+    assert (content["proof"]["samples"], content["proof"]["seed"]) == (2, 7)
+
+
+def test_a_witness_that_differs_ends_in_status_1_and_is_named(capsys, monkeypatch):
+    honest = DrakeWitness.foot
+    monkeypatch.setattr(DrakeWitness, "foot", lambda self, q: honest(self, q) * 1.001)
+    status, out = checked(capsys, "leg-b")
+    assert status == 1
+    assert "Drake" in out.splitlines()[-2]
+    assert "deg" in out.splitlines()[-2]
+    assert out.endswith("NOT proved: at least one is above 1e-12\n")
+    status, out = checked(capsys, "leg-b", "--json")
+    assert (status, json.loads(out)["ok"]) == (1, False)
+
+
+def test_slips_in_a_robots_table_are_all_named_before_any_proof(tmp_path, capsys):
+    path = tmp_path / "arm.toml"
+    path.write_text(
+        'name = "arm"\nangles = "deg"\n'
+        "[[row]]\nd = 0\nalpha = 0\nr = 0\ntheta = 0\n"
+        "[[row]]\nsigma = 0.1\nd = 90\nalpha = 0\nr = 0\ntheta = 0\n",
+        encoding="utf-8",
+    )
+    status, out = checked(capsys, str(path))
+    assert status == 1
+    assert "2 findings" in out
+    assert "row 1: sigma is missing" in out
+    assert "row 2: sigma is '0.1'" in out
+    assert "proved" not in out
+
+
+def test_guesses_do_not_stop_the_proof(tmp_path, capsys):
+    path = tmp_path / "arm.toml"
+    text = Path(RX90).read_text(encoding="utf-8").replace('"deg"', '"rad"')
+    path.write_text(text, encoding="utf-8")
+    status, out = checked(capsys, str(path), "--samples", "2")
+    assert status == 0
+    assert "(a guess): alpha is 90 rad" in out
+    assert "proved" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "findings"),
+    [
+        (["leg-b", "--printed", LEG_PRINT], 1, 33),
+        (["leg-b", "--printed", LEG_TABLE], 1, 3),
+        (["scara", "--printed", SCARA_CSV], 1, 10),
+        ([LEG_PRINT], 1, 3),
+        ([LEG_TABLE], 1, 3),
+        ([str(CHECK / "printed" / "report_b_scara_table.txt")], 0, 2),
+        ([str(CHECK / "printed" / "report_b_scara.toml")], 0, 0),
+    ],
+)
+def test_a_print_is_graded(words, status, findings, capsys):
+    assert checked(capsys, *words, "--json")[0] == status
+    status_of_text, out = checked(capsys, *words)
+    assert status_of_text == status
+    assert len(out.splitlines()) == 1 + findings
+    assert (f"{findings} findings" if findings else "nothing is wrong") in out
+
+
+def test_a_graded_print_as_json(capsys):
+    _, out = checked(capsys, "leg-b", "--printed", LEG_PRINT, "--json")
+    content = json.loads(out)
+    assert content["ok"] is False
+    assert content["proof"] is None
+    assert {"place", "fault", "remedy", "severity"} == set(content["findings"][0])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["leg-x"], "there is no robot 'leg-x'"),
+        (["leg-b", "--printed", "nowhere.csv"], "nowhere.csv cannot be read"),
+        (["nowhere.csv"], "nowhere.csv cannot be read"),
+        (["leg-a", "--printed", SCARA_CSV], "has no joint 'lift'"),
+        ([SCARA_CSV], "say of which robot they are"),
+        (["leg-b", "--samples", "0"], "samples is 0"),
+        (["leg-b", "--seed", "-1"], "seed is -1"),
+        (["leg-b", "--printed", LEG_PRINT, "--seed", "-1"], "seed is -1"),
+        (["leg-b", "--printed", RX90], "there is no key 'name'"),
+    ],
+)
+def test_bad_input_is_one_sentence(words, said, capsys):
+    status, err = checked(capsys, *words)
+    assert status == 2
+    assert said in err
+    assert err.count("\n") == 1
+
+
+def test_without_sympy_the_check_says_what_is_missing(capsys, monkeypatch):
+    monkeypatch.setattr("drake_leg.symbolic.optional.find_spec", lambda name: None)
+    status, err = checked(capsys, "leg-b")
+    assert status == 2
+    assert "needs SymPy: pip install 'drake-leg[symbolic]'" in err
+
+
+def test_help_says_what_status_1_is(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["check", "--help"])
+    assert "1 something is" in capsys.readouterr().out
