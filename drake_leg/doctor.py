@@ -191,7 +191,7 @@ class _Scara:
         self._limits = [_limits(segment) for segment in robot.moving[:3]]
 
     def jacobian(self, q: Sequence[float]) -> Array:
-        return task_jacobian(self._arm, q)[:2, :2]
+        return task_jacobian(self._arm, q[:3])[:2, :2]
 
     def nearness(self, q: Sequence[float]) -> list[Nearness]:
         measure = abs(math.sin(q[1]))
@@ -199,7 +199,7 @@ class _Scara:
         return [Nearness(family="stretch", measure=measure, meaning=meaning)]
 
     def stroke(self, q: Sequence[float], direction: Sequence[float]) -> Stroke:
-        return scara_stroke(self._arm, q, direction)
+        return scara_stroke(self._arm, q[:3], direction)
 
     def solutions(self, q: Sequence[float], foot: Sequence[float]) -> tuple[Solution, ...]:
         """Keep the yaw of the posture; the height is the lift's alone."""

@@ -79,3 +79,29 @@ class UnstableRunError(DrakeLegError):
             f"large for {scheme} on this model; choose a smaller --max-step, an --accuracy, or "
             "--integrator radau3"
         )
+
+
+class JointLimitError(DrakeLegError):
+    """A joint has left its limits.
+
+    Attributes
+    ----------
+    joint : str
+        Name of the joint.
+    position : float
+        Where it is [rad or m].
+    time : float
+        Simulated time [s].
+    """
+
+    def __init__(
+        self, *, joint: str, position: float, limits: tuple[float, float], time: float
+    ) -> None:
+        self.joint = joint
+        self.position = float(position)
+        self.time = time
+        low, high = limits
+        super().__init__(
+            f"joint {joint} is at {self.position:.6g} at t = {time:.9g} s, outside its limits "
+            f"{low:.6g} ... {high:.6g} (rad or m): choose another posture or a smaller amplitude"
+        )

@@ -74,6 +74,25 @@ def require_name(what: str, name: str) -> None:
         )
 
 
+def require_line(what: str, text: str) -> None:
+    """Refuse text that cannot stand on one line of a file.
+
+    Parameters
+    ----------
+    what : str
+        What the text is, for the error's sentence.
+    text : str
+        Printable characters, or none.
+
+    Raises
+    ------
+    InvalidValueError
+        With the text.
+    """
+    if not text.isprintable():
+        raise InvalidValueError(f"{what} is {text!r}; it must be printable text on one line")
+
+
 def require_unique(names: Iterable[tuple[str, str]]) -> None:
     """Refuse a name that is given twice.
 

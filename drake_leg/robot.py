@@ -14,6 +14,7 @@ from drake_leg.names import (
     PLACES,
     frame_name,
     place_name,
+    require_line,
     require_name,
     require_unique,
 )
@@ -309,6 +310,8 @@ class Robot:
 
     def __post_init__(self) -> None:
         require_name("the robot's name", self.name)
+        require_line("the robot's title", self.title)
+        require_line("the robot's source", self.source)
         for index, segment in enumerate(self.segments, start=1):
             if segment.link is not None and segment.joint is not None:
                 require_name(f"the link of row {index}", segment.link.name)

@@ -14,12 +14,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Context, Diagram, EventStatus
 from pydrake.systems.primitives import VectorLogSink
 
 from drake_leg.errors import (
     InvalidValueError,
+    JointLimitError,
     SingularConfigurationError,
     StepBudgetError,
     UnstableRunError,
@@ -28,14 +30,17 @@ from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import require_positive
 from drake_leg.systems.inverse_jacobian import InverseJacobian
+from drake_leg.systems.prescribed_motion import PrescribedMotion
 
 STEP_BUDGET = 2_000_000  # steps that one run may take
 SINGULAR_BELOW = 1e-5  # normalised determinant at which a run stops
+NEARLY_SINGULAR = 0.02  # normalised determinant below which the joints must follow closely
+LARGEST_LAG = 1e-7  # [rad or m] of the joints behind their prescribed motion there
 APPROACH = 0.05  # part of the determinant that a step changes, at most
 LARGEST_TURN = 0.05  # [rad or m] of a joint in a step
 GROWTH = 1.2  # from one step to the next, at most
 SHRINK = 1.5  # from one trial to the next
-SMALLEST_STEP = 1e-11  # [s]
+SMALLEST_STEP = 1e-13  # [s]
 RUNAWAY = 1e9  # [rad, rad/s, m, m/s]: no joint of these robots gets there but by instability
 
 Start = Callable[[Diagram, Context], None]
@@ -68,7 +73,8 @@ def simulate(
 ) -> Run:
     """Run a diagram and collect its scopes.
 
-    A run stops early, and says why, where the inverse Jacobian becomes singular, where the
+    A run stops early, and says why, where the inverse Jacobian becomes singular, where a joint
+    leaves its limits, where the
     step budget is spent, where the integrator gives up, and on Ctrl-C; what was recorded until
     then is returned.
 
@@ -95,8 +101,8 @@ def simulate(
     InvalidValueError
         If the duration is not positive, or needs more steps than the budget, or if Drake refuses
         the initial state.
-    SingularConfigurationError
-        If the robot is singular at the start.
+    SingularConfigurationError, JointLimitError
+        If the robot is singular, or outside its joint limits, at the start.
     """
     settings = settings or IntegratorSettings()
     require_positive("the duration", duration, "s")
@@ -127,11 +133,18 @@ def simulate(
             progress(now)
         if steps > STEP_BUDGET:
             raise StepBudgetError(steps=steps, time=now)
-        if not np.abs(root.get_continuous_state_vector().CopyToVector()).max() < RUNAWAY:
-            raise UnstableRunError(time=now, max_step=settings.max_step, scheme=settings.scheme)
-        integrator.set_maximum_step_size(watch.next_step(root))
+        greatest = np.abs(root.get_continuous_state_vector().CopyToVector()).max()
+        blown_up = UnstableRunError(time=now, max_step=settings.max_step, scheme=settings.scheme)
+        if not math.isfinite(greatest):
+            raise blown_up
+        watch.check_limits(root)
+        step = watch.next_step(root)
+        if greatest > RUNAWAY:
+            raise blown_up
+        integrator.set_maximum_step_size(step)
         return EventStatus.DidNothing()
 
+    watch.check_limits(context)
     simulator.Initialize()
     integrator.set_maximum_step_size(watch.next_step(context))
     simulator.set_monitor(after_step)
@@ -141,7 +154,12 @@ def simulate(
         simulator.AdvanceTo(duration)
     except KeyboardInterrupt:
         reason = "interrupted"
-    except (SingularConfigurationError, StepBudgetError, UnstableRunError) as error:
+    except (
+        JointLimitError,
+        SingularConfigurationError,
+        StepBudgetError,
+        UnstableRunError,
+    ) as error:
         reason = str(error)
     except (RuntimeError, SystemExit) as error:
         reason = f"the integrator gave up: {' '.join(str(error).split())}"
@@ -178,6 +196,8 @@ class _Watch:
 
     def __init__(self, diagram: Diagram, context: Context, max_step: float) -> None:
         self._blocks = [s for s in diagram.GetSystems() if isinstance(s, InverseJacobian)]
+        self._motions = [s for s in diagram.GetSystems() if isinstance(s, PrescribedMotion)]
+        self._plants = [s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant)]
         self._signs = [1.0 for _ in self._blocks]
         self._max_step = max_step
         self._step = max_step
@@ -185,12 +205,32 @@ class _Watch:
             determinant = block.normalised_determinant(block.GetMyContextFromRoot(context))
             self._signs[index] = math.copysign(1.0, determinant)
 
+    def check_limits(self, root: Context) -> None:
+        """Stop where a joint has left its limits: a continuous plant does not heed them."""
+        for plant in self._plants:
+            q = plant.GetPositions(plant.GetMyContextFromRoot(root))
+            low, high = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
+            outside = np.flatnonzero((q < low) | (q > high))
+            if len(outside):
+                joint = plant.GetPositionNames(add_model_instance_prefix=False)[outside[0]]
+                raise JointLimitError(
+                    joint=joint,
+                    position=q[outside[0]],
+                    limits=(low[outside[0]], high[outside[0]]),
+                    time=root.get_time(),
+                )
+
     def next_step(self, root: Context) -> float:
+        lag = max(
+            (motion.lag(motion.GetMyContextFromRoot(root)) for motion in self._motions),
+            default=0.0,
+        )
         step = min(GROWTH * self._step, self._max_step)
         for sign, block in zip(self._signs, self._blocks, strict=True):
             context = block.GetMyContextFromRoot(root)
             now = block.normalised_determinant(context)
-            if sign * now <= SINGULAR_BELOW:
+            lost = lag > LARGEST_LAG and sign * now < NEARLY_SINGULAR
+            if lost or sign * now <= SINGULAR_BELOW:
                 raise block.singular(context)
             while step > SMALLEST_STEP:
                 turn, drift = block.look_ahead(context, step)

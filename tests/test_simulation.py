@@ -316,10 +316,20 @@ def test_a_singular_scara_raises_at_the_start():
         simulate(scara.build(config), start=start_on_motion, duration=1.0)
 
 
-def test_a_fast_run_into_the_boundary_is_called_singular_and_not_unstable():
-    run = leg_run(duration=20.0, amplitude=1.0)
-    assert run.stopped_at == pytest.approx(boundary_instant(1.0), abs=1e-6)
+@pytest.mark.parametrize(
+    ("amplitude", "frequency"),
+    [(1.0, 1.0), (1.0, 5.0), (3.0, 30.0), (5.0, 30.0), (100.0, 100.0), (100.0, 1.0)],
+)
+def test_a_fast_run_into_the_boundary_stops_there_singular_and_does_not_rebound(
+    amplitude, frequency
+):
+    settings = IntegratorSettings(max_step=0.04 / frequency)
+    run = leg_run(1.0, amplitude=amplitude, frequency=frequency, settings=settings)
+    assert run.stopped_at == pytest.approx(boundary_instant(amplitude, frequency), abs=1e-6)
     assert "singular" in run.stop_reason
+    foot = run.scopes["foot positions"]
+    advance = amplitude / frequency * (1 - np.cos(frequency * run.time))
+    np.testing.assert_allclose(foot - foot[0], np.outer(advance, [1, 0, 0]), atol=1e-6)
 
 
 # --- other stops -----------------------------------------------------------------------------

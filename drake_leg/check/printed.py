@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 
@@ -77,7 +77,8 @@ class _Grader:
     """Grades the matrices of one print."""
 
     def __init__(self, robot: Robot, printed: Printed, reader: Reader, postures: Postures) -> None:
-        self._robot, self._reader, self._postures = robot, reader, postures
+        self._robot, self._printed = robot, printed
+        self._reader, self._postures = reader, postures
         self._length = table_length(robot.rows) / self._postures.metres
         self._right_forms = None
         if find_spec("sympy") is not None and len(robot.moving) <= LARGEST_SYMBOLIC:
@@ -99,15 +100,18 @@ class _Grader:
                 remedy=f"it should have {claim.shape[0]} rows and {claim.shape[1]} columns",
             )
             return
+        definitions = self._reader.definitions(matrix.where)
         right = right_values(claim, self._robot, self._postures)
         margin = TOLERANCE * scales(claim, self._length)
         values = np.full(right.shape, np.nan)
         for row, column in np.ndindex(*shape):
             entry = _Entry(
-                matrix=matrix,
                 claim=claim,
                 row=row,
                 column=column,
+                text=matrix.entries[row][column].strip(),
+                definitions=definitions,
+                spelling=self._spelling(matrix),
                 right=right[:, row, column],
                 margin=float(margin[row, column]),
             )
@@ -121,7 +125,7 @@ class _Grader:
         """Evaluate an entry; say what is wrong with it."""
         nothing = np.full(COUNT, np.nan)
         try:
-            tree = self._reader.formula(entry.text, entry.matrix.where)
+            tree = self._reader.formula(entry.text, entry.definitions)
         except InvalidValueError as error:
             return nothing, entry.finding(str(error), self._remedy(entry))
         strangers = sorted(names_in(tree) - set(self._postures.values))
@@ -140,6 +144,11 @@ class _Grader:
         fault = f"printed {readable(entry.text)}" + (f", in which {wrong}" if wrong else "")
         return values, entry.finding(spelled_as(entry.spelling, fault), self._remedy(entry))
 
+    def _spelling(self, matrix: PrintedMatrix) -> str:
+        """Join all formulas that belong to a matrix, as examples of its notation."""
+        cells = [cell for row in matrix.entries for cell in row]
+        return " ".join([*cells, *matrix.where.values(), *self._printed.where.values()])
+
     def _values(self, tree: ast.expr) -> Array:
         return np.broadcast_to(evaluate(tree, self._postures.values), COUNT)
 
@@ -156,23 +165,14 @@ class _Grader:
 class _Entry:
     """One entry of a matrix and what is right there."""
 
-    matrix: PrintedMatrix
     claim: Claim
     row: int  # from 0
     column: int
+    text: str  # as printed
+    definitions: Mapping[str, ast.expr]  # that hold in its matrix
+    spelling: str  # examples of the print's notation
     right: Array  # (N,) in the print's units
     margin: float  # how far from it counts as equal
-
-    @property
-    def text(self) -> str:
-        """The entry as printed."""
-        return self.matrix.entries[self.row][self.column].strip()
-
-    @property
-    def spelling(self) -> str:
-        """All formulas that belong to the matrix, as examples of its notation."""
-        cells = [cell for row in self.matrix.entries for cell in row]
-        return " ".join([*cells, *self.matrix.where.values()])
 
     def agrees(self, values: Array) -> bool:
         """Whether values are right at all postures; one that is not finite is not."""

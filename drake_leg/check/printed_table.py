@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from drake_leg.check.cells import Sort, fits
+from drake_leg.check.cells import fits
 from drake_leg.check.expressions import evaluate, names_in
 from drake_leg.check.findings import Finding
+from drake_leg.check.notation import spelled_as
 from drake_leg.check.postures import Postures
 from drake_leg.check.reader import Reader
 from drake_leg.check.rows import Table
@@ -23,6 +24,7 @@ from drake_leg.kinematics.khalil import moving_rows
 from drake_leg.robot import Robot
 
 TOLERANCE = 1e-6  # of 1 rad, or of the robot's size
+ANGLES = ("alpha", "theta")
 
 
 def grade_table(robot: Robot, table: Table, reader: Reader, postures: Postures) -> list[Finding]:
@@ -52,75 +54,79 @@ def grade_table(robot: Robot, table: Table, reader: Reader, postures: Postures) 
         fault = f"it has {len(table.rows)} rows, and {robot.name} has {len(robot.rows)}"
         remedy = "write one row for every frame"
         return [*findings, Finding(place="table", fault=fault, remedy=remedy)]
-    meant = repaired(table)
+    grader = _TableGrader(robot, repaired(table), reader, postures)
     for index in range(len(robot.rows)):
-        findings += _grade_row(robot, meant, index, reader, postures)
+        findings += grader.grade_row(index)
     return findings
 
 
-def _grade_row(
-    robot: Robot, table: Table, index: int, reader: Reader, postures: Postures
-) -> Iterator[Finding]:
-    """Compare the cells of a row that can be read; the others have their finding already."""
-    row, place = robot.rows[index], f"row {index + 1}"
-    texts = dict(zip(table.columns, table.texts(table.rows[index]), strict=True))
-    sigma = "~" if row.sigma is None else str(row.sigma)
-    if texts["sigma"] != sigma and fits(texts["sigma"], "type"):
-        fault = f"sigma is {texts['sigma']}, and {robot.name} is {row.joint} there"
-        yield Finding(place=place, fault=fault, remedy=f"write sigma = {sigma}")
-    length = table_length(robot.rows)
-    for column, right in _right_cells(robot, index, postures.q).items():
-        sort, text = table.columns[column], texts[column]
-        if not fits(text, sort, table.variables):
-            continue
+class _TableGrader:
+    """Compares the cells that can be read; the others have their finding already."""
+
+    def __init__(self, robot: Robot, table: Table, reader: Reader, postures: Postures) -> None:
+        self._robot, self._table = robot, table
+        self._reader, self._postures = reader, postures
+        self._length = table_length(robot.rows)
+        self._spelling = " ".join(text for row in table.rows for text in table.texts(row))
+
+    def grade_row(self, index: int) -> Iterator[Finding]:
+        """Find the cells of a row that are not the robot's."""
+        cells = self._table.rows[index].cells
+        right = self._robot.rows[index]
+        sigma = "~" if right.sigma is None else str(right.sigma)
+        if cells["sigma"] != sigma and fits(cells["sigma"], "type"):
+            yield Finding(
+                place=f"row {index + 1}",
+                fault=f"sigma is {cells['sigma']}, and {self._robot.name} is {right.joint} there",
+                remedy=f"write sigma = {sigma}",
+            )
+        for column in ("d", "alpha", "r", "theta"):
+            if fits(cells[column], self._table.columns[column], self._table.variables):
+                yield from self._grade_cell(index, column, cells[column])
+
+    def _grade_cell(self, index: int, column: str, text: str) -> Iterator[Finding]:
+        place, right = f"row {index + 1}", self._right_text(index, column)
         try:
-            value = _value(text, sort, table, reader, postures)
+            value = self._value(column, text)
         except InvalidValueError as error:
-            remedy = f"write {_right_text(robot, index, column, postures)}, or say its value"
+            remedy = f"write {right}, or say its value"
             yield Finding(place=place, fault=f"{column} is {text}: {error}", remedy=remedy)
-            continue
-        if not _agree(value, right, sort, length):
-            remedy = f"write {_right_text(robot, index, column, postures)}"
-            yield Finding(place=place, fault=f"{column} is {text}", remedy=remedy)
+            return
+        apart = value - self._right_value(index, column)
+        if column in ANGLES:
+            apart = np.exp(1j * apart) - 1.0  # full turns are nothing
+        if np.any(np.abs(apart) > TOLERANCE * (1.0 if column in ANGLES else self._length)):
+            yield Finding(place=place, fault=f"{column} is {text}", remedy=f"write {right}")
 
+    def _value(self, column: str, text: str) -> Array:
+        """Evaluate a cell [m, rad]; bare numbers have the table's units, or degrees."""
+        value = np.asarray(evaluate(self._reader.formula(text), self._postures.values))
+        if column not in ANGLES:
+            return value * self._postures.metres
+        bare = self._table.kind(text) == "number" and self._table.angles != "rad"
+        return np.asarray(np.radians(value)) if bare else value
 
-def _right_cells(robot: Robot, index: int, q: Array) -> dict[str, Array]:
-    """Return what the robot has in the columns of a row, at all postures [m, rad]."""
-    row, nothing = robot.rows[index], np.zeros(len(q))
-    moving = moving_rows(robot.rows)
-    position = q[:, moving.index(index)] if index in moving else nothing
-    return {
-        "d": row.d + nothing,
-        "alpha": row.alpha + nothing,
-        "r": row.r + (position if row.joint == "prismatic" else nothing),
-        "theta": row.theta + (position if row.joint == "revolute" else nothing),
-    }
+    def _right_value(self, index: int, column: str) -> Array:
+        """Return what the robot has in a cell, at all postures [m, rad]."""
+        constant = np.full(len(self._postures.q), getattr(self._robot.rows[index], column))
+        joint = self._joint(index, column)
+        return constant if joint is None else constant + self._postures.q[:, joint]
 
+    def _right_text(self, index: int, column: str) -> str:
+        """Write what the robot has in a cell, in the print's unit of lengths and in degrees."""
+        value = getattr(self._robot.rows[index], column)
+        number = f"{value / self._postures.metres:.9g}"
+        if column in ANGLES:
+            number = f"{math.degrees(value):.9g}°"
+        joint = self._joint(index, column)
+        if joint is None:
+            return number
+        variable = spelled_as(self._spelling, f"q{joint + 1}")
+        return f"{variable} + {number}" if value else variable
 
-def _value(text: str, sort: Sort, table: Table, reader: Reader, postures: Postures) -> Array:
-    """Evaluate a cell [m, rad]; bare numbers have the table's units, degrees if it has none."""
-    value = evaluate(reader.formula(text), postures.values)
-    if sort in ("length", "offset"):
-        return np.asarray(value * postures.metres)
-    bare = table.kind(text) == "number" and table.angles != "rad"
-    return np.asarray(np.radians(value) if bare else value)
-
-
-def _agree(value: Array, right: Array, sort: Sort, length: float) -> bool:
-    if sort in ("length", "offset"):
-        return bool(np.all(np.abs(value - right) <= TOLERANCE * length))
-    turns = np.exp(1j * (value - right))
-    return bool(np.all(np.abs(turns - 1.0) <= TOLERANCE))
-
-
-def _right_text(robot: Robot, index: int, column: str, postures: Postures) -> str:
-    """Write what the robot has in a cell, in the print's unit of lengths and in degrees."""
-    row = robot.rows[index]
-    value = getattr(row, column)
-    angle = column in ("alpha", "theta")
-    number = f"{math.degrees(value):.9g}°" if angle else f"{value / postures.metres:.9g}"
-    moves = {"revolute": "theta", "prismatic": "r", "fixed": ""}[row.joint]
-    if column != moves:
-        return number
-    variable = f"q{moving_rows(robot.rows).index(index) + 1}"
-    return f"{number} + {variable}" if value else variable
+    def _joint(self, index: int, column: str) -> int | None:
+        """Return the joint that moves a cell, counted from 0."""
+        moves = {"revolute": "theta", "prismatic": "r", "fixed": ""}
+        if moves[self._robot.rows[index].joint] != column:
+            return None
+        return moving_rows(self._robot.rows).index(index)

@@ -35,24 +35,46 @@ class Reader:
             self._require_free(name)
         self.symbols = {plain(name): value for name, value in printed.symbols.items()}
         self._names = (*self.symbols, *map(plain, printed.where))
-        self._definitions = self._parsed(printed.where)
+        self._definitions = self.definitions(printed.where)
         self.joints = {
-            _joint_index(name, robot, printed.origin): self.formula(text)
-            for name, text in printed.joints.items()
+            _joint_index(name, robot, printed.origin): tree
+            for name, tree in self._parsed(printed.joints, "joints").items()
         }
         self._names += tuple(name for tree in self.joints.values() for name in names_in(tree))
-        self._definitions = self._parsed(printed.where)
+        self._definitions = self.definitions(printed.where)
         metres = METRES[printed.lengths or "m"]
         self.units = {unit: value / metres for unit, value in METRES.items()}
 
-    def formula(self, text: str, where: Mapping[str, str] | None = None) -> ast.expr:
+    def definitions(self, where: Mapping[str, str]) -> dict[str, ast.expr]:
+        """Read what a print says under "where".
+
+        Parameters
+        ----------
+        where : mapping
+            Name to formula, both as printed.
+
+        Returns
+        -------
+        dict
+            Name in lower case to formula.
+
+        Raises
+        ------
+        InvalidValueError
+            If one is no formula.
+        """
+        names = tuple(map(plain, where))
+        parsed = self._parsed(where, "where", names)
+        return dict(zip(names, parsed.values(), strict=True))
+
+    def formula(self, text: str, own: Mapping[str, ast.expr] | None = None) -> ast.expr:
         """Read a formula, with all definitions put in.
 
         Parameters
         ----------
         text : str
             As printed.
-        where : mapping, optional
+        own : mapping, optional
             Definitions that hold for it alone.
 
         Returns
@@ -65,9 +87,8 @@ class Reader:
         InvalidValueError
             If it is no formula.
         """
-        own = self._parsed(where or {})
-        names = (*self._names, *own)
-        return substitute(parse_formula(text, names), {**self._definitions, **own})
+        definitions = {**self._definitions, **(own or {})}
+        return substitute(parse_formula(text, (*self._names, *definitions)), definitions)
 
     def _require_free(self, name: str) -> None:
         """Refuse a symbol that the notation reads as something else."""
@@ -77,12 +98,14 @@ class Reader:
                 f"{self._origin}: the symbol {name!r} is read as {read}; choose another name"
             )
 
-    def _parsed(self, where: Mapping[str, str]) -> dict[str, ast.expr]:
-        names = (*self._names, *map(plain, where))
+    def _parsed(
+        self, formulas: Mapping[str, str], key: str, names: tuple[str, ...] = ()
+    ) -> dict[str, ast.expr]:
+        names = (*self._names, *names)
         try:
-            return {plain(name): parse_formula(text, names) for name, text in where.items()}
+            return {name: parse_formula(text, names) for name, text in formulas.items()}
         except InvalidValueError as error:
-            raise InvalidValueError(f"{self._origin}: where: {error}") from None
+            raise InvalidValueError(f"{self._origin}: {key}: {error}") from None
 
 
 def _joint_index(name: str, robot: Robot, origin: str) -> int:

@@ -1,4 +1,4 @@
-"""Rows whose cells stand a column beside their headings: found, and put right."""
+"""Rows whose cells stand under another heading: found, and put right."""
 
 from __future__ import annotations
 
@@ -18,6 +18,14 @@ class Shift:
     missing: str  # the column that has no cell of its own
     moved: tuple[str, ...]  # the columns whose cells belong to a neighbour
     side: str  # where the cells stand: left or right of their headings
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swap:
+    """Two cells of a row, read in each other's place."""
+
+    cells: tuple[str, ...]  # in the columns' order
+    columns: tuple[str, str]
 
 
 def find_shift(table: Table, row: TableRow) -> Shift | None:
@@ -51,6 +59,35 @@ def find_shift(table: Table, row: TableRow) -> Shift | None:
                     Shift(cells=tuple(cells), missing=missing, moved=tuple(moved), side=side)
                 )
     return min(found, key=lambda shift: len(shift.moved), default=None)
+
+
+def find_swap(table: Table, row: TableRow) -> Swap | None:
+    """Look for two cells that have changed places.
+
+    Parameters
+    ----------
+    table : Table
+        The whole table.
+    row : TableRow
+        A row that has a cell where it cannot belong.
+
+    Returns
+    -------
+    Swap or None
+        The two that do not fit, where they do so in each other's place.
+    """
+    columns, cells = list(table.columns), table.texts(row)
+    wrong = [
+        index
+        for index, sort in enumerate(table.columns.values())
+        if not fits(cells[index], sort, table.variables)
+    ]
+    if len(wrong) != 2:
+        return None
+    i, j = wrong
+    cells[i], cells[j] = cells[j], cells[i]
+    fitting = _all_fit(table, cells, -1)
+    return Swap(cells=tuple(cells), columns=(columns[i], columns[j])) if fitting else None
 
 
 def _all_fit(table: Table, cells: list[str], gap: int) -> bool:
@@ -89,7 +126,7 @@ def likely_sigma(table: Table, cells: list[str]) -> str:
 
 
 def repaired(table: Table) -> Table:
-    """Put shifted rows right.
+    """Put rows right whose cells stand under another heading.
 
     Parameters
     ----------
@@ -99,13 +136,13 @@ def repaired(table: Table) -> Table:
     Returns
     -------
     Table
-        A row that no shift explains stays as it is.
+        A row that neither a swap nor a shift explains stays as it is.
     """
     rows = []
     for row in table.rows:
         fitting = _all_fit(table, table.texts(row), -1)
-        shift = None if fitting else find_shift(table, row)
-        cells = shift.cells if shift else table.texts(row)
+        better = None if fitting else find_swap(table, row) or find_shift(table, row)
+        cells = better.cells if better else table.texts(row)
         named = dict(zip(table.columns, cells, strict=True))
         rows.append(TableRow(frame=row.frame, cells=named))
     return Table(

@@ -83,10 +83,11 @@ def _angle_slip(value: float, table: Table) -> tuple[str, str] | None:
             f"rad, which is {abs(value) / TURN:.3g} turns",
             f'say angles = "deg", or write {math.radians(value):.9g}, if it is {value:g} degrees',
         )
-    if table.angles == "deg" and any(abs(abs(value) - f * math.pi) < NEAR for f in FRACTIONS):
+    near = [math.copysign(f, value) for f in FRACTIONS if abs(abs(value) - f * math.pi) < NEAR]
+    if table.angles == "deg" and near:
         return (
-            f"deg, which is nearly {value / math.pi:.3g} pi",
-            f'say angles = "rad", or write {math.degrees(value):.4g}, if it is {value:g} radians',
+            f"deg, which is nearly {near[0]:.3g} pi",
+            f'say angles = "rad", or write {180 * near[0]:g}, if it is {value:g} radians',
         )
     return None
 

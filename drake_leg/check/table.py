@@ -10,7 +10,7 @@ from drake_leg.check.cells import described, fits
 from drake_leg.check.expressions import names_in, parse_formula
 from drake_leg.check.findings import Finding, errors
 from drake_leg.check.rows import Table, TableRow
-from drake_leg.check.shifts import UNKNOWN, Shift, find_shift, likely_sigma
+from drake_leg.check.shifts import UNKNOWN, Shift, Swap, find_shift, find_swap, likely_sigma
 from drake_leg.check.slips import lint_convention, lint_numbers
 
 SIGMA = '0 (revolute), 1 (prismatic) or "~" (fixed)'
@@ -70,9 +70,9 @@ def _lint_row(table: Table, row: TableRow, place: str) -> Iterator[Finding]:
         (c, sort, text) for (c, sort), text in columns if not fits(text, sort, table.variables)
     ]
     misplaced = [(c, text) for c, _, text in wrong if text and not _meant_as_sigma(c, text)]
-    shift = find_shift(table, row) if misplaced else None
-    if shift:
-        yield _shift_finding(table, row, place, shift, misplaced)
+    better = (find_swap(table, row) or find_shift(table, row)) if misplaced else None
+    if better:
+        yield _misplaced_finding(table, place, better, misplaced)
         return
     for column, sort, text in wrong:
         if column == "sigma":
@@ -110,15 +110,19 @@ def _sigma_finding(table: Table, row: TableRow, place: str, text: str) -> Findin
     return Finding(place=place, fault=fault, remedy=remedy)
 
 
-def _shift_finding(
-    table: Table, row: TableRow, place: str, shift: Shift, misplaced: list[tuple[str, str]]
+def _misplaced_finding(
+    table: Table, place: str, better: Swap | Shift, misplaced: list[tuple[str, str]]
 ) -> Finding:
     found = "; ".join(f"{c} is {described(text, table.variables)}" for c, text in misplaced)
-    stand = "they stand" if len(misplaced) > 1 else "it stands"
-    cells = zip(table.columns, shift.cells, strict=True)
+    if isinstance(better, Swap):
+        stand = f"{better.columns[0]} and {better.columns[1]} have changed places"
+    else:
+        verb = "they stand" if len(misplaced) > 1 else "it stands"
+        stand = f"{verb} one column to the {better.side}, and {better.missing} is missing"
+    cells = zip(table.columns, better.cells, strict=True)
     return Finding(
         place=place,
-        fault=f"{found}: {stand} one column to the {shift.side}, and {shift.missing} is missing",
+        fault=f"{found}: {stand}",
         remedy=f"write {', '.join(f'{column} = {text}' for column, text in cells)}",
     )
 

@@ -89,7 +89,9 @@ def _lines(diagnosis: Diagnosis) -> list[str]:
         f"sigma_min       {rank.sigma_min:.6g} m",
         f"manipulability  {rank.manipulability:.6g}",
     ]
-    lines += [f"{near.family:<15} {near.meaning}" for near in diagnosis.nearness]
+    for place, near in enumerate(diagnosis.nearness):
+        nearest = "   (nearest)" if place == 0 and len(diagnosis.nearness) > 1 else ""
+        lines.append(f"{near.family:<15} {near.meaning}{nearest}")
     lines += [
         "lost direction  (" + ", ".join(f"{x:.6g}" for x in row) + ")"
         for row in rank.lost_directions

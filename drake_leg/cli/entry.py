@@ -11,7 +11,7 @@ from typing import NoReturn
 
 from drake_leg.cli import check, derive, doctor, errata, listing, report, run, sdf
 from drake_leg.cli.common import BAD_INPUT, INTERRUPTED, STOPPED_EARLY, fail
-from drake_leg.errors import DrakeLegError, SingularConfigurationError
+from drake_leg.errors import DrakeLegError, JointLimitError, SingularConfigurationError
 
 COMMANDS = (listing, run, report, derive, errata, doctor, sdf, check)
 
@@ -44,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(_join_negative_values(words))
     try:
         status: int = chosen.command(chosen)
-    except SingularConfigurationError as error:
+    except (JointLimitError, SingularConfigurationError) as error:
         return fail(error, STOPPED_EARLY)
     except DrakeLegError as error:
         return fail(error, BAD_INPUT)

@@ -188,7 +188,8 @@ def _from_file(kind: RunKind, name: str, path: Path) -> RunOptions:
             schema=kind.options, data=text, defaults=kind.options()
         )
     except (OSError, UnicodeDecodeError) as error:
-        raise InvalidValueError(f"the config {path} cannot be read: {error}") from None
+        why = getattr(error, "strerror", None) or str(error)
+        raise InvalidValueError(f"the config {path} cannot be read: {why}") from None
     except (
         RuntimeError,
         ValueError,
@@ -206,8 +207,13 @@ def _from_file(kind: RunKind, name: str, path: Path) -> RunOptions:
 
 def _with_lists(kind: RunKind, text: str) -> str:
     """Make a lone number a list where a list is meant; a text there would be taken apart."""
-    from yaml import safe_dump, safe_load
+    from yaml import MappingNode, SafeLoader, compose, safe_dump, safe_load
 
+    root = compose(text, SafeLoader)
+    keys = [key.value for key, _ in root.value] if isinstance(root, MappingNode) else []
+    for key in keys:
+        if keys.count(key) > 1:
+            raise ValueError(f"{key} stands there {keys.count(key)} times")
     content = safe_load(text)
     if not isinstance(content, dict):
         return text

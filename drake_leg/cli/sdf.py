@@ -34,15 +34,17 @@ def add(commands: Commands) -> None:
 
 
 def _sdf(chosen: argparse.Namespace) -> int:
-    from drake_leg.check.suspicions import suspicions
+    from drake_leg.check.rows import table_of_document
+    from drake_leg.check.sizes import lint_sizes
+    from drake_leg.check.table import lint_table
     from drake_leg.models.sdf import sdf_text
     from drake_leg.robot_file import robot_toml
     from drake_leg.text_file import write_text
 
     source = robot_source(chosen.robot)
     robot = source.robot()
-    for suspicion in suspicions(source.document(), robot):
-        print(f"drake-leg: {source.where}: {suspicion.sentence()}", file=sys.stderr)
+    for finding in (*lint_table(table_of_document(source.document())), *lint_sizes(robot)):
+        print(f"drake-leg: {source.where}: {finding.sentence()}", file=sys.stderr)
     text = robot_toml(robot) if chosen.toml else sdf_text(robot, origin=source.origin)
     if chosen.out is None:
         print(text, end="")

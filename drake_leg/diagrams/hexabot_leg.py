@@ -52,7 +52,7 @@ class HexabotLegConfig:
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
-        require_positive("the size of the gain", abs(self.gain), "")
+        require_positive("the gain without its sign", abs(self.gain), "(no unit)")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
 

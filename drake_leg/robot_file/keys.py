@@ -37,6 +37,10 @@ def shown(value: object) -> str:
 class Keys:
     """A table of a file and the keys that it may have.
 
+    Every method reads one key and checks it: its type, that it is finite, its sign. Units are for
+    the sentences; a key without default must be there. What is wrong raises
+    ``InvalidValueError`` with file, key and value.
+
     Parameters
     ----------
     table : object

@@ -8,6 +8,7 @@ import numpy as np
 
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
+from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import foot_pose, jacobian
@@ -84,6 +85,7 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
     SingularConfigurationError
         If the robot is singular where it starts.
     """
+    _require_mass(robot)
     config = hexabot_leg.HexabotLegConfig(
         robot=robot,
         q0=_posture(robot, options),
@@ -158,6 +160,19 @@ def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Ou
     )
     across = np.cross(along, UP)[:, np.newaxis]
     return _outcome(config, options, settings, run, path, across)
+
+
+def _require_mass(robot: Robot) -> None:
+    """Refuse a robot with a joint that moves nothing: its motion has no equation."""
+    mass_beyond = False
+    for segment in reversed(robot.segments):
+        link = segment.link
+        mass_beyond |= link is not None and (link.solid or link.inertial) is not None
+        if segment.row.joint != "fixed" and not mass_beyond:
+            raise InvalidValueError(
+                f"{robot.name}: nothing beyond joint {segment.joint} has a mass; give its row, or "
+                "one after it, a [row.solid] or a [row.inertial]"
+            )
 
 
 def _robot(variant: LegVariant, options: LegOptions) -> Robot:

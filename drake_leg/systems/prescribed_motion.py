@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.controllers import InverseDynamics
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import MatrixGain, Multiplexer
 
 from drake_leg.errors import InvalidValueError
@@ -77,3 +77,22 @@ class PrescribedMotion(Diagram):
         builder.Connect(dynamics.GetOutputPort("generalized_force"), actuators.get_input_port())
         builder.ExportOutput(actuators.get_output_port(), "torque")
         builder.BuildInto(self)
+        self._positions = n
+        self._q = self.GetInputPort("q")
+        self._state = self.GetInputPort("state")
+
+    def lag(self, context: Context) -> float:
+        """Greatest distance of a joint from its prescribed position.
+
+        Parameters
+        ----------
+        context : Context
+            This system's own.
+
+        Returns
+        -------
+        float
+            [rad or m].
+        """
+        sensed = self._state.Eval(context)[: self._positions]
+        return float(np.abs(self._q.Eval(context) - sensed).max())

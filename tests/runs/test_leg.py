@@ -1,13 +1,15 @@
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from drake_leg.errors import InvalidValueError, SingularConfigurationError
+from drake_leg.errors import InvalidValueError, JointLimitError, SingularConfigurationError
 from drake_leg.kinematics.khalil import foot_pose, jacobian
+from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_A, LEG_B
-from drake_leg.runs.leg import run_ellipse, run_straight
-from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions
+from drake_leg.runs.leg import run_ellipse, run_robot, run_straight
+from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions, StraightOptions
 
 HEADER = (
     "time[s],input[m/s],dx[m/s],dy[m/s],dz[m/s],q1[rad],q2[rad],q3[rad],qdot1[rad/s],"
@@ -224,3 +226,44 @@ def test_an_impossible_leg_is_refused_or_stops_in_a_sentence_or_steps_as_told(ch
         summary, sentence = {}, str(error)
     assert "\n" not in sentence
     assert sentence or summary["stop_reason"] or summary["max_position_error_m"] < 1e-6
+
+
+# --- robots from files -----------------------------------------------------------------------
+
+
+def with_knee(**changes):
+    hip, knee, *rest = LEG_B.segments
+    return replace(LEG_B, segments=(hip, replace(knee, **changes), *rest))
+
+
+def test_a_run_stops_where_a_joint_leaves_its_limits():
+    robot = with_knee(mechanics=JointMechanics(lower=np.radians(-60.0), upper=np.radians(-40.0)))
+    options = StraightOptions(q0=[90.0, -50.0, -90.0], amplitude=0.07, duration=10.0)
+    summary = run_robot(robot, options).summary
+    assert "joint knee is at" in summary["stop_reason"]
+    assert 0.0 < summary["stopped_at_s"] < 10.0
+
+
+def test_a_start_outside_the_limits_is_refused():
+    robot = with_knee(mechanics=JointMechanics(lower=0.0, upper=1.0))
+    with pytest.raises(JointLimitError, match="joint knee is at -0.87"):
+        run_robot(robot, StraightOptions(q0=[90.0, -50.0, -90.0]))
+
+
+def test_a_joint_that_moves_nothing_is_named():
+    bare = replace(
+        LEG_B,
+        segments=tuple(
+            replace(segment, link=replace(segment.link, solid=None)) for segment in LEG_B.segments
+        ),
+    )
+    with pytest.raises(InvalidValueError, match="nothing beyond joint ankle has a mass"):
+        run_robot(bare, StraightOptions(q0=[90.0, -50.0, -90.0]))
+
+
+def test_a_table_without_closed_form_steps_as_exactly():
+    robot = with_knee(row=replace(LEG_B.segments[1].row, r=0.02))
+    options = StraightOptions(q0=[90.0, -50.0, -90.0], amplitude=0.05, duration=1.0)
+    outcome = run_robot(robot, options)
+    assert outcome.summary["max_position_error_m"] < 1e-9
+    assert "q1" not in outcome.exact
