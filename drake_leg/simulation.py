@@ -212,9 +212,11 @@ class _Watch:
             low, high = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
             outside = np.flatnonzero((q < low) | (q > high))
             if len(outside):
-                joint = plant.GetPositionNames(add_model_instance_prefix=False)[outside[0]]
+                names = plant.GetPositionNames(
+                    add_model_instance_prefix=False, always_add_suffix=False
+                )
                 raise JointLimitError(
-                    joint=joint,
+                    joint=names[outside[0]],
                     position=q[outside[0]],
                     limits=(low[outside[0]], high[outside[0]]),
                     time=root.get_time(),

@@ -26,6 +26,12 @@ def test_a_name_given_twice_is_told_with_both_owners():
         require_unique([("a", "a link"), ("b", "a frame"), ("a", "a joint")])
 
 
+@pytest.mark.parametrize("text", ["two\nlines", "a tab\t", "\0", "\ud800"])
+def test_a_title_stands_on_one_line(text):
+    with pytest.raises(InvalidValueError, match=r"title is .* one line"):
+        type(LEG_B)(name="x", title=text, source="x", segments=LEG_B.segments)
+
+
 def test_a_robot_checks_its_own_names():
     hip, knee, *rest = LEG_B.segments
     with pytest.raises(InvalidValueError, match="'coxa' is given twice"):

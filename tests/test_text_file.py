@@ -1,7 +1,5 @@
 """One file, written whole or not at all."""
 
-import os
-
 import pytest
 
 from drake_leg.errors import OutputError
@@ -16,7 +14,7 @@ def test_a_file_is_made_with_its_folder(tmp_path):
     path = tmp_path / "deep" / "arm.sdf"
     write(path, "é\n")
     assert path.read_bytes() == "é\n".encode()
-    assert os.listdir(path.parent) == ["arm.sdf"]
+    assert [file.name for file in path.parent.iterdir()] == ["arm.sdf"]
 
 
 def test_a_new_file_has_the_modes_that_any_new_file_has(tmp_path):
@@ -39,7 +37,7 @@ def test_a_file_that_is_there_is_replaced_only_on_request(tmp_path):
 def test_another_ending_is_refused(name, tmp_path):
     with pytest.raises(OutputError, match=r"does not end in \.sdf"):
         write(tmp_path / name)
-    assert not os.listdir(tmp_path)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_folder_is_never_replaced(tmp_path):
@@ -54,7 +52,7 @@ def test_where_writing_fails_nothing_is_left_and_the_old_file_stays(tmp_path):
     with pytest.raises(OutputError, match="cannot be written"):
         write(path, "half \ud800", overwrite=True)
     assert path.read_text() == "old"
-    assert os.listdir(tmp_path) == ["arm.sdf"]
+    assert [file.name for file in tmp_path.iterdir()] == ["arm.sdf"]
 
 
 @pytest.mark.parametrize("name", ["file/arm.sdf", "a\0b.sdf", "x" * 300 + ".sdf"])

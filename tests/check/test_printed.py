@@ -252,6 +252,28 @@ def test_a_joint_that_is_not_the_robots_is_refused():
         grade(LEG_B, wrong)
 
 
+@pytest.mark.parametrize(
+    "part",
+    [
+        {"joints": {"hip": "q1 +"}},
+        {"where": {"sigma1": "2 +"}},
+        {"matrices": (PrintedMatrix(name="T12", entries=RIGHT_T12, where={"sigma1": "2 +"}),)},
+    ],
+    ids=str,
+)
+def test_a_definition_that_is_no_formula_is_refused_with_the_files_name(part):
+    right = {"matrices": (PrintedMatrix(name="T12", entries=RIGHT_T12),)}
+    with pytest.raises(InvalidValueError, match=r"^print: (joints|where): .* is no formula"):
+        grade(LEG_B, Printed(origin="print", lengths="mm", **{**right, **part}))
+
+
+def test_craigs_t06_typed_with_one_wrong_sign_is_found_out():
+    arm = load_robot(HERE / "robots" / "puma560_modified.toml")
+    (finding,) = grade(arm, read_printed(HERE / "printed" / "craig_puma560.csv"))
+    assert finding.place == "T06 (3, 4)"
+    assert "+ d4 * c23 should be - d4 * c23" in finding.fault
+
+
 def test_an_angle_may_be_measured_from_elsewhere():
     entries = (("s2", "c2", "0", "50"), ("0", "0", "-1", "0"), ("-c2", "s2", "0", "0"), BOTTOM)
     matrix = PrintedMatrix(name="T12", entries=entries)

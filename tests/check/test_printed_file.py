@@ -1,6 +1,10 @@
 """Prints as typed: TOML and CSV with the same content, and the sentences about slips in them."""
 
+import contextlib
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from drake_leg.check.printed import grade
 from drake_leg.check.printed_csv import parse_csv
@@ -82,7 +86,7 @@ def test_the_reports_own_headings_are_understood(heading):
     ],
 )
 def test_a_line_that_makes_no_sense_is_named(text, said):
-    with pytest.raises(InvalidValueError, match="print.csv") as raised:
+    with pytest.raises(InvalidValueError, match=r"print\.csv") as raised:
         parse_csv(text, "print.csv")
     assert said in str(raised.value)
 
@@ -129,6 +133,12 @@ def test_a_definition_that_is_no_formula_is_refused(tmp_path):
     path.write_text("lengths,mm\nsigma1,2 +\nT01,1,0,0,0\n", encoding="utf-8")
     with pytest.raises(InvalidValueError, match="where: '2 \\+' is no formula"):
         grade(SCARA, read_printed(path))
+
+
+@given(st.text(alphabet='T12JPLθdαrσ,;\t\n#01=+-*/ "', max_size=80))
+def test_any_csv_is_a_print_or_a_sentence(text):
+    with contextlib.suppress(InvalidValueError):
+        printed_of_document(parse_csv(text, "print.csv"), "print.csv")
 
 
 def test_a_print_is_told_from_a_robot():

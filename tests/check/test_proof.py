@@ -103,7 +103,7 @@ def test_the_proof_without_sympy_is_refused_in_one_sentence(monkeypatch):
 
 @pytest.mark.parametrize("arguments", [{"samples": 0}, {"samples": 10**9}, {"seed": -1}])
 def test_senseless_numbers_are_refused(arguments):
-    with pytest.raises(InvalidValueError, match="samples|seed"):
+    with pytest.raises(InvalidValueError, match=r"samples|seed"):
         prove(LEG_B, **arguments)
 
 

@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from drake_leg.check.findings import errors
 from drake_leg.check.printed_file import read_printed
@@ -190,6 +192,21 @@ def test_a_misspelt_column_is_recognised():
 @pytest.mark.parametrize("document", [{}, {"row": 1}, {"row": [1]}, {"row": {}}])
 def test_a_document_without_a_table_is_left_to_the_reader(document):
     assert len(table_of_document(document).rows) == (document.get("row") == [1])
+
+
+CELLS = st.sampled_from(
+    ["", "0", "1", "~", "90", "90°", "L1", "θ1", "q2", "0.05", "R", "1/0", "a("]
+)
+
+
+@given(st.lists(st.tuples(*[CELLS | st.text(max_size=5)] * 5), max_size=4), st.booleans())
+def test_any_table_is_read_and_what_is_repaired_is_no_worse(rows, units):
+    columns = COLUMNS["khalil"]
+    cells = tuple(TableRow(frame="", cells=dict(zip(columns, row, strict=True))) for row in rows)
+    printed = Table(rows=cells, angles="deg" if units else None, lengths="m" if units else None)
+    before, after = lint_table(printed), lint_table(repaired(printed))
+    faulty = {finding.place for finding in errors(before)}
+    assert {finding.place for finding in errors(after) if "variable" not in finding.fault} <= faulty
 
 
 def test_millimetres_in_the_place_of_metres_are_found_in_solids_too():

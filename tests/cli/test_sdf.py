@@ -1,6 +1,5 @@
 """``drake-leg sdf``, in process."""
 
-import os
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ from drake_leg.models.files import sdf_file
 from drake_leg.robot_file import load_robot
 from drake_leg.robots import LEG_B
 
+ROBOTS = Path(__file__).parents[1] / "check" / "robots"
 ARM = """
 name = "arm"
 title = "An arm -- of one's own"
@@ -50,16 +50,26 @@ def test_the_reports_robots_are_printed_as_they_lie_in_the_folder(name, stem, ca
     assert capsys.readouterr().out == sdf_file(stem).read_text(encoding="utf-8")
 
 
-def test_a_robot_of_ones_own_is_written_and_strictly_parsed(arm, capsys):
-    assert main(["sdf", arm, "--out", "deep/arm.sdf"]) == 0
-    assert capsys.readouterr() == ("wrote deep/arm.sdf\n", "")
-    plant = MultibodyPlant(1e-3)
+@pytest.mark.parametrize("time_step", [0.0, 1e-3])
+@pytest.mark.parametrize("name", ["arm", "desk_arm", "rx90", "puma560_classic"])
+def test_a_robot_of_ones_own_is_parsed_strictly_and_without_a_warning(
+    name, time_step, arm, caplog, capsys
+):
+    path = arm if name == "arm" else str(ROBOTS / f"{name}.toml")
+    assert main(["sdf", path, "--out", "arm.sdf"]) == 0
+    plant = MultibodyPlant(time_step)
     parser = Parser(plant)
     parser.SetStrictParsing()
-    parser.AddModels("deep/arm.sdf")
+    parser.AddModels("arm.sdf")
     plant.Finalize()
-    assert plant.num_positions() == 2
-    assert os.listdir("deep") == ["arm.sdf"]
+    assert plant.num_positions() == len(load_robot(Path(path)).moving)
+    assert not caplog.records
+
+
+def test_a_file_is_written_with_its_folder(arm, capsys):
+    assert main(["sdf", arm, "--out", "deep/arm.sdf"]) == 0
+    assert capsys.readouterr() == ("wrote deep/arm.sdf\n", "")
+    assert list(Path("deep").iterdir()) == [Path("deep/arm.sdf")]
 
 
 def test_the_toml_of_a_robot_is_a_beginning_for_ones_own(arm, capsys):
@@ -90,9 +100,7 @@ def test_a_length_in_millimetres_is_a_warning_and_no_error(arm, capsys):
     assert main(["sdf", arm]) == 0
     out, err = capsys.readouterr()
     assert out.startswith("<?xml")
-    assert err == (
-        "drake-leg: arm.toml: row 2 (a guess): d is 400 m; write 0.4 if it is 400 mm\n"
-    )
+    assert err == ("drake-leg: arm.toml: row 2 (a guess): d is 400 m; write 0.4 if it is 400 mm\n")
 
 
 @pytest.mark.parametrize(
@@ -110,4 +118,4 @@ def test_what_is_neither_a_robot_nor_a_file_is_refused(name, said, arm, capsys):
 def test_a_fault_in_the_file_is_one_sentence_and_nothing_is_written(arm, capsys):
     Path(arm).write_text(ARM.replace("sigma = 0, d = 0.4", "d = 0.4"), encoding="utf-8")
     assert "arm.toml: row 2: sigma is missing" in refused(capsys, arm, "--out", "arm.sdf")
-    assert os.listdir() == ["arm.toml"]
+    assert list(Path().iterdir()) == [Path("arm.toml")]
