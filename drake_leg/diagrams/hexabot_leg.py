@@ -28,7 +28,7 @@ from pydrake.systems.primitives import (
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.foot_task import foot_task
-from drake_leg.robot import STANDARD_GRAVITY, Robot, require_positive
+from drake_leg.robot import LEAST, MOST, STANDARD_GRAVITY, Robot, require_positive
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 Vector = tuple[float, float, float]
@@ -52,7 +52,8 @@ class HexabotLegConfig:
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
-        require_positive("the gain without its sign", abs(self.gain), "(no unit)")
+        if not LEAST <= abs(self.gain) <= MOST:
+            raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
-from drake_leg.robot import STANDARD_GRAVITY
+from drake_leg.robot import DAMPING_UNITS, STANDARD_GRAVITY
 from drake_leg.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
@@ -19,8 +19,6 @@ from drake_leg.robots import (
     WATER,
 )
 
-# N*m/(deg/s) is Simscape's default unit of damping: 57.3 times N*m*s/rad.
-DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
 STATE_TARGET = 30.0  # [deg], report A, section 1.2
 
 # One text for an option that several runs have.
