@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.batches import Array, within_turns
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
 from drake_leg.kinematics.leg_inverse import branches
@@ -116,7 +116,8 @@ def examine_posture(
     J = patient.jacobian(q)
     rank = examine(J)
     forward = backward = None
-    if rank.rank == rank.full_rank == 3 or (rank.rank == 2 and isinstance(patient, _Scara)):
+    regular = rank.rank == rank.full_rank
+    if regular and (isinstance(patient, _Scara) or len(robot.moving) == rank.rank == 3):
         forward = patient.stroke(q, direction)
         backward = patient.stroke(q, [-value for value in direction])
     return Diagnosis(
@@ -143,7 +144,7 @@ def _limits(segment: Segment) -> tuple[float, float]:
 
 
 def _inside(q: Sequence[float], limits: Sequence[tuple[float, float]]) -> bool:
-    return all(low <= angle <= high for angle, (low, high) in zip(q, limits, strict=True))
+    return all(within_turns(angle, *pair) for angle, pair in zip(q, limits, strict=True))
 
 
 class _Leg:

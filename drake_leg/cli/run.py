@@ -135,6 +135,8 @@ def _run(chosen: argparse.Namespace) -> int:
     summary = outcome.summary
     rows = f"{summary['rows']} rows, {summary['real_time_factor']:.0f} x real time"
     print(f"wrote {chosen.out}: {rows}{_quality(summary)}")
+    for sentence in summary.get("limits_exceeded", ()):
+        print(f"drake-leg: {sentence}", file=sys.stderr)
     if summary["stop_reason"] is None:
         return 0
     interrupted = summary["stop_reason"] == "interrupted"

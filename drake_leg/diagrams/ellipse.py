@@ -18,6 +18,7 @@ from pydrake.systems.primitives import MatrixGain, Multiplexer, Sine
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, add_leg
 from drake_leg.diagrams.mechanism import add_scope
 from drake_leg.errors import InvalidValueError
+from drake_leg.robot import require_non_negative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +33,9 @@ class EllipseConfig(HexabotLegConfig):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not math.isfinite(self.lift):
-            raise InvalidValueError(f"the lift is {self.lift!r} m; it must be a finite number")
+        require_non_negative("the size of the lift", abs(self.lift), "m")
+        if self.gain != 1.0:
+            raise InvalidValueError(f"the gain is {self.gain!r}; an ellipse has no gain block")
         if self.direction[2] != 0.0:
             raise InvalidValueError(
                 f"the direction is {self.direction!r}; the ellipse's plane is vertical, "

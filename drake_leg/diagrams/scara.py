@@ -26,7 +26,7 @@ from pydrake.systems.primitives import (
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task
-from drake_leg.robot import STANDARD_GRAVITY, Robot, require_positive
+from drake_leg.robot import STANDARD_GRAVITY, Robot, require_angle, require_positive
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 
@@ -49,6 +49,8 @@ class ScaraConfig:
         lift_position(ScaraGeometry.from_robot(self.robot), self.R)
         if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
+        for angle in self.q0:
+            require_angle("an angle of q0", angle)
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):

@@ -172,6 +172,24 @@ def triangle_angle(a: float, b: float, c: Array) -> Array:
     )
 
 
+def within_turns(angle: float, low: float, high: float) -> bool:
+    """Tell whether an angle, or it and some whole turns, lies between two limits.
+
+    Parameters
+    ----------
+    angle, low, high : float
+        [rad]; a limit may be infinite.
+
+    Returns
+    -------
+    bool
+    """
+    if math.isinf(low) or math.isinf(high):
+        return True
+    turn = 2.0 * math.pi
+    return angle + turn * math.ceil((low - angle) / turn - 1e-12) <= high + 1e-12
+
+
 def in_blocks(
     function: Callable[[Array], Sequence[Array]], vectors: Array, *shapes: tuple[int, ...]
 ) -> tuple[Array, ...]:

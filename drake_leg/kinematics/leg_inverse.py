@@ -14,7 +14,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, finite_vectors, one_vector, triangle_angle
+from drake_leg.kinematics.batches import (
+    Array,
+    finite_vectors,
+    one_vector,
+    triangle_angle,
+    within_turns,
+)
 from drake_leg.kinematics.leg import LegGeometry
 
 BRANCHES = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # facing, bend
@@ -111,7 +117,7 @@ def branches(
     ):
         reached = bool(np.isfinite(q).all())
         inside = limits is None or all(
-            low <= angle <= high for angle, (low, high) in zip(q, limits, strict=True)
+            within_turns(angle, low, high) for angle, (low, high) in zip(q, limits, strict=True)
         )
         found.append(
             Branch(

@@ -6,6 +6,7 @@ first three joints; the fourth sets the height alone.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import Self
@@ -56,10 +57,16 @@ class ScaraGeometry:
         Raises
         ------
         InvalidValueError
-            If the table has not the joints of the report's SCARA.
+            If the table is not that of the report's SCARA.
         """
         rows = robot.rows
-        if tuple(row.joint for row in rows) != ("revolute", "revolute", "revolute", "prismatic"):
+        kinds = ("revolute", "revolute", "revolute", "prismatic")
+        if (
+            tuple(row.joint for row in rows) != kinds
+            or tuple(row.alpha for row in rows) != (0.0, 0.0, 0.0, math.pi)
+            or any(row.theta for row in rows)
+            or any((rows[0].d, rows[3].d, rows[1].r, rows[2].r, rows[3].r))
+        ):
             raise InvalidValueError(f"{robot.name!r} has not the table of the report's SCARA")
         return cls(l1=rows[1].d, l2=rows[2].d, height=rows[0].r)
 

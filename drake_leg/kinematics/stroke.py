@@ -69,7 +69,8 @@ def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
     facing = 1.0 if reach >= 0.0 else -1.0
     found = [Stroke(length=s, family="stretch") for s in _boundary_crossings(leg, p, d, facing)]
     found += [Stroke(length=s, family="hip-axis") for s in _axis_crossings(leg, p, d)]
-    return min(found, key=lambda stroke: stroke.length)
+    on_it = Stroke(length=0.0, family="stretch")  # no way is left where the start is singular
+    return min(found, key=lambda stroke: stroke.length, default=on_it)
 
 
 def _boundary_crossings(leg: LegGeometry, p: Array, d: Array, facing: float) -> list[float]:
@@ -164,7 +165,7 @@ def scara_stroke(arm: ScaraGeometry, q: ArrayLike, direction: ArrayLike) -> Stro
         if discriminant >= 0.0:
             roots = (-along - math.sqrt(discriminant), -along + math.sqrt(discriminant))
             lengths += [root for root in roots if root > 0.0]
-    return Stroke(length=min(lengths), family="stretch")
+    return Stroke(length=min(lengths, default=0.0), family="stretch")
 
 
 def chain_stroke(rows: Sequence[Row], q: ArrayLike, direction: ArrayLike) -> Stroke:
@@ -211,6 +212,7 @@ def chain_stroke(rows: Sequence[Row], q: ArrayLike, direction: ArrayLike) -> Str
                 return Stroke(length=way, family=None)
         else:
             way, posture = way + step, closed
+            step = min(2.0 * step, size / CHAIN_STEPS)
     return Stroke(length=math.inf, family=None)
 
 
@@ -252,8 +254,9 @@ def greatest_amplitude(stroke: Stroke, frequency: float) -> float:
 
 def _unit(direction: ArrayLike) -> Array:
     d = one_vector("the direction", direction, 3)
-    length = float(np.linalg.norm(d))
-    if length == 0.0:
+    greatest = float(np.abs(d).max())
+    if greatest == 0.0:
         raise InvalidValueError("the direction is zero; it must point somewhere, as 1,0,0")
-    unit: Array = d / length
+    scaled = d / greatest
+    unit: Array = scaled / np.linalg.norm(scaled)
     return unit

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -87,7 +88,7 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
     """
     _require_mass(robot)
     config = hexabot_leg.HexabotLegConfig(
-        robot=robot,
+        robot=_unsaturated(robot),
         q0=_posture(robot, options),
         amplitude=options.amplitude,
         frequency=options.frequency,
@@ -108,7 +109,9 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
         run.time, amplitude=config.amplitude, frequency=config.frequency, direction=along
     )
     across = np.eye(3) - np.outer(along, along)
-    return _outcome(config, options, settings, run, path, across)
+    outcome = _outcome(config, options, settings, run, path, across)
+    exceeded = {"limits_exceeded": _exceeded_limits(robot, outcome.recording)}
+    return replace(outcome, robot=robot, summary={**outcome.summary, **exceeded})
 
 
 def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Outcome:
@@ -160,6 +163,33 @@ def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Ou
     )
     across = np.cross(along, UP)[:, np.newaxis]
     return _outcome(config, options, settings, run, path, across)
+
+
+def _unsaturated(robot: Robot) -> Robot:
+    """Take the effort limits off: the torque of a prescribed motion is what the motion takes."""
+    return replace(
+        robot,
+        segments=tuple(
+            replace(segment, mechanics=replace(segment.mechanics, effort=None, velocity=None))
+            for segment in robot.segments
+        ),
+    )
+
+
+def _exceeded_limits(robot: Robot, recording: Recording) -> list[str]:
+    """Say which joints took more speed or effort than they have."""
+    said = []
+    for number, segment in enumerate(robot.moving, start=1):
+        for what, column, limit in (
+            ("speed", f"qdot{number}", segment.mechanics.velocity),
+            ("effort", f"tau{number}", segment.mechanics.effort),
+        ):
+            greatest = float(np.abs(recording[column]).max())
+            if limit is not None and greatest > limit:
+                said.append(
+                    f"joint {segment.joint} takes {what} {greatest:.4g}, its limit is {limit:.4g}"
+                )
+    return said
 
 
 def _require_mass(robot: Robot) -> None:

@@ -5,7 +5,7 @@ annotations of the fields as types, so that they must not be postponed to string
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from drake_leg.errors import InvalidValueError
@@ -285,7 +285,8 @@ class DampedPendulumOptions(PendulumOptions):
             If it is not one finite angle, or the two names disagree.
         """
         if not self.q0:
-            self.q0 = [STATE_TARGET if self.target is None else self.target]
+            target = STATE_TARGET if self.target is None else self.target
+            return replace(self, q0=[target], target=None).start()
         start = super().start()
         if self.target not in (None, self.q0[0]):
             raise InvalidValueError(

@@ -74,7 +74,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     yaw, yaw0 = q[:, :3].sum(axis=1), sum(config.q0)
     sigma_min = smallest_singular_value(task_jacobian(arm, q[:, :3])[:, :2, :2])
     det_j = run.scopes["singularity check"][:, 0]
-    columns = tip_columns(config.robot, run)
+    columns = tip_columns(config.robot, run, ("dx[m/s]", "dy[m/s]", "dyaw[rad/s]"))
     columns |= {"yaw[rad]": yaw, "det_j[m^2]": det_j, "sigma_min[m]": sigma_min}
     task = start + path.displacement
     task[:, 2] = yaw0

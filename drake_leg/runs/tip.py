@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,9 @@ def default_step(frequency: float) -> float:
     return min(ROW_INTERVAL, 2.0 * math.pi / (STEPS_PER_PERIOD * frequency))
 
 
-def tip_columns(robot: Robot, run: Run) -> dict[str, Array]:
+def tip_columns(
+    robot: Robot, run: Run, command: Sequence[str] = ("dx[m/s]", "dy[m/s]", "dz[m/s]")
+) -> dict[str, Array]:
     """Name what the scopes of a motion-driven robot recorded.
 
     Parameters
@@ -47,6 +49,8 @@ def tip_columns(robot: Robot, run: Run) -> dict[str, Array]:
         Its joints give the units.
     run : Run
         With the scopes of ``mechanism.add_mechanism_scopes``.
+    command : sequence of str
+        Headers of the three commanded velocities.
 
     Returns
     -------
@@ -56,9 +60,8 @@ def tip_columns(robot: Robot, run: Run) -> dict[str, Array]:
     kinds = [segment.row.joint for segment in robot.moving]
     length = ["rad" if kind == "revolute" else "m" for kind in kinds]
     force = ["N*m" if kind == "revolute" else "N" for kind in kinds]
-    command = run.scopes["commanded velocities"]
     columns = {"time[s]": run.time, "input[m/s]": run.scopes["input"][:, 0]}
-    columns |= lettered("d", "xyz", "m/s", command)
+    columns |= dict(zip(command, run.scopes["commanded velocities"].T, strict=True))
     for name, scope, units in (
         ("q", "joint positions", length),
         ("qdot", "joint velocities", [f"{unit}/s" for unit in length]),
