@@ -11,15 +11,9 @@ import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
-import numpy as np
-
-from drake_leg.kinematics.batches import Array
+from drake_leg.errata.formulas import BOTTOM, Formula
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.scara import ScaraGeometry
-
-Formula = tuple[tuple[str, ...], ...]
-
-BOTTOM = ("0", "0", "0", "1")
 
 LEG_TRANSFORMS: dict[str, Formula] = {
     "T01": (("c1", "-s1", "0", "0"), ("s1", "c1", "0", "0"), ("0", "0", "1", "0"), BOTTOM),
@@ -120,41 +114,6 @@ def scara_symbols(arm: ScaraGeometry, q: Sequence[float]) -> dict[str, float]:
 def _trigonometry(angles: Mapping[str, float]) -> dict[str, float]:
     cosines = {f"c{name}": math.cos(angle) for name, angle in angles.items()}
     return cosines | {f"s{name}": math.sin(angle) for name, angle in angles.items()}
-
-
-def evaluate(formula: Formula, symbols: Mapping[str, float]) -> Array:
-    """Evaluate a matrix of formulas.
-
-    Parameters
-    ----------
-    formula : tuple of tuples of str
-        Entries in the symbols.
-    symbols : mapping
-        Their values.
-
-    Returns
-    -------
-    (m, n) ndarray
-        In the entries' units.
-    """
-    return np.array([[evaluate_entry(entry, symbols) for entry in row] for row in formula])
-
-
-def evaluate_entry(entry: str, symbols: Mapping[str, float]) -> float:
-    """Evaluate one formula of this module.
-
-    Parameters
-    ----------
-    entry : str
-        Sums and products of the symbols.
-    symbols : mapping
-        Their values.
-
-    Returns
-    -------
-    float
-    """
-    return float(eval(entry, {"__builtins__": {}}, dict(symbols)))
 
 
 def as_html(entry: str) -> str:

@@ -15,6 +15,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
+from drake_leg.errata.formulas import Formula, evaluate, evaluate_entry
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms, jacobian
 from drake_leg.kinematics.leg import LegGeometry
@@ -27,9 +28,6 @@ from drake_leg.report.formulas import (
     SCARA_DETERMINANT,
     SCARA_JACOBIAN,
     SCARA_TRANSFORMS,
-    Formula,
-    evaluate,
-    evaluate_entry,
     leg_symbols,
     scara_symbols,
 )
