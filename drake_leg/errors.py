@@ -43,6 +43,23 @@ class SingularConfigurationError(DrakeLegError):
         )
 
 
+class LostMotionError(DrakeLegError):
+    """Near a singularity the joints no longer follow their prescribed motion.
+
+    Attributes
+    ----------
+    time : float
+        Simulated time [s].
+    """
+
+    def __init__(self, *, time: float, lag: float) -> None:
+        self.time = time
+        super().__init__(
+            f"near a singularity the joints were {lag:.3g} rad or m behind their prescribed "
+            f"motion at t = {time:.9g} s: choose --integrator runge_kutta5 or a smaller --max-step"
+        )
+
+
 class StepBudgetError(DrakeLegError):
     """The integrator needed more steps than a run is allowed.
 

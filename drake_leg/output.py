@@ -30,6 +30,8 @@ def check_target(target: Path, *, overwrite: bool) -> None:
     OutputError
         If it exists and may not be replaced, or if its parent cannot be written.
     """
+    if target.name == "..":
+        raise OutputError(f"{target} ends in '..': name the folder that is meant as --out")
     try:
         exists = target.exists() or target.is_symlink()
         if exists and not overwrite:

@@ -22,6 +22,7 @@ from pydrake.systems.primitives import VectorLogSink
 from drake_leg.errors import (
     InvalidValueError,
     JointLimitError,
+    LostMotionError,
     SingularConfigurationError,
     StepBudgetError,
     UnstableRunError,
@@ -156,6 +157,7 @@ def simulate(
         reason = "interrupted"
     except (
         JointLimitError,
+        LostMotionError,
         SingularConfigurationError,
         StepBudgetError,
         UnstableRunError,
@@ -231,9 +233,10 @@ class _Watch:
         for sign, block in zip(self._signs, self._blocks, strict=True):
             context = block.GetMyContextFromRoot(root)
             now = block.normalised_determinant(context)
-            lost = lag > LARGEST_LAG and sign * now < NEARLY_SINGULAR
-            if lost or sign * now <= SINGULAR_BELOW:
+            if sign * now <= SINGULAR_BELOW:
                 raise block.singular(context)
+            if lag > LARGEST_LAG and sign * now < NEARLY_SINGULAR:
+                raise LostMotionError(time=root.get_time(), lag=lag)
             while step > SMALLEST_STEP:
                 turn, drift = block.look_ahead(context, step)
                 if turn <= LARGEST_TURN and drift <= APPROACH:

@@ -321,6 +321,17 @@ def test_a_bad_config_file_is_refused(refused, config, text, named):
     refused("leg-b", "--config", config(text), named=named)
 
 
+@pytest.mark.parametrize("text", ["", "1: 2\n", "on: yes\n", "null\n"])
+def test_what_is_wrong_with_a_config_file_is_said_in_words_for_a_person(
+    config, tmp_path, text, capsys
+):
+    words = ["run", "leg-b", "--out", tmp_path / "out", "--config", config(text)]
+    assert status_of(*words) == 2
+    sentence = capsys.readouterr().err
+    for jargon in ("has no attribute", "PathLike", "NoneType", "<class"):
+        assert jargon not in sentence
+
+
 def test_a_config_file_of_bytes_is_refused(refused, tmp_path):
     (tmp_path / "config.yaml").write_bytes(b"\xff\xfe\x00")
     refused("leg-b", "--config", tmp_path / "config.yaml", named="config.yaml")

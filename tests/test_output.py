@@ -120,6 +120,12 @@ def test_the_parent_of_an_impossible_run_is_not_left_behind(tmp_path):
     assert names(tmp_path) == []
 
 
+def test_the_parent_of_a_folder_that_is_not_there_is_refused_before_any_work(tmp_path):
+    with pytest.raises(OutputError):
+        check_target(tmp_path / "not there" / "..", overwrite=False)
+    assert names(tmp_path) == []
+
+
 @pytest.mark.parametrize("target", [".", "here/.."])
 def test_the_working_directory_itself_is_never_replaced(tmp_path, monkeypatch, target):
     (tmp_path / "here").mkdir()

@@ -332,6 +332,14 @@ def test_a_fast_run_into_the_boundary_stops_there_singular_and_does_not_rebound(
     np.testing.assert_allclose(foot - foot[0], np.outer(advance, [1, 0, 0]), atol=1e-6)
 
 
+@pytest.mark.parametrize("scheme", ["runge_kutta5", "runge_kutta3", "radau3"])
+def test_a_posture_is_called_singular_only_where_it_is(scheme):
+    run = leg_run(4.0, amplitude=0.1, settings=IntegratorSettings(scheme=scheme))
+    assert run.stopped_at == pytest.approx(boundary_instant(0.1), abs=1e-3)
+    normalised = run.scopes["singularity check"][-1, 0] / (L2 * L3 * (L1 + L2 + L3))
+    assert ("Jacobian is singular" in run.stop_reason) == (abs(normalised) < 1e-4)
+
+
 # --- other stops -----------------------------------------------------------------------------
 
 

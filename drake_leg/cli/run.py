@@ -217,8 +217,13 @@ def _with_lists(kind: RunKind, text: str) -> str:
         if keys.count(key) > 1:
             raise ValueError(f"{key} stands there {keys.count(key)} times")
     content = safe_load(text)
+    if content is None:
+        raise ValueError("it holds nothing; leave --config out, or write at least one key")
     if not isinstance(content, dict):
-        return text
+        raise ValueError("it is no list of keys and values, as duration: 10")
+    for key in content:
+        if not isinstance(key, str):
+            raise ValueError(f"the key {key!r} is no name of an option")
     hints = typing.get_type_hints(kind.options)
     for name, value in content.items():
         if typing.get_origin(hints.get(name)) is not list or isinstance(value, list):
