@@ -1,0 +1,55 @@
+"""What a Simulink file says, as data: blocks, signal wires, physical nodes, functions, solver."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+Value = float | str | tuple[float, ...] | tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """One block; library blocks carry the path of their library block as their source."""
+
+    sid: str  # unique in the model; may hold colons
+    name: str  # line breaks read as blanks
+    type: str  # BlockType in the file: "Sin", "Integrator", "Reference", ...
+    source: str  # of a Reference: "sm_lib/Joints/Revolute Joint"; otherwise ""
+    system: str  # SID of the subsystem that holds it; "" at the top
+    parameters: Mapping[str, Value]  # in SI; absent ones at Simulink's defaults
+
+    @property
+    def kind(self) -> str:
+        """What the block is: the last part of its source, else its type."""
+        return self.source.rsplit("/", 1)[-1] or self.type
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wire:
+    """A signal from one output to one input; a branched line is several wires."""
+
+    source: str  # "SID#out:1"
+    target: str  # "SID#in:1"
+    name: str  # of the line; "" where it has none
+
+
+@dataclass(frozen=True, kw_only=True)
+class Function:
+    """The code of a MATLAB Function block."""
+
+    sid: str  # of its block
+    name: str  # of its block
+    script: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """A whole model, subsystems included."""
+
+    name: str
+    blocks: tuple[Block, ...]
+    wires: tuple[Wire, ...]  # as drawn: they end at a subsystem's own ports
+    nodes: tuple[tuple[str, ...], ...]  # physical ports that one connection joins: "SID#lconn:1"
+    functions: tuple[Function, ...]
+    solver: Mapping[str, Value]  # StopTime [s], Solver, RelTol, MaxStep, ...
