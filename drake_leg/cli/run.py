@@ -15,10 +15,12 @@ from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.output import check_target, results_folder
 from drake_leg.progress import ProgressBar
-from drake_leg.runs.catalogue import RUNS, Progress, RunKind, run_kind
+from drake_leg.runs.catalogue import RUNS, Progress, RunKind, Start, run_kind
 from drake_leg.runs.options import RunOptions, StraightOptions
 
 if typing.TYPE_CHECKING:
+    from pydrake.systems.framework import Diagram
+
     from drake_leg.runs.outcome import Outcome
 
 
@@ -77,7 +79,12 @@ def _kind(name: str) -> RunKind:
 
         return run_robot(robot, options, progress)
 
-    return RunKind(title=robot.title, shows="", options=StraightOptions, run=step)
+    def diagram(options: StraightOptions) -> tuple[Diagram, Start]:
+        from drake_leg.runs.leg import straight_diagram
+
+        return straight_diagram(robot, options)
+
+    return RunKind(title=robot.title, shows="", options=StraightOptions, run=step, diagram=diagram)
 
 
 def _fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:

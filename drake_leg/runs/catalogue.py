@@ -22,9 +22,12 @@ from drake_leg.runs.options import (
 )
 
 if TYPE_CHECKING:
+    from pydrake.systems.framework import Context, Diagram
+
     from drake_leg.runs.outcome import Outcome
 
 Progress = Callable[[float], None]
+Start = Callable[["Diagram", "Context"], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +38,7 @@ class RunKind:
     shows: str  # figures of the reports that it reproduces
     options: type[RunOptions]
     run: Callable[[Any, Progress | None], Outcome]
+    diagram: Callable[[Any], tuple[Diagram, Start]]  # what it simulates, and how that starts
 
 
 def _pendulum(options: Any, progress: Progress | None = None) -> Outcome:  # noqa: ANN401
@@ -67,48 +71,90 @@ def _scara(options: ScaraOptions, progress: Progress | None = None) -> Outcome:
     return run_scara(options, progress)
 
 
+def _pendulum_diagram(options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
+    from drake_leg.diagrams.pendulum import build, start_at_target
+    from drake_leg.runs.pendulum import pendulum_config
+
+    return build(pendulum_config(options)), start_at_target
+
+
+def _leg_a_diagram(options: LegAOptions) -> tuple[Diagram, Start]:
+    from drake_leg.runs.leg import leg_of, straight_diagram
+
+    return straight_diagram(leg_of("A", options), options)
+
+
+def _leg_b_diagram(options: LegBOptions) -> tuple[Diagram, Start]:
+    from drake_leg.runs.leg import leg_of, straight_diagram
+
+    return straight_diagram(leg_of("B", options), options)
+
+
+def _ellipse_diagram(options: EllipseOptions) -> tuple[Diagram, Start]:
+    from drake_leg.diagrams.ellipse import build
+    from drake_leg.diagrams.mechanism import start_on_motion
+    from drake_leg.runs.leg import ellipse_config
+
+    return build(ellipse_config(options)), start_on_motion
+
+
+def _scara_diagram(options: ScaraOptions) -> tuple[Diagram, Start]:
+    from drake_leg.diagrams.mechanism import start_on_motion
+    from drake_leg.diagrams.scara import build
+    from drake_leg.runs.scara import scara_config
+
+    return build(scara_config(options)), start_on_motion
+
+
 RUNS = {
     "pendulum": RunKind(
         title="Free pendulum",
         shows="A 5, A 7",
         options=FreePendulumOptions,
         run=_pendulum,
+        diagram=_pendulum_diagram,
     ),
     "pendulum-damped": RunKind(
         title="Damped pendulum",
         shows="A 6, A 8",
         options=DampedPendulumOptions,
         run=_pendulum,
+        diagram=_pendulum_diagram,
     ),
     "pendulum-spring": RunKind(
         title="Pendulum with a spring",
         shows="A 6 as it was meant",
         options=SpringPendulumOptions,
         run=_pendulum,
+        diagram=_pendulum_diagram,
     ),
     "leg-a": RunKind(
         title="Hexabot leg A",
         shows="A 11-16",
         options=LegAOptions,
         run=_leg_a,
+        diagram=_leg_a_diagram,
     ),
     "leg-b": RunKind(
         title="Hexabot leg B",
         shows="B 8-12",
         options=LegBOptions,
         run=_leg_b,
+        diagram=_leg_b_diagram,
     ),
     "ellipse": RunKind(
         title="Leg B on an ellipse",
         shows="A 2.1",
         options=EllipseOptions,
         run=_ellipse,
+        diagram=_ellipse_diagram,
     ),
     "scara": RunKind(
         title="SCARA arm",
         shows="B 1",
         options=ScaraOptions,
         run=_scara,
+        diagram=_scara_diagram,
     ),
 }
 

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
@@ -30,7 +31,7 @@ from drake_leg.runs.options import (
 )
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.tip import default_step, exact_tip, tip_columns, tip_findings, torque_error
-from drake_leg.simulation import Progress, Run, simulate
+from drake_leg.simulation import Progress, Run, Start, simulate
 
 
 def run_straight(
@@ -59,7 +60,7 @@ def run_straight(
     SingularConfigurationError
         If the leg is singular where it starts.
     """
-    return run_robot(_robot(variant, options), options, progress)
+    return run_robot(leg_of(variant, options), options, progress)
 
 
 def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None = None) -> Outcome:
@@ -86,16 +87,7 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
     SingularConfigurationError
         If the robot is singular where it starts.
     """
-    _require_mass(robot)
-    config = hexabot_leg.HexabotLegConfig(
-        robot=_unsaturated(robot),
-        q0=_posture(robot, options),
-        amplitude=options.amplitude,
-        frequency=options.frequency,
-        direction=options.unit_direction(),
-        gain=options.gain,
-        gravity=options.gravity,
-    )
+    config = straight_config(robot, options)
     settings = options.integrator_settings(default_step(config.frequency))
     run = simulate(
         hexabot_leg.build(config),
@@ -136,15 +128,7 @@ def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Ou
     SingularConfigurationError
         If the leg is singular where it starts.
     """
-    config = ellipse.EllipseConfig(
-        robot=_robot("B", options),
-        q0=options.posture(),
-        amplitude=options.amplitude,
-        frequency=options.frequency,
-        direction=options.unit_direction(),
-        lift=options.lift,
-        gravity=options.gravity,
-    )
+    config = ellipse_config(options)
     settings = options.integrator_settings(default_step(config.frequency))
     run = simulate(
         ellipse.build(config),
@@ -163,6 +147,88 @@ def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Ou
     )
     across = np.cross(along, UP)[:, np.newaxis]
     return _outcome(config, options, settings, run, path, across)
+
+
+def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.HexabotLegConfig:
+    """Say how the diagram of a straight step is built.
+
+    Parameters
+    ----------
+    robot : Robot
+        With three joint positions.
+    options : StraightOptions
+        Posture and step.
+
+    Returns
+    -------
+    HexabotLegConfig
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense, or the robot has not three joint positions.
+    """
+    _require_mass(robot)
+    return hexabot_leg.HexabotLegConfig(
+        robot=_unsaturated(robot),
+        q0=_posture(robot, options),
+        amplitude=options.amplitude,
+        frequency=options.frequency,
+        direction=options.unit_direction(),
+        gain=options.gain,
+        gravity=options.gravity,
+    )
+
+
+def straight_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, Start]:
+    """Build what the straight step simulates.
+
+    Parameters
+    ----------
+    robot : Robot
+        With three joint positions.
+    options : StraightOptions
+        Posture and step.
+
+    Returns
+    -------
+    (Diagram, callable)
+        And how it starts.
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense, or the robot has not three joint positions.
+    """
+    return hexabot_leg.build(straight_config(robot, options)), start_on_motion
+
+
+def ellipse_config(options: EllipseOptions) -> ellipse.EllipseConfig:
+    """Say how the diagram of an elliptic step is built.
+
+    Parameters
+    ----------
+    options : EllipseOptions
+        Posture and ellipse.
+
+    Returns
+    -------
+    EllipseConfig
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    """
+    return ellipse.EllipseConfig(
+        robot=leg_of("B", options),
+        q0=options.posture(),
+        amplitude=options.amplitude,
+        frequency=options.frequency,
+        direction=options.unit_direction(),
+        lift=options.lift,
+        gravity=options.gravity,
+    )
 
 
 def _unsaturated(robot: Robot) -> Robot:
@@ -205,7 +271,25 @@ def _require_mass(robot: Robot) -> None:
             )
 
 
-def _robot(variant: LegVariant, options: LegOptions) -> Robot:
+def leg_of(variant: LegVariant, options: LegOptions) -> Robot:
+    """Return the leg that the options describe.
+
+    Parameters
+    ----------
+    variant : {"A", "B"}
+        Whose leg.
+    options : LegOptions
+        Lengths, density, damping.
+
+    Returns
+    -------
+    Robot
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    """
     return leg_robot(
         variant,
         l1=options.l1,

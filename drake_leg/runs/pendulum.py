@@ -51,16 +51,8 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
     InvalidValueError
         If an option makes no sense.
     """
-    if len(options.size) != 3:
-        raise InvalidValueError(
-            f"the size is {options.size}; it must be length, width and height in m, "
-            "as 0.30,0.02,0.01"
-        )
-    length, width, height = options.size
-    robot = pendulum_robot(
-        size=(length, width, height), density=options.density, mechanics=_mechanics(options)
-    )
-    config = pendulum.PendulumConfig(robot=robot, q0=options.start(), gravity=options.gravity)
+    config = pendulum_config(options)
+    robot = config.robot
     model = PendulumModel.from_robot(robot, options.gravity)
     settings = options.integrator_settings(default_step(model))
     run = simulate(
@@ -89,6 +81,35 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
         {"q": q, "qdot": qdot},
         _findings(model, config.q0, run, recording, q),
     )
+
+
+def pendulum_config(options: PendulumOptions) -> pendulum.PendulumConfig:
+    """Say how the pendulum's diagram is built.
+
+    Parameters
+    ----------
+    options : PendulumOptions
+        Link, joint mechanics, start.
+
+    Returns
+    -------
+    PendulumConfig
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    """
+    if len(options.size) != 3:
+        raise InvalidValueError(
+            f"the size is {options.size}; it must be length, width and height in m, "
+            "as 0.30,0.02,0.01"
+        )
+    length, width, height = options.size
+    robot = pendulum_robot(
+        size=(length, width, height), density=options.density, mechanics=_mechanics(options)
+    )
+    return pendulum.PendulumConfig(robot=robot, q0=options.start(), gravity=options.gravity)
 
 
 def default_step(model: PendulumModel) -> float:

@@ -45,17 +45,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     SingularConfigurationError
         If the arm is stretched or folded where it starts.
     """
-    config = scara.ScaraConfig(
-        robot=scara_robot(
-            l1=options.l1, l2=options.l2, density=options.density, damping=options.si_damping()
-        ),
-        q0=options.posture(),
-        R=options.tool_height,
-        amplitude=options.amplitude,
-        frequency=options.frequency,
-        direction=options.unit_direction(),
-        gravity=options.gravity,
-    )
+    config = scara_config(options)
     settings = options.integrator_settings(default_step(config.frequency))
     run = simulate(
         scara.build(config),
@@ -93,4 +83,34 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     }
     return outcome_of(
         config.robot, run, settings, options.duration, Recording(columns), exact, findings
+    )
+
+
+def scara_config(options: ScaraOptions) -> scara.ScaraConfig:
+    """Say how the diagram of the SCARA's move is built.
+
+    Parameters
+    ----------
+    options : ScaraOptions
+        Posture, move, lengths.
+
+    Returns
+    -------
+    ScaraConfig
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    """
+    return scara.ScaraConfig(
+        robot=scara_robot(
+            l1=options.l1, l2=options.l2, density=options.density, damping=options.si_damping()
+        ),
+        q0=options.posture(),
+        R=options.tool_height,
+        amplitude=options.amplitude,
+        frequency=options.frequency,
+        direction=options.unit_direction(),
+        gravity=options.gravity,
     )
