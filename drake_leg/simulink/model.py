@@ -21,7 +21,10 @@ class Block:
 
     @property
     def kind(self) -> str:
-        """What the block is: the last part of its source, else its type."""
+        """What the block is: the last part of its source, "MATLAB Function", else its type."""
+        chart = str(self.parameters.get("SFBlockType", "NONE"))
+        if self.type == "SubSystem" and chart != "NONE":
+            return chart
         return self.source.rsplit("/", 1)[-1] or self.type
 
 

@@ -1,0 +1,149 @@
+"""``drake-leg compare``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drake_leg.cli.common import Commands
+from drake_leg.cli.robot_source import robot_source
+from drake_leg.cli.run_options import add_run_options, kind_of, options_of
+from drake_leg.robots import ROBOTS
+from drake_leg.runs.catalogue import RUNS
+
+if TYPE_CHECKING:
+    from drake_leg.compare.comparison import Comparison
+
+DIFFERENT = 1  # exit status
+
+
+def add(commands: Commands) -> None:
+    """Add the command.
+
+    Parameters
+    ----------
+    commands : argparse subparsers
+        Of the program.
+    """
+    parser = commands.add_parser(
+        "compare",
+        help="compare a Simulink model with a run's diagram",
+        description="Find for every block, wire and parameter of a Simulink model what stands "
+        "for it in the live diagram of a run: matched, missing, extra or different. Exit status "
+        "0 when everything in the model has its counterpart and the values agree, 1 otherwise; "
+        "what the diagram has besides does not count.",
+        epilog="The run's options make its diagram match a model with other numbers: "
+        "--amplitude 0.05. Signals are compared by what they are, not by how they are muxed, "
+        "scaled and summed; a source's amplitude is that behind its gains.",
+    )
+    parser.add_argument("model", type=Path, metavar="MODEL.slx", help="Simulink model")
+    parser.add_argument(
+        "name",
+        metavar="NAME",
+        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot with three joints",
+    )
+    parser.add_argument("--json", action="store_true", help="write the whole comparison as JSON")
+    parser.add_argument(
+        "--strict",
+        action="store_true",
+        help="count cross sections, colours and the converters' input filters, too",
+    )
+    add_run_options(parser)
+    parser.set_defaults(command=_compare)
+
+
+def _compare(chosen: argparse.Namespace) -> int:
+    kind = kind_of(chosen.name)
+    options = options_of(kind, chosen)
+    from drake_leg.simulink.reader import read_model
+
+    model = read_model(chosen.model)
+    from drake_leg.compare.compare import LiveModel, compare
+    from drake_leg.integrator import IntegratorSettings
+
+    diagram, start = kind.diagram(options)
+    root = diagram.CreateDefaultContext()
+    start(diagram, root)
+    if chosen.name.lower().endswith(".toml"):
+        robot = robot_source(chosen.name).robot()
+    else:
+        robot = next(r for r in ROBOTS if diagram.HasSubsystemNamed(r.name))
+    found = compare(
+        model,
+        LiveModel(
+            diagram=diagram,
+            root=root,
+            robot=robot,
+            duration=options.duration,
+            scheme=options.integrator or IntegratorSettings().scheme,
+        ),
+        strict=chosen.strict,
+    )
+    if chosen.json:
+        print(json.dumps({"agrees": found.agrees, **found.as_json()}, indent=2))
+    else:
+        print("\n".join(_lines(found, chosen)))
+    return 0 if found.agrees else DIFFERENT
+
+
+def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
+    yield f"{chosen.model} beside {chosen.name}"
+    for title, items, line in (
+        ("matched", found.matched, _matched),
+        ("missing in the Drake diagram", found.missing, _missing),
+        ("different", found.different, _different),
+        ("different, but of no account without --strict", found.tolerated, _different),
+        ("extra in the Drake diagram", found.extra, _extra),
+    ):
+        if items:
+            yield ""
+            yield f"{title} ({len(items)})"
+            yield from (f"  {line(item)}" for item in items)
+    yield ""
+    if found.agrees:
+        yield "Every block and wire of the model has its counterpart, and the values agree."
+    else:
+        yield (
+            f"{len(found.missing)} missing, {len(found.different)} different: the diagram is not "
+            "the model's."
+        )
+
+
+def _place(item: dict[str, Any]) -> str:
+    if item["what"] == "node":
+        return f"connection {', '.join(item['ports'])}"
+    if "from" in item:
+        name = f" {item['name']!r}" if item.get("name") else ""
+        return f"wire{name} {item['from']} -> {item['to']}"
+    sid = f" (SID {item['sid']})" if item.get("sid") else ""
+    return f"{item.get('name', '')}{sid}"
+
+
+def _matched(item: dict[str, Any]) -> str:
+    return f"{_place(item)}: {item['counterpart']}"
+
+
+def _missing(item: dict[str, Any]) -> str:
+    return f"{_place(item)}: {item['why']}"
+
+
+def _different(item: dict[str, Any]) -> str:
+    unit = f" {item['unit']}" if item["unit"] else ""
+    ours, theirs = _value(item["simulink"]), _value(item["drake"])
+    return f"{_place(item)}: {item['parameter']} is {ours}{unit}, in Drake {theirs}{unit}"
+
+
+def _extra(item: dict[str, Any]) -> str:
+    kind = f" ({item['kind']})" if "kind" in item else ""
+    return f"{item['what']} {item.get('name', _place(item).removeprefix('wire '))}{kind}"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.9g}"
+    if isinstance(value, tuple | list):
+        return f"({', '.join(_value(one) for one in value)})"
+    return str(value)

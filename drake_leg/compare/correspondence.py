@@ -1,0 +1,254 @@
+"""What is known so far of which signal and which block stands for which."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from drake_leg.compare.diagram_signals import DiagramSignals
+from drake_leg.compare.findings import Findings
+from drake_leg.compare.signals import Atom, Scalar, Signal, close
+from drake_leg.compare.simulink_mechanism import Network
+from drake_leg.compare.simulink_signals import CARRIERS, SimulinkSignals
+from drake_leg.simulink.model import Block, Model
+from drake_leg.systems.inverse_jacobian import InverseJacobian
+from drake_leg.systems.prescribed_motion import PrescribedMotion
+
+INVERSE_JACOBIAN = "inverse Jacobian"
+
+
+@dataclass
+class Correspondence:
+    """Both sides of a comparison, and the roles of their signals.
+
+    A role is an atom that means the same on both sides: the integral of a joint's rate, an
+    output of the inverse Jacobian, a sensed quantity.
+    """
+
+    model: Model  # flattened
+    network: Network
+    ours: SimulinkSignals
+    live: DiagramSignals
+    findings: Findings
+    names: dict[Atom, Atom] = field(default_factory=dict)  # the model's atoms -> roles
+    live_names: dict[Atom, Atom] = field(default_factory=dict)  # the diagram's atoms -> roles
+    counterparts: dict[str, set[str]] = field(default_factory=dict)  # SID -> live blocks
+    wrong: set[str] = field(default_factory=set)  # the model's inputs that take another signal
+    sine_sids: dict[Atom, str] = field(default_factory=dict)  # sine -> SID of its block
+
+    def __post_init__(self) -> None:
+        for name in self.live.of_type(PrescribedMotion):
+            for joint, scalar in enumerate(self.live.input(name, "q") or (), start=1):
+                self.live_names |= integral_roles(scalar, joint)
+        for name in self.live.of_type(InverseJacobian):
+            for port, what in (("qdot", "qdot"), ("det_j", "det J")):
+                for index in range(self.live.systems[name].GetOutputPort(port).size()):
+                    own = Atom(kind="function", of=name, what=port, index=index)
+                    self.live_names[own] = function_role(what, index)
+        for block in self.model.blocks:
+            if block.type == "Sin":
+                for scalar in self.ours.output(f"{block.sid}#out:1"):
+                    self.sine_sids |= dict.fromkeys(scalar.terms, block.sid)
+
+    def role(self, signal: Signal | None) -> Signal:
+        """Write a signal of the model in roles.
+
+        Parameters
+        ----------
+        signal : Signal or None
+            None counts as empty.
+
+        Returns
+        -------
+        Signal
+        """
+        return tuple(scalar.renamed(self.names) for scalar in signal or ())
+
+    def live_role(self, signal: Signal | None) -> Signal:
+        """Write a signal of the diagram in roles.
+
+        Parameters
+        ----------
+        signal : Signal or None
+            None counts as empty.
+
+        Returns
+        -------
+        Signal
+        """
+        return tuple(scalar.renamed(self.live_names) for scalar in signal or ())
+
+    def block(self, sid: str) -> Block:
+        """Find a block of the model.
+
+        Parameters
+        ----------
+        sid : str
+            Its SID.
+
+        Returns
+        -------
+        Block
+        """
+        return self.ours.blocks[sid]
+
+    def stands_for(self, sid: str, live: Iterable[str], text: str = "", **more: object) -> None:
+        """Note the live blocks that stand for a block of the model.
+
+        Parameters
+        ----------
+        sid : str
+            Of the model's block.
+        live : iterable of str
+            Names of the live ones.
+        text : str
+            What stands for it, where the names alone do not say so.
+        **more
+            Further keys of the item.
+        """
+        names = list(dict.fromkeys(live))
+        self.counterparts.setdefault(sid, set()).update(names)
+        self.findings.used.update(names)
+        self.findings.match(self.block(sid), text or listed(names), **more)
+
+    def differs(self, port: str, what: str, ours: Scalar | None, live: Scalar | None) -> None:
+        """Note that an input takes another signal than its counterpart does.
+
+        Parameters
+        ----------
+        port : str
+            ``SID#in:1``.
+        what : str
+            What the input is.
+        ours, live : Scalar or None
+            Both signals; None where nothing is connected.
+        """
+        sid, _, place = port.partition("#")
+        self.wrong.add(port)
+        self.findings.comparison.different.append(
+            {
+                "what": "wire",
+                "sid": sid,
+                "name": self.block(sid).name,
+                "parameter": f"{place}, {what}",
+                "simulink": "nothing" if ours is None else str(ours),
+                "drake": "nothing" if live is None else str(live),
+                "unit": "",
+            }
+        )
+
+    def before(self, port: str) -> list[str]:
+        """List the blocks that a signal passes on its way to an input, up to its origins.
+
+        Parameters
+        ----------
+        port : str
+            ``SID#in:1``.
+
+        Returns
+        -------
+        list of str
+            SIDs, in the order of the ports on the way.
+        """
+        sources = {wire.target: wire.source for wire in self.model.wires}
+        found: list[str] = []
+        queue = [port]
+        while queue:
+            sid = sources.get(queue.pop(0), "").partition("#")[0]
+            if sid in found or sid not in self.ours.blocks:
+                continue
+            found.append(sid)
+            if self.block(sid).type in CARRIERS:
+                ports = [target for target in sources if target.startswith(f"{sid}#in:")]
+                queue = sorted(ports, key=lambda one: int(one.rpartition(":")[2])) + queue
+        return found
+
+    def integrated(self) -> dict[int, tuple[str, Scalar | None]]:
+        """Find the integrators of the joints' motions.
+
+        Returns
+        -------
+        dict
+            Joint -> SID of its integrator, and the scalar that is integrated there.
+        """
+        found = {}
+        for sid, joint in self.network.joints.items():
+            atoms = [atom for scalar in self.ours.motion(sid) or () for atom in scalar.terms]
+            for atom in atoms:
+                if atom.kind == "integral":
+                    signal = self.ours.input(atom.of, 1) or ()
+                    wide = signal * (atom.index + 1) if len(signal) == 1 else signal
+                    part = wide[atom.index] if atom.index < len(wide) else None
+                    found[joint] = (atom.of, part)
+        return found
+
+
+def integral_roles(scalar: Scalar, joint: int) -> dict[Atom, Atom]:
+    """Name the integrals in a joint's commanded position after the joint.
+
+    Parameters
+    ----------
+    scalar : Scalar
+        The commanded position.
+    joint : int
+        Its number.
+
+    Returns
+    -------
+    dict
+        Atom -> role.
+    """
+    role = Atom(kind="integral", of=f"of joint {joint}")
+    return {atom: role for atom in scalar.terms if atom.kind == "integral"}
+
+
+def function_role(what: str, index: int = 0) -> Atom:
+    """Name an output of the inverse Jacobian.
+
+    Parameters
+    ----------
+    what : str
+        "qdot" or "det J".
+    index : int
+        The component, from 0.
+
+    Returns
+    -------
+    Atom
+    """
+    return Atom(kind="function", of=INVERSE_JACOBIAN, what=what, index=index)
+
+
+def same_factors(ours: Scalar, live: Scalar) -> bool:
+    """Tell whether all atoms but the sines have the same factors.
+
+    Parameters
+    ----------
+    ours, live : Scalar
+        In roles.
+
+    Returns
+    -------
+    bool
+    """
+    return all(
+        close(factor, live.terms.get(atom, math.nan))
+        for atom, factor in ours.terms.items()
+        if atom.kind != "sine"
+    )
+
+
+def listed(names: Iterable[str]) -> str:
+    """Write names one after the other.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of blocks.
+
+    Returns
+    -------
+    str
+    """
+    return ", ".join(repr(name) for name in names)

@@ -1,0 +1,121 @@
+"""Blocks that only carry signals on, and blocks that show them."""
+
+from __future__ import annotations
+
+import math
+
+from pydrake.systems.primitives import ConstantVectorSource
+
+from drake_leg.compare.correspondence import Correspondence
+from drake_leg.compare.signals import Scalar, close
+from drake_leg.compare.simulink_signals import CARRIERS
+from drake_leg.simulink.model import Block
+
+SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "Outport", "XY Graph", "Record")
+UNCONNECTED = "an output that stays unconnected"
+SCALES = (1.0, 1e2, 1e3, 1e4, 1e6, 1e9, 180.0 / math.pi, 30.0 / math.pi)  # units on a scope
+LIKELY = {  # what the live block's name begins with, where several carry the signal
+    "Mux": "Mux",
+    "Demux": "Demux",
+    "Gain": "Gain",
+    "Sum": "Integrator",
+    "PS-Simulink Converter": "PS-Simulink",
+}
+
+
+def match_carriers(c: Correspondence) -> None:
+    """Name for every mux, gain, sum and converter the live block at which its signal appears.
+
+    Parameters
+    ----------
+    c : Correspondence
+        With all roles.
+    """
+    for block in c.model.blocks:
+        if block.type == "Terminator":
+            c.findings.match(block, UNCONNECTED)
+        elif block.type in CARRIERS or block.kind == "PS-Simulink Converter":
+            _match_carrier(c, block)
+
+
+def match_sinks(c: Correspondence) -> None:
+    """Find the scopes that record what the model's scopes show.
+
+    Parameters
+    ----------
+    c : Correspondence
+        With all roles.
+    """
+    logged = [(scalar.renamed(c.live_names), name) for scalar, name in c.live.logged()]
+    for block in c.model.blocks:
+        if block.kind in SINKS or block.type in SINKS:
+            _match_sink(c, block, logged)
+
+
+def _match_carrier(c: Correspondence, block: Block) -> None:
+    ports = dict.fromkeys(
+        wire.source for wire in c.model.wires if wire.source.startswith(f"{block.sid}#")
+    )
+    if not ports:
+        c.findings.miss(block, "its output goes nowhere")
+        return
+    scalars = [s for port in ports for s in c.role(c.ours.output(port)) if s.shape]
+    names = [_carriers_of(c, scalar) for scalar in scalars]
+    for scalar, found in zip(scalars, names, strict=True):
+        if not found:
+            c.findings.miss(block, f"no block of the diagram gives {scalar}")
+    best = [_preferred(block, found) for found in names if found]
+    if block.sid not in c.findings.seen:
+        c.stands_for(block.sid, best or c.live.of_type(ConstantVectorSource))
+
+
+def _preferred(block: Block, names: list[str]) -> str:
+    word = LIKELY.get(block.kind, " ")
+    return next((name for name in names if name.startswith(word)), names[0])
+
+
+def _carriers_of(c: Correspondence, scalar: Scalar) -> list[str]:
+    """Name the live blocks at whose outputs a signal of the same shape appears."""
+    return list(
+        dict.fromkeys(
+            wire.source
+            for wire in c.live.wires
+            for other in c.live_role(c.live.output(wire.source, wire.output))
+            if other.shape == scalar.shape
+        )
+    )
+
+
+def _match_sink(c: Correspondence, block: Block, logged: list[tuple[Scalar, str]]) -> None:
+    scopes: list[str] = []
+    for wire in c.model.wires:
+        if wire.target.partition("#")[0] != block.sid:
+            continue
+        for scalar in c.role(c.ours.output(wire.source)):
+            found = [(other, name) for other, name in logged if other.shape == scalar.shape]
+            if found:
+                scopes.append(_best_scope([name for _, name in found], block.name, scopes))
+                _check_scale(c, block, scalar, found[0][0])
+            elif scalar.shape:
+                c.findings.miss(block, f"no scope of the diagram records {scalar}")
+    if scopes and block.sid not in c.findings.seen:
+        c.stands_for(block.sid, scopes)
+    c.findings.miss(block, "nothing that the diagram has reaches it")
+
+
+def _best_scope(names: list[str], wanted: str, taken: list[str]) -> str:
+    """Prefer the scope of the same name, then one that is in use for this block already."""
+    for name in names:
+        if name.lower() == wanted.lower():
+            return name
+    return next((name for name in names if name in taken), names[0])
+
+
+def _check_scale(c: Correspondence, block: Block, ours: Scalar, live: Scalar) -> None:
+    """A scope may show another unit; any other factor is a gain that the diagram lacks."""
+    for atom, factor in ours.terms.items():
+        if atom.kind == "sine":
+            continue
+        ratio = factor / live.terms[atom]
+        if not any(close(ratio, unit) or close(ratio, 1.0 / unit) for unit in SCALES):
+            c.findings.differ(block.sid, block.name, f"factor of {atom}", ratio, 1.0)

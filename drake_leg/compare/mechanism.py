@@ -1,0 +1,85 @@
+"""A chain of bodies and joints in a form that both sides are brought to.
+
+Poses inside a body are in the frame M of the joint that carries it (of the world for the first
+body), at the joint's zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from drake_leg.kinematics.batches import Array
+
+Parameter = float | str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """A Rigid Transform on the way from a body's frame M to a place, from B to F or back."""
+
+    sid: str
+    name: str
+    back: bool
+    X_before: Array  # pose in M of the frame where the step begins
+    X_BF: Array  # what the block says
+    method: str  # how it says the translation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shape:
+    """A homogeneous solid."""
+
+    kind: str  # "brick", "cylinder", "sphere", "other"
+    size: tuple[float, ...]  # [m]: three edges; radius and length; radius
+    density: float  # [kg/m^3]
+    mass: float  # [kg]
+    colour: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Something at a pose in a body: a solid, the next joint's base, the sensed foot."""
+
+    role: str  # "solid", "joint", "foot"
+    name: str
+    X_M: Array  # (4, 4)
+    sid: str = ""
+    way: tuple[Step, ...] = ()
+    shape: Shape | None = None
+    number: int = 0  # of the joint, counted from 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint:
+    """A joint of the chain."""
+
+    number: int  # counted from 1, from the world outwards
+    name: str
+    type: str  # "revolute", "prismatic"
+    sid: str = ""
+    parameters: dict[str, Parameter] = field(default_factory=dict)  # SI
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mechanism:
+    """A serial chain under gravity."""
+
+    gravity: tuple[float, ...]  # [m/s^2], in the world
+    joints: tuple[Joint, ...]
+    bodies: tuple[tuple[Place, ...], ...]  # one more than joints: the world's places come first
+
+    def place(self, body: int, role: str) -> Place | None:
+        """Find a body's place by its role.
+
+        Parameters
+        ----------
+        body : int
+            0 is the world, i the body that joint i carries.
+        role : str
+            "joint" or "foot".
+
+        Returns
+        -------
+        Place or None
+        """
+        return next((place for place in self.bodies[body] if place.role == role), None)

@@ -1,0 +1,192 @@
+"""A live MultibodyPlant, read as a chain of bodies and joints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import (
+    Frame,
+    MultibodyForces,
+    PrismaticJoint,
+    RevoluteJoint,
+    RigidBody,
+)
+from pydrake.multibody.tree import Joint as PlantJoint
+from pydrake.systems.framework import Context
+
+from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape
+
+DIGITS = 12  # of a size or a density that follows from moments of inertia
+MOVING = {RevoluteJoint: "revolute", PrismaticJoint: "prismatic"}
+
+
+def read_plant(
+    plant: MultibodyPlant,
+    foot: Frame | None,
+    *,
+    driven: bool,
+    state: Context,
+    colours: Mapping[str, tuple[float, ...]] | None = None,
+) -> Mechanism:
+    """Read a plant's chain, gravity, joint mechanics and solids.
+
+    The joints move about or along the z axes of their frames, as in every plant built from a
+    Khalil table. A body's solid is read as the brick that has its mass and moments of inertia;
+    ``reshaped`` reads it as a cylinder or a sphere.
+
+    Parameters
+    ----------
+    plant : MultibodyPlant
+        A finalised serial chain.
+    foot : Frame, optional
+        The frame that is sensed.
+    driven : bool
+        Whether the joints follow a prescribed motion.
+    state : Context
+        The plant's own, as a run starts.
+    colours : mapping, optional
+        Link -> red, green, blue in 0 ... 1; a plant without a scene has none.
+
+    Returns
+    -------
+    Mechanism
+    """
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, np.zeros(plant.num_positions()))
+    moving = [
+        joint for joint in map(plant.get_joint, plant.GetJointIndices()) if joint.num_velocities()
+    ]
+    frames = [plant.world_frame(), *(joint.frame_on_child() for joint in moving)]
+    bodies = [set(plant.GetBodiesWeldedTo(frame.body())) for frame in frames]
+    places: list[list[Place]] = [[] for _ in frames]
+
+    def add(frame: Frame, role: str, name: str, number: int = 0) -> None:
+        index = next(i for i, members in enumerate(bodies) if frame.body() in members)
+        X = frame.CalcPose(context, frames[index]).GetAsMatrix4()
+        places[index].append(Place(role=role, name=name, X_M=X, number=number))
+
+    for number, joint in enumerate(moving, start=1):
+        add(joint.frame_on_parent(), "joint", joint.name(), number)
+    for index, members in enumerate(bodies[1:], start=1):
+        for body in sorted(members, key=lambda member: int(member.index())):
+            if body.default_mass() > 0.0:
+                places[index].append(_solid(body, frames[index], context, colours or {}))
+    if foot is not None:
+        add(foot, "foot", foot.name())
+    return Mechanism(
+        gravity=tuple(plant.gravity_field().gravity_vector().tolist()),
+        joints=tuple(
+            Joint(
+                number=number,
+                name=joint.name(),
+                type=MOVING[type(joint)],
+                parameters=_parameters(plant, joint, driven=driven, state=state),
+            )
+            for number, joint in enumerate(moving, start=1)
+        ),
+        bodies=tuple(tuple(body) for body in places),
+    )
+
+
+def reshaped(shape: Shape, kind: str) -> Shape:
+    """Read a brick's mass and moments as those of another solid.
+
+    Parameters
+    ----------
+    shape : Shape
+        A brick of a plant's body.
+    kind : str
+        "brick", "cylinder" or "sphere".
+
+    Returns
+    -------
+    Shape
+        With that solid's size and density.
+    """
+    a, b, c = shape.size
+    moments = [shape.mass * (u * u + v * v) / 12.0 for u, v in ((b, c), (a, c), (a, b))]
+    if kind == "sphere":
+        radius = math.sqrt(2.5 * sum(moments) / 3.0 / shape.mass)
+        return _sized(shape, kind, (radius,), 4.0 / 3.0 * math.pi * radius**3)
+    if kind == "cylinder":
+        radius = math.sqrt(2.0 * moments[2] / shape.mass)
+        length = math.sqrt(max(6.0 * (moments[0] + moments[1] - moments[2]) / shape.mass, 0.0))
+        return _sized(shape, kind, (radius, length), math.pi * radius**2 * length)
+    return shape
+
+
+def _sized(shape: Shape, kind: str, size: tuple[float, ...], volume: float) -> Shape:
+    density = shape.mass / volume if volume > 0.0 else math.nan
+    return replace(shape, kind=kind, size=tuple(map(_tidy, size)), density=_tidy(density))
+
+
+def _tidy(value: float) -> float:
+    """Leave out the digits that the way through the moments of inertia has made up."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _solid(
+    body: RigidBody, frame: Frame, context: Context, colours: Mapping[str, tuple[float, ...]]
+) -> Place:
+    """Read a body as the homogeneous brick with its mass and moments of inertia."""
+    M = body.default_spatial_inertia()
+    mass, centre = M.get_mass(), M.get_com()
+    inertia = M.Shift(centre).CalcRotationalInertia().CopyToFullMatrix3()
+    moments, axes = np.linalg.eigh(inertia)
+    if np.allclose(inertia, np.diag(np.diag(inertia)), rtol=0.0, atol=1e-9 * moments.sum()):
+        moments, axes = np.diag(inertia), np.eye(3)
+    half = moments.sum() / 2.0
+    edges = np.sqrt(np.maximum(12.0 * (half - moments) / mass, 0.0))
+    X = body.body_frame().CalcPose(context, frame).GetAsMatrix4()
+    placed = np.eye(4)
+    placed[:3, :3] = axes * np.sign(np.linalg.det(axes))
+    placed[:3, 3] = centre
+    colour = colours.get(body.name(), ())
+    shape = Shape(kind="brick", size=(), density=math.nan, mass=mass, colour=colour)
+    shape = _sized(shape, "brick", tuple(edges.tolist()), float(np.prod(edges)))
+    return Place(role="solid", name=body.name(), X_M=X @ placed, shape=shape)
+
+
+def _parameters(
+    plant: MultibodyPlant, joint: PlantJoint, *, driven: bool, state: Context
+) -> dict[str, Parameter]:
+    """Collect what acts at a joint, under Simscape's names, in SI."""
+    stiffness, equilibrium = _spring(plant, joint)
+    found: dict[str, Parameter] = {
+        "MotionActuationMode": "InputMotion" if driven else "ComputedMotion",
+        "TorqueActuationMode": "ComputedTorque" if driven else "NoTorque",
+        "SpringStiffness": stiffness,
+        "DampingCoefficient": float(joint.default_damping_vector()[0]),
+    }
+    if stiffness:
+        found["EquilibriumPosition"] = equilibrium
+    if not driven:
+        found["PositionTargetValue"] = float(joint.GetOnePosition(state))
+        found["VelocityTargetValue"] = float(joint.GetOneVelocity(state))
+    for side, limit in (
+        ("Lower", joint.position_lower_limit()),
+        ("Upper", joint.position_upper_limit()),
+    ):
+        if math.isfinite(limit):
+            found[f"{side}LimitBound"] = float(limit)
+    return found
+
+
+def _spring(plant: MultibodyPlant, joint: PlantJoint) -> tuple[float, float]:
+    """Stiffness and rest position of the spring at a joint, from the torques of the live plant.
+
+    A spring's torque stands among the generalised forces, gravity among the bodies' forces.
+    """
+    context = plant.CreateDefaultContext()
+    torques = []
+    for position in (0.0, 1.0):
+        plant.SetPositions(context, np.full(plant.num_positions(), position))
+        forces = MultibodyForces(plant)
+        plant.CalcForceElementsContribution(context, forces)
+        torques.append(float(forces.generalized_forces()[joint.velocity_start()]))
+    stiffness = torques[0] - torques[1]
+    return (stiffness, torques[0] / stiffness) if stiffness else (0.0, 0.0)

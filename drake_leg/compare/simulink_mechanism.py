@@ -1,0 +1,326 @@
+"""The physical network of a Simulink model, read as a chain of bodies and joints."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape, Step
+from drake_leg.compare.poses import about, inverse, rigid_transform
+from drake_leg.kinematics.batches import Array
+from drake_leg.simulink.model import Block, Model, Value
+
+MOVING = {"Revolute Joint": "revolute", "Prismatic Joint": "prismatic"}
+SENSORS = ("6-DOF Joint", "Bushing Joint", "Transform Sensor")
+RIGID = ("Rigid Transform", "Weld Joint")
+SHAPES = {"Brick Solid": "brick", "Cylindrical Solid": "cylinder", "Spherical Solid": "sphere"}
+SOLIDS = (
+    *SHAPES,
+    "Solid",
+    "Ellipsoidal Solid",
+    "File Solid",
+    "Extruded Solid",
+    "Revolved Solid",
+    "Inertia",
+)
+BASE, FOLLOWER = "lconn:1", "rconn:1"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Network:
+    """A mechanism, and which block of the model became what of it."""
+
+    mechanism: Mechanism
+    joints: dict[str, int]  # SID -> number in the chain
+    sensor: str | None  # SID of the 6-DOF joint that senses the foot
+    loose: tuple[str, ...]  # SIDs of mechanical blocks that hang on nothing
+    unknown: dict[str, str]  # SID -> why this mechanical block has no place in a serial chain
+    frames: dict[int, tuple[int, Array]]  # node -> body, and pose in that body's frame M
+
+
+@dataclass
+class _Walk:
+    """What is found on the way from the world outwards."""
+
+    blocks: dict[str, Block]
+    node_of: dict[str, int]  # physical port -> node
+    found: dict[int, tuple[int, Array, tuple[Step, ...]]] = field(default_factory=dict)
+    used: set[str] = field(default_factory=set)
+
+    def end(self, block: Block, port: str) -> int:
+        """Node at a block's port; a port that hangs in the air is a node of its own."""
+        name = f"{block.sid}#{port}"
+        return self.node_of.setdefault(name, len(self.node_of) + 1_000_000)
+
+
+def read_network(model: Model) -> Network:
+    """Read the chain that a model's physical connections make.
+
+    Parameters
+    ----------
+    model : Model
+        Flattened: without subsystems.
+
+    Returns
+    -------
+    Network
+
+    Raises
+    ------
+    InvalidValueError
+        If a Rigid Transform cannot be read.
+    """
+    blocks = {block.sid: block for block in model.blocks}
+    node_of = {port: index for index, node in enumerate(model.nodes) for port in node}
+    walk = _Walk(blocks, node_of)
+    sensors = [block for block in model.blocks if block.kind in SENSORS]
+    joints: list[Joint] = []
+    bases: dict[int, tuple[int, Array, tuple[Step, ...], Joint]] = {}
+
+    roots = [walk.end(block, FOLLOWER) for block in model.blocks if block.kind == "World Frame"]
+    _spread(walk, [(root, np.eye(4)) for root in roots], body=0)
+    while True:
+        found = _next_joint(walk)
+        if found is None:
+            break
+        block, near, far, turned = found
+        number = len(joints) + 1
+        body, X, way = walk.found[near]
+        joint = Joint(
+            number=number,
+            name=block.name,
+            sid=block.sid,
+            type=MOVING[block.kind],
+            parameters=_joint_parameters(block),
+        )
+        joints.append(joint)
+        flip = about("x", math.pi) if turned else np.eye(4)
+        bases[number] = (body, X @ flip, way, joint)
+        walk.used.add(block.sid)
+        _spread(walk, [(far, inverse(flip))], body=number)
+
+    places: list[list[Place]] = [[] for _ in range(len(joints) + 1)]
+    for number, (body, X, way, joint) in bases.items():
+        places[body].append(
+            Place(role="joint", name=joint.name, sid=joint.sid, X_M=X, way=way, number=number)
+        )
+    _add_solids(walk, places)
+    sensor = _add_sensor(walk, sensors, places)
+    mechanism = Mechanism(
+        gravity=_gravity(model),
+        joints=tuple(joints),
+        bodies=tuple(tuple(body) for body in places),
+    )
+    return Network(
+        mechanism=mechanism,
+        joints={joint.sid: joint.number for joint in joints},
+        sensor=sensor,
+        loose=tuple(
+            block.sid
+            for block in model.blocks
+            if block.kind in (*MOVING, *RIGID, *SOLIDS) and block.sid not in walk.used
+        ),
+        unknown={
+            joint.sid: "it branches off: only serial chains are compared"
+            for number, (body, _, _, joint) in bases.items()
+            if body != number - 1
+        },
+        frames={node: (body, X) for node, (body, X, _) in walk.found.items()},
+    )
+
+
+def _spread(walk: _Walk, starts: list[tuple[int, Array]], body: int) -> None:
+    """Follow the rigid connections of one body from its first frames."""
+    queue = deque(starts)
+    for node, X in starts:
+        walk.found.setdefault(node, (body, X, ()))
+    rigid = [block for block in walk.blocks.values() if block.kind in RIGID]
+    while queue:
+        node, _ = queue.popleft()
+        _, X, way = walk.found[node]
+        for block in rigid:
+            base, follower = walk.end(block, BASE), walk.end(block, FOLLOWER)
+            if node not in (base, follower) or block.sid in walk.used:
+                continue
+            walk.used.add(block.sid)
+            back = node == follower
+            X_BF = rigid_transform(block) if block.kind == "Rigid Transform" else np.eye(4)
+            X_next = X @ (inverse(X_BF) if back else X_BF)
+            other = base if back else follower
+            step = Step(
+                sid=block.sid,
+                name=block.name,
+                back=back,
+                X_before=X,
+                X_BF=X_BF,
+                method=str(block.parameters.get("TranslationMethod", "")),
+            )
+            if other not in walk.found:
+                walk.found[other] = (body, X_next, (*way, step))
+                queue.append((other, X_next))
+
+
+def _next_joint(walk: _Walk) -> tuple[Block, int, int, bool] | None:
+    """Find a joint with one end on what is known and the other beyond."""
+    for body in range(len(walk.used) + 1):
+        for block in walk.blocks.values():
+            if block.kind not in MOVING or block.sid in walk.used:
+                continue
+            base, follower = walk.end(block, BASE), walk.end(block, FOLLOWER)
+            for near, far, turned in ((base, follower, False), (follower, base, True)):
+                if near in walk.found and walk.found[near][0] == body and far not in walk.found:
+                    return block, near, far, turned
+    return None
+
+
+def _add_solids(walk: _Walk, places: list[list[Place]]) -> None:
+    for block in walk.blocks.values():
+        if block.kind not in SOLIDS:
+            continue
+        node = next((n for p, n in walk.node_of.items() if p.startswith(f"{block.sid}#")), None)
+        if node not in walk.found:
+            continue
+        body, X, way = walk.found[node]
+        walk.used.add(block.sid)
+        places[body].append(
+            Place(role="solid", name=block.name, sid=block.sid, X_M=X, way=way, shape=_shape(block))
+        )
+
+
+def _add_sensor(walk: _Walk, sensors: list[Block], places: list[list[Place]]) -> str | None:
+    """Find the sensor between the world and the outermost body that one reaches."""
+    best: tuple[int, Block, Array, tuple[Step, ...]] | None = None
+    for block in sensors:
+        base, follower = walk.end(block, BASE), walk.end(block, FOLLOWER)
+        if base not in walk.found or follower not in walk.found or walk.found[base][0] != 0:
+            continue
+        body, X, way = walk.found[follower]
+        if best is None or body > best[0]:
+            best = (body, block, inverse(walk.found[base][1]) @ X if body == 0 else X, way)
+    if best is None:
+        return None
+    body, block, X, way = best
+    walk.used.add(block.sid)
+    places[body].append(Place(role="foot", name=block.name, sid=block.sid, X_M=X, way=way))
+    return block.sid
+
+
+def _gravity(model: Model) -> tuple[float, ...]:
+    for block in model.blocks:
+        if block.kind == "Mechanism Configuration":
+            if block.parameters.get("UniformGravity", "Constant") == "None":
+                return (0.0, 0.0, 0.0)
+            return vector(block.parameters.get("GravityVector"))
+    return (0.0, 0.0, 0.0)
+
+
+def vector(value: Value | None) -> tuple[float, ...]:
+    """Read numbers as a vector.
+
+    Parameters
+    ----------
+    value : Value or None
+        A parameter.
+
+    Returns
+    -------
+    tuple of float
+        Empty where it is no vector of numbers.
+    """
+    if isinstance(value, int | float):
+        return (float(value),)
+    if isinstance(value, tuple):
+        return tuple(float(one) for one in np.array(value, dtype=float).ravel())
+    return ()
+
+
+def number(value: Value | None, default: float = 0.0) -> float:
+    """Read a parameter as one number.
+
+    Parameters
+    ----------
+    value : Value or None
+        A parameter.
+    default : float
+        Where it is none.
+
+    Returns
+    -------
+    float
+    """
+    numbers = vector(value)
+    return numbers[0] if len(numbers) == 1 else default
+
+
+def on(block: Block, name: str) -> bool:
+    """Tell whether a switch of a block is on.
+
+    Parameters
+    ----------
+    block : Block
+        The block.
+    name : str
+        Of the parameter.
+
+    Returns
+    -------
+    bool
+    """
+    return block.parameters.get(name) == "on"
+
+
+def _joint_parameters(block: Block) -> dict[str, Parameter]:
+    """Collect what acts at a joint, under the file's names, in SI."""
+    get = block.parameters.get
+    found: dict[str, Parameter] = {
+        "MotionActuationMode": str(get("MotionActuationMode", "ComputedMotion")),
+        "TorqueActuationMode": str(
+            get("TorqueActuationMode", get("ForceActuationMode", "NoTorque"))
+        ),
+        "SpringStiffness": number(get("SpringStiffness")),
+        "DampingCoefficient": number(get("DampingCoefficient")),
+    }
+    if found["SpringStiffness"]:
+        found["EquilibriumPosition"] = number(get("EquilibriumPosition"))
+    for side in ("Lower", "Upper"):
+        if on(block, f"{side}LimitSpecify"):
+            for what in ("Bound", "Stiffness", "Damping", "TransitionRegionWidth"):
+                if f"{side}Limit{what}" in block.parameters:
+                    found[f"{side}Limit{what}"] = number(get(f"{side}Limit{what}"))
+    for what in ("Position", "Velocity"):
+        if on(block, f"{what}TargetSpecify"):
+            found[f"{what}TargetValue"] = number(get(f"{what}TargetValue"))
+    return found
+
+
+def _shape(block: Block) -> Shape:
+    get = block.parameters.get
+    drawn = f"{get('GeometryShape')} Solid" if block.kind == "Solid" else block.kind
+    kind = SHAPES.get(
+        drawn.replace("Cylinder", "Cylindrical").replace("Sphere", "Spherical"), "other"
+    )
+    size: tuple[float, ...] = ()
+    volume = 0.0
+    if kind == "brick":
+        size = vector(get("BrickDimensions"))
+        volume = math.prod(size)
+    elif kind == "cylinder":
+        radius, length = number(get("CylinderRadius")), number(get("CylinderLength"))
+        size = (radius, length)
+        volume = math.pi * radius**2 * length
+    elif kind == "sphere":
+        radius = number(get("SphereRadius"))
+        size = (radius,)
+        volume = 4.0 / 3.0 * math.pi * radius**3
+    density = number(get("Density"))
+    mass = density * volume
+    if block.kind == "Inertia" or get("InertiaType") not in (None, "CalculateFromGeometry"):
+        mass, density = number(get("Mass")), math.nan
+    elif get("BasedOnType") == "Mass":
+        mass = number(get("Mass"))
+        density = mass / volume if volume else math.nan
+    colour = vector(get("GraphicDiffuseColor"))
+    return Shape(kind=kind, size=size, density=density, mass=mass, colour=colour[:3])

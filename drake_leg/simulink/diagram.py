@@ -1,0 +1,250 @@
+"""From the systems of a file to what is drawn in them: blocks and lines, still as text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.markup import parameters
+
+_PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")
+_OLD_PORTS = {"in": 0, "out": 1, "lconn": 5, "rconn": 6}  # places in <P Name="Ports">
+_DEEPEST = 100  # subsystems in subsystems
+_PHYSICAL = ("lconn", "rconn")
+_OF_THE_DRAWING = """
+Position ZOrder BlockRotation BlockMirror ShowName HideAutomaticName NameLocation NamePlacement
+FontName FontSize FontWeight FontAngle ForegroundColor BackgroundColor DropShadow IconDisplay
+Ports LibraryVersion SourceType SourceProductName SourceProductBaseCode LibrarySourceBlock
+SourceBlock ContentPreviewEnabled GraphicalSettings WindowPosition ScopeSpecificationString
+ScopeGraphics Location WasSavedAsWebScope OpenFcn AttributesFormatString Description
+"""
+_DRAWING = frozenset(_OF_THE_DRAWING.split())
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnBlock:
+    """A block as it stands in the file."""
+
+    sid: str
+    name: str
+    path: str  # names of the subsystems that hold it and its own, a slash between; // is a slash
+    type: str
+    source: str
+    system: str
+    texts: dict[str, str]  # parameters that stand in the file
+    ports: dict[str, int]  # counts of in, out, lconn, rconn; missing ones are not told
+
+    def __str__(self) -> str:
+        return f"block {self.name!r} (SID {self.sid})"
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnLine:
+    """A line with all its branches."""
+
+    name: str
+    physical: bool
+    source: str  # port; "" where the line hangs, and of physical lines
+    ends: tuple[str, ...]  # ports; of a physical line all of them
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagram:
+    """All systems of a model."""
+
+    blocks: tuple[DrawnBlock, ...]
+    lines: tuple[DrawnLine, ...]
+    commented: frozenset[str]  # SIDs of blocks that are commented out, and of all inside them
+    tags: dict[str, str]  # SID of a MATLAB Function block to the tag of the S-Function inside
+
+
+def one_line(text: str) -> str:
+    """Return a name with its line breaks as blanks."""
+    return " ".join(text.splitlines())
+
+
+def read_diagram(root: Element, fetch: Callable[[str], Element]) -> Diagram:
+    """Read all systems.
+
+    Parameters
+    ----------
+    root : Element
+        ``<System>`` of the top.
+    fetch : callable
+        From the name of a system, as ``<System Ref="...">`` has it, to its ``<System>``.
+
+    Returns
+    -------
+    Diagram
+
+    Raises
+    ------
+    InvalidValueError
+        If a block has no SID, two blocks have the same, or a port makes no sense.
+    """
+    return _Walk(fetch).all(root)
+
+
+class _Walk:
+    def __init__(self, fetch: Callable[[str], Element]) -> None:
+        self._fetch = fetch
+        self._blocks: dict[str, DrawnBlock] = {}
+        self._lines: list[DrawnLine] = []
+        self._commented: set[str] = set()
+        self._tags: dict[str, str] = {}
+        self._seen: set[str] = set()
+
+    def all(self, root: Element) -> Diagram:
+        self._system(root, "", "", depth=0, commented=False)
+        return Diagram(
+            blocks=tuple(self._blocks.values()),
+            lines=tuple(self._lines),
+            commented=frozenset(self._commented),
+            tags=self._tags,
+        )
+
+    def _system(self, system: Element, sid: str, path: str, *, depth: int, commented: bool) -> None:
+        if depth > _DEEPEST:
+            raise InvalidValueError(
+                f"its subsystems lie more than {_DEEPEST} deep, which no model does: save the "
+                "model again in Simulink"
+            )
+        for child in system:
+            if child.tag == "Block":
+                self._block(child, sid, path, depth=depth, commented=commented)
+            elif child.tag == "Line":
+                self._lines.append(_line(child))
+
+    def _block(
+        self, element: Element, system: str, path: str, *, depth: int, commented: bool
+    ) -> None:
+        block = _drawn_block(element, system, path)
+        if block.sid in self._blocks or block.sid in self._commented:
+            raise InvalidValueError(
+                f"two blocks have the SID {block.sid}, the second is {block.name!r}: save the "
+                "model again in Simulink"
+            )
+        commented = commented or block.texts.get("Commented", "off") != "off"
+        if commented:
+            self._commented.add(block.sid)
+        else:
+            self._blocks[block.sid] = block
+        for inner in element:
+            if inner.tag == "System":
+                inside = self._resolve(inner, block)
+                if block.texts.get("SFBlockType", "NONE") == "NONE":
+                    path = f"{block.path}/"
+                    self._system(inside, block.sid, path, depth=depth + 1, commented=commented)
+                else:
+                    self._tags[block.sid] = _chart_tag(inside)
+
+    def _resolve(self, system: Element, block: DrawnBlock) -> Element:
+        name = system.get("Ref")
+        if name is None:
+            return system
+        if name in self._seen:
+            raise InvalidValueError(
+                f"{block} shows the system {name}, which another block shows already: save the "
+                "model again in Simulink"
+            )
+        self._seen.add(name)
+        return self._fetch(name)
+
+
+def _drawn_block(element: Element, system: str, path: str) -> DrawnBlock:
+    name = one_line(element.get("Name", ""))
+    kind, sid = element.get("BlockType", ""), element.get("SID", "")
+    if not sid or not kind:
+        raise InvalidValueError(
+            f"block {name!r} has no {'BlockType' if sid else 'SID'}: save the model again in "
+            "Simulink"
+        )
+    texts = parameters(element)
+    ports = _ports(element, texts)
+    source = " ".join(texts.get("SourceBlock", "").split()) if kind == "Reference" else ""
+    for child in element:
+        if child.tag == "InstanceData":
+            texts |= parameters(child)
+    return DrawnBlock(
+        sid=sid,
+        name=name,
+        path=path + name.replace("/", "//"),
+        type=kind,
+        source=source,
+        system=system,
+        texts={key: text for key, text in texts.items() if key not in _DRAWING},
+        ports=ports,
+    )
+
+
+def _ports(element: Element, texts: dict[str, str]) -> dict[str, int]:
+    counted = element.find("PortCounts")
+    if counted is not None:
+        return {kind: int(text) for kind, text in counted.items() if re.fullmatch(r"\d{1,6}", text)}
+    places = re.findall(r"\d{1,6}", texts.get("Ports", ""))
+    return {kind: int(places[at]) for kind, at in _OLD_PORTS.items() if at < len(places)}
+
+
+def _chart_tag(system: Element) -> str:
+    """Return what the machinery inside a MATLAB Function block is tagged with."""
+    for block in system:
+        if block.get("BlockType") == "S-Function":
+            return parameters(block).get("Tag", "")
+    return ""
+
+
+def _line(element: Element) -> DrawnLine:
+    texts = parameters(element)
+    ends = [_port(text) for text in _ends(element, texts)]
+    physical = any(split_port(end)[1] in _PHYSICAL for end in ends)
+    source = "" if physical or "Src" not in texts else _port(texts["Src"])
+    if source:
+        ends.remove(source)
+    return DrawnLine(
+        name=one_line(texts.get("Name", "")), physical=physical, source=source, ends=tuple(ends)
+    )
+
+
+def _ends(element: Element, texts: dict[str, str]) -> Iterator[str]:
+    """Walk through a line and its branches, at whatever end they hold a port."""
+    for key in ("Src", "Dst"):
+        if texts.get(key):
+            yield texts[key]
+    for branch in element:
+        if branch.tag == "Branch":
+            yield from _ends(branch, parameters(branch))
+
+
+def _port(text: str) -> str:
+    found = _PORT.fullmatch(text.strip())
+    if not found:
+        raise InvalidValueError(
+            f"a line ends at {text[:60]!r}, which is no port (5#in:1): save the model again in "
+            "Simulink"
+        )
+    return f"{found['sid']}#{found['kind']}:{int(found['number'] or 1)}"
+
+
+def split_port(port: str) -> tuple[str, str, int]:
+    """Take a port apart.
+
+    Parameters
+    ----------
+    port : str
+        ``SID#kind:number``.
+
+    Returns
+    -------
+    sid : str
+        Of its block.
+    kind : str
+        ``in``, ``out``, ``lconn``, ``rconn``, ``enable``, ...
+    number : int
+        From 1.
+    """
+    sid, _, rest = port.partition("#")
+    kind, _, number = rest.partition(":")
+    return sid, kind, int(number)

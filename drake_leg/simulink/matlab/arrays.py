@@ -1,0 +1,223 @@
+"""MATLAB's values: a scalar is a float or a bool, all else is an array with two axes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_leg.simulink.matlab.limits import MatlabError, require_room
+
+Array = NDArray[Any]  # 2-D, of floats or bools, never of one element
+Value = float | bool | str | Array  # a text is of use as an argument only
+
+
+def settle(array: Array) -> Value:
+    """Make a 2-D array a value: one element is a scalar.
+
+    Parameters
+    ----------
+    array : (m, n) ndarray
+        Of floats or bools.
+
+    Returns
+    -------
+    Value
+    """
+    if array.size != 1:
+        return array
+    scalar: float | bool = array.item()
+    return scalar
+
+
+def number(value: Value) -> float | Array:
+    """Take a value for numbers: true is 1, false is 0.
+
+    Parameters
+    ----------
+    value : Value
+        Any.
+
+    Returns
+    -------
+    float or (m, n) ndarray of float
+
+    Raises
+    ------
+    MatlabError
+        If it is a text.
+    """
+    if isinstance(value, str):
+        raise MatlabError(f"the text '{value}' stands where a number should be")
+    if isinstance(value, np.ndarray):
+        return value if value.dtype == np.float64 else value.astype(np.float64)
+    return float(value)
+
+
+def grid(value: Value) -> Array:
+    """Take a value for an array, scalars included.
+
+    Parameters
+    ----------
+    value : Value
+        No text.
+
+    Returns
+    -------
+    (m, n) ndarray
+        Of floats, or of bools where the value is logical.
+
+    Raises
+    ------
+    MatlabError
+        If it is a text.
+    """
+    if isinstance(value, str):
+        raise MatlabError(f"the text '{value}' stands where a number should be")
+    return value if isinstance(value, np.ndarray) else np.array([[value]])
+
+
+def numbers(value: Value) -> Array:
+    """Take a value for an array of numbers.
+
+    Parameters
+    ----------
+    value : Value
+        No text.
+
+    Returns
+    -------
+    (m, n) ndarray of float
+
+    Raises
+    ------
+    MatlabError
+        If it is a text.
+    """
+    array = grid(value)
+    return array if array.dtype == np.float64 else array.astype(np.float64)
+
+
+def shape(value: Value) -> tuple[int, int]:
+    """Rows and columns of a value.
+
+    Parameters
+    ----------
+    value : Value
+        Any.
+
+    Returns
+    -------
+    int, int
+    """
+    if isinstance(value, str):
+        return 1, len(value)
+    return (value.shape[0], value.shape[1]) if isinstance(value, np.ndarray) else (1, 1)
+
+
+def measure(value: Value) -> str:
+    """Say the size of a value.
+
+    Parameters
+    ----------
+    value : Value
+        Any.
+
+    Returns
+    -------
+    str
+        ``"3×1"``.
+    """
+    rows, columns = shape(value)
+    return f"{rows}×{columns}"
+
+
+def truth(value: Value) -> bool:
+    """Tell whether a value counts as true: not empty, and no element zero.
+
+    Parameters
+    ----------
+    value : Value
+        Any but a text.
+
+    Returns
+    -------
+    bool
+
+    Raises
+    ------
+    MatlabError
+        If it is a text, or has a NaN.
+    """
+    if isinstance(value, (bool, float)) and value == value:
+        return value != 0
+    array = grid(value)
+    if np.isnan(array).any():
+        raise MatlabError("NaN is neither true nor false")
+    return bool(array.size and array.all())
+
+
+def whole(value: Value, what: str) -> int:
+    """Take a value for a whole number.
+
+    Parameters
+    ----------
+    value : Value
+        Any.
+    what : str
+        What it is, for the message.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    MatlabError
+        If it is none.
+    """
+    scalar = number(value)
+    if not isinstance(scalar, float):
+        raise MatlabError(f"{what} is an array of {measure(value)}; it must be a number")
+    if not scalar.is_integer():
+        raise MatlabError(f"{what} is {scalar:g}; it must be a whole number")
+    return int(scalar)
+
+
+def stack(rows: list[list[Value]]) -> Value:
+    """Put the elements of a matrix literal together.
+
+    Parameters
+    ----------
+    rows : list of list of Value
+        Blocks; those of one row are equally high, the rows are equally wide; 0×0 is left out.
+
+    Returns
+    -------
+    Value
+
+    Raises
+    ------
+    MatlabError
+        If their sizes do not fit, or they are too many.
+    """
+    bands: list[Array] = []
+    for row in rows:
+        blocks = [block for block in map(grid, row) if block.shape != (0, 0)]
+        if len({block.shape[0] for block in blocks}) > 1:
+            raise MatlabError(f"blocks of {_sizes(blocks)} do not fit into one row")
+        if blocks:
+            require_room(blocks[0].shape[0], sum(block.shape[1] for block in blocks))
+            bands.append(np.hstack(blocks))
+    if not bands:
+        return np.empty((0, 0))
+    if len({band.shape[1] for band in bands}) > 1:
+        raise MatlabError(f"rows of {_sizes(bands)} do not fit under one another")
+    require_room(sum(band.shape[0] for band in bands), bands[0].shape[1])
+    return settle(np.vstack(bands))
+
+
+def _sizes(blocks: list[Array]) -> str:
+    sizes = [measure(block) for block in blocks[:6]]
+    return ", ".join(sizes) + (", ..." if len(blocks) > 6 else "")

@@ -1,0 +1,119 @@
+"""From a .slx file to a model."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.archive import Parts
+from drake_leg.simulink.diagram import read_diagram
+from drake_leg.simulink.functions import functions_of
+from drake_leg.simulink.markup import parse_markup
+from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.parameters import values_of
+from drake_leg.simulink.solver import solver_of
+from drake_leg.simulink.wiring import nodes_of, wires_of
+
+_ROOT = "simulink/systems/system_root.xml"
+_WHOLE = "simulink/blockdiagram.xml"  # in older files the diagram, too
+_CONFIGURATION = "simulink/configSet0.xml"
+_STATEFLOW = re.compile(r"simulink/stateflow(\.xml|/(machine|chart_\w+)\.xml)")
+_SYSTEM = re.compile(r"\w{1,80}")
+
+
+def read_model(path: Path) -> Model:
+    """Read a Simulink file, R2016 or later; nothing in it is executed or unpacked to the disk.
+
+    Parameters
+    ----------
+    path : Path
+        A ``.slx``.
+
+    Returns
+    -------
+    Model
+        All blocks that are not commented out, those of subsystems included; the parts that a
+        MATLAB Function block is made of are no blocks.
+
+    Raises
+    ------
+    InvalidValueError
+        With the file, the block and the parameter, if it is no such file, is damaged, or has a
+        block that is not known or a number that cannot be evaluated.
+    """
+    path = Path(path)
+    try:
+        with Parts(path) as parts:
+            return _File(parts).model(path.stem)
+    except InvalidValueError as error:
+        raise InvalidValueError(f"{path}: {error}") from None
+
+
+class _File:
+    """The parts of a file as trees, each parsed once."""
+
+    def __init__(self, parts: Parts) -> None:
+        self._parts = parts
+        self._trees: dict[str, Element | None] = {}
+
+    def model(self, name: str) -> Model:
+        diagram = read_diagram(self._top(), self._system)
+        return Model(
+            name=name,
+            blocks=tuple(
+                Block(
+                    sid=block.sid,
+                    name=block.name,
+                    type=block.type,
+                    source=block.source,
+                    system=block.system,
+                    parameters=values_of(block),
+                )
+                for block in diagram.blocks
+            ),
+            wires=wires_of(diagram),
+            nodes=nodes_of(diagram),
+            functions=functions_of(diagram, self._stateflow()),
+            solver=solver_of(self._configuration()),
+        )
+
+    def _tree(self, part: str) -> Element | None:
+        if part not in self._trees:
+            content = self._parts.read(part)
+            self._trees[part] = None if content is None else parse_markup(content, part)
+        return self._trees[part]
+
+    def _top(self) -> Element:
+        root = self._tree(_ROOT)
+        if root is not None:
+            return root
+        whole = self._tree(_WHOLE)
+        if whole is None:
+            raise InvalidValueError(
+                f"it has no part {_ROOT} and no {_WHOLE}: it is no model, or a protected one; give "
+                "a .slx that Simulink saved"
+            )
+        for holder in ("Model", "Library", "Subsystem"):
+            system = whole.find(f"{holder}/System")
+            if system is not None:
+                return system if system.get("Ref") is None else self._system(system.get("Ref", ""))
+        raise InvalidValueError(f"its part {_WHOLE} has no diagram: save the model again")
+
+    def _system(self, name: str) -> Element:
+        system = self._tree(f"simulink/systems/{name}.xml") if _SYSTEM.fullmatch(name) else None
+        if system is None:
+            raise InvalidValueError(
+                f"it has no part for the system {name[:60]!r}: save the model again in Simulink"
+            )
+        return system
+
+    def _stateflow(self) -> list[Element]:
+        names = [name for name in self._parts.names() if _STATEFLOW.fullmatch(name)]
+        trees = [self._tree(name) for name in (*names, _WHOLE)]
+        return [tree for tree in trees if tree is not None]
+
+    def _configuration(self) -> Element | None:
+        own = self._tree(_CONFIGURATION)
+        return self._tree(_WHOLE) if own is None else own

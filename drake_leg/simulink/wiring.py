@@ -1,0 +1,129 @@
+"""From drawn lines to signal wires and physical nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine, split_port
+from drake_leg.simulink.model import Wire
+
+
+def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
+    """Make one wire of every way from an output to an input.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        Of the file.
+
+    Returns
+    -------
+    tuple of Wire
+        Without lines that hang, and without those at blocks that are commented out.
+
+    Raises
+    ------
+    InvalidValueError
+        If a line ends at a block that is not there, or two lines end at one input.
+    """
+    blocks = {block.sid: block for block in diagram.blocks}
+    wires: dict[str, Wire] = {}
+    for line in diagram.lines:
+        if line.physical or not line.source:
+            continue
+        _require_blocks(line, blocks, diagram.commented)
+        _require_directions(line)
+        for end in line.ends:
+            if not _has_blocks((line.source, end), blocks):
+                continue
+            if end in wires:
+                raise InvalidValueError(
+                    f"two lines end at input {end} of {blocks[split_port(end)[0]]}: save the "
+                    "model again in Simulink"
+                )
+            wires[end] = Wire(source=line.source, target=end, name=line.name)
+    return tuple(wires.values())
+
+
+def nodes_of(diagram: Diagram) -> tuple[tuple[str, ...], ...]:
+    """Join the physical ports that are connected, however many lines it takes.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        Of the file.
+
+    Returns
+    -------
+    tuple of tuple of str
+        Ports ``SID#lconn:1``, at least two a node.
+
+    Raises
+    ------
+    InvalidValueError
+        If a line ends at a block that is not there.
+    """
+    blocks = {block.sid: block for block in diagram.blocks}
+    groups: list[list[str]] = []
+    for line in diagram.lines:
+        if line.physical:
+            _require_blocks(line, blocks, diagram.commented)
+            groups.append([end for end in line.ends if _has_blocks((end,), blocks)])
+    return join(groups)
+
+
+def join(groups: Iterable[Sequence[str]]) -> tuple[tuple[str, ...], ...]:
+    """Unite groups that share a member.
+
+    Parameters
+    ----------
+    groups : iterable of sequence of str
+        Members of one group belong together.
+
+    Returns
+    -------
+    tuple of tuple of str
+        Disjoint groups of at least two, in the order of their first members.
+    """
+    parent: dict[str, str] = {}
+
+    def root(member: str) -> str:
+        while (above := parent.setdefault(member, member)) != member:
+            parent[member] = parent[above]
+            member = above
+        return member
+
+    for group in groups:
+        for other in group[1:]:
+            parent[root(other)] = root(group[0])
+    united: dict[str, list[str]] = {}
+    for member in list(parent):
+        united.setdefault(root(member), []).append(member)
+    return tuple(tuple(members) for members in united.values() if len(members) > 1)
+
+
+def _require_directions(line: DrawnLine) -> None:
+    for port, wrong in ((line.source, "in"), *((end, "out") for end in line.ends)):
+        if split_port(port)[1] == wrong:
+            side = "begins" if wrong == "in" else "ends"
+            raise InvalidValueError(
+                f"a line {side} at {port}, which is no {'output' if wrong == 'in' else 'input'}: "
+                "save the model again in Simulink"
+            )
+
+
+def _has_blocks(ports: Iterable[str], blocks: Mapping[str, DrawnBlock]) -> bool:
+    return all(split_port(port)[0] in blocks for port in ports)
+
+
+def _require_blocks(
+    line: DrawnLine, blocks: Mapping[str, DrawnBlock], commented: frozenset[str]
+) -> None:
+    for port in (line.source, *line.ends):
+        sid = split_port(port)[0] if port else ""
+        if port and sid not in blocks and sid not in commented:
+            raise InvalidValueError(
+                f"a line ends at {port}, but there is no block with SID {sid}: save the model "
+                "again in Simulink"
+            )

@@ -1,0 +1,156 @@
+import math
+
+import pytest
+from slx_models import published_leg
+from slx_writer import ModelBuilder
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.catalogue.libraries import LIBRARIES
+from drake_leg.simulink.catalogue.signals import BUILT_IN, WITHOUT_PARAMETERS
+from drake_leg.simulink.parameters import default_values
+from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.units import parse_unit
+
+
+@pytest.fixture
+def parameters(tmp_path):
+    def _parameters(kind, texts=None, **more):
+        builder = ModelBuilder()
+        if "/" in kind:
+            builder.add_library(kind, "B", texts, **more)
+        else:
+            builder.add_block(kind, "B", texts, **more)
+        return read_model(builder.write(tmp_path / "m.slx")).blocks[0].parameters
+
+    return _parameters
+
+
+REVOLUTE = "sm_lib/Joints/Revolute Joint"
+BRICK = "sm_lib/Body Elements/Brick Solid"
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "value"),
+    [
+        ("Sin", "Amplitude", 1.0),
+        ("Sin", "Frequency", 1.0),
+        ("Integrator", "InitialCondition", 0.0),
+        ("Sum", "Inputs", "++"),
+        ("Gain", "Gain", 1.0),
+        ("Constant", "Value", 1.0),
+        ("Mux", "Inputs", 4.0),
+        ("TransferFcn", "Denominator", (1.0, 1.0)),
+        (REVOLUTE, "TorqueActuationMode", "NoTorque"),
+        (REVOLUTE, "MotionActuationMode", "ComputedMotion"),
+        (REVOLUTE, "SensePosition", "off"),
+        (REVOLUTE, "LowerLimitBound", -math.pi / 2),
+        (BRICK, "Density", 1000.0),
+        (BRICK, "BrickDimensions", (1.0, 1.0, 1.0)),
+        ("sm_lib/Utilities/Mechanism Configuration", "GravityVector", (0.0, 0.0, -9.80665)),
+        ("nesl_utility/Simulink-PS Converter", "InputFilterTimeConstant", 0.001),
+        ("sm_lib/Joints/6-DOF Joint", "PzSenseVelocity", "off"),
+        ("sm_lib/Joints/6-DOF Joint", "SphSensePosition", "off"),
+        ("simulink/Sources/Ramp", "slope", 1.0),
+    ],
+)
+def test_absent_parameters_have_their_defaults(parameters, kind, name, value):
+    assert parameters(kind)[name] == value
+
+
+def test_every_default_can_be_evaluated():
+    for block_type in (*BUILT_IN, *WITHOUT_PARAMETERS):
+        default_values(block_type, "")
+    for root, blocks in LIBRARIES.items():
+        for name in blocks:
+            default_values("Reference", f"{root}/any folder/{name}")
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "text", "unit", "value", "si"),
+    [
+        (BRICK, "BrickDimensions", "[50 1 1]", "mm", (0.05, 0.001, 0.001), "m"),
+        (BRICK, "Density", "2.7", "g/cm^3", 2700.0, "kg/m^3"),
+        (BRICK, "Mass", "500", "g", 0.5, "kg"),
+        (BRICK, "MomentsOfInertia", "[1 2 3]", "g*cm^2", (1e-7, 2e-7, 3e-7), "kg*m^2"),
+        (REVOLUTE, "EquilibriumPosition", "30", "deg", math.pi / 6, "rad"),
+        (REVOLUTE, "SpringStiffness", "1", "N*m/deg", 180 / math.pi, "N*m/rad"),
+        (REVOLUTE, "SpringStiffness", "5", "N*m/rad", 5.0, "N*m/rad"),
+        (REVOLUTE, "DampingCoefficient", "0.01", "N*m/(deg/s)", 1.8 / math.pi, "N*m*s/rad"),
+        (REVOLUTE, "DampingCoefficient", "0.01", "N*m*s/rad", 0.01, "N*m*s/rad"),
+        (REVOLUTE, "VelocityTargetValue", "60", "rpm", 2 * math.pi, "rad/s"),
+        ("sm_lib/Joints/Prismatic Joint", "PositionTargetValue", "2", "in", 0.0508, "m"),
+        ("sm_lib/Joints/Planar Joint", "RzPositionTargetValue", "0.5", "rev", math.pi, "rad"),
+        ("sm_lib/Utilities/X/Mechanism Configuration", "GravityVector", "[0 0 -1]", "gee",
+         (0.0, 0.0, -9.80665), "m/s^2"),
+        ("sm_lib/Forces/Internal Force", "Reach", "[1 2]", "cm", (0.01, 0.02), "m"),
+    ],
+)  # fmt: skip
+def test_values_in_si(parameters, kind, name, text, unit, value, si):
+    found = parameters(kind, {name: text, f"{name}Units": unit})
+    assert found[name] == pytest.approx(value, rel=1e-15)
+    assert found[f"{name}Units"] == si
+
+
+def test_default_unit_is_meant_where_none_stands(parameters):
+    found = parameters(REVOLUTE, {"PositionTargetValue": "90"})
+    assert found["PositionTargetValue"] == math.pi / 2
+    assert found["PositionTargetValueUnits"] == "rad"
+
+
+def test_numbers_as_matlab_writes_them(parameters):
+    assert parameters("Constant", {"Value": "-50/180*pi"})["Value"] == pytest.approx(
+        -math.radians(50), rel=1e-15
+    )
+    assert parameters("Gain", {"Gain": "[1 2;3 4]"})["Gain"] == ((1.0, 2.0), (3.0, 4.0))
+
+
+@pytest.mark.parametrize(
+    ("text", "signs"), [("|+-", "+-"), ("3", "+++"), ("+ - |+", "+-+"), ("++", "++")]
+)
+def test_signs_of_a_sum(parameters, text, signs):
+    assert parameters("Sum", {"Inputs": text})["Inputs"] == signs
+
+
+def test_options_and_what_is_unknown_stay_text(parameters):
+    found = parameters("Sin", {"SineType": "Sample based", "SampleTime": "Ts", "Tag": "mine"})
+    assert (found["SineType"], found["SampleTime"], found["Tag"]) == ("Sample based", "Ts", "mine")
+
+
+def test_units_that_nobody_here_needs_stay(parameters):
+    found = parameters("fl_lib/Electrical/Resistor", {"R": "Rload", "R_unit": "Ohm"})
+    assert (found["R"], found["R_unit"]) == ("Rload", "Ohm")
+
+
+@pytest.mark.parametrize(
+    ("kind", "texts", "sentence"),
+    [
+        ("Sin", {"Amplitude": "A0"}, r"block 'B' \(SID 1\): parameter Amplitude is 'A0', which"),
+        ("Gain", {"Gain": "system('ls')"}, "parameter Gain is .*which cannot be evaluated"),
+        ("Constant", {"Value": ""}, "parameter Value is '', which cannot be evaluated"),
+        ("Constant", {"Value": "1/"}, "parameter Value is '1/', which cannot be evaluated"),
+        ("Constant", {"Value": "x" * 5000}, r"parameter Value is 'xxx.*\.\.\.', which"),
+        (BRICK, {"DensityUnits": "mm"}, "parameter Density has the unit 'mm', which measures some"),
+        (
+            BRICK,
+            {"DensityUnits": "stone"},
+            "parameter Density has the unit 'stone', which is not known",
+        ),
+        ("sm_lib/F/Internal Force", {"X": "a", "XUnits": "m"}, "parameter X is 'a', which cannot"),
+    ],
+)
+def test_what_cannot_be_evaluated_is_said(parameters, kind, texts, sentence):
+    with pytest.raises(InvalidValueError, match=sentence):
+        parameters(kind, texts)
+
+
+def test_a_workspace_variable_in_the_solver_is_said(tmp_path):
+    path = published_leg(stop_time="Tend").write(tmp_path / "m.slx")
+    with pytest.raises(InvalidValueError, match="solver setting StopTime is 'Tend', which cannot"):
+        read_model(path)
+
+
+def test_units_of_the_table_are_known():
+    for blocks in (BUILT_IN, *LIBRARIES.values()):
+        for parameter in (parameter for row in blocks.values() for parameter in row):
+            if parameter.unit:
+                assert "^-" not in parse_unit(parameter.unit).si
