@@ -89,9 +89,8 @@ def _carrying(c: Correspondence, shapes: list[Shape], source: str, target: str) 
     from_, into = c.counterparts.get(source, set()), c.counterparts.get(target, set())
     carrier = c.block(target).type in CARRIERS
     if not shapes:
-        return [
-            w for w in c.live.wires if _is_constant(c, w) and w.source in from_ and w.target in into
-        ]
+        still = [wire for wire in c.live.wires if not any(_shapes(c, wire))]
+        return [wire for wire in still if wire.source in from_ and wire.target in into]
     found: list[LiveWire] = []
     for shape in shapes:
         wires = [wire for wire in c.live.wires if shape in _shapes(c, wire)]

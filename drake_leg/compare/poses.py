@@ -206,7 +206,8 @@ def _axis(block: Block, name: str) -> Array:
     text = str(block.parameters.get(name, "")).upper()
     if text not in AXES:
         raise _unknown(block, name, text)
-    return AXES[text]
+    axis: Array = AXES[text]
+    return axis
 
 
 def _number(block: Block, name: str) -> float:

@@ -1,0 +1,453 @@
+"""The same robot drawn in other ways agrees; each true difference is named, and it alone."""
+
+import math
+
+import pytest
+from slx_models import JACOB_INV, RIGID_TRANSFORM, published_leg, published_pendulum
+from slx_writer import ModelBuilder
+
+IN_METRES = JACOB_INV.replace("l1 = {0}; l2 = {1}; l3 = {2};", "l1 = .05; l2 = .1; l3 = .1;")
+BACKSLASH = JACOB_INV.replace("dq = inv(J)*[dx;dy;dz];", "dq = J\\[dx;dy;dz];")
+PINV = JACOB_INV.replace("inv(J)*", "pinv(J)*")
+OTHER_ORDER = JACOB_INV.replace(
+    "dx = u(4); dy = u(5); dz = u(6);", "dz = u(4); dx = u(5); dy = u(6);"
+)
+
+
+def names(items, key="name"):
+    return [item[key] for item in items]
+
+
+def differences(found):
+    return sorted((item["name"], item["parameter"]) for item in found.different)
+
+
+def rewire(model, old, new):
+    """Let a line's end go to another port."""
+    for line in model.lines:
+        line.ports = [new if port == old else port for port in line.ports]
+    return model
+
+
+def cut(model, *ports):
+    """Take every line out that has one of these ends."""
+    model.lines = [line for line in model.lines if not set(ports) & set(line.ports)]
+    return model
+
+
+def test_published_leg_is_leg_b(compared):
+    found = compared(published_leg())
+    assert found.agrees
+    assert not found.missing
+    assert not found.different
+    blocks = [item for item in found.matched if item["what"] == "block"]
+    assert len(blocks) == len(published_leg().blocks)
+    assert len({item["sid"] for item in blocks}) == len(blocks)
+
+
+def test_every_wire_is_accounted_for_once(compared):
+    builder = published_leg()
+    found = compared(builder)
+    drawn = sum(len(line.ports) - 1 for line in builder.lines if not line.physical)
+    assert len([item for item in found.matched if item["what"] == "wire"]) == drawn
+
+
+def test_extra_is_the_acceleration_path_and_further_scopes(compared):
+    extra = names([item for item in compared(published_leg()).extra if item["what"] == "block"])
+    assert "Mux of the derivatives" in extra
+    assert not {"Sine Wave", "dy", "dz", "inverseJacobian", "Integrator 1", "leg_b"} & set(extra)
+
+
+def test_cross_sections_colours_and_filters_count_when_strict(compared):
+    lax, strict = compared(published_leg()), compared(published_leg(), strict=True)
+    kinds = {item["parameter"] for item in lax.tolerated}
+    assert kinds == {"cross section", "SphereRadius", "GraphicDiffuseColor", "input filter"}
+    assert not strict.agrees
+    assert len(strict.different) == len(lax.tolerated)
+    assert not strict.tolerated
+
+
+def test_pendulum_agrees(compared):
+    assert compared(published_pendulum(), "pendulum").agrees
+
+
+def test_pendulum_with_damping_in_simscape_units(compared):
+    settings = {"DampingCoefficient": "0.01", "DampingCoefficientUnits": "N*m/(deg/s)"}
+    target = {"PositionTargetSpecify": "on", "PositionTargetValue": "30"}
+    model = published_pendulum(settings | target, stop_time="30")
+    found = compared(model, "pendulum-damped")
+    assert differences(found) == [("Revolute Joint", "DampingCoefficient")]
+    assert found.different[0]["simulink"] == pytest.approx(0.01 * 180 / math.pi)
+    assert compared(model, "pendulum-damped", damping_unit="N*m/(deg/s)").agrees
+
+
+def test_pendulum_with_spring(compared):
+    spring = {
+        "SpringStiffness": "5",
+        "SpringStiffnessUnits": "N*m/rad",
+        "EquilibriumPosition": "30",
+        "DampingCoefficient": "0.01",
+        "DampingCoefficientUnits": "N*m*s/rad",
+    }
+    model = published_pendulum(spring, stop_time="30")
+    assert compared(model, "pendulum-spring").agrees
+    model.set("Revolute Joint", EquilibriumPosition="45")
+    assert differences(compared(model, "pendulum-spring")) == [
+        ("Revolute Joint", "EquilibriumPosition")
+    ]
+
+
+@pytest.mark.parametrize("script", [BACKSLASH, PINV], ids=["backslash", "pinv"])
+def test_other_ways_to_invert(compared, script):
+    assert compared(published_leg(script=script)).agrees
+
+
+def test_function_in_metres(compared):
+    model = published_leg(script=IN_METRES, amplitude="0.07")
+    assert compared(model).agrees
+
+
+def test_inputs_in_another_order(compared):
+    model = published_leg(script=OTHER_ORDER)
+    mux, sine = model.sid("Mux"), model.sid("Sine Wave")
+    constants = [model.sid("Constant y"), model.sid("Constant z")]
+    cut(model, *(f"{mux}#in:{place}" for place in (4, 5, 6)))
+    model.connect(sine, f"{mux}#in:5")
+    model.connect(constants[0], f"{mux}#in:6")
+    model.connect(constants[1], f"{mux}#in:4")
+    assert compared(model).agrees
+
+
+def test_gain_behind_the_sine_is_one_amplitude(compared):
+    model = published_leg(amplitude="7")
+    gain = model.add_block("Gain", "Gain", {"Gain": "10"}, ports={"in": 1, "out": 1})
+    mux = model.sid("Mux")
+    cut(model, f"{mux}#in:4")
+    model.connect(model.sid("Sine Wave"), gain)
+    model.connect(gain, f"{mux}#in:4")
+    assert compared(model).agrees
+    assert compared(model, gain=10.0).agrees
+    model.set("Gain", Gain="5")
+    (one,) = compared(model).different
+    assert (one["name"], one["parameter"]) == ("Sine Wave", "Amplitude")
+    assert one["simulink"] == pytest.approx(0.035)
+
+
+def test_two_muxes(compared):
+    model = published_leg()
+    mux = model.sid("Mux")
+    parts = []
+    for name, places in (("Mux q", (1, 2, 3)), ("Mux v", (4, 5, 6))):
+        part = model.add_block("Mux", name, {"Inputs": "3"}, ports={"in": 3, "out": 1})
+        for place, old in enumerate(places, 1):
+            rewire(model, f"{mux}#in:{old}", f"{part}#in:{place}")
+        parts.append(part)
+    for place, part in enumerate(parts, 1):
+        model.connect(part, f"{mux}#in:{place}")
+    model.set("Mux", Inputs="2")
+    assert compared(model).agrees
+
+
+def test_function_of_two_vectors_with_two_outputs(compared):
+    script = JACOB_INV.replace("function y = jacob_inv(u)", "function [dq, d] = jacob_inv(q, v)")
+    script = script.replace("q1 = u(1); q2 = u(2); q3 = u(3);", "q1 = q(1); q2 = q(2); q3 = q(3);")
+    script = script.replace("dx = u(4); dy = u(5); dz = u(6);", "dx = v(1); dy = v(2); dz = v(3);")
+    script = script.replace("y = [dq' det(J)];", "d = det(J);")
+    model = published_leg(script=script)
+    mux, function, demux = (model.sid(n) for n in ("Mux", "MATLAB Function", "Demux"))
+    part = model.add_block("Mux", "Mux v", {"Inputs": "3"}, ports={"in": 3, "out": 1})
+    for place in (1, 2, 3):
+        rewire(model, f"{mux}#in:{place + 3}", f"{part}#in:{place}")
+    model.set("Mux", Inputs="3").set("Demux", Outputs="3")
+    model.connect(part, f"{function}#in:2")
+    rewire(model, f"{demux}#out:4", f"{function}#out:2")
+    assert compared(model).agrees
+
+
+def test_initial_conditions_in_the_integrators(compared):
+    model = published_leg()
+    for place, angle in enumerate(("90/180*pi", "-50/180*pi", "-90/180*pi"), 1):
+        converter = model.sid(f"Simulink-PS\nConverter{place}")
+        model.remove(f"Sum{place}").remove(f"q{place} initial")
+        model.connect(model.sid(f"Integrator{place}"), converter)
+        model.set(f"Integrator{place}", InitialCondition=angle)
+    assert compared(model).agrees
+    model.set("Integrator2", InitialCondition="-pi/3")
+    (one,) = compared(model).different
+    assert (one["name"], one["parameter"]) == ("Integrator2", "initial position of joint 2")
+
+
+def test_one_integrator_of_three(compared):
+    model = published_leg()
+    demux = model.sid("Demux")
+    total = model.add_block(
+        "Integrator",
+        "Integrator",
+        {"InitialCondition": "[90 -50 -90]*pi/180"},
+        ports={"in": 1, "out": 1},
+    )
+    split = model.add_block("Demux", "Demux q", {"Outputs": "3"}, ports={"in": 1, "out": 3})
+    model.set("Demux", Outputs="[3 1]")
+    rewire(model, f"{demux}#out:4", f"{demux}#out:2x")
+    for place in (1, 2, 3):
+        for name in (f"Sum{place}", f"q{place} initial", f"Integrator{place}"):
+            model.remove(name)
+        model.connect(f"{split}#out:{place}", model.sid(f"Simulink-PS\nConverter{place}"))
+    cut(model, f"{demux}#out:1", f"{demux}#out:2", f"{demux}#out:3")
+    rewire(model, f"{demux}#out:2x", f"{demux}#out:2")
+    model.connect(f"{demux}#out:1", total)
+    model.connect(total, split)
+    assert compared(model).agrees
+
+
+def test_degrees_at_the_converters(compared):
+    model = published_leg()
+    for place in (1, 2, 3):
+        gain = model.add_block("Gain", f"deg{place}", {"Gain": "180/pi"}, ports={"in": 1, "out": 1})
+        converter = model.sid(f"Simulink-PS\nConverter{place}")
+        rewire(model, f"{converter}#in:1", f"{gain}#in:1")
+        model.connect(gain, converter)
+        model.set(f"Simulink-PS\nConverter{place}", Unit="deg")
+    assert compared(model).agrees
+
+
+def test_mirrored_transform(compared):
+    model = published_leg()
+    sid = model.sid("Rigid Transform2")
+    rewire(model, f"{sid}#lconn:1", "x")
+    rewire(model, f"{sid}#rconn:1", f"{sid}#lconn:1")
+    rewire(model, "x", f"{sid}#rconn:1")
+    wrong = compared(model)
+    assert ("Rigid Transform2", "TranslationCartesianOffset") in differences(wrong)
+    model.set("Rigid Transform2", TranslationCartesianOffset="[-.05 0 0]")
+    assert compared(model).agrees
+
+
+def test_a_half_drawn_as_two_transforms(compared):
+    model = published_leg()
+    far = model.sid("Rigid Transform1")
+    turn = model.add_library(
+        RIGID_TRANSFORM,
+        "Turn",
+        {
+            "RotationMethod": "AlignedAxes",
+            "FollAlignAxisA": "+Z",
+            "BaseAlignAxisA": "-Y",
+            "FollAlignAxisB": "+X",
+            "BaseAlignAxisB": "+X",
+        },
+        ports={"lconn": 1, "rconn": 1},
+    )
+    model.set("Rigid Transform1", RotationMethod=None)
+    rewire(model, f"{far}#rconn:1", f"{turn}#rconn:1")
+    model.physical(f"{far}#rconn:1", f"{turn}#lconn:1")
+    assert compared(model).agrees
+
+
+def test_joint_frames_turned_about_their_axis(compared):
+    model = published_leg()
+    joint = model.sid("Revolute Joint1")
+    for name, angle, port in (("Before", "30", "lconn:1"), ("After", "-30", "rconn:1")):
+        sid = model.add_library(
+            RIGID_TRANSFORM,
+            name,
+            {
+                "RotationMethod": "StandardAxis",
+                "RotationStandardAxis": "+Z",
+                "RotationAngle": angle,
+                "TranslationMethod": "StandardAxis",
+                "TranslationStandardAxis": "+Z" if name == "Before" else "-Z",
+                "TranslationStandardOffset": "0.01",
+            },
+            ports={"lconn": 1, "rconn": 1},
+        )
+        inner, outer = ("rconn:1", "lconn:1") if name == "Before" else ("lconn:1", "rconn:1")
+        rewire(model, f"{joint}#{port}", f"{sid}#{outer}")
+        model.physical(f"{joint}#{port}", f"{sid}#{inner}")
+    assert compared(model).agrees
+    model.set("After", RotationAngle="-20")
+    assert not compared(model).agrees
+
+
+@pytest.mark.parametrize(
+    ("block", "changes", "expected"),
+    [
+        (
+            "Rigid Transform2",
+            {"TranslationCartesianOffset": "[.06 0 0]"},
+            "TranslationCartesianOffset",
+        ),
+        (
+            "Rigid Transform1",
+            {"TranslationCartesianOffset": "[.02 0 0]"},
+            "TranslationCartesianOffset",
+        ),
+        ("Rigid Transform1", {"RotationAngle": "-90"}, "rotation"),
+        (
+            "Rigid Transform3",
+            {"TranslationCartesianOffset": "[.05 0 .01]"},
+            "TranslationCartesianOffset",
+        ),
+        ("Brick Solid1", {"Density": "7850"}, "Density"),
+        ("Brick Solid1", {"BrickDimensions": "[90 1 1]"}, "length"),
+        ("Revolute Joint1", {"DampingCoefficient": "0.1"}, "DampingCoefficient"),
+        ("Revolute Joint1", {"SpringStiffness": "2"}, "SpringStiffness"),
+        ("Mechanism\nConfiguration", {"GravityVector": "[0 0 -9.81]"}, "GravityVector"),
+        ("Mechanism\nConfiguration", {"GravityVector": "[0 -9.80665 0]"}, "GravityVector"),
+        ("Sine Wave", {"Amplitude": "50"}, "Amplitude"),
+        ("Sine Wave", {"Frequency": "2"}, "Frequency"),
+        ("Sine Wave", {"Phase": "pi/2"}, "Phase"),
+        ("Sine Wave", {"Bias": "3"}, "constant velocity x"),
+        ("Constant y", {"Value": "5"}, "constant velocity y"),
+        ("q2 initial", {"Value": "-40/180*pi"}, "initial position of joint 2"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else None,
+)
+def test_one_changed_number_is_one_difference(compared, block, changes, expected):
+    found = compared(published_leg().set(block, **changes))
+    (one,) = found.different
+    assert (one["name"].replace(" ", ""), one["parameter"]) == (
+        block.replace("\n", "").replace(" ", ""),
+        expected,
+    )
+    assert not found.missing
+
+
+def test_a_spring_is_compared_with_where_it_rests(compared):
+    model = published_leg().set("Revolute Joint1", SpringStiffness="2", EquilibriumPosition="10")
+    assert {p for _, p in differences(compared(model))} == {
+        "SpringStiffness",
+        "EquilibriumPosition",
+    }
+
+
+def test_stop_time(compared):
+    assert differences(compared(published_leg(stop_time="10"))) == [("(solver)", "StopTime")]
+    assert compared(published_leg(stop_time="10"), duration=10.0).agrees
+
+
+def test_options_make_the_diagram_match(compared):
+    model = published_leg(amplitude="50", initial=("pi/2", "-pi/4", "-pi/2"))
+    assert len(compared(model).different) == 2
+    assert compared(model, amplitude=0.05, q0=[90.0, -45.0, -90.0]).agrees
+
+
+def test_other_lengths(compared):
+    model = published_leg(lengths=(60, 100, 120))
+    assert not compared(model).agrees
+    assert compared(model, l1=0.06, l3=0.12).agrees
+
+
+def test_slip_in_the_jacobian_names_the_entry(compared):
+    slip = JACOB_INV.replace("cos(q1)*r, -sin(q1)*h,", "cos(q1)*r, sin(q1)*h,")
+    found = compared(published_leg(script=slip))
+    entries = [item["parameter"].split(" at ")[0] for item in found.different]
+    assert entries == ["J(2,2)"]
+    assert found.different[0]["simulink"] == pytest.approx(-found.different[0]["drake"])
+
+
+def test_wrong_length_in_the_function_alone(compared):
+    model = published_leg(script=JACOB_INV.replace("{0}", "60"))
+    found = compared(model)
+    assert {item["name"] for item in found.different} == {"MATLAB Function"}
+    assert {item["parameter"].split(" at ")[0] for item in found.different} == {"J(1,1)", "J(2,1)"}
+
+
+def test_joints_swapped_at_the_mux(compared):
+    model = published_leg()
+    mux = model.sid("Mux")
+    rewire(model, f"{mux}#in:1", "x")
+    rewire(model, f"{mux}#in:2", f"{mux}#in:1")
+    rewire(model, "x", f"{mux}#in:2")
+    (one,) = compared(model).different
+    assert (one["parameter"], one["simulink"]) == ("joints at its inputs", (2, 1, 3))
+
+
+def test_rates_swapped_at_the_integrators(compared):
+    model = published_leg()
+    demux = model.sid("Demux")
+    rewire(model, f"{demux}#out:2", "x")
+    rewire(model, f"{demux}#out:3", f"{demux}#out:2")
+    rewire(model, "x", f"{demux}#out:3")
+    found = compared(model)
+    assert sorted(names(found.different)) == ["Integrator2", "Integrator3"]
+    assert {item["what"] for item in found.different} == {"wire"}
+
+
+def test_gain_before_an_integrator(compared):
+    model = published_leg()
+    gain = model.add_block("Gain", "Slow", {"Gain": "0.5"}, ports={"in": 1, "out": 1})
+    sid = model.sid("Integrator3")
+    rewire(model, f"{sid}#in:1", f"{gain}#in:1")
+    model.connect(gain, sid)
+    (one,) = compared(model).different
+    assert (one["what"], one["name"]) == ("wire", "Integrator3")
+
+
+def test_block_without_counterpart(compared):
+    model = published_leg()
+    limit = model.add_block("Saturate", "Limit", ports={"in": 1, "out": 1})
+    sid = model.sid("Integrator3")
+    rewire(model, f"{sid}#in:1", f"{limit}#in:1")
+    model.connect(limit, sid)
+    found = compared(model)
+    assert "Limit" in names([item for item in found.missing if item["what"] == "block"])
+    assert not found.agrees
+
+
+def test_scope_of_what_is_not_recorded(compared):
+    model = published_leg()
+    scope = model.add_block("Scope", "rates", ports={"in": 1})
+    model.connect(f"{model.sid('Demux')}#out:1", scope)
+    missing = compared(model).missing
+    assert {item["what"] for item in missing} == {"block", "wire"}
+    assert "rates" in names(missing)
+
+
+def test_positions_taken_from_the_integrators(compared):
+    model = published_leg()
+    mux = model.sid("Mux")
+    for place in (1, 2, 3):
+        cut(model, f"{mux}#in:{place}")
+        model.connect(model.sid(f"Sum{place}"), f"{mux}#in:{place}")
+    found = compared(model)
+    assert [item["parameter"] for item in found.different] == [
+        f"position of joint {place}" for place in (1, 2, 3)
+    ]
+    assert {(item["simulink"], item["drake"]) for item in found.different} == {
+        ("integrated", "sensed")
+    }
+
+
+def test_joint_that_is_not_driven(compared):
+    model = published_leg().set(
+        "Revolute Joint2", MotionActuationMode=None, TorqueActuationMode=None
+    )
+    parameters = {p for n, p in differences(compared(model)) if n == "Revolute Joint2"}
+    assert parameters == {"MotionActuationMode", "TorqueActuationMode"}
+
+
+def test_leg_without_gravity_block(compared):
+    model = published_leg().remove("Mechanism\nConfiguration")
+    assert differences(compared(model)) == [("(model)", "GravityVector")]
+
+
+def test_solid_that_hangs_in_the_air(compared):
+    model = published_leg()
+    model.add_library("sm_lib/Body Elements/Brick Solid", "Loose", ports={"rconn": 1})
+    found = compared(model)
+    assert names(found.missing) == ["Loose"]
+
+
+def test_leg_b_is_not_leg_a(compared):
+    found = compared(published_leg(), "leg-a")
+    parameters = {parameter for _, parameter in differences(found)}
+    assert {"rotation", "initial position of joint 2", "initial position of joint 3"} <= parameters
+    assert "Amplitude" not in parameters
+
+
+def test_empty_model_lacks_nothing_but_gravity(compared):
+    found = compared(ModelBuilder(solver={"StopTime": "20"}))
+    assert not found.missing
+    assert differences(found) == [("(model)", "GravityVector")]
+    assert len(found.extra) > 20
