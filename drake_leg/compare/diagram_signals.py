@@ -28,6 +28,7 @@ from drake_leg.compare.signals import Atom, Scalar, Signal, atoms, constants, si
 from drake_leg.diagrams.wiring import Wire, wires
 from drake_leg.kinematics.batches import Array
 from drake_leg.systems.frame_sensor import FrameSensor
+from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 
@@ -114,6 +115,9 @@ class DiagramSignals:
         str
             "none" where the motion and its derivatives are given exactly.
         """
+        for name in self.of_type(InputFilter):
+            block = self.systems[name]
+            return f"order {block.order}, {block.time_constant:g} s"
         return "none"
 
     def logged(self) -> list[tuple[Scalar, str]]:
@@ -145,6 +149,8 @@ class DiagramSignals:
                 Scalar(value, {Atom(kind="integral", of=name, index=index): 1.0})
                 for index, value in enumerate(state.CopyToVector().tolist())
             )
+        if isinstance(system, InputFilter) and port == "q":
+            return self.input(name, "u") or ()
         if isinstance(system, MultibodyPlant):
             return _plant(system, port)
         if isinstance(system, FrameSensor) and port in FOOT:

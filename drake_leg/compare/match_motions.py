@@ -12,8 +12,12 @@ from drake_leg.compare.correspondence import (
     same_factors,
 )
 from drake_leg.compare.signals import Scalar, close
+from drake_leg.compare.simulink_mechanism import number
 from drake_leg.simulink.model import Block
+from drake_leg.systems.input_filter import TIME_CONSTANT
 from drake_leg.systems.prescribed_motion import PrescribedMotion
+
+FILTER_ORDER = 2.0  # of a converter that leads to a motion input
 
 
 def match_motions(c: Correspondence) -> None:
@@ -94,8 +98,9 @@ def _check_filter(c: Correspondence, converter: Block) -> Item:
     """Compare the converter's input filter; the diagram's default is exact, without one."""
     get = converter.parameters.get
     filtered = str(get("FilteringAndDerivatives", "")).startswith("filter")
-    order, constant = get("SimscapeFilterOrder", "2"), get("InputFilterTimeConstant", 0.001)
-    ours = f"order {float(str(order)):g}, {constant} s" if filtered else "none"
+    order = number(get("SimscapeFilterOrder"), FILTER_ORDER)
+    constant = number(get("InputFilterTimeConstant"), TIME_CONSTANT)
+    ours = f"order {order:g}, {constant:g} s" if filtered else "none"
     return c.findings.check(converter, "input filter", ours, c.live.input_filter(), counts=False)
 
 

@@ -150,15 +150,16 @@ def test_bomb_of_many_parts(tmp_path, monkeypatch):
     refused(tmp_path / "m.slx", r"it has \d+ bytes, more than any model")
 
 
-def test_a_claim_too_small(tmp_path):
+@pytest.mark.parametrize(("claim", "sentence"), [(5, "is damaged"), (90_000, "is cut short")])
+def test_a_false_claim(tmp_path, claim, sentence):
     path = write_parts(tmp_path / "m.slx", published_pendulum().parts())
     content = bytearray(path.read_bytes())
     at = content.find(b"PK\x01\x02")
     while content[at + 46 : at + 46 + len(ROOT)] != ROOT.encode():
         at = content.find(b"PK\x01\x02", at + 4)
-    content[at + 24 : at + 28] = struct.pack("<L", 5)
+    content[at + 24 : at + 28] = struct.pack("<L", claim)
     path.write_bytes(content)
-    refused(path, f"its part {ROOT} is damaged")
+    refused(path, f"its part {ROOT} {sentence}")
 
 
 ENTITY_BOMB = (

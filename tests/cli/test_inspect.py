@@ -1,0 +1,137 @@
+"""``drake-leg inspect``, in process, and through a pipe."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from slx_models import published_leg, published_pendulum
+from slx_writer import ModelBuilder
+
+from drake_leg.cli import main
+
+
+@pytest.fixture
+def leg(tmp_path):
+    return published_leg().write(tmp_path / "leg.slx")
+
+
+def inspected(capsys, *words):
+    """Return the status, what is printed, and what is complained of."""
+    status = main(["inspect", *map(str, words)])
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+def test_the_table_of_the_leg(capsys, leg):
+    status, out, err = inspected(capsys, leg)
+    assert (status, err) == (0, "")
+    lines = [" ".join(line.split()) for line in out.splitlines()]
+    assert lines[0] == "leg: 50 blocks"
+    assert lines[2] == "SID block kind settings that are not the default, in SI"
+    for line in (
+        "6 Brick Solid0 Brick Solid BrickDimensions [0.05 0.001 0.001] m",
+        "16 Spherical Solid Spherical Solid SphereRadius 0.003 m",
+        "17 Sine Wave Sin Amplitude 70",
+        "24 Integrator1 Integrator",
+        "28 wires",
+        "Sine Wave (1) -> Mux (4) dx",
+        "24 physical connections",
+        "Revolute Joint (rconn 1) - Rigid Transform0 (lconn 1)",
+        "code of MATLAB Function (SID 21)",
+        "function y = jacob_inv(u)",
+    ):
+        assert line in lines
+    assert "StopTime 20" in out
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_columns_are_aligned(capsys, leg):
+    _, out, _ = inspected(capsys, leg)
+    rows = out.splitlines()[2:]
+    place = rows[0].index("kind")
+    for row in rows[: rows.index("")]:
+        assert row[place - 1] == " "
+
+
+def test_json_has_exactly_these_keys(capsys, leg):
+    status, out, _ = inspected(capsys, leg, "--json")
+    content = json.loads(out)
+    assert status == 0
+    assert list(content) == ["blocks", "wires", "nodes", "functions", "solver"]
+    assert set(content["blocks"][0]) == {"sid", "name", "type", "source", "system", "parameters"}
+    assert set(content["wires"][0]) == {"from", "to", "name"}
+    assert set(content["functions"][0]) == {"sid", "name", "script"}
+    assert content["wires"][0] == {"from": "17#out:1", "to": "20#in:4", "name": "dx"}
+    assert ["4#rconn:1", "5#lconn:1"] in content["nodes"]
+    brick = content["blocks"][5]["parameters"]
+    assert (brick["BrickDimensions"], brick["BrickDimensionsUnits"]) == ([0.05, 0.001, 0.001], "m")
+    assert content["solver"]["StopTime"] == 20.0
+
+
+def test_infinite_values_in_json(capsys, tmp_path):
+    builder = ModelBuilder(solver={"StopTime": "inf"})
+    builder.add_block("Integrator", "I")
+    status, out, _ = inspected(capsys, builder.write(tmp_path / "m.slx"), "--json")
+    content = json.loads(out)
+    assert status == 0
+    assert content["solver"]["StopTime"] == "inf"
+    assert content["blocks"][0]["parameters"]["LowerSaturationLimit"] == "-inf"
+
+
+def test_subsystems_name_the_path(capsys, tmp_path):
+    builder = ModelBuilder()
+    thigh = builder.add_block("SubSystem", "Thigh\nlink")
+    builder.add_block("Gain", "K", {"Gain": "[1 2;3 4]"}, system=thigh)
+    _, out, _ = inspected(capsys, builder.write(tmp_path / "m.slx"))
+    assert "2    Thigh link/K  Gain       Gain [1 2; 3 4]\n" in out
+
+
+def test_control_signs_are_not_sent_to_the_terminal(capsys, tmp_path):
+    builder = ModelBuilder()
+    builder.add_block("Gain", "K\u202e\u009b2J\x7f", {"Gain": "2"})
+    _, out, _ = inspected(capsys, builder.write(tmp_path / "m.slx"))
+    assert "K\\x202e\\x9b2J\\x7f" in out
+
+
+def test_an_empty_model(capsys, tmp_path):
+    status, out, _ = inspected(capsys, ModelBuilder().write(tmp_path / "m.slx"))
+    assert status == 0
+    assert out.startswith("m: 0 blocks\n")
+
+
+@pytest.mark.parametrize("json_too", [[], ["--json"]])
+def test_bad_input_is_one_sentence(capsys, tmp_path, json_too):
+    builder = published_pendulum({"DampingCoefficient": "b"})
+    status, out, err = inspected(capsys, builder.write(tmp_path / "m.slx"), *json_too)
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert err.startswith(
+        f"drake-leg: {tmp_path / 'm.slx'}: block 'Revolute Joint' (SID 5): parameter "
+        "DampingCoefficient is 'b', which cannot be evaluated"
+    )
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
+def test_names_in_any_script_on_any_terminal(tmp_path, encoding):
+    builder = ModelBuilder()
+    builder.add_block("Gain", "脚 θ")
+    path = builder.write(tmp_path / "m.slx")
+    done = subprocess.run(
+        [sys.executable, "-m", "drake_leg", "inspect", path],
+        capture_output=True,
+        env={"PYTHONIOENCODING": encoding},
+        check=True,
+    )
+    expected = "脚 θ" if encoding == "utf-8" else "\\u811a \\u03b8"
+    assert expected in done.stdout.decode(encoding)
+    assert done.stderr == b""
+
+
+@pytest.mark.parametrize("words", [[], ["--json"]])
+def test_a_closed_pipe_is_no_traceback(leg, words):
+    command = [sys.executable, "-m", "drake_leg", "inspect", str(leg), *words]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        assert b"Traceback" not in process.stderr.read()
+        assert process.wait() == 2
