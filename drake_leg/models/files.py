@@ -10,7 +10,8 @@ from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import package_text, sdf_text
-from drake_leg.robots import ROBOTS
+from drake_leg.models.thigh_sdf import FILE, LEG_FILE, thigh_leg_text, thigh_text
+from drake_leg.robots import LEG_B, ROBOTS
 
 
 def generated_files() -> dict[str, str]:
@@ -22,7 +23,8 @@ def generated_files() -> dict[str, str]:
         File name to text.
     """
     files = {f"{robot.name}.sdf": sdf_text(robot) for robot in ROBOTS}
-    return {"package.xml": package_text(), **files}
+    thighs = {FILE: thigh_text(), LEG_FILE: thigh_leg_text(LEG_B)}
+    return {"package.xml": package_text(), **files, **thighs}
 
 
 def sdf_folder() -> Path:

@@ -1,25 +1,80 @@
-"""Where a frame is in the world and how it moves: the 6-DOF joint used as a sensor."""
+"""Where a frame is and how it moves: the 6-DOF Joint as a sensor, and the Transform Sensor."""
 
 from __future__ import annotations
 
-from pydrake.multibody.math import SpatialVelocity
+from collections.abc import Callable
+from types import MappingProxyType
+from typing import TypedDict
+
+from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.euler import gimbal_distance, require_sequence
+from drake_leg.systems.relative_motion import RelativeMotion, Where
+
+
+class MeasurementFrame(TypedDict):
+    """Simscape's one setting for both: in whose axes, and as observed from where."""
+
+    expressed_in: Where
+    observed_in: Where
+
+
+MEASUREMENT_FRAMES = MappingProxyType(
+    {
+        "World": MeasurementFrame(expressed_in="world", observed_in="world"),
+        "Base": MeasurementFrame(expressed_in="base", observed_in="base"),
+        "Follower": MeasurementFrame(expressed_in="follower", observed_in="follower"),
+        "Non-Rotating Base": MeasurementFrame(expressed_in="base", observed_in="world"),
+        "Non-Rotating Follower": MeasurementFrame(expressed_in="follower", observed_in="world"),
+    }
+)
+
 
 class FrameSensor(LeafSystem):
-    """Position, velocity, rotation and angular velocity of a frame F in the world W.
+    """Position, rotation and motion of a frame F, the follower, against a frame B, the base.
 
-    ===================== ===== ===== ======== =============================================
-    port                  kind  size  unit     meaning
-    ===================== ===== ===== ======== =============================================
-    ``state``             in    n     rad, /s  the plant's state (positions, then velocities)
-    ``position``          out   3     m        p_WF
-    ``velocity``          out   3     m/s      v_WF, velocity of F's origin
-    ``quaternion``        out   4     --       of R_WF: w, x, y, z
-    ``angular_velocity``  out   3     rad/s    w_WF, in the world's axes
-    ===================== ===== ===== ======== =============================================
+    Both may move. E is the frame in whose axes a vector is written (``expressed_in``), O the one
+    from which its change is observed (``observed_in``).
+
+    ======================== ==== ==== ======= =================================================
+    port                     kind size unit    meaning
+    ======================== ==== ==== ======= =================================================
+    ``state``                in   n    rad, /s the plant's state (positions, then velocities)
+    ``acceleration`` (a)     in   n_v  rad/s^2 the plant's port ``generalized_acceleration``
+    ``position``             out  3    m       p_BF, from B's origin to F's, in E
+    ``velocity``             out  3    m/s     derivative of p_BF as observed in O, in E
+    ``quaternion``           out  4    --      of R_BF: w, x, y, z
+    ``angular_velocity``     out  3    rad/s   w_BF, the *body rates*, in E
+    ``rotation_matrix`` (r)  out  9    --      R_BF, row by row
+    ``angles`` (e)           out  3    rad     Euler angles of R_BF, principal values
+    ``angle_rates`` (e)      out  3    rad/s   the *Bushing joint's rates*: of the angles
+    ``gimbal_distance`` (e)  out  1    rad     of the second angle from gimbal lock: 0 ... pi/2
+    ``acceleration`` (a)     out  3    m/s^2   derivative of the velocity as observed in O, in E
+    ``angular_acceleration`` out  3    rad/s^2 (a) derivative of w_BF as observed in O, in E
+    ``angle_accelerations``  out  3    rad/s^2 (a, e) second derivatives of the angles
+    ======================== ==== ==== ======= =================================================
+
+    Ports marked (a) exist with ``acceleration=True``, (r) with ``rotation_matrix=True``, (e) with
+    ``euler="..."``.
+
+    By default B observes, which gives the spatial velocity and acceleration of F in B: a frame at
+    rest on a turning base has velocity 0, and its acceleration in B is what is left when the
+    base's acceleration, Coriolis and centrifugal terms have been taken off. With
+    ``observed_in="world"`` the plain difference of both origins' velocities in the world is
+    sensed. Simscape's Transform Sensor ties both settings together; ``MEASUREMENT_FRAMES`` has
+    its five, as in ``FrameSensor(plant, F, B, **MEASUREMENT_FRAMES["Non-Rotating Base"])``. Its
+    joints sense as in "Base".
+
+    Body rates are components of one vector along the axes of one frame; a Bushing joint's rates
+    belong to three axes that are not at right angles. They differ, but for a rotation about one
+    axis. Rotation outputs depend on neither setting. Where the sequence is in gimbal lock the
+    angles stay such that they give the rotation, the first one 0, and the rates and accelerations
+    are the least ones (never NaN: what is only logged stops no run); ``gimbal_distance`` tells
+    where not to trust them. ``euler.continuous_angles`` takes the jumps out of recorded angles.
 
     The plant's own context for the computation is scratch: nothing in it outlives a call.
 
@@ -28,42 +83,88 @@ class FrameSensor(LeafSystem):
     plant : MultibodyPlant
         Finalised.
     frame : Frame
-        A frame of the plant.
+        F, a frame of the plant.
+    base : Frame, optional
+        B, a frame of the plant; by default the world.
+    expressed_in : {"base", "follower", "world"}
+        E.
+    observed_in : {"base", "follower", "world"}
+        O.
+    acceleration : bool
+        Sense accelerations too; the port ``acceleration`` must then be connected.
+    euler : str, optional
+        A sequence such as "XYZ", the Bushing joint's: one of ``euler.SEQUENCES``.
+    rotation_matrix : bool
+        Sense the rotation as a matrix too.
+
+    Raises
+    ------
+    InvalidValueError
+        If the plant is not finalised, a frame is another plant's, or a choice is unknown.
 
     References
     ----------
-    Report A, section 2.5 (the 6-DOF joint from the world to the sphere).
+    Report A, section 2.5 (the 6-DOF joint from the world to the sphere); Simscape Multibody,
+    Transform Sensor, parameter Measurement Frame.
     """
 
-    def __init__(self, plant: MultibodyPlant, frame: Frame) -> None:
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        frame: Frame,
+        base: Frame | None = None,
+        *,
+        expressed_in: Where = "base",
+        observed_in: Where = "base",
+        acceleration: bool = False,
+        euler: str | None = None,
+        rotation_matrix: bool = False,
+    ) -> None:
         super().__init__()
-        self._plant = plant
-        self._frame = frame
-        self._scratch = plant.CreateDefaultContext()
+        self._motion = RelativeMotion(
+            plant, frame, base, expressed_in=expressed_in, observed_in=observed_in
+        )
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
-        state = {self._state.ticket()}
-        self.DeclareVectorOutputPort("position", 3, self._calc_position, state)
-        self.DeclareVectorOutputPort("velocity", 3, self._calc_velocity, state)
-        self.DeclareVectorOutputPort("quaternion", 4, self._calc_quaternion, state)
-        self.DeclareVectorOutputPort("angular_velocity", 3, self._calc_angular_velocity, state)
+        self._declare("position", 3, RelativeMotion.position)
+        self._declare("velocity", 3, RelativeMotion.velocity)
+        self._declare("quaternion", 4, RelativeMotion.quaternion)
+        self._declare("angular_velocity", 3, RelativeMotion.angular_velocity)
+        if rotation_matrix:
+            self._declare("rotation_matrix", 9, lambda motion: motion.rotation().ravel())
+        if euler is not None:
+            self._declare_angles(euler)
+        if acceleration:
+            self._declare_accelerations(plant.num_velocities(), euler)
 
-    def _plant_context(self, context: Context) -> Context:
-        self._plant.SetPositionsAndVelocities(self._scratch, self._state.Eval(context))
-        return self._scratch
+    def _declare_angles(self, euler: str) -> None:
+        require_sequence(euler)
+        self._declare("angles", 3, lambda motion: motion.angles(euler))
+        self._declare("angle_rates", 3, lambda motion: motion.angle_rates(euler))
+        self._declare(
+            "gimbal_distance", 1, lambda motion: [gimbal_distance(euler, motion.angles(euler))]
+        )
 
-    def _V_WF(self, context: Context) -> SpatialVelocity:
-        return self._frame.CalcSpatialVelocityInWorld(self._plant_context(context))
+    def _declare_accelerations(self, velocities: int, euler: str | None) -> None:
+        self._vdot = self.DeclareVectorInputPort("acceleration", velocities)
+        self._declare_with_vdot("acceleration", RelativeMotion.acceleration)
+        self._declare_with_vdot("angular_acceleration", RelativeMotion.angular_acceleration)
+        if euler is not None:
+            self._declare_with_vdot(
+                "angle_accelerations", lambda motion, vdot: motion.angle_accelerations(euler, vdot)
+            )
 
-    def _calc_position(self, context: Context, position: BasicVector) -> None:
-        X_WF = self._frame.CalcPoseInWorld(self._plant_context(context))
-        position.SetFromVector(X_WF.translation())
+    def _declare(self, name: str, size: int, sense: Callable[[RelativeMotion], ArrayLike]) -> None:
+        def calc(context: Context, sensed: BasicVector) -> None:
+            sensed.SetFromVector(sense(self._motion.at(self._state.Eval(context))))
 
-    def _calc_velocity(self, context: Context, velocity: BasicVector) -> None:
-        velocity.SetFromVector(self._V_WF(context).translational())
+        self.DeclareVectorOutputPort(name, size, calc, {self._state.ticket()})
 
-    def _calc_quaternion(self, context: Context, quaternion: BasicVector) -> None:
-        X_WF = self._frame.CalcPoseInWorld(self._plant_context(context))
-        quaternion.SetFromVector(X_WF.rotation().ToQuaternion().wxyz())
+    def _declare_with_vdot(
+        self, name: str, sense: Callable[[RelativeMotion, Array], ArrayLike]
+    ) -> None:
+        def calc(context: Context, sensed: BasicVector) -> None:
+            vdot = self._vdot.Eval(context)
+            sensed.SetFromVector(sense(self._motion.at(self._state.Eval(context)), vdot))
 
-    def _calc_angular_velocity(self, context: Context, angular_velocity: BasicVector) -> None:
-        angular_velocity.SetFromVector(self._V_WF(context).rotational())
+        tickets = {self._state.ticket(), self._vdot.ticket()}
+        self.DeclareVectorOutputPort(name, 3, calc, tickets)

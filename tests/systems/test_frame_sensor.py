@@ -1,10 +1,15 @@
 import numpy as np
 import pytest
+from pydrake.systems.framework import DiagramBuilder
 
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.euler import euler_rotation
+from drake_leg.kinematics.euler_rates import rate_matrix
 from drake_leg.kinematics.rotation import rotation_matrices
 from drake_leg.models.plant import build_plant
 from drake_leg.robots import LEG_A, LEG_B, SCARA
-from drake_leg.systems.frame_sensor import FrameSensor
+from drake_leg.systems.frame_sensor import MEASUREMENT_FRAMES, FrameSensor
+from drake_leg.systems.relative_motion import RelativeMotion
 
 PLACES = pytest.mark.parametrize(
     ("robot", "frame", "body"),
@@ -91,3 +96,131 @@ def test_every_output_feeds_through_from_the_state():
     assert sensor.GetInputPort("state").size() == 6
     for name in ("position", "velocity", "quaternion", "angular_velocity"):
         assert sensor.HasDirectFeedthrough(0, sensor.GetOutputPort(name).get_index())
+
+
+ALWAYS = ["position", "velocity", "quaternion", "angular_velocity"]
+ANGLES = ["angles", "angle_rates", "gimbal_distance"]
+
+
+@pytest.mark.parametrize(
+    ("requested", "inputs", "outputs"),
+    [
+        ({}, ["state"], []),
+        ({"rotation_matrix": True}, ["state"], ["rotation_matrix"]),
+        ({"euler": "XYZ"}, ["state"], ANGLES),
+        (
+            {"acceleration": True},
+            ["state", "acceleration"],
+            ["acceleration", "angular_acceleration"],
+        ),
+        (
+            {"acceleration": True, "euler": "ZXZ"},
+            ["state", "acceleration"],
+            [*ANGLES, "acceleration", "angular_acceleration", "angle_accelerations"],
+        ),
+    ],
+    ids=str,
+)
+def test_only_the_requested_ports_are_there_and_the_docstring_lists_them(
+    requested, inputs, outputs
+):
+    plant = build_plant(LEG_B)
+    sensor = FrameSensor(plant, plant.GetFrameByName("frame_4"), **requested)
+    names = [sensor.get_output_port(i).get_name() for i in range(sensor.num_output_ports())]
+    assert names == ALWAYS + outputs
+    assert [sensor.get_input_port(i).get_name() for i in range(sensor.num_input_ports())] == inputs
+    for name in names:
+        (row,) = (
+            line
+            for line in FrameSensor.__doc__.splitlines()
+            if line.strip().startswith(f"``{name}``") and " out " in line
+        )
+        assert int(row.split(" out ")[1].split()[0]) == sensor.GetOutputPort(name).size()
+
+
+@pytest.fixture
+def falling():
+    """A leg that falls, its foot sensed in every way against its moving knee."""
+    builder = DiagramBuilder()
+    plant = builder.AddNamedSystem("leg", build_plant(LEG_B))
+    foot, knee = plant.GetFrameByName("frame_4"), plant.GetFrameByName("coxa_end")
+    sensor = builder.AddNamedSystem(
+        "sensor",
+        FrameSensor(
+            plant,
+            foot,
+            knee,
+            **MEASUREMENT_FRAMES["Non-Rotating Follower"],
+            acceleration=True,
+            euler="YXZ",
+            rotation_matrix=True,
+        ),
+    )
+    builder.Connect(plant.get_state_output_port(), sensor.GetInputPort("state"))
+    builder.Connect(
+        plant.get_generalized_acceleration_output_port(), sensor.GetInputPort("acceleration")
+    )
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    leg = plant.GetMyMutableContextFromRoot(context)
+    plant.get_actuation_input_port().FixValue(leg, np.zeros(3))
+    plant.SetPositionsAndVelocities(leg, [0.3, -0.7, -1.1, 1.0, -2.0, 0.5])
+    return plant, leg, sensor, sensor.GetMyContextFromRoot(context)
+
+
+def test_in_a_diagram_every_port_says_what_the_motion_is(falling):
+    plant, leg, sensor, context = falling
+    assert plant is not None
+    sensed = {
+        port.get_name(): port.Eval(context)
+        for port in map(sensor.get_output_port, range(sensor.num_output_ports()))
+    }
+    knee, foot = plant.GetFrameByName("coxa_end"), plant.GetFrameByName("frame_4")
+    X_BF = plant.CalcRelativeTransform(leg, knee, foot)
+    V = foot.CalcRelativeSpatialVelocity(leg, knee, plant.world_frame(), foot)
+    A = foot.CalcRelativeSpatialAcceleration(leg, knee, plant.world_frame(), foot)
+    R_BF = X_BF.rotation().matrix()
+    expected = {
+        "position": X_BF.inverse().translation() * -1.0,
+        "velocity": V.translational(),
+        "angular_velocity": V.rotational(),
+        "rotation_matrix": R_BF.ravel(),
+        "acceleration": A.translational(),
+        "angular_acceleration": A.rotational(),
+    }
+    for name, value in expected.items():
+        np.testing.assert_allclose(sensed[name], value, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(euler_rotation("YXZ", sensed["angles"]), R_BF, atol=1e-14)
+    w_BF_B = rate_matrix("YXZ", sensed["angles"]) @ sensed["angle_rates"]
+    np.testing.assert_allclose(R_BF.T @ w_BF_B, V.rotational(), atol=1e-13)
+    motion = RelativeMotion(plant, foot, knee).at(plant.GetPositionsAndVelocities(leg))
+    vdot = plant.get_generalized_acceleration_output_port().Eval(leg)
+    np.testing.assert_allclose(
+        sensed["angle_accelerations"], motion.angle_accelerations("YXZ", vdot), rtol=1e-12
+    )
+    assert sensed["gimbal_distance"] == pytest.approx(np.pi / 2 - abs(sensed["angles"][1]))
+
+
+def test_gimbal_lock_is_told_and_stops_nothing():
+    plant = build_plant(LEG_B)
+    sensor = FrameSensor(plant, plant.GetFrameByName("frame_4"), euler="ZXZ")
+    context = sensor.CreateDefaultContext()
+    sensor.GetInputPort("state").FixValue(context, np.zeros(6))  # R = Rz(q1) Rx(90 deg) Rz(q2+q3)
+    assert sensor.GetOutputPort("gimbal_distance").Eval(context) == pytest.approx(np.pi / 2)
+
+    coxa = FrameSensor(plant, plant.GetFrameByName("frame_1"), euler="ZXZ")  # only turns about z
+    context = coxa.CreateDefaultContext()
+    coxa.GetInputPort("state").FixValue(context, [0.7, 0.0, 0.0, 3.0, 0.0, 0.0])
+    assert coxa.GetOutputPort("gimbal_distance").Eval(context) == pytest.approx(0.0, abs=1e-15)
+    np.testing.assert_allclose(coxa.GetOutputPort("angles").Eval(context), [0.0, 0.0, 0.7])
+    rates = coxa.GetOutputPort("angle_rates").Eval(context)
+    np.testing.assert_allclose(rates, [1.5, 0.0, 1.5], atol=1e-15)
+
+
+def test_bad_input_is_refused_in_one_sentence():
+    plant = build_plant(LEG_B)
+    frame = plant.GetFrameByName("frame_4")
+    with pytest.raises(InvalidValueError, match="rotation sequence is 'RPY'; it must be one of"):
+        FrameSensor(plant, frame, euler="RPY")
+    with pytest.raises(InvalidValueError, match="'frame_4' is not of the plant"):
+        FrameSensor(build_plant(LEG_B), frame)

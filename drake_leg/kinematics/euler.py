@@ -1,0 +1,246 @@
+"""Euler angles of all twelve sequences, also at gimbal lock and over time.
+
+A sequence such as ``"ZXZ"`` is body-fixed (intrinsic), as Simscape's rotation sequences and its
+Bushing and Gimbal joints ("XYZ") are: ``R_BF = R_z(a) R_x(b) R_z(c)``. Space-fixed angles are the
+same numbers read backwards: roll, pitch, yaw about the base's x, y, z are "ZYX" angles yaw, pitch,
+roll. At gimbal lock the first and the third axis are parallel.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array, finite_vectors
+
+TAIT_BRYAN = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
+PROPER = ("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ")
+SEQUENCES = TAIT_BRYAN + PROPER
+
+# Nearer to gimbal lock than this, rounding of the rotation leaves less than four digits to the
+# first and the third angle and to the rates.
+LOCK = 1e-12  # [rad]
+_ORTHOGONAL = 1e-6  # how far R R^T may be from the identity
+
+
+class _Axes(NamedTuple):
+    """First axis i, second axis j, the axis k that is neither; i, j, k are right-handed or not."""
+
+    i: int
+    j: int
+    k: int
+    hand: float  # +1 right-handed, -1 left-handed
+    proper: bool  # the third rotation is about i again, otherwise about k
+
+
+@cache
+def _axes(sequence: str) -> _Axes:
+    if sequence not in SEQUENCES:
+        raise InvalidValueError(
+            f"the rotation sequence is {sequence!r}; it must be one of {', '.join(SEQUENCES)}"
+        )
+    i, j = "XYZ".index(sequence[0]), "XYZ".index(sequence[1])
+    return _Axes(i, j, 3 - i - j, 1.0 if (j - i) % 3 == 1 else -1.0, sequence[2] == sequence[0])
+
+
+def require_sequence(sequence: str) -> None:
+    """Refuse what is not one of the twelve sequences.
+
+    Parameters
+    ----------
+    sequence : str
+        Three capital letters; no letter twice in a row.
+
+    Raises
+    ------
+    InvalidValueError
+        With the sequence and the twelve.
+    """
+    _axes(sequence)
+
+
+def euler_rotation(sequence: str, angles: ArrayLike) -> Array:
+    """Rotation matrices of Euler angles.
+
+    Parameters
+    ----------
+    sequence : str
+        One of ``SEQUENCES``, body-fixed.
+    angles : (..., 3) array_like
+        First, second, third [rad].
+
+    Returns
+    -------
+    (..., 3, 3) ndarray
+        R_BF: its columns are the follower's axes in the base frame.
+
+    Raises
+    ------
+    InvalidValueError
+        If the sequence is unknown, or the angles are not three finite numbers.
+    """
+    axes = _axes(sequence)
+    first, second, third = np.moveaxis(finite_vectors("the Euler angles", angles, 3), -1, 0)
+    last = axes.i if axes.proper else axes.k
+    return _turn(axes.i, first) @ _turn(axes.j, second) @ _turn(last, third)
+
+
+def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
+    """Euler angles of rotation matrices: principal values.
+
+    The first and third are in -pi ... pi; the second is in -pi/2 ... pi/2 for the six Tait-Bryan
+    sequences and in 0 ... pi for the six proper ones. They give the matrix back everywhere, to
+    rounding. Within ``LOCK`` of gimbal lock only the sum or difference of the first and the third
+    is determined; the first is then 0.
+
+    Parameters
+    ----------
+    sequence : str
+        One of ``SEQUENCES``, body-fixed.
+    rotations : (..., 3, 3) array_like
+        R_BF.
+
+    Returns
+    -------
+    (..., 3) ndarray
+        First, second, third [rad]. A series of them jumps where a principal range ends;
+        ``continuous_angles`` mends that.
+
+    Raises
+    ------
+    InvalidValueError
+        If the sequence is unknown, or a matrix is not a rotation.
+    """
+    i, j, k, hand, proper = _axes(sequence)
+    R = _rotations(rotations)
+    if proper:
+        sine, cosine = np.hypot(R[..., i, j], R[..., i, k]), R[..., i, i]
+        leads, follows, gap = R[..., j, i], -hand * R[..., k, i], sine
+    else:
+        sine, cosine = hand * R[..., i, k], np.hypot(R[..., i, i], R[..., i, j])
+        leads, follows, gap = -hand * R[..., j, k], R[..., k, k], cosine
+    first = np.where(gap < LOCK, 0.0, np.arctan2(leads, follows))
+    # The middle row of R_BF with the first rotation taken back: what the third one does to it.
+    c, s = np.cos(first)[..., None], hand * np.sin(first)[..., None]
+    row = c * R[..., j, :] + s * R[..., k, :]
+    swept = -hand * row[..., k] if proper else hand * row[..., i]
+    return np.stack([first, np.arctan2(sine, cosine), np.arctan2(swept, row[..., j])], axis=-1)
+
+
+def gimbal_distance(sequence: str, angles: ArrayLike) -> Array:
+    """How far the second angle is from gimbal lock.
+
+    Parameters
+    ----------
+    sequence : str
+        One of ``SEQUENCES``.
+    angles : (..., 3) array_like
+        [rad].
+
+    Returns
+    -------
+    (...) ndarray
+        0 at gimbal lock, pi/2 where the first and the third axis are at right angles [rad].
+
+    Raises
+    ------
+    InvalidValueError
+        If the sequence is unknown, or the angles are not three finite numbers.
+    """
+    _, across = _third_axis(_axes(sequence), finite_vectors("the Euler angles", angles, 3))
+    distance: Array = np.arcsin(np.abs(across))
+    return distance
+
+
+def continuous_angles(sequence: str, series: ArrayLike) -> Array:
+    """Recorded Euler angles without jumps: each sample the one nearest to the sample before.
+
+    Every rotation has two triples of angles, up to whole turns: ``(a, b, c)`` and ``(a + pi,
+    pi - b, c + pi)`` for Tait-Bryan sequences, ``(a + pi, -b, c + pi)`` for proper ones; at
+    gimbal lock it has a whole line of them. The result gives the same rotation at every sample
+    and passes straight through gimbal lock. Two samples must be less than about a quarter turn
+    apart.
+
+    Parameters
+    ----------
+    sequence : str
+        One of ``SEQUENCES``.
+    series : (n, 3) array_like
+        Angles over time, such as principal values [rad].
+
+    Returns
+    -------
+    (n, 3) ndarray
+        [rad]; the first sample is as given.
+
+    Raises
+    ------
+    InvalidValueError
+        If the sequence is unknown, or the series is not n times three finite numbers.
+    """
+    axes = _axes(sequence)
+    checked = finite_vectors("the Euler angles", series, 3)
+    if checked.ndim != 2:
+        raise InvalidValueError(f"the Euler angles have shape {checked.shape}; it must be (n, 3)")
+    result = checked.copy()
+    along, across = _third_axis(axes, checked)
+    mirror = 0.0 if axes.proper else math.pi
+    for n in range(1, len(checked)):
+        before = result[n - 1].tolist()
+        if abs(across[n]) < LOCK:
+            result[n] = _nearest_locked(checked[n].tolist(), before, round(float(along[n])))
+        else:
+            result[n] = _nearest(checked[n].tolist(), before, mirror=mirror)
+    return result
+
+
+def _nearest(angles: list[float], before: list[float], *, mirror: float) -> list[float]:
+    first, second, third = angles
+    triples = (angles, [first + math.pi, mirror - second, third + math.pi])
+    wound = [[_wind(x, b) for x, b in zip(t, before, strict=True)] for t in triples]
+    return min(wound, key=lambda triple: math.dist(triple, before))
+
+
+def _nearest_locked(angles: list[float], before: list[float], along: int) -> list[float]:
+    """At lock ``first + along * third`` alone is determined: share its change between the two."""
+    first, second, third = before
+    change = _wind(angles[0] + along * angles[2] - first - along * third, 0.0)
+    return [first + change / 2, _wind(angles[1], second), third + along * change / 2]
+
+
+def _wind(angle: float, near: float) -> float:
+    return angle + math.tau * round((near - angle) / math.tau)
+
+
+def _turn(axis: int, angle: Array) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.zeros((*np.shape(angle), 3, 3))
+    ahead, behind = (axis + 1) % 3, (axis + 2) % 3
+    R[..., axis, axis] = 1.0
+    R[..., ahead, ahead] = R[..., behind, behind] = c
+    R[..., ahead, behind], R[..., behind, ahead] = -s, s
+    return R
+
+
+def _rotations(matrices: ArrayLike) -> Array:
+    R = np.asarray(matrices, dtype=np.float64)
+    if R.shape[-2:] != (3, 3):
+        raise InvalidValueError(f"a rotation matrix has shape {R.shape}; it must be (..., 3, 3)")
+    off = np.abs(R @ np.swapaxes(R, -1, -2) - np.eye(3))
+    if not (np.all(off < _ORTHOGONAL) and np.all(np.linalg.det(R) > 0.0)):
+        raise InvalidValueError(
+            "a matrix is not a rotation: its columns must be a right-handed set of unit vectors at "
+            f"right angles, and R R^T is off the identity by {np.max(off):.3g}"
+        )
+    return R
+
+
+def _third_axis(axes: _Axes, angles: Array) -> tuple[Array, Array]:
+    """Components along i and k of the third axis, after the first rotation is taken back."""
+    c, s = np.cos(angles[..., 1]), axes.hand * np.sin(angles[..., 1])
+    return (c, -s) if axes.proper else (s, c)
