@@ -9,11 +9,41 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from drake_leg.cli import check, derive, doctor, errata, listing, report, run, sdf
+from drake_leg.cli import (
+    check,
+    compare,
+    derive,
+    diagram,
+    doctor,
+    errata,
+    inspect,
+    listing,
+    replay,
+    report,
+    run,
+    sdf,
+    teleop,
+    view,
+)
 from drake_leg.cli.common import BAD_INPUT, INTERRUPTED, STOPPED_EARLY, fail
 from drake_leg.errors import DrakeLegError, JointLimitError, SingularConfigurationError
 
-COMMANDS = (listing, run, report, derive, errata, doctor, sdf, check)
+COMMANDS = (
+    listing,
+    run,
+    replay,
+    view,
+    teleop,
+    report,
+    derive,
+    errata,
+    doctor,
+    sdf,
+    check,
+    inspect,
+    compare,
+    diagram,
+)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -1,0 +1,108 @@
+"""``drake-leg diagram``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drake_leg.cli.common import Commands
+from drake_leg.cli.robot_source import robot_source
+from drake_leg.robot import Robot
+from drake_leg.robots import ROBOTS
+from drake_leg.runs.catalogue import RUNS, run_kind
+
+if TYPE_CHECKING:
+    from pydrake.systems.framework import Diagram
+
+
+def add(commands: Commands) -> None:
+    """Add the command.
+
+    Parameters
+    ----------
+    commands : argparse subparsers
+        Of the program.
+    """
+    parser = commands.add_parser(
+        "diagram",
+        help="draw a run's block diagram, its mechanism, its robot's frames",
+        description="Draw what a run simulates as an SVG picture, read from the live diagram: "
+        "the signal blocks and the mechanism inside the plant, as in Simulink and Simscape; one "
+        "link with its frames; or the robot with the frames of its table.",
+    )
+    parser.add_argument(
+        "name",
+        metavar="NAME",
+        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot with three joints",
+    )
+    parser.add_argument(
+        "--part",
+        default="all",
+        metavar="PART",
+        help="signals; mechanism; all, which is both; frames, the robot with its frames, angles "
+        "and lengths; or the name of a link, as femur (the reports' thigh) (default all)",
+    )
+    parser.add_argument("--without-scopes", action="store_true", help="leave the scopes out")
+    parser.add_argument(
+        "--without-accelerations",
+        action="store_true",
+        help="leave out what only the accelerations of the motion need",
+    )
+    parser.add_argument(
+        "--background",
+        default="auto",
+        choices=("auto", "white", "none"),
+        help="auto is white or dark, as the reader's system is (default auto)",
+    )
+    parser.add_argument(
+        "--out", required=True, type=Path, metavar="FILE", help="file to write, .svg"
+    )
+    parser.add_argument("--overwrite", action="store_true", help="replace FILE if it exists")
+    parser.set_defaults(command=_diagram)
+
+
+def _diagram(chosen: argparse.Namespace) -> int:
+    from drake_leg.text_file import write_text
+
+    text = _frames(chosen.name) if chosen.part == "frames" else _blocks(chosen)
+    write_text(chosen.out, text, ending=".svg", overwrite=chosen.overwrite)
+    print(f"wrote {chosen.out}")
+    return 0
+
+
+def _blocks(chosen: argparse.Namespace) -> str:
+    from drake_leg.drawings.drawing import draw
+    from drake_leg.drawings.of_runs import run_pictures
+
+    title, diagram, robot = _subject(chosen.name)
+    pictures = run_pictures(
+        diagram,
+        robot,
+        title=title,
+        part=chosen.part,
+        scopes=not chosen.without_scopes,
+        accelerations=not chosen.without_accelerations,
+    )
+    return draw(*pictures, background=chosen.background).svg
+
+
+def _frames(name: str) -> str:
+    from drake_leg.figures.free_body import free_body, svg_text
+
+    title, _, robot = _subject(name)
+    return svg_text(free_body(robot, title=title))
+
+
+def _subject(name: str) -> tuple[str, Diagram, Robot]:
+    """Find a run's title, its diagram as it is by default, and its robot."""
+    if name.lower().endswith(".toml"):
+        from drake_leg.runs.leg import straight_diagram
+        from drake_leg.runs.options import StraightOptions
+
+        robot = robot_source(name).robot()
+        return robot.title, straight_diagram(robot, StraightOptions())[0], robot
+    kind = run_kind(name)
+    diagram, _ = kind.diagram(kind.options())
+    robot = next(robot for robot in ROBOTS if diagram.HasSubsystemNamed(robot.name))
+    return kind.title, diagram, robot

@@ -1,0 +1,1 @@
+"""Block diagrams as pictures: from live diagrams and plants to SVG."""

@@ -1,0 +1,190 @@
+"""The inside of a plant as Simscape would draw it: frames, joints, transforms and solids."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import (
+    ForceElementIndex,
+    Joint,
+    PrismaticSpring,
+    RevoluteSpring,
+    RigidBody,
+)
+
+from drake_leg.drawings.chain import SAME, Chain, Output, solid_of
+from drake_leg.drawings.drawing import Drawing, draw
+from drake_leg.drawings.picture import Block, Picture
+from drake_leg.drawings.svg import Background
+from drake_leg.drawings.text import wrapped
+from drake_leg.names import frame_name
+
+CAPTION_WIDTH = 84.0  # [px]
+
+
+def mechanism_diagram(
+    plant: MultibodyPlant,
+    *,
+    title: str,
+    shapes: Mapping[str, str] | None = None,
+    sensed: str | None = None,
+    background: Background = "auto",
+) -> Drawing:
+    """Draw the bodies and joints of a plant, from the world outwards.
+
+    Parameters
+    ----------
+    plant : MultibodyPlant
+        Finalised.
+    title : str
+        Above the picture.
+    shapes : mapping, optional
+        Body to "brick", "cylinder" or "sphere"; other solids are boxes.
+    sensed : str, optional
+        A frame that a 6-DOF joint watches from the world.
+    background : {"auto", "white", "none"}
+        White or dark as the reader's system is, always white, or none.
+
+    Returns
+    -------
+    Drawing
+    """
+    picture = mechanism_picture(plant, title=title, shapes=shapes, sensed=sensed)
+    return draw(picture, background=background)
+
+
+def mechanism_picture(
+    plant: MultibodyPlant,
+    *,
+    title: str,
+    shapes: Mapping[str, str] | None = None,
+    sensed: str | None = None,
+) -> Picture:
+    """Read the bodies and joints of a plant.
+
+    Parameters
+    ----------
+    plant, title, shapes, sensed
+        As of ``mechanism_diagram``.
+
+    Returns
+    -------
+    Picture
+        Not yet laid out.
+    """
+    return _Mechanism(plant, shapes or {}, sensed).picture(title)
+
+
+class _Mechanism:
+    """The tree of a plant's bodies, hung on the world."""
+
+    def __init__(
+        self, plant: MultibodyPlant, shapes: Mapping[str, str], sensed: str | None
+    ) -> None:
+        self.plant, self.shapes = plant, shapes
+        self.sensed = plant.GetFrameByName(sensed) if sensed else None
+        self.springs = _springs(plant)
+        self.joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
+        self.driven = {
+            plant.get_joint_actuator(index).joint().name()
+            for index in plant.GetJointActuatorIndices()
+        }
+        self.chain = Chain()
+
+    def picture(self, title: str) -> Picture:
+        world = self.chain.add(Block(name="World Frame", caption=("World Frame",), glyph="world"))
+        gx, gy, gz = self.plant.gravity_field().gravity_vector()
+        gravity = f"gravity {gx:g}, {gy:g}, {gz:.7g} m/s²".replace("-", "−")
+        self.chain.add(
+            Block(
+                name="Mechanism Configuration",
+                caption=wrapped("Mechanism Configuration", CAPTION_WIDTH)
+                + wrapped(gravity, CAPTION_WIDTH + 10.0),
+                glyph="configuration",
+                text=("g ↓",),
+            ),
+            world,
+        )
+        self._body(self.plant.world_body(), world, RigidTransform(), fixed=True)
+        return self.chain.picture(title)
+
+    def _body(self, body: RigidBody, frame: Output, X_BF: RigidTransform, *, fixed: bool) -> None:
+        """Hang on a frame of a body its solid, and everything that its joints carry."""
+        chain = self.chain
+        self._label(body, frame, X_BF)
+        self._sense(body, frame)
+        if not fixed and body.default_mass() > 0.0:
+            X_BC = RigidTransform(body.default_com())
+            frame = chain.transform(frame, X_BF.inverse() @ X_BC, f"{body.name()} to its centre")
+            if not (X_BF.inverse() @ X_BC).IsNearlyEqualTo(RigidTransform(), SAME):
+                self._label(body, frame, X_BC)
+            X_BF = X_BC
+            chain.add(solid_of(body, self.shapes.get(body.name(), "solid")), frame)
+        for joint in self.joints:
+            if joint.parent_body().index() == body.index():
+                X_BP = joint.frame_on_parent().GetFixedPoseInBodyFrame()
+                start = chain.transform(frame, X_BF.inverse() @ X_BP, f"{joint.name()}")
+                follower = start if _is_weld(joint) else chain.add(self._joint(joint), start)
+                X_CM = joint.frame_on_child().GetFixedPoseInBodyFrame()
+                self._body(joint.child_body(), follower, X_CM, fixed=fixed and _is_weld(joint))
+
+    def _label(self, body: RigidBody, frame: Output, X_BF: RigidTransform) -> None:
+        """Write the names of the table's frames that lie here."""
+        index = 0
+        while self.plant.HasFrameNamed(frame_name(index)):
+            other = self.plant.GetFrameByName(frame_name(index))
+            near = other.GetFixedPoseInBodyFrame().IsNearlyEqualTo(X_BF, SAME)
+            if other.body().index() == body.index() and near:
+                self.chain.label(frame, f"frame {index}")
+            index += 1
+
+    def _sense(self, body: RigidBody, frame: Output) -> None:
+        if self.sensed is not None and self.sensed.body().index() == body.index():
+            base = self.chain.add(
+                Block(name="World Frame of the sensor", caption=("World Frame",), glyph="world")
+            )
+            self.chain.add(
+                Block(
+                    name="6-DOF Joint",
+                    caption=("6-DOF Joint", "senses the motion"),
+                    glyph="six_dof",
+                ),
+                frame,
+                base,
+            )
+
+    def _joint(self, joint: Joint) -> Block:
+        kind = {"revolute": "Revolute Joint", "prismatic": "Prismatic Joint"}
+        caption = [joint.name(), kind.get(joint.type_name(), f"{joint.type_name()} joint")]
+        if joint.name() in self.driven:
+            caption.append("motion by input")
+        if joint.num_velocities() == 1 and joint.default_damping_vector()[0] > 0.0:
+            unit = "N·m·s/rad" if joint.type_name() == "revolute" else "N·s/m"
+            caption += [f"damping {joint.default_damping_vector()[0]:.4g}", unit]
+        caption += self.springs.get(joint.name(), ())
+        glyph = joint.type_name() if joint.type_name() in kind else "solid"
+        return Block(name=joint.name(), caption=tuple(caption), glyph=glyph)
+
+
+def _springs(plant: MultibodyPlant) -> dict[str, tuple[str, ...]]:
+    """Say of every joint what spring it has."""
+    springs: dict[str, tuple[str, ...]] = {}
+    for index in range(plant.num_force_elements()):
+        element = plant.get_force_element(ForceElementIndex(index))
+        if isinstance(element, RevoluteSpring):
+            rest = f"at rest at {math.degrees(element.default_nominal_angle()):.4g}°"
+            springs[element.joint().name()] = (
+                f"spring {element.default_stiffness():.4g} N·m/rad",
+                rest,
+            )
+        elif isinstance(element, PrismaticSpring):
+            rest = f"at rest at {1e3 * element.nominal_position():.4g} mm"
+            springs[element.joint().name()] = (f"spring {element.stiffness():.4g} N/m", rest)
+    return springs
+
+
+def _is_weld(joint: Joint) -> bool:
+    return bool(joint.type_name() == "weld")

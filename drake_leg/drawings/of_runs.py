@@ -1,0 +1,79 @@
+"""The pictures of a run: its signals, the mechanism inside its plant, one link of it."""
+
+from __future__ import annotations
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Diagram
+
+from drake_leg.drawings.of_diagram import diagram_picture
+from drake_leg.drawings.of_link import link_picture
+from drake_leg.drawings.of_plant import mechanism_picture
+from drake_leg.drawings.picture import Picture
+from drake_leg.names import frame_name
+from drake_leg.robot import Robot
+from drake_leg.systems.frame_sensor import FrameSensor
+
+SIGNALS, MECHANISM, ALL = "signals", "mechanism", "all"
+
+
+def run_pictures(
+    diagram: Diagram,
+    robot: Robot,
+    *,
+    title: str,
+    part: str = ALL,
+    scopes: bool = True,
+    accelerations: bool = True,
+) -> tuple[Picture, ...]:
+    """Read the pictures of what a run simulates.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        With one plant.
+    robot : Robot
+        What the plant is of; it tells the shapes of the solids.
+    title : str
+        Of the run.
+    part : str
+        "signals", "mechanism", "all" (both), or the name of a link.
+    scopes, accelerations : bool
+        Whether the logs are drawn, and what only accelerations need.
+
+    Returns
+    -------
+    tuple of Picture
+        For ``drawing.draw``.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no such part.
+    """
+    plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+    shapes = {
+        segment.link.name: type(segment.link.solid.shape).__name__.lower()
+        for segment in robot.segments
+        if segment.link is not None and segment.link.solid is not None
+    }
+    if part not in (SIGNALS, MECHANISM, ALL):
+        heading = f"{title}: the link {part}"
+        return (link_picture(plant, part, title=heading, shape=shapes.get(part, "solid")),)
+    pictures = []
+    if part != MECHANISM:
+        pictures.append(
+            diagram_picture(
+                diagram, title=f"{title}: signals", scopes=scopes, accelerations=accelerations
+            )
+        )
+    if part != SIGNALS:
+        sensing = any(isinstance(system, FrameSensor) for system in diagram.GetSystems())
+        pictures.append(
+            mechanism_picture(
+                plant,
+                title=f"{title}: mechanism, inside the plant",
+                shapes=shapes,
+                sensed=frame_name(len(robot.segments)) if sensing else None,
+            )
+        )
+    return tuple(pictures)

@@ -1,0 +1,267 @@
+"""What sketches of mechanisms are made of: links, joints, frames, dimensions, angles, forces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Arc, Circle, FancyArrowPatch
+
+from drake_leg.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE
+from drake_leg.kinematics.batches import Array
+
+AXES = ("x", "y", "z")
+COLOURS = (ORANGE, GREEN, BLUE)  # of the axes x, y, z
+INK, BODY = "#1A1A1A", "#D5DCE3"
+FACING = 0.98  # cosine from which on an axis is seen end on
+
+Point = tuple[float, float]
+
+
+class Sketch:
+    """A view of a mechanism along one direction; lengths in mm.
+
+    Parameters
+    ----------
+    axes : Axes
+        To be drawn on.
+    right, up : (3,) sequence of float
+        Where the base frame's directions point on paper: unit vectors, at a right angle.
+    unit : float
+        Length of a frame's axes [mm]; everything else is drawn in proportion.
+    """
+
+    def __init__(
+        self, axes: Axes, right: Sequence[float], up: Sequence[float], unit: float
+    ) -> None:
+        self.axes, self.unit = axes, unit
+        self.view = np.array([right, up, np.cross(right, up)])
+        axes.set_aspect("equal")
+        axes.axis("off")
+        axes.margins(0.06)
+
+    def at(self, p_B: Array) -> Point:
+        """Project a point of the base frame [m] onto the paper [mm]."""
+        x, y, _ = 1e3 * (self.view @ p_B)
+        return float(x), float(y)
+
+    def text(self, at: Point, label: str, colour: str = INK, size: float = 10.0) -> None:
+        """Write a label, centred."""
+        self.axes.text(*at, label, color=colour, fontsize=size, ha="center", va="center", zorder=5)
+        half = 0.25 * self.unit
+        self.axes.update_datalim([(at[0] - half, at[1] - half), (at[0] + half, at[1] + half)])
+
+    def link(self, start: Point, end: Point, width: float = 9.0) -> None:
+        """Draw a body from joint to joint; its width is in points."""
+        for colour, points, order in ((GREY, width + 1.6, 1.0), (BODY, width, 1.1)):
+            self.axes.plot(
+                *zip(start, end, strict=True),
+                color=colour,
+                linewidth=points,
+                solid_capstyle="round",
+                zorder=order,
+            )
+
+    def joint(self, at: Point) -> None:
+        """Draw a revolute joint whose axis is seen end on."""
+        radius = 0.13 * self.unit
+        self.axes.add_patch(Circle(at, radius, facecolor="white", edgecolor=INK, zorder=2))
+
+    def hinge(self, at: Point, along: Point) -> None:
+        """Draw a revolute joint whose axis lies in the paper."""
+        (x, y), (dx, dy) = at, along
+        half = 0.28 * self.unit
+        ends = [(x - half * dx, y - half * dy), (x + half * dx, y + half * dy)]
+        for colour, points, order in ((INK, 11.0, 2.0), ("white", 8.5, 2.1)):
+            self.axes.plot(
+                *zip(*ends, strict=True),
+                color=colour,
+                linewidth=points,
+                solid_capstyle="butt",
+                zorder=order,
+            )
+
+    def ground(self, at: Point, half: float) -> None:
+        """Draw what does not move: a hatched line."""
+        x, y = at
+        self.axes.plot([x - half, x + half], [y, y], color=INK, linewidth=1.4, zorder=0.5)
+        count = max(2, round(2 * half / (0.35 * self.unit)))
+        step = 2 * half / count
+        for k in range(1, count + 1):
+            start = x - half + k * step
+            self.axes.plot([start, start - step], [y, y - step], color=GREY, linewidth=0.8)
+
+    def frame(
+        self,
+        X_B: Array,
+        index: int,
+        names: str = "xyz",
+        *,
+        scale: float = 1.0,
+        moved: Mapping[str, Point] = MappingProxyType({}),
+    ) -> None:
+        """Draw a frame: axes in the paper as arrows, those end on as a dot or a cross.
+
+        Parameters
+        ----------
+        X_B : (4, 4) ndarray
+            Pose of the frame in the base [-, m].
+        index : int
+            Of the frame, written at its axes.
+        names : str
+            The axes to be drawn.
+        scale : float
+            Length of the axes, in units.
+        moved : mapping
+            Axis to where its label stands, from the arrow's tip or, for an axis end on, from the
+            origin, in units; others stand beside x, beyond y and z, and opposite to both arrows.
+        """
+        origin = self.at(X_B[:3, 3])
+        seen = self.view @ X_B[:3, :3]
+        for column, (name, colour) in enumerate(zip(AXES, COLOURS, strict=True)):
+            if name not in names:
+                continue
+            x, y, towards = seen[:, column]
+            if abs(towards) > FACING:
+                self._end_on(origin, towards > 0.0, colour)
+                tip = origin
+                away = -seen[:2].sum(axis=1)
+                place = 0.3 * away
+            else:
+                tip = (origin[0] + scale * self.unit * x, origin[1] + scale * self.unit * y)
+                self.arrow(origin, tip, colour, width=1.8)
+                place = 0.3 * np.array([y, -x] if name == "x" else [x, y])
+            dx, dy = moved.get(name, place)
+            self.text(
+                (tip[0] + dx * self.unit, tip[1] + dy * self.unit), f"${name}_{index}$", colour
+            )
+
+    def _end_on(self, at: Point, towards: bool, colour: str) -> None:
+        radius = 0.13 * self.unit
+        self.axes.add_patch(
+            Circle(at, radius, facecolor="white", edgecolor=colour, linewidth=1.5, zorder=4)
+        )
+        if towards:
+            self.axes.add_patch(Circle(at, radius / 3, color=colour, zorder=4.1))
+            return
+        part = radius / math.sqrt(2)
+        for sign in (1, -1):
+            xs, ys = (at[0] - part, at[0] + part), (at[1] - sign * part, at[1] + sign * part)
+            self.axes.plot(xs, ys, color=colour, linewidth=1.5, zorder=4.1)
+
+    def arrow(self, start: Point, end: Point, colour: str = INK, width: float = 1.2) -> None:
+        """Draw an arrow."""
+        self.axes.update_datalim([start, end])
+        self._arrow(start, end, colour, "-|>", width)
+
+    def _arrow(self, start: Point, end: Point, colour: str, style: str, width: float) -> None:
+        self.axes.add_patch(
+            FancyArrowPatch(
+                start,
+                end,
+                arrowstyle=style,
+                mutation_scale=9.0,
+                shrinkA=0.0,
+                shrinkB=0.0,
+                color=colour,
+                linewidth=width,
+                zorder=3,
+            )
+        )
+
+    def force(self, at: Point, towards: Point, label: str, place: Point) -> None:
+        """Draw a force that acts at a point; ``towards`` and ``place`` are in units."""
+        tip = (at[0] + towards[0] * self.unit, at[1] + towards[1] * self.unit)
+        self.arrow(at, tip, PURPLE, width=2.0)
+        self.text((tip[0] + place[0] * self.unit, tip[1] + place[1] * self.unit), label, PURPLE)
+
+    def dimension(self, start: Point, end: Point, label: str, off: float) -> None:
+        """Draw a length between two points, so far beside them, to the left of their direction.
+
+        Parameters
+        ----------
+        start, end : (x, y)
+            [mm].
+        label : str
+            In the middle of the line.
+        off : float
+            In units; negative: to the right.
+        """
+        dx, dy = end[0] - start[0], end[1] - start[1]
+        size = math.hypot(dx, dy)
+        nx, ny = -dy / size * off * self.unit, dx / size * off * self.unit
+        a, b = (start[0] + nx, start[1] + ny), (end[0] + nx, end[1] + ny)
+        for point, moved in ((start, a), (end, b)):
+            self.axes.plot(*zip(point, moved, strict=True), color=GREY, linewidth=0.7, zorder=0.6)
+        self._arrow(a, b, GREY, "<|-|>", 0.9)
+        self.axes.text(
+            (a[0] + b[0]) / 2,
+            (a[1] + b[1]) / 2,
+            label,
+            color=INK,
+            fontsize=10.0,
+            ha="center",
+            va="center",
+            zorder=5,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
+        )
+
+    def angle(self, at: Point, first: float, second: float, label: str, size: float) -> None:
+        """Draw the arc from one direction to another [deg], with an arrow at its end.
+
+        Parameters
+        ----------
+        at : (x, y)
+            Centre [mm].
+        first, second : float
+            Directions on paper [deg], counter-clockwise from the right.
+        label : str
+            In the middle of the arc, outside.
+        size : float
+            Radius, in units.
+        """
+        radius = size * self.unit
+        low, high = sorted((first, second))
+        self.axes.add_patch(
+            Arc(at, 2 * radius, 2 * radius, theta1=low, theta2=high, color=INK, linewidth=1.1)
+        )
+        sense = math.copysign(min(10.0, abs(second - first) / 2), second - first)
+        ends = [_around(at, radius, angle) for angle in (second - sense, second)]
+        self._arrow(ends[0], ends[1], INK, "-|>", 1.1)
+        self.text(_around(at, radius + 0.28 * self.unit, (first + second) / 2), label)
+
+    def dashed(self, start: Point, end: Point) -> None:
+        """Draw a line from which an angle is counted."""
+        self.axes.plot(
+            *zip(start, end, strict=True),
+            color=GREY,
+            linewidth=0.9,
+            linestyle=(0, (4, 3)),
+            zorder=0.7,
+        )
+
+    def gravity(self, at: Point) -> None:
+        """Draw the direction of gravity."""
+        self.arrow(at, (at[0], at[1] - 0.9 * self.unit), GREY, width=1.6)
+        self.text((at[0] + 0.25 * self.unit, at[1] - 0.45 * self.unit), "$g$", GREY)
+
+    def heading(self, text: str) -> None:
+        """Say from where it is seen; to be called when all is drawn."""
+        self.axes.set_title(text, fontsize=10.0, color=GREY, loc="left")
+        self.axes.autoscale_view()
+
+
+def _around(at: Point, radius: float, angle: float) -> Point:
+    return (
+        at[0] + radius * math.cos(math.radians(angle)),
+        at[1] + radius * math.sin(math.radians(angle)),
+    )
+
+
+def direction(sketch: Sketch, X_B: Array, axis: int = 0) -> float:
+    """Return the direction of a frame's axis on paper [deg], in -180 ... 180."""
+    x, y, _ = sketch.view @ X_B[:3, axis]
+    return math.degrees(math.atan2(y, x))

@@ -1,0 +1,83 @@
+"""The command line of compare: exit status, JSON, options of the run."""
+
+import json
+
+import pytest
+from slx_models import published_leg, published_pendulum
+
+from drake_leg.cli import main
+
+
+@pytest.fixture
+def slx(tmp_path):
+    def write(builder):
+        return str(builder.write(tmp_path / "model.slx"))
+
+    return write
+
+
+def test_the_published_leg_is_leg_b(slx, capsys):
+    assert main(["compare", slx(published_leg()), "leg-b"]) == 0
+    said = capsys.readouterr().out
+    assert "Every block and wire of the model has its counterpart" in said
+    assert "missing" not in said
+    assert "Sine Wave (SID" in said
+
+
+def test_a_difference_is_one_line_with_both_values_and_exit_1(slx, capsys):
+    assert main(["compare", slx(published_leg(amplitude="50")), "leg-b"]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    (line,) = [line for line in lines if "Amplitude is" in line]
+    assert line.endswith("Amplitude is 0.05 m/s, in Drake 0.07 m/s")
+    assert lines[-1] == "0 missing, 1 different: the diagram is not the model's."
+
+
+def test_options_of_the_run(slx):
+    model = slx(published_leg(amplitude="50", initial=("pi/2", "-pi/4", "-pi/2")))
+    assert main(["compare", model, "leg-b"]) == 1
+    options = ["--amplitude", "0.05", "--q0", "90,-45,-90"]
+    assert main(["compare", model, "leg-b", *options]) == 0
+
+
+def test_json_has_the_four_lists(slx, capsys):
+    assert main(["compare", slx(published_leg(amplitude="50")), "leg-b", "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert found["agrees"] is False
+    assert not found["missing"]
+    assert [item["parameter"] for item in found["different"]] == ["Amplitude"]
+    assert {item["what"] for item in found["matched"]} == {"block", "wire", "node", "solver"}
+    assert found["extra"]
+
+
+def test_strict(slx, capsys):
+    model = slx(published_leg())
+    assert main(["compare", model, "leg-b", "--strict"]) == 1
+    assert "cross section is (0.001, 0.001) m, in Drake (0.008, 0.005) m" in capsys.readouterr().out
+
+
+def test_pendulum(slx):
+    assert main(["compare", slx(published_pendulum()), "pendulum"]) == 0
+
+
+def test_the_filter_agrees_once_the_run_has_it(slx):
+    model = slx(published_leg())
+    assert main(["compare", model, "leg-b", "--filter-time-constant", "0.001"]) == 0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["nowhere.slx", "leg-b"],
+        [__file__, "leg-b"],
+        ["{model}", "leg-z"],
+        ["{model}", "leg-b", "--amplitude", "much"],
+        ["{model}", "pendulum", "--amplitude", "0.1"],
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_2(slx, capsys, arguments):
+    model = slx(published_leg())
+    assert main(["compare", *(word.format(model=model) for word in arguments)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("drake-leg: ")
+    assert captured.err.count("\n") == 1

@@ -1,0 +1,92 @@
+"""``drake-leg diagram``."""
+
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from drake_leg.cli import main
+from drake_leg.robot_file import robot_toml
+from drake_leg.robots import LEG_B
+
+
+def draw(path, *words):
+    return main(["diagram", *words, "--out", str(path)])
+
+
+def title_of(path):
+    return ET.parse(path).getroot().find("{http://www.w3.org/2000/svg}title").text
+
+
+def test_a_run_is_drawn_with_its_mechanism(tmp_path, capsys):
+    path = tmp_path / "leg.svg"
+    assert draw(path, "leg-b") == 0
+    assert capsys.readouterr().out == f"wrote {path}\n"
+    assert title_of(path) == "Hexabot leg B: signals"
+    assert "6-DOF Joint" in path.read_text()
+    assert "mechanism, inside the plant" in path.read_text()
+
+
+@pytest.mark.parametrize(
+    ("part", "title"),
+    [
+        ("signals", "SCARA arm: signals"),
+        ("mechanism", "SCARA arm: mechanism, inside the plant"),
+        ("arm_1", "SCARA arm: the link arm_1"),
+    ],
+)
+def test_a_part_is_drawn(tmp_path, part, title):
+    path = tmp_path / "part.svg"
+    assert draw(path, "scara", "--part", part) == 0
+    assert title_of(path) == title
+
+
+def test_frames_are_drawn(tmp_path):
+    path = tmp_path / "frames.svg"
+    assert draw(path, "pendulum-spring", "--part", "frames") == 0
+    assert ET.parse(path).getroot().tag.endswith("svg")
+
+
+def test_options_reach_the_picture(tmp_path):
+    path = tmp_path / "leg.svg"
+    words = ("--without-scopes", "--without-accelerations", "--background", "white")
+    assert draw(path, "leg-b", "--part", "signals", *words) == 0
+    text = path.read_text()
+    assert "singularity" not in text
+    assert "Mux of the derivatives" not in text
+    assert "prefers-color-scheme" not in text
+
+
+def test_a_robot_of_ones_own_is_drawn(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(robot_toml(LEG_B), encoding="utf-8")
+    path = tmp_path / "mine.svg"
+    assert draw(path, str(file)) == 0
+    assert title_of(path) == f"{LEG_B.title}: signals"
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("leg-c",), "there is no run 'leg-c'"),
+        (("leg-b", "--part", "thigh"), "leg_b has no link 'thigh'; its links are coxa, femur"),
+    ],
+)
+def test_what_there_is_not_is_refused(tmp_path, capsys, words, sentence):
+    assert draw(tmp_path / "no.svg", *words) == 2
+    assert sentence in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_is_replaced_only_on_request(tmp_path, capsys):
+    path = tmp_path / "leg.svg"
+    path.write_text("mine")
+    assert draw(path, "pendulum") == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert path.read_text() == "mine"
+    assert draw(path, "pendulum", "--overwrite") == 0
+    assert path.read_text().startswith("<svg")
+
+
+def test_another_ending_is_refused(tmp_path, capsys):
+    assert draw(tmp_path / "leg.png", "pendulum") == 2
+    assert ".svg" in capsys.readouterr().err

@@ -1,0 +1,90 @@
+"""The robots with their frames: nothing hides anything, and the table says where frames are."""
+
+import math
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.figures.free_body import free_body, svg_text
+from drake_leg.figures.sketch import Sketch, direction
+from drake_leg.kinematics.khalil import row_transform
+from drake_leg.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg
+
+
+def texts(figure):
+    figure.draw_without_rendering()
+    return [
+        text
+        for axes in figure.axes
+        for text in [axes._left_title, *axes.texts]
+        if text.get_text() and text.get_visible()
+    ]
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
+def test_no_label_hides_another_or_leaves_the_figure(robot):
+    figure = free_body(robot)
+    boxes = [(t.get_text(), t.get_window_extent()) for t in texts(figure)]
+    for (first, box), (second, other) in combinations(boxes, 2):
+        shared = box.intersection(box, other)
+        assert shared is None or min(shared.width, shared.height) < 2.0, (first, second)
+    for label, box in boxes:
+        assert box.x0 >= 0.0, label
+        assert box.y0 >= 0.0, label
+        assert box.x1 <= figure.bbox.x1, label
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
+def test_every_frame_of_the_table_is_named(robot):
+    shown = {text.get_text() for text in texts(free_body(robot))}
+    for index in range(len(robot.rows) + 1):
+        assert {f"$x_{index}$", f"$z_{index}$"} <= shown
+
+
+def arrows(axes):
+    """Directions of all arrows on paper [deg]."""
+    ends = [
+        np.subtract(*reversed(p._posA_posB)) for p in axes.patches if isinstance(p, FancyArrowPatch)
+    ]
+    return [math.degrees(math.atan2(y, x)) for x, y in ends]
+
+
+def test_the_leg_is_drawn_alike_in_both_conventions_but_for_the_knee_axes():
+    """Both bend the same way on paper; z2, z3, z4 point at the reader in B and away in A."""
+    for robot, q2 in ((LEG_A, -40.0), (LEG_B, 40.0)):
+        side = free_body(robot).axes[0]
+        assert any(abs(angle - 40.0) < 1e-6 for angle in arrows(side))
+        assert f"$q_2$ = {q2:g}".replace("-", "−") in side._left_title.get_text()
+
+
+def test_lengths_are_the_robots_own():
+    shown = [t.get_text() for t in texts(free_body(hexabot_leg("B", l1=0.06, l3=0.125)))]
+    assert "$l_1$ = 60" in shown
+    assert "$l_3$ = 125" in shown
+
+
+def test_an_axis_is_seen_end_on_where_the_transform_says_so():
+    sketch = Sketch(Figure().add_subplot(), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), 10.0)
+    for robot, towards in ((LEG_A, -1.0), (LEG_B, 1.0)):
+        X_B = row_transform(robot.rows[1], 0.3)
+        assert (sketch.view @ X_B[:3, 2])[2] == pytest.approx(towards)
+        assert direction(sketch, X_B) == pytest.approx(towards * math.degrees(0.3))
+
+
+def test_another_robot_is_refused():
+    other = replace(SCARA, name="arm")
+    assert free_body(SCARA).axes
+    with pytest.raises(InvalidValueError, match="'arm'"):
+        free_body(replace(other, segments=other.segments[:2]))
+
+
+def test_the_svg_is_the_same_every_time():
+    first, second = (svg_text(free_body(LEG_B)) for _ in range(2))
+    assert first == second
+    assert ET.fromstring(first).tag.endswith("svg")
