@@ -13,6 +13,7 @@ from drake_leg.simulink.matlab.functions import CONSTANTS, HEAVY, KNOWN, SILENT
 from drake_leg.simulink.matlab.limits import CALL, FACTOR, MatlabError
 
 Ready = Callable[[Frame], Value]
+_SOME_ERROR = "it stops with an error"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +83,6 @@ def called(name: str, given: list[Ready], scope: Scope) -> Ready:
     if not least <= len(given) <= most:
         counts = f"{least}" if least == most else f"{least} to {most}"
         raise MatlabError(f"'{name}' takes {counts} argument{'s' * (most > 1)}, not {len(given)}")
-
     factor = FACTOR if name in HEAVY else 0
 
     def call(frame: Frame) -> Value:
@@ -96,8 +96,10 @@ def called(name: str, given: list[Ready], scope: Scope) -> Ready:
 
 def _error(given: list[Ready]) -> Ready:
     def error(frame: Frame) -> Value:
-        said = [argument(frame) for argument in given]
-        raise MatlabError(f"it stops with the error {str(said[-1] if said else '')!r}")
+        said = [text for text in (argument(frame) for argument in given) if isinstance(text, str)]
+        if len(said) > 1 and ":" in said[0] and " " not in said[0]:
+            said = said[1:]  # the first one was the error's identifier
+        raise MatlabError(f"it stops with the error {said[0]!r:.80}" if said else _SOME_ERROR)
 
     return error
 

@@ -28,7 +28,14 @@ def of_each(function: Elementary) -> Callable[[Value], Value]:
     -------
     callable
     """
-    return lambda value: settle(np.atleast_2d(function(number(value))))
+
+    def applied(value: Value) -> Value:
+        if type(value) is float:
+            scalar: float | bool = function(value).item()
+            return scalar
+        return settle(np.atleast_2d(function(number(value))))
+
+    return applied
 
 
 def _real(function: Elementary, name: str) -> Callable[[Value], Value]:
@@ -123,7 +130,7 @@ OF_ONE: dict[str, Callable[[Value], Value]] = {
     "sinh": of_each(np.sinh),
     "cosh": of_each(np.cosh),
     "tanh": of_each(np.tanh),
-    "deg2rad": of_each(lambda x: (math.pi / 180.0) * x),
+    "deg2rad": of_each(lambda x: np.multiply(math.pi / 180.0, x)),
     "rad2deg": _degrees,
     "sqrt": _real(np.sqrt, "sqrt"),
     "log": _real(np.log, "log"),

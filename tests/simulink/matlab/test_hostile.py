@@ -44,13 +44,13 @@ TEXTS = st.lists(st.tuples(WORDS, st.sampled_from(["", " ", "\n"])), max_size=40
 
 
 def survives(attempt):
-    started, said = time.perf_counter(), "nothing"
+    started, said = time.process_time(), "nothing"
     try:
         attempt()
     except InvalidValueError as refusal:
         said = str(refusal)
     assert 0 < len(said) < 1000
-    assert time.perf_counter() - started < 10.0
+    assert time.process_time() - started < 10.0
 
 
 @settings(max_examples=250)

@@ -121,8 +121,8 @@ def test_two_thousand_calls_take_less_than_a_second(rng):
     function, u = program(WRITTEN_OUT), [1.5, -0.8, -1.5, 70.0, 0.0, 0.0]
     runs = []
     for _ in range(3):
-        started = time.perf_counter()
+        started = time.process_time()
         for _ in range(2000):
             function.call(u)
-        runs.append(time.perf_counter() - started)
+        runs.append(time.process_time() - started)
     assert min(runs) < 1.0

@@ -107,6 +107,7 @@ def test_ranges_are_symmetric_and_meet_their_ends():
     # published differences of MATLAB's own 0:0.1:0.3 and the start of 0:0.1:0.4
     x, y = np.array(value("0:0.1:0.3")), np.array(value("0:0.1:0.4"))
     assert (x - y[:4]).tolist() == pytest.approx([0, 0, -0.2776e-16, -0.5551e-16], abs=1e-20)
+    assert value("0:0.1:0.6")[3] == 0.3  # 3*0.1 is not
     v = np.array(value("-1:0.01:1"))
     assert len(v) == 201
     assert v[100] == 0.0
@@ -227,6 +228,7 @@ def test_names_are_variables_before_they_are_functions():
         ("a.b", "'a.b' is not known here: no structures, no packages"),
         ("'on'", "'on' is a text, no number"),
         ("'on' + 1", "the text 'on' stands where a number should be"),
+        ("[1 'on']", "the text 'on' stands where a number should be"),
         ("'on", "a text is not closed with its quote"),
         ("1 ? 2", "'?' is no sign of MATLAB's"),
         ("[1 2;3]", "rows of 1×2, 1×1 do not fit under one another"),

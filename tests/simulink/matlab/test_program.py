@@ -71,6 +71,7 @@ def test_functions_without_inputs_or_outputs():
         ("y(1, :) = [1 2]; y(2, :) = [3 4]", [1, 3, 2, 4]),
         ("y(:, 1) = u; y(:, 2) = 7", [1, 2, 3, 7, 7, 7]),
         ("y = u; y(:) = 4", [4, 4, 4]),
+        ("y = [1 2; 3 4]; y(2) = 9", [1, 9, 2, 4]),
         ("y = u; y([1 3]) = [8 9]", [8, 2, 9]),
         ("y = u; y(u == 2) = 0", [1, 0, 3]),
         ("y = u > 1; y(1) = 5;", [1, 1, 1]),
@@ -202,6 +203,9 @@ def test_what_is_singular_is_infinite_without_a_warning(body, expected):
             "function y = f(u)\nerror('id:x', 'too far')",
             "line 2: it stops with the error 'too far'",
         ),
+        ("function y = f(u)\ny = [" + "1 " * 10001 + "];", "10001×1 is larger than 10000 elements"),
+        ("function y = f(u)\nerror('%d is too far', u(1))", "the error '%d is too far'"),
+        ("function y = f(u)\nerror()", "line 2: it stops with an error"),
         ("function y = f(u)\nhold on", "line 2: 'on' stands where the statement should end"),
         ("function y = f(u)\n1 = y", "line 2: what stands before '=' is no variable"),
         ("function y = f(u)\n[a, b] = size(u);", "come only from a function of the same script"),
@@ -256,7 +260,7 @@ def test_arguments_that_are_no_numbers_are_refused():
 )
 def test_endless_loops_are_stopped(loop):
     code = program(f"function y = f(u)\ny = 0;\nA = ones(100) + eye(100);\nwhile 1\n{loop}\nend")
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(InvalidValueError, match="it takes more than 1000000 operations"):
         code.call([1.0, 2.0])
-    assert time.perf_counter() - started < 10.0
+    assert time.process_time() - started < 10.0
