@@ -1,15 +1,17 @@
-"""A single text file, written beside its place and moved there whole."""
+"""A single file, written beside its place and moved there whole."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from drake_leg.errors import OutputError
+from drake_leg.errors import DrakeLegError, OutputError
 
 
 def write_text(target: Path, text: str, *, ending: str, overwrite: bool) -> None:
-    """Write a file whole or not at all.
+    """Write a text file whole or not at all.
 
     Parameters
     ----------
@@ -28,23 +30,82 @@ def write_text(target: Path, text: str, *, ending: str, overwrite: bool) -> None
         If the name ends differently, the file exists and may not be replaced, or it cannot be
         written; then an older file stays as it was.
     """
-    if target.suffix.lower() != ending:
-        raise OutputError(f"{target} does not end in {ending}: choose another --out")
+    with (
+        whole_file(target, endings=(ending,), overwrite=overwrite) as scratch,
+        scratch.open("x", encoding="utf-8", newline="\n") as file,
+    ):
+        file.write(text)
+
+
+@contextmanager
+def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> Iterator[Path]:
+    """Hand out a file to write; put it in its place when all is written.
+
+    Parameters
+    ----------
+    target : Path
+        The file to be made; its folder is made where it is missing.
+    endings : tuple of str
+        How its name may end.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+
+    Yields
+    ------
+    Path
+        Of a file beside the target that does not exist yet.
+
+    Raises
+    ------
+    OutputError
+        If the name ends differently, the file exists and may not be replaced, or it cannot be
+        written; then an older file stays as it was.
+    """
+    check_file(target, endings=endings, overwrite=overwrite)
     scratch = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        yield scratch
+        scratch.replace(target)
+    except DrakeLegError:
+        raise
+    except (OSError, ValueError) as error:
+        raise _cannot_write(target, error) from error
+    finally:
+        _remove(scratch)
+
+
+def check_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> None:
+    """Refuse a file that must not be written, before any work is done for it.
+
+    Parameters
+    ----------
+    target : Path
+        The file to be made.
+    endings : tuple of str
+        How its name may end.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+
+    Raises
+    ------
+    OutputError
+        If the name ends differently, or the file exists and may not be replaced.
+    """
+    if target.suffix.lower() not in endings:
+        raise OutputError(f"{target} does not end in {' or '.join(endings)}: choose another --out")
     try:
         if target.is_dir():
             raise OutputError(f"{target} is a folder: choose another --out")
         if not overwrite and (target.exists() or target.is_symlink()):
             raise OutputError(f"{target} exists: choose another --out, or add --overwrite")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with scratch.open("x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        scratch.replace(target)
     except (OSError, ValueError) as error:
-        why = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        raise OutputError(f"{target} cannot be written ({why}): choose another --out") from error
-    finally:
-        _remove(scratch)
+        raise _cannot_write(target, error) from error
+
+
+def _cannot_write(target: Path, error: Exception) -> OutputError:
+    why = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    return OutputError(f"{target} cannot be written ({why}): choose another --out")
 
 
 def _remove(scratch: Path) -> None:

@@ -1,0 +1,110 @@
+"""The option --q: a robot's posture, in degrees and metres."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from drake_leg.cli.common import numbers
+from drake_leg.errors import InvalidValueError
+from drake_leg.robot import Robot, Segment
+
+HELP = "joint angles [deg]; a lift [m]"
+
+
+def add_posture(parser: argparse.ArgumentParser) -> None:
+    """Add the option.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of the command.
+    """
+    parser.add_argument(
+        "--q", metavar="X,Y,Z", help=f"{HELP} (default: the reports' posture; zero otherwise)"
+    )
+
+
+def posture(name: str, robot: Robot, text: str | None) -> list[float]:
+    """Read the posture that was asked for, or choose one.
+
+    Parameters
+    ----------
+    name : str
+        Of the robot, as on the command line.
+    robot : Robot
+        m joint positions.
+    text : str or None
+        ``90,-50,-90``.
+
+    Returns
+    -------
+    (m,) list of float
+        [rad or m].
+
+    Raises
+    ------
+    InvalidValueError
+        If there is another count of numbers, or one is not finite.
+    """
+    if text is None:
+        return _reports_posture(name) or [_nearest_to_zero(segment) for segment in robot.moving]
+    values = numbers("--q", text)
+    if len(values) != len(robot.moving):
+        raise InvalidValueError(
+            f"--q has {len(values)} numbers; {robot.name} has {len(robot.moving)} joint positions"
+        )
+    return [
+        math.radians(value) if segment.row.joint == "revolute" else value
+        for value, segment in zip(values, robot.moving, strict=True)
+    ]
+
+
+def as_option(robot: Robot, q: list[float]) -> str:
+    """Write a posture as the option takes it.
+
+    Parameters
+    ----------
+    robot : Robot
+        m joint positions.
+    q : (m,) list of float
+        [rad or m].
+
+    Returns
+    -------
+    str
+        ``90,-50,-90``.
+    """
+    return ",".join(
+        f"{math.degrees(value) if segment.row.joint == 'revolute' else value:.6g}"
+        for value, segment in zip(q, robot.moving, strict=True)
+    )
+
+
+def _reports_posture(name: str) -> list[float] | None:
+    """Return where the runs of the reports' robots start."""
+    from drake_leg.runs.options import LegAOptions, LegBOptions, PendulumOptions, ScaraOptions
+
+    kinds = {
+        "pendulum": PendulumOptions,
+        "leg-a": LegAOptions,
+        "leg-b": LegBOptions,
+        "scara": ScaraOptions,
+    }
+    if name not in kinds:
+        return None
+    options = kinds[name]()
+    angles = [math.radians(angle) for angle in options.q0]
+    if isinstance(options, ScaraOptions):
+        from drake_leg.kinematics.scara import ScaraGeometry, lift_position
+        from drake_leg.robots import SCARA
+
+        return [*angles, lift_position(ScaraGeometry.from_robot(SCARA), options.tool_height)]
+    return angles
+
+
+def _nearest_to_zero(segment: Segment) -> float:
+    mechanics = segment.mechanics
+    low = -math.inf if mechanics.lower is None else mechanics.lower
+    high = math.inf if mechanics.upper is None else mechanics.upper
+    return min(max(0.0, low), high)

@@ -1,0 +1,86 @@
+"""``drake-leg view``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from drake_leg.cli.common import Commands
+from drake_leg.cli.meshcat import add_meshcat, start_meshcat
+from drake_leg.cli.posture import add_posture, as_option, posture
+from drake_leg.cli.robot_source import add_robot_source, robot_source
+
+
+def add(commands: Commands) -> None:
+    """Add the command.
+
+    Parameters
+    ----------
+    commands : argparse subparsers
+        Of the program.
+    """
+    parser = commands.add_parser(
+        "view",
+        help="look at a robot in 3D, its joints on sliders",
+        description="Open a robot in Meshcat, in the browser: the frames of its table (x red, y "
+        "green, z blue), a slider for every joint, the trace of its tip, and buttons for the "
+        "reports' views. Or write one picture, without a browser, with --still.",
+    )
+    add_robot_source(parser)
+    add_posture(parser)
+    add_meshcat(parser)
+    parser.add_argument(
+        "--still", type=Path, metavar="FILE.png", help="write one picture instead, and end"
+    )
+    add_view(parser, "of the picture")
+    parser.add_argument("--overwrite", action="store_true", help="replace FILE.png if it exists")
+    parser.set_defaults(command=_view)
+
+
+def add_view(parser: argparse.ArgumentParser, what: str) -> None:
+    """Add the option that names a view.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of the command.
+    what : str
+        Whose view.
+    """
+    parser.add_argument(
+        "--from",
+        dest="view",
+        default="3d",
+        metavar="VIEW",
+        help=f"view {what}: 3d, right, front or top (default 3d)",
+    )
+
+
+def _view(chosen: argparse.Namespace) -> int:
+    robot = robot_source(chosen.robot).robot()
+    q = posture(chosen.robot, robot, chosen.q)
+    if chosen.still is not None:
+        return _still(chosen)
+    from drake_leg.scene.viewer import view_robot
+
+    meshcat = start_meshcat(chosen, robot.title)
+    try:
+        left_at = view_robot(robot, q, meshcat, once=chosen.once)
+    except KeyboardInterrupt:
+        return 0
+    print(f"the sliders were left at --q {as_option(robot, left_at.tolist())}")
+    return 0
+
+
+def _still(chosen: argparse.Namespace) -> int:
+    from drake_leg.scene.stills import still_png
+    from drake_leg.scene.views import view_named
+    from drake_leg.text_file import whole_file
+
+    robot = robot_source(chosen.robot).robot()
+    q = posture(chosen.robot, robot, chosen.q)
+    view = view_named(chosen.view)
+    with whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch:
+        scratch.write_bytes(still_png(robot, q, view=view))
+    print(f"wrote {chosen.still}")
+    return 0

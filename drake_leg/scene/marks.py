@@ -1,0 +1,201 @@
+"""What helps to read a scene: axes of frames, the trace of the tip, a floor."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drake_leg.kinematics.batches import Array
+from drake_leg.robot import Brick, Cylinder, Robot
+from drake_leg.scene.parts import Part, placed, size_of
+
+RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
+LINE = (0.66, 0.67, 0.70)
+PURPLE = (0.608, 0.310, 0.588)
+
+# Of the scene's size:
+TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
+TRACE_RADIUS, TRACE_SPACING = 0.006, 1.0 / 60.0
+FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
+
+BASE_TRIAD = 1.5  # of the others: length of the base's axes
+MOST_PIECES = 5000  # of a trace before those that lie on others are left out
+
+
+def triad_parts(robot: Robot, size: float) -> tuple[Part, ...]:
+    """Axes of all frames of the table: x red, y green, z blue; those of the base are longer.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any.
+    size : float
+        Of the scene [m].
+
+    Returns
+    -------
+    tuple of Part
+        Three a frame, from the base to the tip.
+    """
+    parts = []
+    for index, length in enumerate(_triad_lengths(robot, size)):
+        radius = (0.8 if index == 0 else 1.0) * TRIAD_RADIUS * size
+        for axis, (letter, colour) in enumerate(zip("xyz", (RED, GREEN, BLUE), strict=True)):
+            rod = _rod(np.zeros(3), length * np.eye(3)[axis], radius)
+            parts.append(
+                Part(path=f"triad/{letter}", frame=index, shape=rod[0], X_FP=rod[1], colour=colour)
+            )
+    return tuple(parts)
+
+
+def triad_tips(robot: Robot, X_BF: Array, size: float) -> Array:
+    """Where the axes of all frames end.
+
+    Parameters
+    ----------
+    robot : Robot
+        n rows.
+    X_BF : (..., n + 1, 4, 4) ndarray
+        Poses of its frames.
+    size : float
+        Of the scene [m].
+
+    Returns
+    -------
+    p_BT : (..., n + 1, 3, 3) ndarray
+        The last axis but one counts x, y, z [m].
+    """
+    lengths = np.array(_triad_lengths(robot, size))[:, np.newaxis, np.newaxis]
+    axes = np.swapaxes(X_BF[..., :3, :3], -1, -2)
+    return np.asarray(X_BF[..., np.newaxis, :3, 3] + lengths * axes)
+
+
+def _triad_lengths(robot: Robot, size: float) -> list[float]:
+    return [BASE_TRIAD * TRIAD_LENGTH * size] + [TRIAD_LENGTH * size] * len(robot.rows)
+
+
+def trace_parts(path: Array, size: float) -> tuple[Part, ...]:
+    """A rod along the way of the tip; what lies on earlier pieces is left out.
+
+    Parameters
+    ----------
+    path : (rows, 3) ndarray
+        In the base frame [m].
+    size : float
+        Of the scene [m].
+
+    Returns
+    -------
+    tuple of Part
+        Empty where the tip does not move.
+    """
+    pieces = _pieces(path, TRACE_SPACING * size)
+    return tuple(
+        trace_piece(number, start, end, size) for number, (start, end) in enumerate(pieces)
+    )
+
+
+def trace_piece(number: int, start: Array, end: Array, size: float) -> Part:
+    """One piece of a trace.
+
+    Parameters
+    ----------
+    number : int
+        Tells it from the others.
+    start, end : (3,) ndarray
+        In the base frame, apart from each other [m].
+    size : float
+        Of the scene [m].
+
+    Returns
+    -------
+    Part
+    """
+    rod, pose = _rod(start, end, TRACE_RADIUS * size)
+    return Part(path=f"trace/{number}", frame=0, shape=rod, X_FP=pose, colour=PURPLE)
+
+
+def floor_parts(points: Array) -> tuple[Part, ...]:
+    """A grid just under the scene; its squares measure 1, 2 or 5 times a power of ten.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray
+        What stands on it [m].
+
+    Returns
+    -------
+    tuple of Part
+        Lines along x and along y.
+    """
+    size = size_of(points)
+    square = floor_square(size)
+    line = FLOOR_LINE * size
+    height = float(points[:, 2].min()) - FLOOR_GAP * size
+    low = np.floor(points[:, :2].min(axis=0) / square)
+    high = np.ceil(points[:, :2].max(axis=0) / square)
+    middle, length = (low + high) * square / 2.0, (high - low) * square + line
+    parts = []
+    for axis in (0, 1):
+        sides = (length[0], line) if axis == 0 else (line, length[1])
+        bar = Brick(length=sides[0], width=sides[1], height=line)
+        for number, multiple in enumerate(np.arange(low[1 - axis], high[1 - axis] + 1.0)):
+            x, y = (middle[0], multiple * square) if axis == 0 else (multiple * square, middle[1])
+            parts.append(
+                Part(
+                    path=f"floor/{'xy'[axis]}{number}",
+                    frame=0,
+                    shape=bar,
+                    X_FP=placed(x, y, height),
+                    colour=LINE,
+                )
+            )
+    return tuple(parts)
+
+
+def floor_square(size: float) -> float:
+    """Edge of the floor's squares.
+
+    Parameters
+    ----------
+    size : float
+        Of the scene [m].
+
+    Returns
+    -------
+    float
+        [m].
+    """
+    wanted = size / FLOOR_SQUARES
+    power = 10.0 ** math.floor(math.log10(wanted))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1.0 + 1e-9))
+
+
+def _rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
+    """Make a cylinder from one point to another, and its pose."""
+    way = end - start
+    length = float(np.linalg.norm(way))
+    z = way / length
+    x = np.cross(np.eye(3)[int(np.abs(z).argmin())], z)
+    x /= np.linalg.norm(x)
+    X = np.eye(4)
+    X[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    X[:3, 3] = (start + end) / 2.0
+    return Cylinder(radius=radius, length=length), X
+
+
+def _pieces(path: Array, spacing: float) -> list[tuple[Array, Array]]:
+    """Cut a way into pieces of equal length, without those on top of earlier ones."""
+    lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    way = np.concatenate([[0.0], np.cumsum(lengths)])
+    count = min(math.ceil(way[-1] / spacing - 1e-9), MOST_PIECES)
+    marks = np.linspace(0.0, way[-1], count + 1)
+    points = np.column_stack([np.interp(marks, way, column) for column in path.T])
+    middles = (points[1:] + points[:-1]) / 2.0
+    kept: list[int] = []
+    for index, middle in enumerate(middles):
+        apart = np.linalg.norm(middles[kept] - middle, axis=1)
+        if not kept or apart.min() > 0.6 * spacing:
+            kept.append(index)
+    return [(points[index], points[index + 1]) for index in kept]

@@ -1,0 +1,76 @@
+"""A robot with all that is shown of it: solids, frames, floor, and the trace of its tip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drake_leg.kinematics.batches import Array
+from drake_leg.robot import Robot
+from drake_leg.scene.marks import floor_parts, floor_square, trace_parts, triad_parts, triad_tips
+from drake_leg.scene.motion import Motion
+from drake_leg.scene.parts import Part, outline, size_of, solid_parts
+from drake_leg.scene.views import Framing, View, frame
+
+MOST_POSTURES = 400  # of a motion that are looked at to find out how much room it takes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """What is shown."""
+
+    robot: Robot
+    parts: tuple[Part, ...]
+    points: Array  # (n, 3), what a picture must hold [m]
+    size: float  # greatest edge of the box around the robot [m]
+
+    @property
+    def floor_square(self) -> float:
+        """Edge of the floor's squares [m]."""
+        return floor_square(size_of(self.points))
+
+    def framing(self, view: View) -> Framing:
+        """Find how a view sees the whole scene.
+
+        Parameters
+        ----------
+        view : View
+            From where.
+
+        Returns
+        -------
+        Framing
+        """
+        return frame(view, self.points)
+
+
+def scene_of(motion: Motion, *, room: float = 0.0) -> Scene:
+    """Put a scene together that holds a whole motion.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of one row or many.
+    room : float
+        How much larger than the motion the scene is on every side, of its size.
+
+    Returns
+    -------
+    Scene
+    """
+    few = np.unique(np.linspace(0, len(motion.time) - 1, MOST_POSTURES).astype(int))
+    poses = motion.poses()[few]
+    seen = outline(motion.robot, poses)
+    size = size_of(seen)
+    tips = triad_tips(motion.robot, poses, size).reshape(-1, 3)
+    points = np.concatenate([seen, tips])
+    low, high = points.min(axis=0) - room * size, points.max(axis=0) + room * size
+    points = np.concatenate([points, [low, high]]) if room else points
+    parts = (
+        *solid_parts(motion.robot, size),
+        *triad_parts(motion.robot, size),
+        *trace_parts(motion.path(), size),
+        *floor_parts(points),
+    )
+    return Scene(robot=motion.robot, parts=parts, points=points, size=size)

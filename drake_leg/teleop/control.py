@@ -1,0 +1,267 @@
+"""One step of a robot whose foot is driven by hand, and the guard that keeps it out of trouble."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drake_leg.errors import SingularConfigurationError
+from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.foot_task import foot_task
+from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
+from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.kinematics.task import Task, singular_posture
+from drake_leg.robot import Robot
+
+State = Literal["free", "slowed", "stopped"]
+
+STOP, SLOW = 0.01, 0.04  # of the robot's length: smallest singular values of the guard
+GREATEST_RATE = 4.0  # [rad/s or m/s] of a joint
+LARGEST_TURN = 0.02  # [rad or m] of a joint in one substep
+FREE = 0.995  # share of the commanded way above which nothing is said
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """A robot to be driven, and how near it may come to a singularity."""
+
+    robot: Robot
+    task: Task
+    length: float  # [m], sum of all lengths in the table
+    rate: float = GREATEST_RATE
+
+    @property
+    def stop(self) -> float:
+        """Smallest singular value below which nothing goes nearer to the singularity [m]."""
+        return STOP * self.length
+
+    @property
+    def slow(self) -> float:
+        """Smallest singular value below which what goes nearer is slowed [m]."""
+        return SLOW * self.length
+
+    def sigma_min(self, q: ArrayLike) -> float:
+        """Smallest singular value of the foot's Jacobian.
+
+        Parameters
+        ----------
+        q : (3,) array_like
+            Joint positions [rad or m].
+
+        Returns
+        -------
+        float
+            [m].
+        """
+        return float(smallest_singular_value(self.task.jacobian(np.asarray(q).tolist())))
+
+    def foot(self, q: ArrayLike) -> Array:
+        """Position of the foot.
+
+        Parameters
+        ----------
+        q : (3,) array_like
+            Joint positions [rad or m].
+
+        Returns
+        -------
+        p_BF : (3,) ndarray
+            In the base frame [m].
+        """
+        foot: Array = foot_pose(self.robot.rows, q)[:3, 3]
+        return foot
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """What one step came to."""
+
+    q: Array  # (3,) [rad or m]
+    foot: Array  # (3,) p_BF [m]
+    sigma_min: float  # [m]
+    share: float  # of the commanded way that was gone: 0 ... 1
+    state: State
+    sentence: str  # for a person; empty where nothing is in the way
+
+
+def drive_of(robot: Robot) -> Drive:
+    """Make a robot ready to be driven.
+
+    Parameters
+    ----------
+    robot : Robot
+        With three joint positions.
+
+    Returns
+    -------
+    Drive
+        Guarded below ``SLOW`` and ``STOP`` of the robot's length.
+
+    Raises
+    ------
+    InvalidValueError
+        If the robot has not three joint positions.
+    """
+    length = sum(math.hypot(row.d, row.r) for row in robot.rows)
+    return Drive(robot=robot, task=foot_task(robot), length=length)
+
+
+def at_rest(drive: Drive, q: ArrayLike) -> Step:
+    """Describe a posture that nobody moves.
+
+    Parameters
+    ----------
+    drive : Drive
+        What is driven.
+    q : (3,) array_like
+        Joint positions [rad or m].
+
+    Returns
+    -------
+    Step
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` has not three finite numbers.
+    SingularConfigurationError
+        If the posture is singular: no velocity has joint rates there.
+    """
+    posture = one_vector("q", q, 3)
+    if drive.sigma_min(posture) < 1e-3 * drive.stop:
+        raise singular_posture(drive.task.jacobian, posture.tolist())
+    return _step(drive, posture, 1.0, "")
+
+
+def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
+    """Move the foot for a moment with a commanded velocity, as far as the guard lets it.
+
+    The joints follow ``qdot = J^-1 (share v)`` in substeps of at most ``LARGEST_TURN``. Whatever
+    lowers the smallest singular value is slowed in proportion to what is left of it above
+    ``drive.stop``; whatever raises it is not. No joint goes faster than ``drive.rate`` or
+    further out of its limits.
+
+    Parameters
+    ----------
+    drive : Drive
+        What is driven.
+    q : (3,) array_like
+        Joint positions at the beginning [rad or m].
+    v : (3,) array_like
+        Commanded velocity of the foot, base frame [m/s].
+    dt : float
+        Duration [s].
+
+    Returns
+    -------
+    Step
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` or ``v`` has not three finite numbers.
+    """
+    posture, command = one_vector("q", q, 3), one_vector("v", v, 3)
+    if not command.any() or dt <= 0.0:
+        return _step(drive, posture, 1.0, "")
+    left, gone, obstacle = dt, 0.0, ""
+    while left > 1e-12 * dt:
+        try:
+            peak = float(np.abs(drive.task.rates(posture.tolist(), command.tolist())).max())
+            span = min(left, LARGEST_TURN / min(peak, drive.rate) if peak > 0.0 else left)
+            moved, share, here = _substep(drive, posture, command, span, peak)
+        except SingularConfigurationError:
+            obstacle = _singular_words(drive, posture)
+            break
+        posture, gone, left = moved, gone + share * span, left - span
+        obstacle = here or obstacle
+        if share == 0.0:
+            break
+    return _step(drive, posture, gone / dt, obstacle)
+
+
+def _substep(
+    drive: Drive, q: Array, v: Array, span: float, peak: float
+) -> tuple[Array, float, str]:
+    """Return the posture after a short time, the share of v that acted, and what was in the way."""
+    share, obstacle = 1.0, ""
+    if peak > drive.rate:
+        share, obstacle = drive.rate / peak, "a joint is at its greatest speed"
+    before = drive.sigma_min(q)
+    moved = _advance(drive.task.rates, q, share * v, span)
+    if drive.sigma_min(moved) < before or _crossed(drive, q, moved):
+        room = (before - drive.stop) / (drive.slow - drive.stop)
+        if room < 1.0:
+            share, obstacle = share * max(room, 0.0), _singular_words(drive, q)
+            moved = _advance(drive.task.rates, q, share * v, span)
+        if drive.sigma_min(moved) < min(drive.stop, before) or _crossed(drive, q, moved):
+            return q, 0.0, _singular_words(drive, q)
+    beyond = _joint_beyond(drive.robot, q, moved)
+    if beyond:
+        return q, 0.0, f"the joint {beyond} is at its limit"
+    return moved, share, obstacle
+
+
+def _advance(rates: Callable[..., object], q: Array, v: Array, span: float) -> Array:
+    """Integrate the joint rates by Runge and Kutta's fourth-order step."""
+    command = v.tolist()
+
+    def slope(posture: Array) -> Array:
+        return np.asarray(rates(posture.tolist(), command), dtype=np.float64)
+
+    a = slope(q)
+    b = slope(q + span / 2.0 * a)
+    c = slope(q + span / 2.0 * b)
+    d = slope(q + span * c)
+    return np.asarray(q + span / 6.0 * (a + 2.0 * b + 2.0 * c + d))
+
+
+def _crossed(drive: Drive, q: Array, moved: Array) -> bool:
+    """Tell whether a singularity lies between two postures."""
+    determinant = drive.task.determinant
+    return determinant(q.tolist()) * determinant(moved.tolist()) <= 0.0
+
+
+def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
+    """Name a joint that goes further out of its limits."""
+    for segment, now, then in zip(robot.moving, q, moved, strict=True):
+        lower, upper = segment.mechanics.lower, segment.mechanics.upper
+        if lower is not None and then < min(lower, now):
+            return segment.joint
+        if upper is not None and then > max(upper, now):
+            return segment.joint
+    return None
+
+
+def _singular_words(drive: Drive, q: Array) -> str:
+    """Say which singularity is near."""
+    if not is_hexabot_leg(drive.robot):
+        return "the robot is nearly singular"
+    leg = LegGeometry.from_robot(drive.robot)
+    reach = leg.l1 + leg.l2 * math.cos(q[1]) + leg.l3 * math.cos(q[1] + q[2])
+    if abs(reach) / (leg.l1 + leg.l2 + leg.l3) < abs(math.sin(q[2])) / 2.0:
+        return "the foot is nearly on the hip axis"
+    return f"the leg is nearly {'stretched' if math.cos(q[2]) > 0.0 else 'folded'}"
+
+
+def _step(drive: Drive, q: Array, share: float, obstacle: str) -> Step:
+    state: State = "free" if share > FREE else "slowed" if share > 1.0 - FREE else "stopped"
+    sentence = ""
+    if state == "slowed":
+        sentence = f"{obstacle}: the foot is slowed"
+    elif state == "stopped":
+        sentence = f"{obstacle}: the foot is stopped; drive it another way"
+    return Step(
+        q=q,
+        foot=drive.foot(q),
+        sigma_min=drive.sigma_min(q),
+        share=share,
+        state=state,
+        sentence=sentence,
+    )

@@ -1,0 +1,75 @@
+"""``drake-leg replay``, in process."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drake_leg.cli import main
+from drake_leg.recording import Recording
+from drake_leg.robots import hexabot_leg
+from drake_leg.scene.motion import Motion
+
+
+def write_run(folder, robot):
+    time = np.linspace(0.0, 0.5, 6)
+    q = np.radians([90.0, -50.0, -90.0]) + np.outer(time, [-0.5, 0.1, 0.2])
+    path = Motion(robot=robot, time=time, q=q).path()
+    columns = {"time[s]": time, **{f"q{i + 1}[rad]": q[:, i] for i in range(3)}}
+    columns |= {f"{letter}[m]": path[:, i] for i, letter in enumerate("xyz")}
+    Path(folder).mkdir()
+    Recording(columns).write_csv(Path(folder) / "recording.csv")
+    Path(folder, "summary.json").write_text(json.dumps({"robot": robot.name}))
+
+
+@pytest.fixture(autouse=True)
+def runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_run("leg", hexabot_leg("B"))
+    write_run("long", hexabot_leg("B", l1=0.08))
+
+
+def refused(capsys, *words):
+    assert main(["replay", *words]) == 2
+    out, err = capsys.readouterr()
+    assert not out
+    assert err.startswith("drake-leg: ")
+    assert err.count("\n") == 1
+    return err
+
+
+def test_a_run_becomes_a_page(capsys):
+    assert main(["replay", "leg", "--out", "leg.html"]) == 0
+    assert capsys.readouterr().out == "wrote leg.html: 0.5 s of Hexabot leg B\n"
+    assert "Hexabot leg B: replay" in Path("leg.html").read_text(encoding="utf-8")
+    assert "leg.html exists" in refused(capsys, "leg", "--out", "leg.html")
+
+
+def test_a_run_with_lengths_of_ones_own_needs_its_robot(capsys):
+    said = refused(capsys, "long", "--out", "long.html")
+    assert "tip is up to 0.03 m away from where 'leg_b' has it" in said
+    assert not Path("long.html").exists()
+    from drake_leg.robot_file import robot_toml
+
+    Path("long.toml").write_text(robot_toml(hexabot_leg("B", l1=0.08)), encoding="utf-8")
+    assert main(["replay", "long", "--out", "long.html", "--robot", "long.toml"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["leg", "--out", "leg.avi"], "leg.avi does not end in .html or .mp4 or .gif"),
+        (["leg", "--out", "leg.html", "--from", "left"], "there is no view 'left'"),
+        (["nowhere", "--out", "a.html"], "does not tell which robot moved"),
+        (["leg", "--out", "a.html", "--robot", "leg-c"], "there is no robot 'leg-c'"),
+    ],
+)
+def test_what_cannot_be_replayed_is_one_sentence(words, said, capsys):
+    assert said in refused(capsys, *words)
+
+
+def test_a_summary_without_a_robot_asks_for_one(capsys):
+    for text in ("{}", "[]", "no json", '{"robot": "arm"}'):
+        Path("leg/summary.json").write_text(text)
+        assert "name it with --robot" in refused(capsys, "leg", "--out", "a.html")

@@ -1,0 +1,105 @@
+"""``drake-leg view`` and ``drake-leg teleop``, in process, with ``--once`` in place of a person."""
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from drake_leg.cli import main
+from drake_leg.scene import stills
+from drake_leg.scene.meshcat import open_meshcat
+
+TURN = """
+name = "turn"
+angles = "deg"
+row = [{ sigma = 0, d = 0.1, alpha = 0, r = 0, theta = 0, limits = { lower = 10, upper = 90 } }]
+"""
+
+
+def run(capsys, *words):
+    status = main(list(words))
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+@pytest.mark.parametrize(
+    ("name", "left"),
+    [
+        ("pendulum", "0"),
+        ("leg-a", "90,50,90"),
+        ("leg-b", "90,-50,-90"),
+        ("scara", "30,90,-120,0.0"),
+    ],
+)
+def test_every_robot_of_the_reports_is_shown_in_its_posture(name, left, capsys):
+    status, out, err = run(capsys, "view", name, "--once")
+    assert (status, err) == (0, "")
+    assert "http://localhost:" in out
+    assert f"left at --q {left}" in out
+
+
+def test_a_robot_from_a_file_starts_inside_its_limits(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("turn.toml").write_text(TURN, encoding="utf-8")
+    assert "left at --q 10" in run(capsys, "view", "turn.toml", "--once")[1]
+
+
+def test_a_leg_is_driven_from_the_posture_given(capsys):
+    status, out, err = run(capsys, "teleop", "leg-b", "--once", "--q", "80,-40,-100")
+    assert (status, err) == (0, "")
+    assert "left at --q 80,-40,-100" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["view", "leg-c"], 2, "there is no robot 'leg-c'"),
+        (["view", "leg-b", "--q", "1,2"], 2, "--q has 2 numbers; leg_b has 3 joint positions"),
+        (["view", "leg-b", "--port", "x"], 2, "--port is 'x'"),
+        (["view", "leg-b", "--port", "7000.5"], 2, "must be a whole number"),
+        (["view", "leg-b", "--port", "80"], 2, "it must be in 1024 ... 65535"),
+        (["view", "leg-b", "--host", "203.0.113.7"], 2, "Meshcat cannot listen at 203.0.113.7"),
+        (["view", "leg-b", "--still", "a.jpg"], 2, "a.jpg does not end in .png"),
+        (["view", "leg-b", "--still", "a.png", "--from", "left"], 2, "there is no view 'left'"),
+        (["teleop", "scara"], 2, "takes exactly three"),
+        (["teleop", "leg-b", "--q", "90,0,0"], 3, "the Jacobian is singular"),
+    ],
+)
+def test_what_cannot_be_shown_is_one_sentence(words, status, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys, *words, *["--once"])
+    assert (code, out) == (status, "")
+    assert err.startswith("drake-leg: ")
+    assert err.count("\n") == 1
+    assert said in err
+
+
+def test_a_taken_port_is_one_sentence(capsys):
+    other = open_meshcat()
+    taken = other.port()
+    status, out, err = run(capsys, "view", "leg-b", "--once", "--port", str(taken))
+    assert (status, out) == (2, "")
+    assert f"port {taken}: the port is taken" in err
+
+
+def test_a_missing_browser_is_said_and_the_robot_is_shown_all_the_same(monkeypatch, capsys):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("drake_leg.scene.viewer.open_browser", lambda url: False)
+    monkeypatch.setattr("drake_leg.scene.viewer.view_robot", interrupted)
+    status, out, err = run(capsys, "view", "leg-b")
+    assert status == 0
+    assert "http://localhost:" in out
+    assert err.startswith("drake-leg: no browser was found; open http://localhost:")
+
+
+def test_a_still_is_written_once(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(stills, "rendering_fault", lambda: "to be quick")
+    words = ("view", "leg-b", "--still", "leg.png", "--from", "right")
+    assert run(capsys, *words) == (0, "wrote leg.png\n", "")
+    with Image.open("leg.png") as image:
+        assert image.size == (960, 720)
+    assert "leg.png exists" in run(capsys, *words)[2]
+    assert run(capsys, *words, "--overwrite")[0] == 0

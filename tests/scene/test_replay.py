@@ -1,0 +1,81 @@
+import base64
+import html.parser
+import json
+import re
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from drake_leg.errors import InvalidValueError, OutputError
+from drake_leg.robots import LEG_B, ROBOTS
+from drake_leg.scene import replay
+from drake_leg.scene.motion import Motion, still
+from drake_leg.scene.replay import ReplayError, replay_page, write_replay
+
+
+class Addresses(html.parser.HTMLParser):
+    """Collects what a page's tags would load."""
+
+    def __init__(self):
+        super().__init__()
+        self.found = []
+
+    def handle_starttag(self, tag, attrs):
+        self.found += [value for name, value in attrs if name in ("src", "href", "data", "action")]
+
+
+def data_of(page):
+    return json.loads(re.search(r'id="replay-data">(.*?)</script>', page, re.DOTALL)[1])
+
+
+@pytest.fixture(scope="module")
+def page(step):
+    return replay_page(step)
+
+
+def test_the_page_is_one_file_of_less_than_4_megabytes(page):
+    assert len(page.encode()) < 4e6
+    addresses = Addresses()
+    addresses.feed(page)
+    assert addresses.found == []
+
+
+def test_the_page_holds_the_poses_of_the_recorded_joint_positions(page, step):
+    data = data_of(page)
+    rows = np.frombuffer(base64.b64decode(data["poses"]), "<f4").reshape(-1, len(data["paths"]), 7)
+    X_WF = step.sampled(data["rate"]).poses()[:, 1:]
+    assert data["paths"][-1].endswith("frame_4")
+    np.testing.assert_allclose(rows[..., :3], X_WF[..., :3, 3], atol=1e-7)
+    R = Rotation.from_quat(rows[..., [4, 5, 6, 3]].reshape(-1, 4).astype(float)).as_matrix()
+    np.testing.assert_allclose(R, X_WF[..., :3, :3].reshape(-1, 3, 3), atol=3e-7)
+    assert data["duration"] == pytest.approx(1.0)
+
+
+def test_the_page_names_the_robot_and_its_views(page):
+    assert "<title>Hexabot leg B: replay</title>" in page
+    assert "$" not in re.search(r"<header.*?</header>", page, re.DOTALL)[0]
+    assert [view["label"] for view in data_of(page)["views"]] == ["3D", "Right", "Front", "Top"]
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
+def test_every_robot_at_rest_has_a_page(robot):
+    assert data_of(replay_page(still(robot, [0.1] * len(robot.moving))))["duration"] == 0.0
+
+
+def test_a_replay_of_an_hour_is_refused():
+    motion = Motion(robot=LEG_B, time=np.array([0.0, 3600.0]), q=np.zeros((2, 3)))
+    with pytest.raises(InvalidValueError, match="at most 600 s"):
+        replay_page(motion)
+
+
+def test_a_page_of_meshcat_that_is_not_known_is_refused():
+    with pytest.raises(ReplayError, match="has no </body>"):
+        replay._replaced("<html>", "</body>", "")
+
+
+def test_a_page_that_is_there_stays(step, tmp_path):
+    (tmp_path / "a.html").write_text("mine")
+    with pytest.raises(OutputError, match=r"a\.html exists"):
+        write_replay(tmp_path / "a.html", step)
+    assert (tmp_path / "a.html").read_text() == "mine"

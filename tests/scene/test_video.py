@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+from PIL import Image
+
+from drake_leg.errors import InvalidValueError, OutputError
+from drake_leg.robots import PENDULUM
+from drake_leg.scene import video
+from drake_leg.scene.motion import Motion
+from drake_leg.scene.video import MissingEncoderError, write_video
+from drake_leg.scene.views import VIEWS
+
+
+@pytest.mark.usefixtures("rendering")
+def test_a_gif_has_its_frames_and_its_pace(step, tmp_path):
+    seen = []
+    assert write_video(tmp_path / "step.gif", step, view=VIEWS["right"], progress=seen.append) == 21
+    with Image.open(tmp_path / "step.gif") as gif:
+        assert (gif.n_frames, gif.info["duration"], gif.size) == (21, 50, (400, 300))
+        first = np.asarray(gif.convert("RGB")).astype(float)
+        gif.seek(20)
+        last = np.asarray(gif.convert("RGB")).astype(float)
+    assert np.abs(last - first).max() > 50.0
+    np.testing.assert_allclose(seen, np.arange(21) / 20.0)
+    assert [path.name for path in tmp_path.iterdir()] == ["step.gif"]
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("rendering")
+def test_an_mp4_has_thirty_frames_a_second(step, tmp_path):
+    av = pytest.importorskip("av", reason="PyAV, of the extra video, is not installed")
+    assert write_video(tmp_path / "step.mp4", step) == 31
+    with av.open(str(tmp_path / "step.mp4")) as file:
+        stream = file.streams.video[0]
+        images = [frame.to_ndarray(format="rgb24").astype(float) for frame in file.decode(stream)]
+        assert (stream.average_rate, stream.width, stream.height) == (30, 800, 600)
+    assert len(images) == 31
+    assert np.abs(images[-1] - images[0]).max() > 50.0
+
+
+def test_an_mp4_without_pyav_is_refused_in_a_sentence(step, tmp_path, monkeypatch):
+    monkeypatch.setattr(video, "find_spec", lambda name: None)
+    with pytest.raises(MissingEncoderError, match=r"pip install 'drake-leg\[video\]'"):
+        write_video(tmp_path / "step.mp4", step)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_video_of_an_hour_is_refused(tmp_path):
+    motion = Motion(robot=PENDULUM, time=np.array([0.0, 3600.0]), q=np.zeros((2, 1)))
+    with pytest.raises(InvalidValueError, match="3600 s long; a video is at most 600 s"):
+        write_video(tmp_path / "long.gif", motion)
+
+
+def test_another_ending_is_refused(step, tmp_path):
+    with pytest.raises(OutputError, match=r"does not end in \.mp4 or \.gif"):
+        write_video(tmp_path / "step.avi", step)

@@ -1,0 +1,142 @@
+import math
+
+import numpy as np
+import pytest
+
+from drake_leg.errors import InvalidValueError, SingularConfigurationError
+from drake_leg.kinematics.leg import LegGeometry, foot_position
+from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.robot_file import read_robot
+from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.teleop.control import at_rest, control_step, drive_of
+
+DT = 1.0 / 30.0
+Q = np.radians([90.0, -50.0, -90.0])
+LEG = LegGeometry.from_robot(LEG_B)
+DESK = """
+name = "desk"
+angles = "deg"
+row = [
+  { sigma = 0, d = 0, alpha = 0, r = 0.1, theta = 0 },
+  { sigma = 0, d = 0, alpha = 90, r = 0, theta = 0, limits = { lower = -30, upper = 120 } },
+  { sigma = 0, d = 0.25, alpha = 0, r = 0, theta = 0 },
+  { sigma = "~", d = 0.2, alpha = 0, r = 0, theta = 0 },
+]
+"""
+
+
+def driven(drive, q, v, steps):
+    """Hold a command for some steps."""
+    taken = [control_step(drive, q, v, DT)]
+    while len(taken) < steps:
+        taken.append(control_step(drive, taken[-1].q, v, DT))
+    return taken
+
+
+@pytest.mark.parametrize(("robot", "q"), [(LEG_A, -Q * [-1, 1, 1]), (LEG_B, Q)])
+def test_far_from_singularities_the_foot_goes_where_it_is_told(robot, q, rng):
+    drive, leg = drive_of(robot), LegGeometry.from_robot(robot)
+    for _ in range(20):
+        v = rng.uniform(-0.1, 0.1, 3)
+        step = control_step(drive, q, v, DT)
+        goal = foot_position(leg, q) + v * DT
+        np.testing.assert_allclose(foot_position(leg, step.q), goal, atol=1e-9)
+        np.testing.assert_allclose(step.q, inverse_kinematics(leg, goal, q), atol=1e-8)
+        np.testing.assert_allclose(step.foot, goal, atol=1e-9)
+        assert (step.state, step.share, step.sentence) == ("free", pytest.approx(1.0), "")
+
+
+def test_without_a_command_nothing_moves():
+    step = control_step(drive_of(LEG_B), Q, [0.0, 0.0, 0.0], DT)
+    np.testing.assert_array_equal(step.q, Q)
+    assert step.state == "free"
+
+
+@pytest.mark.parametrize(
+    ("v", "said"),
+    [
+        ([0.1, 0.0, 0.0], "the leg is nearly stretched"),
+        ([0.0, 0.1, 0.02], "the leg is nearly stretched"),
+        ([0.0, 0.04, 0.1], "the leg is nearly folded"),
+        ([0.0, -0.1, 0.0], "the foot is nearly on the hip axis"),
+    ],
+)
+def test_the_guard_slows_the_foot_stops_it_and_lets_it_back(v, said):
+    drive = drive_of(LEG_B)
+    knee = foot_position(LEG, Q) * 0 + [0.0, LEG.l1, 0.0]
+    if "folded" in said:
+        v = 0.1 * (knee - foot_position(LEG, Q)) / np.linalg.norm(knee - foot_position(LEG, Q))
+    steps = driven(drive, Q, v, 250)
+    states = [step.state for step in steps]
+    assert states[0] == "free"
+    assert states[-1] == "stopped"
+    assert "slowed" in states
+    assert steps[-1].sentence == f"{said}: the foot is stopped; drive it another way"
+    sigmas = np.array([step.sigma_min for step in steps])
+    assert sigmas.min() >= drive.stop * (1.0 - 1e-9)
+    feet = np.array([step.foot for step in steps])
+    along = np.asarray(v) / np.linalg.norm(v)
+    way = feet - foot_position(LEG, Q)
+    np.testing.assert_allclose(way, np.outer(way @ along, along), atol=1e-6)  # a straight line
+    back = driven(drive, steps[-1].q, -np.asarray(v), 8)
+    assert back[-1].state == "free"
+    assert back[-1].sigma_min > drive.slow
+
+
+def test_the_share_is_that_of_the_way_that_was_gone():
+    drive = drive_of(LEG_B)
+    v = np.array([0.1, 0.0, 0.0])
+    before = foot_position(LEG, Q)
+    for step in driven(drive, Q, v, 120):
+        gone = np.linalg.norm(step.foot - before) / (0.1 * DT)
+        assert step.share == pytest.approx(gone, abs=1e-5)
+        before = step.foot
+
+
+def test_beside_the_boundary_the_foot_goes_freely_where_it_leads_inwards():
+    drive = drive_of(LEG_B)
+    stopped = driven(drive, Q, [0.1, 0.0, 0.0], 250)[-1]
+    radial = np.array([*stopped.foot[:2], 0.0]) / np.linalg.norm(stopped.foot[:2])
+    tangent = np.array([-radial[1], radial[0], 0.0])
+    step = control_step(drive, stopped.q, 0.05 * (tangent - 0.3 * radial), DT)
+    assert step.share > 0.9
+
+
+def test_no_joint_is_faster_than_its_greatest_rate(rng):
+    drive = drive_of(LEG_B)
+    q = Q
+    for _ in range(200):
+        step = control_step(drive, q, rng.uniform(-3.0, 3.0, 3), DT)
+        assert np.abs(step.q - q).max() <= drive.rate * DT * 1.1
+        assert step.sigma_min >= drive.stop * (1.0 - 1e-9)
+        q = step.q
+
+
+def test_a_joint_stays_inside_its_limits_and_comes_back():
+    drive = drive_of(read_robot(DESK, "desk"))
+    steps = driven(drive, np.radians([0.0, 80.0, -90.0]), [0.0, 0.0, -0.1], 400)
+    assert steps[-1].sentence.startswith(("the joint joint_2 is at its limit", "the robot is near"))
+    assert min(step.q[1] for step in steps) >= math.radians(-30.0)
+    assert control_step(drive, steps[-1].q, [0.0, 0.0, 0.1], DT).share > 0.5
+
+
+def test_a_singular_start_is_refused():
+    with pytest.raises(SingularConfigurationError, match="smallest singular value 0"):
+        at_rest(drive_of(LEG_B), [0.5, 0.3, 0.0])
+
+
+def test_from_inside_the_guard_one_can_only_go_out():
+    drive = drive_of(LEG_B)
+    q = np.array([0.5, 0.3, -0.02])
+    assert at_rest(drive, q).sigma_min < drive.stop
+    outwards = foot_position(LEG, q) - [LEG.l1 * math.cos(0.5), LEG.l1 * math.sin(0.5), 0.0]
+    v = 0.05 * outwards / np.linalg.norm(outwards)
+    assert control_step(drive, q, v, DT).state == "stopped"
+    assert driven(drive, q, -v, 30)[-1].state == "free"
+
+
+def test_what_cannot_be_driven_is_refused():
+    with pytest.raises(InvalidValueError, match="takes exactly three"):
+        drive_of(SCARA)
+    with pytest.raises(InvalidValueError):
+        control_step(drive_of(LEG_B), Q, [0.0, math.nan, 0.0], DT)
