@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import FrameIndex
 from pydrake.systems.framework import Context, Diagram
 
 from drake_leg.compare.comparison import Comparison
@@ -14,25 +12,30 @@ from drake_leg.compare.correspondence import Correspondence
 from drake_leg.compare.diagram_signals import DiagramSignals
 from drake_leg.compare.findings import Findings
 from drake_leg.compare.match_blocks import match_carriers, match_sinks
+from drake_leg.compare.match_frames import Alignment, align
 from drake_leg.compare.match_mechanism import match_mechanism
 from drake_leg.compare.match_motions import match_integrators, match_motions
+from drake_leg.compare.match_settings import (
+    match_boundaries,
+    match_nodes,
+    match_sensor,
+    match_settings,
+    miss_the_rest,
+)
 from drake_leg.compare.match_velocity import match_inverse_jacobian
 from drake_leg.compare.match_wires import match_wires, physical
 from drake_leg.compare.mechanism import Mechanism
 from drake_leg.compare.plant_mechanism import read_plant
-from drake_leg.compare.simulink_mechanism import Network, read_network, vector
+from drake_leg.compare.sensed import senses_rotation
+from drake_leg.compare.simulink_mechanism import Network, read_network
 from drake_leg.compare.simulink_signals import SimulinkSignals
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 from drake_leg.simulink.flatten import flatten
-from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.model import Model
 from drake_leg.systems.frame_sensor import FrameSensor
+from drake_leg.systems.joint_stops import JointStops
 from drake_leg.systems.prescribed_motion import PrescribedMotion
-
-SAME_PLACE = 1e-9  # [m]
-BOUNDARIES = ("SubSystem", "Inport", "Outport", "PMIOPort", "Goto", "From", "GotoTagVisibility")
-CONVERTERS = ("Simulink-PS Converter", "PS-Simulink Converter")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +44,7 @@ class LiveModel:
 
     diagram: Diagram
     root: Context  # as a run starts
-    robot: Robot | None  # whose colours the solids have
+    robot: Robot  # for the shapes and colours of its solids
     duration: float  # [s]
     scheme: str  # the integrator's name
 
@@ -73,33 +76,28 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     """
     flat = flatten(model)
     findings = Findings(strict=strict)
-    network = read_network(flat)
-    ours = SimulinkSignals(flat, network)
-    signals = DiagramSignals(live.diagram, live.root)
     plant = _plant(live.diagram)
     drake = _mechanism(live, plant)
-
-    senses_turn = network.sensor is not None and any(
-        ours.blocks[network.sensor].parameters.get(f"Sph{what}") == "on"
-        for what in ("SensePosition", "SenseVelocity")
-    )
-    match_mechanism(network, drake, ours.blocks, findings, orientation=senses_turn)
-    _match_sensor(network, drake, ours.blocks, findings, signals)
+    network, alignment = _aligned(flat, drake)
+    ours = SimulinkSignals(flat, network)
+    signals = DiagramSignals(live.diagram, live.root)
     findings.used.update({plant.get_name(), *signals.of_type(PrescribedMotion)})
-    _match_settings(flat, drake, live, findings, plant)
+
+    match_mechanism(network, drake, alignment, ours.blocks, findings)
+    match_sensor(network, drake, ours.blocks, findings, signals)
+    match_settings(
+        flat, drake, findings, plant=plant.get_name(), scheme=live.scheme, duration=live.duration
+    )
     correspondence = Correspondence(flat, network, ours, signals, findings)
-    for match in (
-        match_motions,
-        match_inverse_jacobian,
-        match_integrators,
-        match_carriers,
-        match_sinks,
-        match_wires,
-    ):
-        match(correspondence)
-    _match_boundaries(model, flat, findings)
-    _match_rest(flat, network, findings)
-    _match_nodes(flat, network, plant, findings)
+    match_motions(correspondence)
+    match_inverse_jacobian(correspondence)
+    match_integrators(correspondence)
+    match_carriers(correspondence)
+    match_sinks(correspondence)
+    match_boundaries(model, flat, findings)
+    miss_the_rest(flat, findings)
+    match_wires(correspondence)
+    match_nodes(flat, network, plant, findings)
     _add_extra(signals, findings)
     return findings.comparison
 
@@ -113,144 +111,35 @@ def _plant(diagram: Diagram) -> MultibodyPlant:
 
 def _mechanism(live: LiveModel, plant: MultibodyPlant) -> Mechanism:
     systems = live.diagram.GetSystems()
-    sensor = next((s for s in systems if isinstance(s, FrameSensor)), None)
-    foot = None
-    if sensor is not None and live.robot is not None:
-        foot = plant.GetFrameByName(f"frame_{len(live.robot.segments)}")
+    senses = any(isinstance(system, FrameSensor) for system in systems)
+    stops = [system for system in systems if isinstance(system, JointStops)]
+    links = [segment.link for segment in live.robot.segments]
     return read_plant(
         plant,
-        foot,
-        driven=any(isinstance(s, PrescribedMotion) for s in systems),
+        plant.GetFrameByName(f"frame_{len(live.robot.segments)}") if senses else None,
+        driven=any(isinstance(system, PrescribedMotion) for system in systems),
         state=plant.GetMyContextFromRoot(live.root),
-        colours=_colours(live.robot),
+        solids={link.name: link.solid for link in links if link and link.solid},
+        stops=stops[0].mechanics if stops else {},
     )
 
 
-def _colours(robot: Robot | None) -> dict[str, tuple[float, ...]]:
-    links = [segment.link for segment in robot.segments] if robot else []
-    return {link.name: link.solid.colour for link in links if link and link.solid}
+def _aligned(flat: Model, drake: Mechanism) -> tuple[Network, Alignment]:
+    """Lay the chains beside each other; joints that point backwards are read the likelier way."""
 
+    def beside(network: Network) -> Alignment:
+        sensor = next((b for b in flat.blocks if b.sid == network.sensor), None)
+        orientation = sensor is not None and senses_rotation(sensor)
+        return align(network.mechanism, drake, orientation=orientation)
 
-def _match_sensor(
-    network: Network,
-    drake: Mechanism,
-    blocks: dict[str, Block],
-    findings: Findings,
-    signals: DiagramSignals,
-) -> None:
-    if network.sensor is None:
-        return
-    block = blocks[network.sensor]
-    names = signals.of_type(FrameSensor)
-    sensed = [i for i, places in enumerate(drake.bodies) if any(p.role == "foot" for p in places)]
-    ours = next(
-        i
-        for i, places in enumerate(network.mechanism.bodies)
-        if any(p.sid == block.sid for p in places)
-    )
-    if not names:
-        findings.miss(block, "the diagram senses no frame against another")
-        return
-    findings.used.update(names)
-    findings.check(
-        block, "body that is sensed, counted from the base", float(ours), float(sensed[0])
-    )
-    findings.match(block, f"{names[0]!r}")
-
-
-def _match_settings(
-    model: Model, drake: Mechanism, live: LiveModel, findings: Findings, plant: MultibodyPlant
-) -> None:
-    """World, gravity and solver."""
-    has_gravity = False
-    for block in model.blocks:
-        if block.kind == "World Frame":
-            findings.match(block, f"world frame of {plant.get_name()!r}")
-        elif block.kind == "Reference Frame":
-            findings.match(block, "a frame of the plant")
-        elif block.kind == "Mechanism Configuration":
-            has_gravity = True
-            uniform = block.parameters.get("UniformGravity", "Constant") == "Constant"
-            value = vector(block.parameters.get("GravityVector")) if uniform else (0.0, 0.0, 0.0)
-            checked = findings.check(block, "GravityVector", value, drake.gravity, unit="m/s^2")
-            findings.match(block, f"gravity of {plant.get_name()!r}", parameters=[checked])
-        elif block.kind == "Solver Configuration":
-            findings.match(block, f"the Simulator's integrator, {live.scheme}")
-    if not has_gravity and any(drake.gravity):
-        findings.differ(
-            "", "(model)", "GravityVector", (0.0, 0.0, 0.0), drake.gravity, unit="m/s^2"
-        )
-    stop = model.solver.get("StopTime")
-    if isinstance(stop, float) and not np.isclose(stop, live.duration, rtol=1e-12, atol=0.0):
-        findings.differ("", "(solver)", "StopTime", stop, live.duration, unit="s")
-    findings.comparison.matched.append(
-        {
-            "what": "solver",
-            "name": str(model.solver.get("Solver", "")),
-            "counterpart": f"integrator {live.scheme}, fixed steps chosen beforehand",
-            "parameters": [
-                {"parameter": "StopTime", "simulink": stop, "drake": live.duration, "unit": "s"}
-            ],
-        }
-    )
-
-
-def _match_boundaries(model: Model, flat: Model, findings: Findings) -> None:
-    """What only groups and leads on: subsystems, their ports, Goto and From."""
-    leaves = {block.sid for block in flat.blocks}
-    for block in model.blocks:
-        if block.sid not in leaves:
-            findings.match(block, "the blocks and wires that it holds or joins")
-
-
-def _match_rest(flat: Model, network: Network, findings: Findings) -> None:
-    """Whatever has found no counterpart so far."""
-    for block in flat.blocks:
-        if block.sid in findings.seen:
-            continue
-        if block.kind in CONVERTERS:
-            findings.miss(block, "it is connected to no joint or sensor of the chain")
-        elif block.source.startswith("sm_lib"):
-            findings.miss(block, "the Drake model has nothing of this kind")
-        else:
-            findings.miss(block, "no block of the diagram does this")
-
-
-def _match_nodes(flat: Model, network: Network, plant: MultibodyPlant, findings: Findings) -> None:
-    """Name the frame, or the signal at a joint, that every physical connection stands for."""
-    frames = _frames(plant)
-    for index, node in enumerate(flat.nodes):
-        item = {"what": "node", "ports": list(node)}
-        if index not in network.frames:
-            counterpart = "a signal of a joint or a sensor"
-        else:
-            body, X = network.frames[index]
-            near = [
-                name
-                for other, name, p in frames
-                if other == body and np.abs(p - X[:3, 3]).max() < SAME_PLACE
-            ]
-            shown = ", ".join(f"{value:.6g}" for value in X[:3, 3])
-            counterpart = f"frame {near[0]!r}" if near else f"a pose of link {body} at ({shown}) m"
-        findings.comparison.matched.append({**item, "counterpart": counterpart})
-
-
-def _frames(plant: MultibodyPlant) -> list[tuple[int, str, Array]]:
-    """List the plant's frames: number of the joint that carries it, name, place in that link."""
-    context = plant.CreateDefaultContext()
-    plant.SetPositions(context, np.zeros(plant.num_positions()))
-    joints = [
-        joint for joint in map(plant.get_joint, plant.GetJointIndices()) if joint.num_velocities()
-    ]
-    roots = [plant.world_frame(), *(joint.frame_on_child() for joint in joints)]
-    welded = [set(plant.GetBodiesWeldedTo(root.body())) for root in roots]
-    found = []
-    for index in range(plant.num_frames()):
-        frame = plant.get_frame(FrameIndex(index))
-        for number, root in enumerate(roots):
-            if frame.body() in welded[number]:
-                found.append((number, frame.name(), frame.CalcPose(context, root).translation()))
-    return found
+    network = read_network(flat)
+    alignment = beside(network)
+    if network.turned:
+        drawn = read_network(flat, taken_as_drawn=network.turned)
+        other = beside(drawn)
+        if len(other.misses) + len(drawn.exchanged) < len(alignment.misses):
+            return drawn, other
+    return network, alignment
 
 
 def _add_extra(signals: DiagramSignals, findings: Findings) -> None:

@@ -10,7 +10,7 @@ from drake_leg.compare.diagram_signals import DiagramSignals
 from drake_leg.compare.findings import Findings
 from drake_leg.compare.signals import Atom, Scalar, Signal, close
 from drake_leg.compare.simulink_mechanism import Network
-from drake_leg.compare.simulink_signals import CARRIERS, SimulinkSignals
+from drake_leg.compare.simulink_signals import SimulinkSignals
 from drake_leg.simulink.model import Block, Model
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.prescribed_motion import PrescribedMotion
@@ -35,7 +35,6 @@ class Correspondence:
     live_names: dict[Atom, Atom] = field(default_factory=dict)  # the diagram's atoms -> roles
     counterparts: dict[str, set[str]] = field(default_factory=dict)  # SID -> live blocks
     wrong: set[str] = field(default_factory=set)  # the model's inputs that take another signal
-    sine_sids: dict[Atom, str] = field(default_factory=dict)  # sine -> SID of its block
 
     def __post_init__(self) -> None:
         for name in self.live.of_type(PrescribedMotion):
@@ -46,10 +45,6 @@ class Correspondence:
                 for index in range(self.live.systems[name].GetOutputPort(port).size()):
                     own = Atom(kind="function", of=name, what=port, index=index)
                     self.live_names[own] = function_role(what, index)
-        for block in self.model.blocks:
-            if block.type == "Sin":
-                for scalar in self.ours.output(f"{block.sid}#out:1"):
-                    self.sine_sids |= dict.fromkeys(scalar.terms, block.sid)
 
     def role(self, signal: Signal | None) -> Signal:
         """Write a signal of the model in roles.
@@ -138,31 +133,37 @@ class Correspondence:
             }
         )
 
-    def before(self, port: str) -> list[str]:
-        """List the blocks that a signal passes on its way to an input, up to its origins.
+    def origins(self, scalar: Scalar, *types: str) -> list[Block]:
+        """List the blocks of some types that a signal comes from or has passed.
 
         Parameters
         ----------
-        port : str
-            ``SID#in:1``.
+        scalar : Scalar
+            Of the model.
+        *types : str
+            Block types.
 
         Returns
         -------
-        list of str
-            SIDs, in the order of the ports on the way.
+        list of Block
+            In the model's order.
         """
-        sources = {wire.target: wire.source for wire in self.model.wires}
-        found: list[str] = []
-        queue = [port]
-        while queue:
-            sid = sources.get(queue.pop(0), "").partition("#")[0]
-            if sid in found or sid not in self.ours.blocks:
-                continue
-            found.append(sid)
-            if self.block(sid).type in CARRIERS:
-                ports = [target for target in sources if target.startswith(f"{sid}#in:")]
-                queue = sorted(ports, key=lambda one: int(one.rpartition(":")[2])) + queue
-        return found
+        return [b for b in self.model.blocks if b.sid in scalar.origins and b.type in types]
+
+    def unit_of(self, joint: int) -> str:
+        """Return the SI unit of a joint's position.
+
+        Parameters
+        ----------
+        joint : int
+            Its number.
+
+        Returns
+        -------
+        str
+        """
+        turns = self.network.mechanism.joints[joint - 1].type == "revolute"
+        return "rad" if turns else "m"
 
     def integrated(self) -> dict[int, tuple[str, Scalar | None]]:
         """Find the integrators of the joints' motions.

@@ -90,7 +90,8 @@ class DiagramSignals:
         """
         key = (block, port)
         if key not in self._known:
-            self._known[key] = self._signal(self.systems[block], port)
+            signal = self._signal(self.systems[block], port)
+            self._known[key] = tuple(scalar.through(block) for scalar in signal)
         return self._known[key]
 
     def of_type(self, kind: type) -> list[str]:
@@ -146,7 +147,7 @@ class DiagramSignals:
         if isinstance(system, Integrator):
             state = system.GetMyContextFromRoot(self._root).get_continuous_state_vector()
             return tuple(
-                Scalar(value, {Atom(kind="integral", of=name, index=index): 1.0})
+                Scalar(value, {Atom(kind="integral", of=name, index=index, name=name): 1.0})
                 for index, value in enumerate(state.CopyToVector().tolist())
             )
         if isinstance(system, InputFilter) and port == "q":
@@ -183,7 +184,7 @@ class DiagramSignals:
 
 def _atoms(system: System, port: str, kind: str, of: str, what: str) -> Signal:
     size = system.GetOutputPort(port).size()
-    return atoms(Atom(kind=kind, of=of, what=what, index=index) for index in range(size))
+    return atoms(Atom(kind=kind, of=of, what=what, index=index, name=of) for index in range(size))
 
 
 def _sine(system: Sine, port: str) -> Signal:

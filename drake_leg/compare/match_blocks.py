@@ -8,12 +8,11 @@ from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_leg.compare.correspondence import Correspondence
 from drake_leg.compare.signals import Scalar, close
-from drake_leg.compare.simulink_signals import CARRIERS
+from drake_leg.compare.simulink_signals import SINKS, unit_factor
 from drake_leg.simulink.model import Block
 
-SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "Outport", "XY Graph", "Record")
 UNCONNECTED = "an output that stays unconnected"
-SCALES = (1.0, 1e2, 1e3, 1e4, 1e6, 1e9, 180.0 / math.pi, 30.0 / math.pi)  # units on a scope
+SCALES = (1.0, 1e2, 1e3, 180.0 / math.pi, 30.0 / math.pi)  # units of what a scope shows
 LIKELY = {  # what the live block's name begins with, where several carry the signal
     "Mux": "Mux",
     "Demux": "Demux",
@@ -34,7 +33,7 @@ def match_carriers(c: Correspondence) -> None:
     for block in c.model.blocks:
         if block.type == "Terminator":
             c.findings.match(block, UNCONNECTED)
-        elif block.type in CARRIERS or block.kind == "PS-Simulink Converter":
+        elif c.ours.is_carrier(block):
             _match_carrier(c, block)
 
 
@@ -61,11 +60,10 @@ def _match_carrier(c: Correspondence, block: Block) -> None:
         return
     scalars = [s for port in ports for s in c.role(c.ours.output(port)) if s.shape]
     names = [_carriers_of(c, scalar) for scalar in scalars]
-    for scalar, found in zip(scalars, names, strict=True):
-        if not found:
-            c.findings.miss(block, f"no block of the diagram gives {scalar}")
     best = [_preferred(block, found) for found in names if found]
-    if block.sid not in c.findings.seen:
+    if scalars and not best:
+        c.findings.miss(block, f"no block of the diagram gives {scalars[0]}")
+    else:
         c.stands_for(block.sid, best or c.live.of_type(ConstantVectorSource))
 
 
@@ -113,9 +111,11 @@ def _best_scope(names: list[str], wanted: str, taken: list[str]) -> str:
 
 def _check_scale(c: Correspondence, block: Block, ours: Scalar, live: Scalar) -> None:
     """A scope may show another unit; any other factor is a gain that the diagram lacks."""
+    if any(atom.kind == "sine" for atom in ours.terms):
+        return
+    converters = [b for b in c.model.blocks if b.kind == "PS-Simulink Converter"]
+    unit = math.prod(unit_factor(b) for b in converters if b.sid in ours.origins)
     for atom, factor in ours.terms.items():
-        if atom.kind == "sine":
-            continue
-        ratio = factor / live.terms[atom]
+        ratio = factor * unit / live.terms[atom]
         if not any(close(ratio, unit) or close(ratio, 1.0 / unit) for unit in SCALES):
             c.findings.differ(block.sid, block.name, f"factor of {atom}", ratio, 1.0)

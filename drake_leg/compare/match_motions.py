@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydrake.systems.primitives import Integrator
 
+from drake_leg.compare.block_laws import number
 from drake_leg.compare.comparison import Item
 from drake_leg.compare.correspondence import (
     Correspondence,
@@ -12,12 +13,14 @@ from drake_leg.compare.correspondence import (
     same_factors,
 )
 from drake_leg.compare.signals import Scalar, close
-from drake_leg.compare.simulink_mechanism import number
+from drake_leg.compare.simulink_signals import is_integrator
 from drake_leg.simulink.model import Block
 from drake_leg.systems.input_filter import TIME_CONSTANT
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 
 FILTER_ORDER = 2.0  # of a converter that leads to a motion input
+PLAIN = {"LimitOutput": "off", "WrapState": "off", "ExternalReset": "none"}  # an integrator
+DERIVATIVES = ("qdot", "qddot")
 
 
 def match_motions(c: Correspondence) -> None:
@@ -48,7 +51,7 @@ def match_motions(c: Correspondence) -> None:
 
 
 def match_integrators(c: Correspondence) -> None:
-    """Compare what is integrated into every joint's position.
+    """Compare what is integrated into every joint's position, and its derivatives where wired.
 
     Parameters
     ----------
@@ -62,36 +65,57 @@ def match_integrators(c: Correspondence) -> None:
         name, theirs = live[joint]
         mine = None if scalar is None else scalar.renamed(c.names)
         c.stands_for(sid, [name])
+        _check_integrator(c, c.block(sid))
         if mine is None or mine.shape != theirs.shape or not same_factors(mine, theirs):
             c.differs(f"{sid}#in:1", f"rate of joint {joint}", mine, theirs)
-        for other in _on_the_way(c, joint):
-            if c.block(other).type == "Constant":
-                c.stands_for(other, [name], f"initial state of {name!r}")
+    for sid, joint in c.network.joints.items():
+        signal = c.ours.motion(sid)
+        if signal and joint in live:
+            for block in c.origins(signal[0], "Constant"):
+                name = live[joint][0]
+                c.stands_for(block.sid, [name], f"initial state of {name!r}")
+        _compare_derivatives(c, sid, joint)
 
 
 def _compare_motion(
     c: Correspondence, converter: Block, joint: int, ours: Scalar, live: Scalar
 ) -> None:
-    port = f"{converter.sid}#in:1"
     if ours.shape != live.shape or not same_factors(ours, live):
-        c.differs(port, f"position of joint {joint} [rad or m]", ours, live)
+        c.differs(f"{converter.sid}#in:1", f"position of joint {joint}", ours, live)
     elif not close(ours.constant, live.constant):
-        setting = _initial_blocks(c, port) or [converter]
+        constants = c.origins(ours, "Constant")
+        integrators = [b for b in c.model.blocks if b.sid in ours.origins and is_integrator(b)]
+        setting = constants or integrators or [converter]
         c.findings.differ(
             ", ".join(block.sid for block in setting),
             ", ".join(block.name for block in setting),
             f"initial position of joint {joint}",
             ours.constant,
             live.constant,
-            unit="rad or m",
+            unit=c.unit_of(joint),
         )
 
 
-def _initial_blocks(c: Correspondence, port: str) -> list[Block]:
-    """Find the blocks that set an initial position: constants, or integrators alone."""
-    before = [c.block(sid) for sid in c.before(port)]
-    constants = [block for block in before if block.type == "Constant"]
-    return constants or [block for block in before if block.type == "Integrator"]
+def _compare_derivatives(c: Correspondence, sid: str, joint: int) -> None:
+    """Compare the derivatives that a converter takes, where the model wires them."""
+    motion = next(iter(c.live.of_type(PrescribedMotion)), None)
+    converter = c.ours.converter(sid)
+    for order, port in enumerate(DERIVATIVES, start=1):
+        signal = c.role(c.ours.motion(sid, order))
+        live = c.live_role(c.live.input(motion, port)) if motion else ()
+        if converter is None or not signal or joint > len(live):
+            continue
+        mine, theirs = signal[0], live[joint - 1]
+        if mine.shape != theirs.shape or not same_factors(mine, theirs):
+            what = f"derivative {order} of joint {joint}"
+            c.differs(f"{converter.sid}#in:{order + 1}", what, mine, theirs)
+
+
+def _check_integrator(c: Correspondence, block: Block) -> None:
+    for name, plain in PLAIN.items():
+        c.findings.check(block, name, str(block.parameters.get(name, plain)), plain)
+    if block.type == "DiscreteIntegrator":
+        c.findings.differ(block.sid, block.name, "time", "discrete", "continuous")
 
 
 def _check_filter(c: Correspondence, converter: Block) -> Item:
@@ -102,12 +126,6 @@ def _check_filter(c: Correspondence, converter: Block) -> Item:
     constant = number(get("InputFilterTimeConstant"), TIME_CONSTANT)
     ours = f"order {order:g}, {constant:g} s" if filtered else "none"
     return c.findings.check(converter, "input filter", ours, c.live.input_filter(), counts=False)
-
-
-def _on_the_way(c: Correspondence, joint: int) -> list[str]:
-    sid = next(sid for sid, number in c.network.joints.items() if number == joint)
-    converter = c.ours.converter(sid)
-    return c.before(f"{converter.sid}#in:1") if converter else []
 
 
 def _live_rates(c: Correspondence) -> dict[int, tuple[str, Scalar]]:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from pydrake.systems.primitives import ConstantVectorSource, Sine
 
+from drake_leg.compare.block_laws import number
 from drake_leg.compare.comparison import Item
 from drake_leg.compare.correspondence import Correspondence
-from drake_leg.compare.inverse import match_function
-from drake_leg.compare.signals import Scalar, Signal, close
+from drake_leg.compare.inverse import Match, match_function
+from drake_leg.compare.signals import Atom, Scalar, close
 from drake_leg.simulink.model import Block
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 SINE = (("Frequency", "rad/s"), ("Phase", "rad"), ("Amplitude", "m/s"))
+TIMED = {"SineType": "Time based", "TimeSource": "Use simulation time"}
 STILL = ("Constant", "Ground")
 
 
@@ -24,26 +26,28 @@ def match_inverse_jacobian(c: Correspondence) -> None:
         With the roles of the integrals; those of the function's outputs are noted there.
     """
     name = next(iter(c.live.of_type(InverseJacobian)), None)
-    outputs = {
-        atom
-        for _, scalar in c.integrated().values()
-        for atom in (scalar.terms if scalar else ())
-        if atom.kind == "function"
-    }
-    if not outputs or name is None:
+    sid = _function(c)
+    if sid is None or name is None:
         return
-    sids = sorted(atom.of for atom in outputs)
-    sid = max(sids, key=sids.count)
-    rates = sorted((a for a in outputs if a.of == sid), key=lambda a: (int(a.what), a.index))
-    found = match_function(c.ours, sid, c.live.systems[name], rates, _commanded(c))
+    found = match_function(c.ours, sid, c.live.systems[name], _commanded(c))
     c.names |= found.names
     for parameter, ours, live in found.findings:
         c.findings.differ(sid, c.block(sid).name, parameter, ours, live)
     c.stands_for(sid, [name], unit_of_length_m=found.unit)
     _compare_positions(c, sid, name, found.joints_from)
-    live_velocity = c.live_role(c.live.input(name, "v"))
-    _compare_velocity(c, sid, found.velocity, live_velocity)
-    _match_sources(c, sid, found.velocity, live_velocity)
+    _compare_velocity(c, sid, name, found)
+
+
+def _function(c: Correspondence) -> str | None:
+    """Find the MATLAB Function that the joints' motions come from, or the only one there is."""
+    on_the_way = [
+        atom.of
+        for _, scalar in c.integrated().values()
+        for atom in (scalar.terms if scalar else ())
+        if atom.kind == "function"
+    ]
+    candidates = sorted(on_the_way) or list(c.ours.programs)
+    return max(candidates, key=candidates.count) if candidates else None
 
 
 def _commanded(c: Correspondence) -> dict[int, Scalar]:
@@ -65,13 +69,16 @@ def _compare_positions(c: Correspondence, sid: str, name: str, joints_from: dict
             c.findings.differ(sid, c.block(sid).name, f"position of joint {joint}", ours, live)
 
 
-def _compare_velocity(c: Correspondence, sid: str, ours: Signal, live: Signal) -> None:
-    for axis, mine, theirs in zip("xyz", ours, live, strict=False):
+def _compare_velocity(c: Correspondence, sid: str, name: str, found: Match) -> None:
+    live = c.live_role(c.live.input(name, "v"))
+    for axis, mine, theirs in zip("xyz", found.velocity, live, strict=False):
+        _match_sources(c, mine, theirs)
         if mine.shape != theirs.shape:
-            c.differs(f"{sid}#in:1", f"wanted velocity {axis} [m/s]", mine, theirs)
+            port = found.ports["xyz".index(axis)] if found.ports else f"{sid}#in:1"
+            c.differs(port, f"wanted velocity {axis} [m/s]", mine, theirs)
             continue
         if not close(mine.constant, theirs.constant):
-            block = _constant_before(c, sid)
+            block = _setting(c, mine) or c.block(sid)
             c.findings.differ(
                 block.sid,
                 block.name,
@@ -83,50 +90,58 @@ def _compare_velocity(c: Correspondence, sid: str, ours: Signal, live: Signal) -
         _compare_sines(c, mine, theirs)
 
 
+def _match_sources(c: Correspondence, ours: Scalar, live: Scalar) -> None:
+    """Name the sources that a component comes from on both sides."""
+    for types, kind in ((("Sin",), Sine), (STILL, ConstantVectorSource)):
+        names = [n for n in c.live.of_type(kind) if n in live.origins]
+        for block in c.origins(ours, *types):
+            if names and types == ("Sin",):
+                c.stands_for(block.sid, names, parameters=_numbers(c, block, ours, live))
+            elif names:
+                c.stands_for(block.sid, names)
+
+
+def _setting(c: Correspondence, scalar: Scalar) -> Block | None:
+    """Find the block that sets a constant part: a constant that is not zero, or a sine's bias."""
+    constants = c.origins(scalar, *STILL)
+    moving = [block for block in constants if number(block.parameters.get("Value")) != 0.0]
+    biased = [b for b in c.origins(scalar, "Sin") if number(b.parameters.get("Bias")) != 0.0]
+    return next(iter([*moving, *biased, *constants, *c.origins(scalar, "Sin")]), None)
+
+
 def _compare_sines(c: Correspondence, ours: Scalar, live: Scalar) -> None:
     if len(ours.sines) != len(live.sines):
         return
     atoms = sorted((a for a in ours.terms if a.kind == "sine"), key=lambda a: a.numbers)
     for atom, mine, theirs in zip(atoms, ours.sines, live.sines, strict=True):
-        block = c.block(c.sine_sids[atom])
-        for (name, unit), a, b in zip(SINE, mine, theirs, strict=True):
-            if not close(a, b):
-                c.findings.differ(block.sid, block.name, name, a, b, unit=unit)
+        for block in _blocks_of(c, atom, ours):
+            _check_sine(c, block)
+            for (name, unit), a, b in zip(SINE, mine, theirs, strict=True):
+                if not close(a, b):
+                    c.findings.differ(block.sid, block.name, name, a, b, unit=unit)
 
 
-def _match_sources(c: Correspondence, sid: str, ours: Signal, live: Signal) -> None:
-    """Name the sources: sines with their numbers, constants in the order of their ports."""
-    count = len(c.ours.programs[sid].inputs)
-    before = [other for place in range(count) for other in c.before(f"{sid}#in:{place + 1}")]
-    constants = c.live.of_type(ConstantVectorSource)
-    still = [other for other in before if c.block(other).type in STILL]
-    for other in before:
-        if c.block(other).type == "Sin":
-            c.stands_for(other, c.live.of_type(Sine), parameters=_numbers(c, ours, live, other))
-    for other, constant in zip(still, constants, strict=False):
-        c.stands_for(other, [constant])
-    if still:
-        c.stands_for(still[-1], constants[len(still) :])
+def _check_sine(c: Correspondence, block: Block) -> None:
+    for name, plain in TIMED.items():
+        c.findings.check(block, name, str(block.parameters.get(name, plain)), plain)
 
 
-def _numbers(c: Correspondence, ours: Signal, live: Signal, sid: str) -> list[Item]:
-    """Both sides' numbers of a sine, as far as they belong together."""
-    for mine, theirs in zip(ours, live, strict=False):
-        own = [a for a in mine.terms if a.kind == "sine" and c.sine_sids.get(a) == sid]
-        if own and theirs.sines:
-            values = (*own[0].numbers, mine.terms[own[0]])
-            return [
-                {"parameter": name, "simulink": a, "drake": b, "unit": unit}
-                for (name, unit), a, b in zip(SINE, values, theirs.sines[0], strict=True)
-            ]
-    return []
-
-
-def _constant_before(c: Correspondence, sid: str) -> Block:
-    """Find the block that most likely sets a constant velocity."""
-    count = len(c.ours.programs[sid].inputs)
-    before = [
-        c.block(other) for place in range(count) for other in c.before(f"{sid}#in:{place + 1}")
+def _blocks_of(c: Correspondence, atom: Atom, scalar: Scalar) -> list[Block]:
+    """Find the Sine Waves that a term of a signal comes from."""
+    return [
+        block
+        for block in c.origins(scalar, "Sin")
+        if any(atom in one.terms for one in c.ours.output(f"{block.sid}#out:1"))
     ]
-    moving = [b for b in before if b.type == "Constant" and b.parameters.get("Value") != 0.0]
-    return next(iter([*moving, *(b for b in before if b.type == "Sin")]), c.block(sid))
+
+
+def _numbers(c: Correspondence, block: Block, ours: Scalar, live: Scalar) -> list[Item]:
+    """Both sides' numbers of a sine."""
+    own = [a for a in ours.terms if a.kind == "sine" and block in _blocks_of(c, a, ours)]
+    if not own or not live.sines:
+        return []
+    values = (own[0].numbers[0], own[0].numbers[1], ours.terms[own[0]])
+    return [
+        {"parameter": name, "simulink": a, "drake": b, "unit": unit}
+        for (name, unit), a, b in zip(SINE, values, live.sines[0], strict=True)
+    ]

@@ -9,7 +9,6 @@ from drake_leg.compare.correspondence import Correspondence, listed
 from drake_leg.compare.diagram_signals import DiagramSignals
 from drake_leg.compare.match_blocks import UNCONNECTED
 from drake_leg.compare.signals import Atom
-from drake_leg.compare.simulink_signals import CARRIERS
 from drake_leg.diagrams.wiring import Wire as LiveWire
 from drake_leg.simulink.model import Wire
 from drake_leg.systems.frame_sensor import FrameSensor
@@ -84,10 +83,10 @@ def _match_wire(c: Correspondence, wire: Wire, item: dict[str, str]) -> None:
 def _carrying(c: Correspondence, shapes: list[Shape], source: str, target: str) -> list[LiveWire]:
     """Find the live connections that carry signals of these shapes, the likeliest alone.
 
-    Empty where one of the signals is nowhere in the diagram.
+    Empty where none of the signals is in the diagram.
     """
     from_, into = c.counterparts.get(source, set()), c.counterparts.get(target, set())
-    carrier = c.block(target).type in CARRIERS
+    carrier = c.ours.is_carrier(c.block(target))
     if not shapes:
         still = [wire for wire in c.live.wires if not any(_shapes(c, wire))]
         return [wire for wire in still if wire.source in from_ and wire.target in into]
@@ -95,7 +94,7 @@ def _carrying(c: Correspondence, shapes: list[Shape], source: str, target: str) 
     for shape in shapes:
         wires = [wire for wire in c.live.wires if shape in _shapes(c, wire)]
         if not wires:
-            return []
+            continue
         best = max(wires, key=lambda wire: _rank(c, wire, from_, into, carrier=carrier))
         if best not in found:
             found.append(best)

@@ -31,8 +31,9 @@ class Shape:
 
     kind: str  # "brick", "cylinder", "sphere", "other"
     size: tuple[float, ...]  # [m]: three edges; radius and length; radius
-    density: float  # [kg/m^3]
+    density: float | None  # [kg/m^3]; None where the mass is said outright
     mass: float  # [kg]
+    moments: tuple[float, ...] = ()  # [kg*m^2], said outright or of the plant's body
     colour: tuple[float, ...] = ()
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -19,8 +18,12 @@ from pydrake.multibody.tree import Joint as PlantJoint
 from pydrake.systems.framework import Context
 
 from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape
+from drake_leg.joint_mechanics import JointMechanics
+from drake_leg.kinematics.batches import Array
+from drake_leg.robot import Brick, Cylinder, Solid, Sphere
 
 DIGITS = 12  # of a size or a density that follows from moments of inertia
+SHAPES = {Brick: "brick", Cylinder: "cylinder", Sphere: "sphere"}
 MOVING = {RevoluteJoint: "revolute", PrismaticJoint: "prismatic"}
 
 
@@ -30,13 +33,13 @@ def read_plant(
     *,
     driven: bool,
     state: Context,
-    colours: Mapping[str, tuple[float, ...]] | None = None,
+    solids: Mapping[str, Solid] | None = None,
+    stops: Mapping[str, JointMechanics] | None = None,
 ) -> Mechanism:
     """Read a plant's chain, gravity, joint mechanics and solids.
 
     The joints move about or along the z axes of their frames, as in every plant built from a
-    Khalil table. A body's solid is read as the brick that has its mass and moments of inertia;
-    ``reshaped`` reads it as a cylinder or a sphere.
+    Khalil table.
 
     Parameters
     ----------
@@ -48,8 +51,10 @@ def read_plant(
         Whether the joints follow a prescribed motion.
     state : Context
         The plant's own, as a run starts.
-    colours : mapping, optional
-        Link -> red, green, blue in 0 ... 1; a plant without a scene has none.
+    solids : mapping, optional
+        Link -> its solid, for shape and colour, which a plant without a scene does not keep.
+    stops : mapping, optional
+        Joint -> mechanics of those whose limits push back.
 
     Returns
     -------
@@ -74,7 +79,7 @@ def read_plant(
     for index, members in enumerate(bodies[1:], start=1):
         for body in sorted(members, key=lambda member: int(member.index())):
             if body.default_mass() > 0.0:
-                places[index].append(_solid(body, frames[index], context, colours or {}))
+                places[index].append(_solid(body, frames[index], context, solids or {}))
     if foot is not None:
         add(foot, "foot", foot.name())
     return Mechanism(
@@ -84,7 +89,8 @@ def read_plant(
                 number=number,
                 name=joint.name(),
                 type=MOVING[type(joint)],
-                parameters=_parameters(plant, joint, driven=driven, state=state),
+                parameters=_parameters(plant, joint, driven=driven, state=state)
+                | _stop_parameters((stops or {}).get(joint.name())),
             )
             for number, joint in enumerate(moving, start=1)
         ),
@@ -92,63 +98,48 @@ def read_plant(
     )
 
 
-def reshaped(shape: Shape, kind: str) -> Shape:
-    """Read a brick's mass and moments as those of another solid.
-
-    Parameters
-    ----------
-    shape : Shape
-        A brick of a plant's body.
-    kind : str
-        "brick", "cylinder" or "sphere".
-
-    Returns
-    -------
-    Shape
-        With that solid's size and density.
-    """
-    a, b, c = shape.size
-    moments = [shape.mass * (u * u + v * v) / 12.0 for u, v in ((b, c), (a, c), (a, b))]
-    if kind == "sphere":
-        radius = math.sqrt(2.5 * sum(moments) / 3.0 / shape.mass)
-        return _sized(shape, kind, (radius,), 4.0 / 3.0 * math.pi * radius**3)
-    if kind == "cylinder":
-        radius = math.sqrt(2.0 * moments[2] / shape.mass)
-        length = math.sqrt(max(6.0 * (moments[0] + moments[1] - moments[2]) / shape.mass, 0.0))
-        return _sized(shape, kind, (radius, length), math.pi * radius**2 * length)
-    return shape
-
-
-def _sized(shape: Shape, kind: str, size: tuple[float, ...], volume: float) -> Shape:
-    density = shape.mass / volume if volume > 0.0 else math.nan
-    return replace(shape, kind=kind, size=tuple(map(_tidy, size)), density=_tidy(density))
-
-
-def _tidy(value: float) -> float:
-    """Leave out the digits that the way through the moments of inertia has made up."""
-    return float(f"{value:.{DIGITS}g}")
-
-
-def _solid(
-    body: RigidBody, frame: Frame, context: Context, colours: Mapping[str, tuple[float, ...]]
-) -> Place:
-    """Read a body as the homogeneous brick with its mass and moments of inertia."""
+def _solid(body: RigidBody, frame: Frame, context: Context, solids: Mapping[str, Solid]) -> Place:
+    """Read the size and density of a body's solid off its mass and moments of inertia."""
     M = body.default_spatial_inertia()
     mass, centre = M.get_mass(), M.get_com()
     inertia = M.Shift(centre).CalcRotationalInertia().CopyToFullMatrix3()
     moments, axes = np.linalg.eigh(inertia)
     if np.allclose(inertia, np.diag(np.diag(inertia)), rtol=0.0, atol=1e-9 * moments.sum()):
         moments, axes = np.diag(inertia), np.eye(3)
-    half = moments.sum() / 2.0
-    edges = np.sqrt(np.maximum(12.0 * (half - moments) / mass, 0.0))
     X = body.body_frame().CalcPose(context, frame).GetAsMatrix4()
     placed = np.eye(4)
     placed[:3, :3] = axes * np.sign(np.linalg.det(axes))
     placed[:3, 3] = centre
-    colour = colours.get(body.name(), ())
-    shape = Shape(kind="brick", size=(), density=math.nan, mass=mass, colour=colour)
-    shape = _sized(shape, "brick", tuple(edges.tolist()), float(np.prod(edges)))
+    solid = solids.get(body.name())
+    kind = "brick" if solid is None else SHAPES[type(solid.shape)]
+    size, volume = _size(kind, mass, moments)
+    shape = Shape(
+        kind=kind,
+        size=tuple(map(_tidy, size)),
+        density=_tidy(mass / volume) if volume > 0.0 else None,
+        mass=mass,
+        moments=tuple(map(_tidy, moments.tolist())),
+        colour=solid.colour if solid else (),
+    )
     return Place(role="solid", name=body.name(), X_M=X @ placed, shape=shape)
+
+
+def _size(kind: str, mass: float, moments: Array) -> tuple[tuple[float, ...], float]:
+    """Edges, radius and length, or radius of the homogeneous solid with these moments; volume."""
+    x, y, z = moments.tolist()
+    if kind == "sphere":
+        radius = math.sqrt(2.5 * (x + y + z) / 3.0 / mass)
+        return (radius,), 4.0 / 3.0 * math.pi * radius**3
+    if kind == "cylinder":
+        radius, length = math.sqrt(2.0 * z / mass), math.sqrt(max(6.0 * (x + y - z) / mass, 0.0))
+        return (radius, length), math.pi * radius**2 * length
+    edges = np.sqrt(np.maximum(12.0 * (moments.sum() / 2.0 - moments) / mass, 0.0))
+    return tuple(edges.tolist()), float(np.prod(edges))
+
+
+def _tidy(value: float) -> float:
+    """Leave out the digits that the way through the moments of inertia has made up."""
+    return float(f"{value:.{DIGITS}g}")
 
 
 def _parameters(
@@ -173,6 +164,21 @@ def _parameters(
     ):
         if math.isfinite(limit):
             found[f"{side}LimitBound"] = float(limit)
+    return found
+
+
+def _stop_parameters(mechanics: JointMechanics | None) -> dict[str, Parameter]:
+    found: dict[str, Parameter] = {}
+    if mechanics is not None:
+        for side, bound, stop in (
+            ("Lower", mechanics.lower, mechanics.lower_stop),
+            ("Upper", mechanics.upper, mechanics.upper_stop),
+        ):
+            if bound is not None and stop is not None:
+                found[f"{side}LimitBound"] = bound
+                found[f"{side}LimitStiffness"] = stop.stiffness
+                found[f"{side}LimitDamping"] = stop.damping
+                found[f"{side}LimitTransitionRegionWidth"] = stop.transition_width
     return found
 
 

@@ -32,20 +32,21 @@ class Atom:
     what: str = ""  # the quantity or port
     index: int = 0
     numbers: tuple[float, ...] = ()
+    name: str = field(default="", compare=False)  # of the block, for a person
 
     def __str__(self) -> str:
         """Name the signal for a person."""
         if self.kind == "sine":
             return "sine"
-        place = f" {self.index + 1}" if self.kind in ("function", "foot", "other") else ""
         words = {
-            "integral": f"integral {self.of}",
-            "function": f"{self.of} {self.what}".strip(),
+            "integral": f"integral {self.name or self.of}",
+            "function": f"output {self.index + 1} of {self.name!r}",
             "sensed": f"sensed {self.what} of joint {self.of}",
-            "foot": f"foot {self.what}",
-            "other": f"{self.of} {self.what}".strip(),
+            "foot": f"{self.what} {self.index + 1} of the foot",
+            "other": f"what {self.name!r} gives",
         }
-        return words[self.kind] + place
+        role = self.kind == "function" and not self.name
+        return f"{self.what} {self.index + 1}" if role else words[self.kind]
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class Scalar:
 
     constant: float = 0.0
     terms: Mapping[Atom, float] = field(default_factory=dict)
+    origins: frozenset[str] = field(default=frozenset(), compare=False)  # SIDs on its way
 
     def scaled(self, factor: float) -> Scalar:
         """Multiply by a number.
@@ -91,9 +93,23 @@ class Scalar:
         -------
         Scalar
         """
-        return Scalar(
-            self.constant, {names.get(atom, atom): factor for atom, factor in self.terms.items()}
-        )
+        terms = {names.get(atom, atom): factor for atom, factor in self.terms.items()}
+        return Scalar(self.constant, terms, self.origins)
+
+    def through(self, sid: str) -> Scalar:
+        """Note a block that the signal has passed.
+
+        Parameters
+        ----------
+        sid : str
+            Of the block.
+
+        Returns
+        -------
+        Scalar
+            Equal to this one.
+        """
+        return Scalar(self.constant, self.terms, self.origins | {sid})
 
     @property
     def sines(self) -> list[tuple[float, float, float]]:
@@ -134,11 +150,14 @@ def total(signals: Sequence[Scalar], factors: Iterable[float]) -> Scalar:
     """
     constant = 0.0
     terms: dict[Atom, float] = {}
+    origins: frozenset[str] = frozenset()
     for signal, factor in zip(signals, factors, strict=True):
+        origins |= signal.origins if factor else frozenset()
         constant += factor * signal.constant
         for atom, value in signal.terms.items():
             terms[atom] = terms.get(atom, 0.0) + factor * value
-    return Scalar(constant, {atom: value for atom, value in terms.items() if value != 0.0})
+    kept = {atom: value for atom, value in terms.items() if value != 0.0}
+    return Scalar(constant, kept, origins)
 
 
 def constants(values: Iterable[float]) -> Signal:

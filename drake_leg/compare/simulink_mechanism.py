@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from drake_leg.compare.block_laws import number, vector
 from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape, Step
 from drake_leg.compare.poses import about, inverse, rigid_transform
 from drake_leg.kinematics.batches import Array
-from drake_leg.simulink.model import Block, Model, Value
+from drake_leg.simulink.model import Block, Model
 
 MOVING = {"Revolute Joint": "revolute", "Prismatic Joint": "prismatic"}
-SENSORS = ("6-DOF Joint", "Bushing Joint", "Transform Sensor")
+SENSORS = ("6-DOF Joint", "Transform Sensor")
 RIGID = ("Rigid Transform", "Weld Joint")
 SHAPES = {"Brick Solid": "brick", "Cylindrical Solid": "cylinder", "Spherical Solid": "sphere"}
 SOLIDS = (
@@ -36,6 +38,9 @@ class Network:
     mechanism: Mechanism
     joints: dict[str, int]  # SID -> number in the chain
     sensor: str | None  # SID of the 6-DOF joint that senses the foot
+    sensor_turned: bool  # whether it senses the world from the foot
+    turned: tuple[int, ...]  # joints whose follower is towards the world
+    exchanged: tuple[int, ...]  # those of them that are read as if they were not
     loose: tuple[str, ...]  # SIDs of mechanical blocks that hang on nothing
     unknown: dict[str, str]  # SID -> why this mechanical block has no place in a serial chain
     frames: dict[int, tuple[int, Array]]  # node -> body, and pose in that body's frame M
@@ -56,13 +61,16 @@ class _Walk:
         return self.node_of.setdefault(name, len(self.node_of) + 1_000_000)
 
 
-def read_network(model: Model) -> Network:
+def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network:
     """Read the chain that a model's physical connections make.
 
     Parameters
     ----------
     model : Model
         Flattened: without subsystems.
+    taken_as_drawn : sequence of int
+        Numbers of joints whose base and follower are exchanged by mistake: their frames are read
+        as if they were not.
 
     Returns
     -------
@@ -78,6 +86,7 @@ def read_network(model: Model) -> Network:
     walk = _Walk(blocks, node_of)
     sensors = [block for block in model.blocks if block.kind in SENSORS]
     joints: list[Joint] = []
+    turned_joints: list[int] = []
     bases: dict[int, tuple[int, Array, tuple[Step, ...], Joint]] = {}
 
     roots = [walk.end(block, FOLLOWER) for block in model.blocks if block.kind == "World Frame"]
@@ -97,7 +106,9 @@ def read_network(model: Model) -> Network:
             parameters=_joint_parameters(block),
         )
         joints.append(joint)
-        flip = about("x", math.pi) if turned else np.eye(4)
+        if turned:
+            turned_joints.append(number)
+        flip = about("x", math.pi) if turned and number not in taken_as_drawn else np.eye(4)
         bases[number] = (body, X @ flip, way, joint)
         walk.used.add(block.sid)
         _spread(walk, [(far, inverse(flip))], body=number)
@@ -108,7 +119,7 @@ def read_network(model: Model) -> Network:
             Place(role="joint", name=joint.name, sid=joint.sid, X_M=X, way=way, number=number)
         )
     _add_solids(walk, places)
-    sensor = _add_sensor(walk, sensors, places)
+    sensor, sensor_turned = _add_sensor(walk, sensors, places)
     mechanism = Mechanism(
         gravity=_gravity(model),
         joints=tuple(joints),
@@ -118,6 +129,9 @@ def read_network(model: Model) -> Network:
         mechanism=mechanism,
         joints={joint.sid: joint.number for joint in joints},
         sensor=sensor,
+        sensor_turned=sensor_turned,
+        turned=tuple(turned_joints),
+        exchanged=tuple(taken_as_drawn),
         loose=tuple(
             block.sid
             for block in model.blocks
@@ -190,22 +204,26 @@ def _add_solids(walk: _Walk, places: list[list[Place]]) -> None:
         )
 
 
-def _add_sensor(walk: _Walk, sensors: list[Block], places: list[list[Place]]) -> str | None:
-    """Find the sensor between the world and the outermost body that one reaches."""
-    best: tuple[int, Block, Array, tuple[Step, ...]] | None = None
+def _add_sensor(
+    walk: _Walk, sensors: list[Block], places: list[list[Place]]
+) -> tuple[str | None, bool]:
+    """Find the sensor between the world and the outermost body that one reaches, and its sense."""
+    best: tuple[int, bool, Block, int] | None = None
     for block in sensors:
-        base, follower = walk.end(block, BASE), walk.end(block, FOLLOWER)
-        if base not in walk.found or follower not in walk.found or walk.found[base][0] != 0:
-            continue
-        body, X, way = walk.found[follower]
-        if best is None or body > best[0]:
-            best = (body, block, inverse(walk.found[base][1]) @ X if body == 0 else X, way)
+        ends = (walk.end(block, BASE), walk.end(block, FOLLOWER))
+        for (base, follower), turned in ((ends, False), (ends[::-1], True)):
+            if base not in walk.found or follower not in walk.found or walk.found[base][0] != 0:
+                continue
+            body = walk.found[follower][0]
+            if best is None or body > best[0]:
+                best = (body, turned, block, follower)
     if best is None:
-        return None
-    body, block, X, way = best
+        return None, False
+    body, turned, block, follower = best
+    _, X, way = walk.found[follower]
     walk.used.add(block.sid)
     places[body].append(Place(role="foot", name=block.name, sid=block.sid, X_M=X, way=way))
-    return block.sid
+    return block.sid, turned
 
 
 def _gravity(model: Model) -> tuple[float, ...]:
@@ -215,44 +233,6 @@ def _gravity(model: Model) -> tuple[float, ...]:
                 return (0.0, 0.0, 0.0)
             return vector(block.parameters.get("GravityVector"))
     return (0.0, 0.0, 0.0)
-
-
-def vector(value: Value | None) -> tuple[float, ...]:
-    """Read numbers as a vector.
-
-    Parameters
-    ----------
-    value : Value or None
-        A parameter.
-
-    Returns
-    -------
-    tuple of float
-        Empty where it is no vector of numbers.
-    """
-    if isinstance(value, int | float):
-        return (float(value),)
-    if isinstance(value, tuple):
-        return tuple(float(one) for one in np.array(value, dtype=float).ravel())
-    return ()
-
-
-def number(value: Value | None, default: float = 0.0) -> float:
-    """Read a parameter as one number.
-
-    Parameters
-    ----------
-    value : Value or None
-        A parameter.
-    default : float
-        Where it is none.
-
-    Returns
-    -------
-    float
-    """
-    numbers = vector(value)
-    return numbers[0] if len(numbers) == 1 else default
 
 
 def on(block: Block, name: str) -> bool:
@@ -304,6 +284,7 @@ def _shape(block: Block) -> Shape:
     )
     size: tuple[float, ...] = ()
     volume = 0.0
+    moments: tuple[float, ...]
     if kind == "brick":
         size = vector(get("BrickDimensions"))
         volume = math.prod(size)
@@ -315,12 +296,15 @@ def _shape(block: Block) -> Shape:
         radius = number(get("SphereRadius"))
         size = (radius,)
         volume = 4.0 / 3.0 * math.pi * radius**3
-    density = number(get("Density"))
-    mass = density * volume
+    density: float | None = number(get("Density"))
+    mass, moments = number(get("Density")) * volume, ()
     if block.kind == "Inertia" or get("InertiaType") not in (None, "CalculateFromGeometry"):
-        mass, density = number(get("Mass")), math.nan
+        density, mass = None, number(get("Mass"))
+        if get("InertiaType") == "Custom":
+            moments = vector(get("MomentsOfInertia"))
     elif get("BasedOnType") == "Mass":
-        mass = number(get("Mass"))
-        density = mass / volume if volume else math.nan
+        density, mass = None, number(get("Mass"))
     colour = vector(get("GraphicDiffuseColor"))
-    return Shape(kind=kind, size=size, density=density, mass=mass, colour=colour[:3])
+    return Shape(
+        kind=kind, size=size, density=density, mass=mass, moments=moments, colour=colour[:3]
+    )

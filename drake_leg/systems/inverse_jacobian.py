@@ -2,11 +2,86 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
+from collections.abc import Callable
+
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.task import Task, singular_posture
+from drake_leg.kinematics.task import Floats, Task, singular_posture
+
+
+class LookAhead:
+    """How far a step would go, from the joints' rates and, where known, their accelerations.
+
+    Parameters
+    ----------
+    determinant : callable
+        Of a posture.
+    q, qdot : (n,) sequence of float
+        [rad or m], and per second.
+    qddot : (n,) sequence of float or None
+        [rad/s^2 or m/s^2].
+    """
+
+    def __init__(
+        self,
+        determinant: Callable[[Floats], float],
+        q: Floats,
+        qdot: Floats,
+        qddot: Floats | None,
+    ) -> None:
+        self._determinant = determinant
+        self._q, self._qdot, self._qddot = q, qdot, qddot
+        self._now = determinant(q)
+        self._fastest = max(map(abs, qdot))
+        self._hardest = max(map(abs, qddot)) if qddot else 0.0
+
+    def __call__(self, step: float) -> tuple[float, float]:
+        """Tell how far a step would go.
+
+        What rates and accelerations do is counted apart: it may cancel at the end of the step, but
+        not within it.
+
+        Parameters
+        ----------
+        step : float
+            [s].
+
+        Returns
+        -------
+        float, float
+            Greatest change of a joint [rad or m], and of the determinant relative to its value.
+        """
+        half = 0.5 * step * step
+        drift = abs(self._moved(step, self._qdot) - self._now)
+        if self._qddot:
+            drift += abs(self._moved(half, self._qddot) - self._now)
+        turn = step * self._fastest + half * self._hardest
+        return turn, drift / abs(self._now) if self._now else math.inf
+
+    def time_left(self, step: float) -> float:
+        """Return the determinant over the rate at which it falls.
+
+        Where it falls linearly in time, that is when it becomes zero; where it falls like the
+        root of the time that is left, it becomes zero at half of that.
+
+        Parameters
+        ----------
+        step : float
+            So small that the determinant changes little in it [s].
+
+        Returns
+        -------
+        float
+            [s]; infinite where it grows.
+        """
+        change = self._moved(step, self._qdot) / self._now - 1.0
+        return -step / change if change < 0.0 else math.inf
+
+    def _moved(self, step: float, change: Floats) -> float:
+        moved = [q + step * part for q, part in zip(self._q, change, strict=True)]
+        return self._determinant(moved)
 
 
 class InverseJacobian(LeafSystem):
@@ -18,8 +93,9 @@ class InverseJacobian(LeafSystem):
     ``q``      in    n     rad          joint positions, as sensed
     ``v``      in    n     m/s          commanded task velocity, base frame
     ``a``      in    n     m/s^2        commanded task acceleration; may be left open
+    ``w``      in    n     rad/s        joint rates, as sensed; may be left open
     ``qdot``   out   n     rad/s        ``J^-1 v``
-    ``qddot``  out   n     rad/s^2      ``J^-1 (a - dJ/dt qdot)``
+    ``qddot``  out   n     rad/s^2      ``J^-1 (a - dJ/dt qdot)``, dJ/dt along ``w``
     ``det_j``  out   1     m^3          determinant of J: the singularity check
     ========== ===== ===== ============ ===========================================
 
@@ -46,8 +122,10 @@ class InverseJacobian(LeafSystem):
         self._v = self.DeclareVectorInputPort("v", n)
         self._a = self.DeclareVectorInputPort("a", n)
         q, v, a = self._q.ticket(), self._v.ticket(), self._a.ticket()
+        self._w = self.DeclareVectorInputPort("w", n)
+        sources = {q, v, a, self._w.ticket()}
         self._qdot = self.DeclareVectorOutputPort("qdot", n, self._calc_qdot, {q, v})
-        self._qddot = self.DeclareVectorOutputPort("qddot", n, self._calc_qddot, {q, v, a})
+        self._qddot = self.DeclareVectorOutputPort("qddot", n, self._calc_qddot, sources)
         self._det_j = self.DeclareVectorOutputPort("det_j", 1, self._calc_det_j, {q})
 
     def normalised_determinant(self, context: Context) -> float:
@@ -65,31 +143,47 @@ class InverseJacobian(LeafSystem):
         """
         return float(self._det_j.Eval(context)[0]) / self._task.determinant_scale
 
-    def look_ahead(self, context: Context, step: float) -> tuple[float, float]:
-        """Tell how far a step would go, from the joints' rates and, if ``a`` is wired, theirs.
+    @property
+    def is_exact(self) -> bool:
+        """Whether the inverse does not exist where J is singular."""
+        return self._task.stiffness is None
 
-        The parts of rates and of accelerations are counted apart: they may cancel at the end of
-        the step, but not within it.
+    def stiffness(self, context: Context) -> tuple[float, float]:
+        """Tell how fast the rates of an inverse that is not exact change with the posture.
 
         Parameters
         ----------
         context : Context
             This system's own.
-        step : float
-            How far [s].
 
         Returns
         -------
         float, float
-            Greatest change of a joint [rad or m], and of the determinant relative to its value.
+            The most that it may become for the present command, and what it is now [1/s].
         """
-        q, changes = self._q.Eval(context), [step * self._qdot.Eval(context)]
-        if self._a.HasValue(context):
-            changes.append(0.5 * step**2 * self._qddot.Eval(context))
-        now = self._task.determinant(q)
-        drift = sum(abs(self._task.determinant(q + change) - now) for change in changes)
-        turn = sum(float(np.abs(change).max()) for change in changes)
-        return turn, drift / abs(now)
+        if self._task.stiffness is None:
+            return 0.0, 0.0
+        return self._task.stiffness(self._q.Eval(context), self._v.Eval(context))
+
+    def look_ahead(self, context: Context) -> LookAhead:
+        """Take the present rates and, if ``a`` is wired, accelerations.
+
+        Parameters
+        ----------
+        context : Context
+            This system's own.
+
+        Returns
+        -------
+        LookAhead
+        """
+        wired = self._a.HasValue(context)
+        return LookAhead(
+            self._task.determinant,
+            self._q.Eval(context).tolist(),
+            self._qdot.Eval(context).tolist(),
+            self._qddot.Eval(context).tolist() if wired else None,
+        )
 
     def singular(self, context: Context) -> SingularConfigurationError:
         """Describe the present posture as singular.
@@ -115,8 +209,9 @@ class InverseJacobian(LeafSystem):
 
     def _calc_qddot(self, context: Context, qddot: BasicVector) -> None:
         q, qdot = self._q.Eval(context).tolist(), self._qdot.Eval(context).tolist()
-        a = self._a.Eval(context).tolist()
-        qddot.SetFromVector(self._task.accelerations(q, qdot, a))
+        a, v = self._a.Eval(context).tolist(), self._v.Eval(context).tolist()
+        w = self._w.Eval(context).tolist() if self._w.HasValue(context) else qdot
+        qddot.SetFromVector(self._task.accelerations(q, qdot, a, v, w))
 
     def _calc_det_j(self, context: Context, det_j: BasicVector) -> None:
-        det_j.SetFromVector([self._task.determinant(self._q.Eval(context))])
+        det_j.SetFromVector([self._task.determinant(self._q.Eval(context).tolist())])

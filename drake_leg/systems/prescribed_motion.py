@@ -2,82 +2,107 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Joint
 from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import MatrixGain, Multiplexer
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array
 from drake_leg.robot import require_non_negative
+from drake_leg.systems.partial_dynamics import PartialInverseDynamics, joints_of_one_axis
 
 # Pulls the joints back onto the prescribed motion against the integrator's rounding: so weak
 # that it does not stiffen the loop, so that a step of 40 ms stays accurate.
 STIFFNESS = 4.0  # [1/s^2]
 
+OTHER_FORCES = ("actuation", "applied_generalized_force", "applied_spatial_force", "contact_force")
+
 
 class PrescribedMotion(Diagram):
-    """Torques that make every joint of a plant follow its prescribed motion.
+    """Torques that make joints of a plant follow their prescribed motion.
 
-    ``tau = M (qddot + 2 sqrt(k) (qdot - qdot_s) + k (q - q_s)) + C - g - tau_passive`` at the
-    sensed state (q_s, qdot_s): with the three inputs consistent and the joints starting on the
-    motion, they stay on it and the torque is exactly that of inverse dynamics.
+    The joints get the accelerations ``qddot + 2 sqrt(k) (qdot - qdot_s) + k (q - q_s)`` at the
+    sensed state (q_s, qdot_s), by inverse dynamics: with the three inputs consistent and the joints
+    starting on the motion, they stay on it. In the torque are inertia, gravity, springs, dampers
+    and, where only some joints are driven, the motion of the other ones.
 
-    ========== ===== ====== ======== =============================================
-    port       kind  size   unit     meaning
-    ========== ===== ====== ======== =============================================
-    ``state``  in    2 n    rad, /s  the plant's state (positions, then velocities)
-    ``q``      in    n      rad      prescribed positions
-    ``qdot``   in    n      rad/s    their first derivative
-    ``qddot``  in    n      rad/s^2  their second derivative
-    ``torque`` out   n      N*m      actuation, in the plant's actuator order
-    ========== ===== ====== ======== =============================================
+    ===================== ===== ======== ======== ==============================================
+    port                  kind  size     unit     meaning
+    ===================== ===== ======== ======== ==============================================
+    ``state``             in    nq + nv  rad, /s  the plant's state (positions, then velocities)
+    ``q``                 in    n        rad      prescribed positions
+    ``qdot``              in    n        rad/s    their first derivative
+    ``qddot``             in    n        rad/s^2  their second derivative
+    ``torque``            out   n        N*m      of the driven joints
+    ``generalized_force`` out   nv       N*m      the same among all velocities of the plant
+    ===================== ===== ======== ======== ==============================================
+
+    Without ``joints`` every joint is driven: ``torque`` is in the plant's actuator order, for its
+    ``actuation``. With ``joints`` the plant is any continuous one, on a fixed or a floating base,
+    with torque-driven and free joints beside the driven ones; vectors are in the order of
+    ``joints``, and ``generalized_force`` goes to the plant's ``applied_generalized_force``, so that
+    the driven joints need no actuators. What else acts on the plant is then said by four more
+    inputs, each of which may be left open (see ``PartialInverseDynamics``): ``actuation`` of
+    torque-driven joints, ``applied_generalized_force`` of other blocks, which is passed on in
+    ``generalized_force``, ``applied_spatial_force`` and ``contact_force``.
+
+    A signal without known derivatives gets them by an ``InputFilter``.
 
     Parameters
     ----------
     plant : MultibodyPlant
-        Finalised, fully actuated, on a fixed base.
+        Finalised; without ``joints``, fully actuated and on a fixed base.
+    joints : iterable of str or Joint, optional
+        The driven joints, revolute or prismatic; all by default.
     stiffness : float
         k, of the pull towards the motion [1/s^2].
 
     Raises
     ------
     InvalidValueError
-        If the plant has joints without actuators, or the stiffness is negative.
+        If all joints shall be driven and one has no actuator, if the joints named are not joints of
+        one axis, if the plant has constraints, or if the stiffness is negative.
     """
 
-    def __init__(self, plant: MultibodyPlant, stiffness: float = STIFFNESS) -> None:
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        joints: Iterable[str | Joint] | None = None,
+        *,
+        stiffness: float = STIFFNESS,
+    ) -> None:
         super().__init__()
         require_non_negative("the motion's stiffness", stiffness, "1/s^2")
-        n = plant.num_velocities()
-        if not plant.num_actuators() == plant.num_positions() == n:
-            raise InvalidValueError(
-                f"{plant.get_name()!r} has {n} joint positions and {plant.num_actuators()} "
-                "actuators; every joint needs one to follow a prescribed motion"
-            )
-        one = np.eye(n)
-        pull, brake = stiffness * one, 2.0 * stiffness**0.5 * one
-        builder = DiagramBuilder()
-        signals = builder.AddNamedSystem("q, qdot, state, qddot", Multiplexer([n, n, 2 * n, n]))
-        reference = builder.AddNamedSystem(
-            "acceleration", MatrixGain(np.hstack([pull, brake, -pull, -brake, one]))
-        )
-        dynamics = builder.AddNamedSystem(
-            "inverse dynamics",
-            InverseDynamics(plant, InverseDynamics.InverseDynamicsMode.kInverseDynamics),
-        )
-        actuators = builder.AddNamedSystem("actuators", MatrixGain(plant.MakeActuationMatrix().T))
+        self._plant = plant
+        if joints is None:
+            _require_actuators(plant)
+            n = plant.num_velocities()
+            driven_q, driven_v = np.arange(n), np.arange(n)
+        else:
+            driven = joints_of_one_axis(plant, joints)
+            driven_q = np.array([joint.position_start() for joint in driven])
+            driven_v = np.array([joint.velocity_start() for joint in driven])
+        self._driven_q, self._driven_v = driven_q, driven_v
 
-        for index, name in enumerate(("q", "qdot", "state", "qddot")):
-            port = builder.ExportInput(signals.get_input_port(index), name)
-            if name == "state":
-                builder.ConnectInput(port, dynamics.GetInputPort("estimated_state"))
+        builder = DiagramBuilder()
+        n, states = len(driven_v), plant.num_multibody_states()
+        signals = builder.AddNamedSystem("q, qdot, state, qddot", Multiplexer([n, n, states, n]))
+        reference = builder.AddNamedSystem(
+            "acceleration", MatrixGain(self._reference_matrix(stiffness))
+        )
         builder.Connect(signals.get_output_port(), reference.get_input_port())
-        builder.Connect(reference.get_output_port(), dynamics.GetInputPort("desired_acceleration"))
-        builder.Connect(dynamics.GetOutputPort("generalized_force"), actuators.get_input_port())
-        builder.ExportOutput(actuators.get_output_port(), "torque")
+        for index, name in enumerate(("q", "qdot", "state", "qddot")):
+            builder.ExportInput(signals.get_input_port(index), name)
+        if joints is None:
+            self._add_full_dynamics(builder)
+        else:
+            self._add_partial_dynamics(builder, driven)
         builder.BuildInto(self)
-        self._positions = n
         self._q = self.GetInputPort("q")
         self._state = self.GetInputPort("state")
 
@@ -94,5 +119,84 @@ class PrescribedMotion(Diagram):
         float
             [rad or m].
         """
-        sensed = self._state.Eval(context)[: self._positions]
+        sensed = self._state.Eval(context)[self._driven_q]
         return float(np.abs(self._q.Eval(context) - sensed).max())
+
+    def start(self, context: Context, plant_context: Context) -> None:
+        """Put the driven joints on their motion; the other ones stay where they are.
+
+        Parameters
+        ----------
+        context : Context
+            This system's own.
+        plant_context : Context
+            The plant's; its state is set.
+
+        Raises
+        ------
+        InvalidValueError
+            If the motion or its derivatives are not connected.
+        """
+        positions = self._plant.GetPositions(plant_context)
+        positions[self._driven_q] = self._wired(context, "q")
+        self._plant.SetPositions(plant_context, positions)  # the derivatives may depend on them
+        velocities = self._plant.GetVelocities(plant_context)
+        velocities[self._driven_v] = self._wired(context, "qdot")
+        self._plant.SetVelocities(plant_context, velocities)
+        self._wired(context, "qddot")
+
+    def _wired(self, context: Context, name: str) -> Array:
+        port = self.GetInputPort(name)
+        if not port.HasValue(context):
+            raise InvalidValueError(
+                f"the input {name!r} of {self.get_name()!r} is not connected; wire the motion's "
+                "derivatives, or get them from an InputFilter"
+            )
+        value: Array = port.Eval(context)
+        return value
+
+    def _reference_matrix(self, stiffness: float) -> Array:
+        """Matrix from (q, qdot, state, qddot) to the driven joints' accelerations."""
+        n, nq = len(self._driven_v), self._plant.num_positions()
+        pull, brake = stiffness, 2.0 * stiffness**0.5
+        sensed = np.zeros((n, self._plant.num_multibody_states()))
+        sensed[np.arange(n), self._driven_q] = -pull
+        sensed[np.arange(n), nq + self._driven_v] = -brake
+        one = np.eye(n)
+        return np.hstack([pull * one, brake * one, sensed, one])
+
+    def _add_full_dynamics(self, builder: DiagramBuilder) -> None:
+        """Add Drake's inverse dynamics of the whole plant, which is fast."""
+        plant = self._plant
+        mode = InverseDynamics.InverseDynamicsMode.kInverseDynamics
+        dynamics = builder.AddNamedSystem("inverse dynamics", InverseDynamics(plant, mode))
+        actuators = builder.AddNamedSystem("actuators", MatrixGain(plant.MakeActuationMatrix().T))
+        force = dynamics.GetOutputPort("generalized_force")
+        reference = builder.GetSubsystemByName("acceleration").get_output_port()
+        builder.Connect(reference, dynamics.GetInputPort("desired_acceleration"))
+        builder.Connect(force, actuators.get_input_port())
+        builder.ConnectInput("state", dynamics.GetInputPort("estimated_state"))
+        builder.ExportOutput(actuators.get_output_port(), "torque")
+        builder.ExportOutput(force, "generalized_force")
+
+    def _add_partial_dynamics(self, builder: DiagramBuilder, driven: list[Joint]) -> None:
+        dynamics = builder.AddNamedSystem(
+            "inverse dynamics", PartialInverseDynamics(self._plant, driven)
+        )
+        reference = builder.GetSubsystemByName("acceleration").get_output_port()
+        builder.Connect(reference, dynamics.GetInputPort("acceleration"))
+        builder.ConnectInput("state", dynamics.GetInputPort("state"))
+        for name in OTHER_FORCES:
+            builder.ExportInput(dynamics.GetInputPort(name), name)
+        for name in ("torque", "generalized_force"):
+            builder.ExportOutput(dynamics.GetOutputPort(name), name)
+
+
+def _require_actuators(plant: MultibodyPlant) -> None:
+    n = plant.num_velocities()
+    if not plant.num_actuators() == plant.num_positions() == n:
+        raise InvalidValueError(
+            f"{plant.get_name()!r} has {plant.num_positions()} joint positions and "
+            f"{plant.num_actuators()} actuators; every joint needs one to follow a prescribed "
+            "motion, or name the joints that shall follow one"
+        )

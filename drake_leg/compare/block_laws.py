@@ -1,0 +1,255 @@
+"""What Simulink's memoryless blocks make of their inputs, as sums of atoms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from drake_leg.compare.signals import Scalar, Signal, constants, mixed, sine_term, total
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.matlab import value
+from drake_leg.simulink.model import Block, Value
+
+Inputs = Sequence[Signal | None]  # by port; None where nothing is connected
+Law = Callable[[Block, Inputs, int], Signal | None]  # None where the law cannot be followed
+
+SINE = (("Amplitude", 1.0), ("Bias", 0.0), ("Frequency", 1.0), ("Phase", 0.0))
+SOURCES = ("Sin", "Constant", "Ground")
+CONVERSIONS = {"Radians to Degrees": 180.0 / math.pi, "Degrees to Radians": math.pi / 180.0}
+OPEN = constants([0.0])  # an input that is not connected
+AFFINE = 1e-12  # relative, of an expression that counts as a factor and a constant
+
+
+def law_of(block: Block) -> Law | None:
+    """Find the law of a block.
+
+    Parameters
+    ----------
+    block : Block
+        Of the model.
+
+    Returns
+    -------
+    callable or None
+        ``law(block, inputs, place)`` is the signal at output ``place``, counted from 1; None for
+        a block with memory, with a law of its own, or that is not linear.
+    """
+    if block.type == "Fcn":
+        return _fcn if _affine(block) else None
+    if block.kind in CONVERSIONS:
+        return _conversion
+    return LAWS.get(block.type)
+
+
+def vector(value_: Value | None) -> tuple[float, ...]:
+    """Read numbers as a vector.
+
+    Parameters
+    ----------
+    value_ : Value or None
+        A parameter.
+
+    Returns
+    -------
+    tuple of float
+        Empty where it is no vector of numbers.
+    """
+    if isinstance(value_, int | float):
+        return (float(value_),)
+    if isinstance(value_, tuple):
+        return tuple(float(one) for one in np.array(value_, dtype=float).ravel())
+    return ()
+
+
+def number(value_: Value | None, default: float = 0.0) -> float:
+    """Read a parameter as one number.
+
+    Parameters
+    ----------
+    value_ : Value or None
+        A parameter.
+    default : float
+        Where it is none.
+
+    Returns
+    -------
+    float
+    """
+    numbers = vector(value_)
+    return numbers[0] if len(numbers) == 1 else default
+
+
+def added(parts: Sequence[Signal], factors: Sequence[float]) -> Signal:
+    """Sum signals with factors; a scalar is added to every component.
+
+    Parameters
+    ----------
+    parts : sequence of Signal
+        At least one.
+    factors : sequence of float
+        One for each.
+
+    Returns
+    -------
+    Signal
+        As long as the longest.
+    """
+    size = max(map(len, parts))
+    wide = [part * size if len(part) == 1 else part for part in parts]
+    summed = []
+    for index in range(size):
+        there = [
+            (part[index], f) for part, f in zip(wide, factors, strict=True) if index < len(part)
+        ]
+        summed.append(total([part for part, _ in there], [f for _, f in there]))
+    return tuple(summed)
+
+
+def _sine(block: Block, inputs: Inputs, place: int) -> Signal:
+    columns = [vector(block.parameters.get(name, default)) for name, default in SINE]
+    rows = np.broadcast_arrays(*(np.array(column) for column in columns))
+    return tuple(
+        total([sine_term(amplitude, frequency, phase), Scalar(bias)], [1.0, 1.0])
+        for amplitude, bias, frequency, phase in zip(*(r.tolist() for r in rows), strict=True)
+    )
+
+
+def _constant(block: Block, inputs: Inputs, place: int) -> Signal:
+    return constants(vector(block.parameters.get("Value", 1.0)))
+
+
+def _ground(block: Block, inputs: Inputs, place: int) -> Signal:
+    return OPEN
+
+
+def _pass(block: Block, inputs: Inputs, place: int) -> Signal:
+    return inputs[0] or OPEN
+
+
+def _minus(block: Block, inputs: Inputs, place: int) -> Signal:
+    return tuple(scalar.scaled(-1.0) for scalar in inputs[0] or OPEN)
+
+
+def _gain(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    signal, gain = inputs[0] or OPEN, block.parameters.get("Gain", 1.0)
+    if str(block.parameters.get("Multiplication", "")).startswith("Matrix(K*u)"):
+        matrix = np.array(gain, dtype=float)
+        matrix = matrix[:, np.newaxis] if matrix.ndim == 1 else matrix
+        if matrix.ndim == 2:
+            return mixed(matrix, signal) if matrix.shape[1] == len(signal) else None
+    factors = vector(gain) or (1.0,)
+    if len(factors) == 1:
+        return tuple(scalar.scaled(factors[0]) for scalar in signal)
+    if len(signal) == 1:
+        return tuple(signal[0].scaled(factor) for factor in factors)
+    if len(signal) != len(factors):
+        return None
+    return tuple(s.scaled(factor) for s, factor in zip(signal, factors, strict=True))
+
+
+def _sum(block: Block, inputs: Inputs, place: int) -> Signal:
+    signs = [sign for sign in str(block.parameters.get("Inputs", "++")) if sign in "+-"]
+    factors = [1.0 if sign == "+" else -1.0 for sign in signs]
+    if len(factors) == 1:
+        signal = inputs[0] or OPEN
+        return (total(signal, factors * len(signal)),)
+    wired = [*inputs, *[None] * len(factors)][: len(factors)]
+    return added([signal or OPEN for signal in wired], factors)
+
+
+def _bias(block: Block, inputs: Inputs, place: int) -> Signal:
+    bias = constants(vector(block.parameters.get("Bias", 0.0)))
+    return added([inputs[0] or OPEN, bias], [1.0, 1.0])
+
+
+def _mux(block: Block, inputs: Inputs, place: int) -> Signal:
+    return tuple(scalar for signal in inputs for scalar in signal or OPEN)
+
+
+def _demux(block: Block, inputs: Inputs, place: int) -> Signal:
+    signal = inputs[0] or OPEN
+    widths = demux_widths(block, len(signal))
+    start = sum(widths[: place - 1])
+    return signal[start : start + widths[place - 1]] if place <= len(widths) else ()
+
+
+def demux_widths(block: Block, size: int) -> list[int]:
+    """Share a Demux's input out.
+
+    Parameters
+    ----------
+    block : Block
+        The Demux.
+    size : int
+        Of its input.
+
+    Returns
+    -------
+    list of int
+        Sizes of its outputs.
+    """
+    outputs = vector(block.parameters.get("Outputs", 1.0))
+    if len(outputs) > 1:
+        fixed = sum(int(width) for width in outputs if width > 0)
+        free = sum(width <= 0 for width in outputs)
+        return [int(w) if w > 0 else (size - fixed) // max(free, 1) for w in outputs]
+    count = max(int(outputs[0]), 1) if outputs else 1
+    each, rest = divmod(size, count)
+    return [each + (index < rest) for index in range(count)]
+
+
+def _conversion(block: Block, inputs: Inputs, place: int) -> Signal:
+    factor = CONVERSIONS[block.kind]
+    return tuple(scalar.scaled(factor) for scalar in inputs[0] or OPEN)
+
+
+def _affine(block: Block) -> tuple[float, float] | None:
+    """Read an Fcn's expression of its scalar input as a factor and a constant."""
+    text = str(block.parameters.get("Expr", "")).replace("u(1)", "u").replace("u[1]", "u")
+    try:
+        found = [value(text, {"u": at}) for at in (0.0, 1.0, 2.0, -3.0)]
+    except InvalidValueError:
+        return None
+    if not all(isinstance(one, float) and math.isfinite(one) for one in found):
+        return None
+    zero, one, two, minus = (float(str(number_)) for number_ in found)
+    slope = one - zero
+    scale = abs(slope) + abs(zero)
+    bent = max(abs(two - zero - 2.0 * slope), abs(minus - zero + 3.0 * slope))
+    return (slope, zero) if bent <= AFFINE * scale else None
+
+
+def _fcn(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    affine, signal = _affine(block), inputs[0] or OPEN
+    if affine is None or len(signal) != 1:
+        return None
+    return (total([signal[0], Scalar(1.0)], affine),)
+
+
+LAWS: dict[str, Law] = {
+    "Sin": _sine,
+    "Constant": _constant,
+    "Ground": _ground,
+    "Gain": _gain,
+    "Sum": _sum,
+    "Bias": _bias,
+    "UnaryMinus": _minus,
+    "Mux": _mux,
+    "Concatenate": _mux,
+    "Demux": _demux,
+    "BusCreator": _mux,
+    **dict.fromkeys(
+        (
+            "SignalConversion",
+            "DataTypeConversion",
+            "RateTransition",
+            "Reshape",
+            "SignalSpecification",
+            "Squeeze",
+            "BusToVector",
+        ),
+        _pass,
+    ),
+}

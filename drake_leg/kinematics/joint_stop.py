@@ -1,0 +1,151 @@
+"""What a joint's limit does to it: Simscape's smoothed spring and damper.
+
+The joint is in the stop by a depth, positive beyond the bound, that grows at a rate.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drake_leg.joint_mechanics import HardStop, JointMechanics
+from drake_leg.kinematics.batches import Array
+
+
+def engagement(stop: HardStop, depth: ArrayLike) -> Array:
+    """How much of spring and damper acts: ``3 s^2 - 2 s^3`` at ``s = depth / width`` in 0 ... 1.
+
+    0 at the bound and 1 at the end of the transition region, level at both: the polynomial of
+    least degree that Simscape's description allows, which gives no formula.
+
+    Parameters
+    ----------
+    stop : HardStop
+        Its transition width.
+    depth : (...) array_like
+        [rad or m].
+
+    Returns
+    -------
+    (...) ndarray
+        In 0 ... 1.
+    """
+    s = np.clip(np.asarray(depth, dtype=np.float64) / stop.transition_width, 0.0, 1.0)
+    share: Array = s * s * (3.0 - 2.0 * s)
+    return share
+
+
+def stop_force(stop: HardStop, depth: ArrayLike, rate: ArrayLike) -> Array:
+    """Force that pushes the joint out of its stop; it never pulls.
+
+    ``engagement * max(0, k depth + d rate)``.
+
+    Parameters
+    ----------
+    stop : HardStop
+        Stiffness k, damping d, transition width.
+    depth, rate : (...) array_like
+        [rad or m], [rad/s or m/s].
+
+    Returns
+    -------
+    (...) ndarray
+        [N*m or N], not negative.
+    """
+    x, v = np.asarray(depth, dtype=np.float64), np.asarray(rate, dtype=np.float64)
+    push = np.maximum(0.0, stop.stiffness * x + stop.damping * v)
+    return engagement(stop, x) * push
+
+
+def limit_force(mechanics: JointMechanics, q: ArrayLike, qdot: ArrayLike) -> Array:
+    """Force of a joint's limits on it; 0 within them.
+
+    Parameters
+    ----------
+    mechanics : JointMechanics
+        Of the joint; limits without a stop do nothing here.
+    q, qdot : (...) array_like
+        Position [rad or m] and rate [rad/s or m/s].
+
+    Returns
+    -------
+    (...) ndarray
+        [N*m or N], along the joint.
+    """
+    at, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
+    total: Array = np.zeros(np.broadcast_shapes(at.shape, rate.shape))
+    for side, bound, stop in mechanics.stops:
+        total = total - side * stop_force(stop, side * (at - bound), side * rate)
+    return total
+
+
+def stored_energy(stop: HardStop, depth: ArrayLike) -> Array:
+    """Energy in the stop's spring, the integral of ``engagement * k depth``.
+
+    Parameters
+    ----------
+    stop : HardStop
+        Stiffness and transition width.
+    depth : (...) array_like
+        [rad or m].
+
+    Returns
+    -------
+    (...) ndarray
+        [J].
+    """
+    x, w = np.asarray(depth, dtype=np.float64), stop.transition_width
+    s = np.clip(x / w, 0.0, 1.0)
+    within = w**2 * s**4 * (0.75 - 0.4 * s)
+    beyond = 0.5 * (np.maximum(x, w) ** 2 - w**2)
+    energy: Array = stop.stiffness * (within + beyond)
+    return energy
+
+
+def limit_energy(mechanics: JointMechanics, q: ArrayLike) -> Array:
+    """Energy in the springs of a joint's limits.
+
+    Parameters
+    ----------
+    mechanics : JointMechanics
+        Of the joint.
+    q : (...) array_like
+        Position [rad or m].
+
+    Returns
+    -------
+    (...) ndarray
+        [J].
+    """
+    at = np.asarray(q, dtype=np.float64)
+    total: Array = np.zeros(at.shape)
+    for side, bound, stop in mechanics.stops:
+        total = total + stored_energy(stop, np.maximum(0.0, side * (at - bound)))
+    return total
+
+
+def rest_depth(stop: HardStop, load: float) -> float:
+    """Depth at which the stop carries a load at rest: ``engagement * k depth = load``.
+
+    Beyond the transition region it is ``load / k``; within, the root of a quartic.
+
+    Parameters
+    ----------
+    stop : HardStop
+        Stiffness and transition width.
+    load : float
+        Into the stop [N*m or N]; a load away from it leaves the joint at the bound.
+
+    Returns
+    -------
+    float
+        [rad or m].
+    """
+    w, k = stop.transition_width, stop.stiffness
+    if load <= 0.0:
+        return 0.0
+    if load >= k * w:
+        return load / k
+    roots = np.roots([-2.0, 3.0, 0.0, 0.0, -load / (k * w)])
+    real = roots[np.abs(roots.imag) < 1e-9].real
+    return float(w * real[(real >= 0.0) & (real <= 1.0)].min())

@@ -1,0 +1,89 @@
+"""Where a robot starts: its joints' state targets and motions, put together as Simscape does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import StateTarget
+from drake_leg.robot import Robot
+
+CLOSE = 1e-9  # relative and absolute difference of a target met
+
+
+@dataclass(frozen=True, kw_only=True)
+class InitialState:
+    """Where the joints start, in the robot's order, and what they could not do."""
+
+    q: tuple[float, ...]  # [rad or m]
+    qdot: tuple[float, ...]  # [rad/s or m/s]
+    unmet: tuple[str, ...] = ()  # a sentence for each target of low priority that gave way
+
+
+def initial_state(
+    robot: Robot, motion: Mapping[str, tuple[float, float]] | None = None
+) -> InitialState:
+    """Start every joint at its motion, at its state target, or at rest at 0.
+
+    A robot here is a chain without loops, whose joints are independent: every target can be met,
+    whatever its priority, but where a motion drives the joint. There the motion wins.
+
+    Parameters
+    ----------
+    robot : Robot
+        Its joints' mechanics hold the targets.
+    motion : mapping of str to (float, float), optional
+        Joint name to position [rad or m] and velocity [rad/s or m/s] at the start, of the joints
+        that a motion drives.
+
+    Returns
+    -------
+    InitialState
+
+    Raises
+    ------
+    InvalidValueError
+        If a target of high priority is not where the motion starts, or the motion is of a joint
+        that the robot has not.
+    """
+    driven = dict(motion or {})
+    positions: list[float] = []
+    velocities: list[float] = []
+    unmet: list[str] = []
+    for segment in robot.moving:
+        mechanics, name = segment.mechanics, str(segment.joint)
+        for values, quantity, target, given in zip(
+            (positions, velocities),
+            ("position", "velocity"),
+            (mechanics.position_target, mechanics.velocity_target),
+            driven.pop(name, (None, None)),
+            strict=True,
+        ):
+            values.append(_value(target, given))
+            if target is not None and not _met(target, given):
+                sentence = (
+                    f"the {quantity} target of joint {name} is {target.value:.9g}, but its motion "
+                    f"starts at {given:.9g}"
+                )
+                if target.priority == "high":
+                    raise InvalidValueError(
+                        f"{sentence}: start the motion there, or give the target low priority"
+                    )
+                unmet.append(sentence)
+    if driven:
+        raise InvalidValueError(
+            f"{robot.name} has no joint {next(iter(driven))!r}; its joints are "
+            f"{', '.join(str(segment.joint) for segment in robot.moving)}"
+        )
+    return InitialState(q=tuple(positions), qdot=tuple(velocities), unmet=tuple(unmet))
+
+
+def _value(target: StateTarget | None, given: float | None) -> float:
+    if given is not None:
+        return given
+    return 0.0 if target is None else target.value
+
+
+def _met(target: StateTarget, given: float | None) -> bool:
+    return given is None or abs(target.value - given) <= CLOSE * max(1.0, abs(given))

@@ -1,0 +1,66 @@
+"""What every quantity of a robot must be: finite, of a sensible size, and its units."""
+
+from __future__ import annotations
+
+import math
+
+from drake_leg.errors import InvalidValueError
+
+# What is smaller or larger than this in SI units is no robot; numbers beyond it end in an
+# overflow inside a parser or a solver.
+LEAST, MOST = 1e-30, 1e15
+LARGEST_ANGLE = 1e6  # [rad] or [m]
+
+STANDARD_GRAVITY = 9.80665  # [m/s^2], Simscape's default; Drake's own is 9.81
+
+# In N*m*s/rad; N*m/(deg/s) is Simscape's default.
+DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
+
+# In N*m/rad; N*m/deg is Simscape's default.
+SPRING_UNITS = {"N*m/rad": 1.0, "N*m/deg": 180.0 / math.pi}
+
+
+def require_positive(what: str, value: float, unit: str) -> None:
+    """Refuse a value that is not a positive finite number.
+
+    Raises
+    ------
+    InvalidValueError
+        Naming the quantity, the value and the unit.
+    """
+    if not (math.isfinite(value) and value > 0.0):
+        raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be a positive number")
+    if not LEAST <= value <= MOST:
+        raise InvalidValueError(
+            f"{what} is {float(value)!r} {unit}; it must be in {LEAST:g} ... {MOST:g} {unit}"
+        )
+
+
+def require_non_negative(what: str, value: float, unit: str) -> None:
+    """Refuse a value that is negative or not finite.
+
+    Raises
+    ------
+    InvalidValueError
+        Naming the quantity, the value and the unit.
+    """
+    if not (math.isfinite(value) and value >= 0.0):
+        raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be zero or positive")
+    if value:
+        require_positive(what, value, unit)
+
+
+def require_angle(what: str, value: float) -> None:
+    """Refuse a joint position that is not finite or beyond any robot's.
+
+    Raises
+    ------
+    InvalidValueError
+        Naming the quantity and the value.
+    """
+    if not math.isfinite(value):
+        raise InvalidValueError(f"{what} is {float(value)!r}; it must be a finite angle")
+    if abs(value) > LARGEST_ANGLE:
+        raise InvalidValueError(
+            f"{what} is {float(value)!r} rad; it must be at most {LARGEST_ANGLE:g} rad"
+        )

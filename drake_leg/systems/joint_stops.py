@@ -1,0 +1,73 @@
+"""Joint limits that act: a plant that is continuous in time does not heed them by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from drake_leg.joint_mechanics import JointMechanics
+from drake_leg.kinematics.joint_stop import stop_force, stored_energy
+from drake_leg.systems.partial_dynamics import joints_of_one_axis
+
+
+class JointStops(LeafSystem):
+    """Forces that push joints back into their limits, by Simscape's smoothed spring and damper.
+
+    At a depth x beyond its bound, growing at the rate v, a joint is pushed back by
+    ``(3 s^2 - 2 s^3) max(0, k x + d v)`` with ``s = x / width`` in 0 ... 1.
+
+    ===================== ===== ======= ======== =============================================
+    port                  kind  size    unit     meaning
+    ===================== ===== ======= ======== =============================================
+    ``state``             in    nq + nv rad, /s  the plant's state (positions, then velocities)
+    ``generalized_force`` out   nv      N*m      for the plant's ``applied_generalized_force``
+    ``energy``            out   1       J        in the springs of the stops
+    ===================== ===== ======= ======== =============================================
+
+    Parameters
+    ----------
+    plant : MultibodyPlant
+        Finalised.
+    mechanics : mapping of str to JointMechanics
+        By joint name; limits without a stop do nothing here.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no such joint, if it has more than one axis, or if none has a stop.
+    """
+
+    def __init__(self, plant: MultibodyPlant, mechanics: Mapping[str, JointMechanics]) -> None:
+        super().__init__()
+        stopped = {name: acting for name, acting in mechanics.items() if acting.stops}
+        self.mechanics: Mapping[str, JointMechanics] = stopped
+        joints = joints_of_one_axis(plant, stopped)
+        nq, nv = plant.num_positions(), plant.num_velocities()
+        self._stops = [
+            (joint.position_start(), nq + joint.velocity_start(), joint.velocity_start(), *bound)
+            for joint, acting in zip(joints, stopped.values(), strict=True)
+            for bound in acting.stops
+        ]
+        self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
+        used = {self._state.ticket()}
+        self.DeclareVectorOutputPort("generalized_force", nv, self._calc_force, used)
+        self.DeclareVectorOutputPort("energy", 1, self._calc_energy, used)
+
+    def _calc_force(self, context: Context, force: BasicVector) -> None:
+        state, total = self._state.Eval(context), np.zeros(force.size())
+        for at, rate, index, side, bound, stop in self._stops:
+            depth = side * (state[at] - bound)
+            if depth > 0.0:
+                total[index] -= side * stop_force(stop, depth, side * state[rate])
+        force.SetFromVector(total)
+
+    def _calc_energy(self, context: Context, energy: BasicVector) -> None:
+        state = self._state.Eval(context)
+        stored = (
+            float(stored_energy(stop, max(0.0, side * (state[at] - bound))))
+            for at, _, _, side, bound, stop in self._stops
+        )
+        energy.SetFromVector([sum(stored)])
