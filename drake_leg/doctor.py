@@ -9,6 +9,7 @@ from typing import Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array, within_turns
+from drake_leg.kinematics.chain_stroke import chain_stroke
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
 from drake_leg.kinematics.leg_inverse import branches
@@ -16,7 +17,6 @@ from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, task_jacobi
 from drake_leg.kinematics.singularity import RankReport, examine
 from drake_leg.kinematics.stroke import (
     Stroke,
-    chain_stroke,
     greatest_amplitude,
     leg_stroke,
     scara_stroke,
@@ -227,7 +227,7 @@ class _Chain:
         return []
 
     def stroke(self, q: Sequence[float], direction: Sequence[float]) -> Stroke:
-        return chain_stroke(self._robot.rows, q, direction)
+        return chain_stroke(self._robot.rows, q, direction).stroke
 
     def solutions(self, _q: Sequence[float], _foot: Sequence[float]) -> tuple[Solution, ...]:
         raise InvalidValueError(

@@ -43,6 +43,25 @@ class SingularConfigurationError(DrakeLegError):
         )
 
 
+class ForeseenSingularityError(SingularConfigurationError):
+    """A commanded motion that will meet a singularity, refused before it starts.
+
+    Attributes
+    ----------
+    q : tuple of float
+        Joint positions there [rad or m].
+    time : float
+        Simulated time at which it would be met [s].
+    """
+
+    def __init__(self, *, name: str, description: str, q: Sequence[float], time: float) -> None:
+        super().__init__(q=q, sigma_min=0.0, time=time)
+        self.args = (
+            f"the {name} would become {description}; --force goes up to there, "
+            "--inverse damped or limited goes on",
+        )
+
+
 class LostMotionError(DrakeLegError):
     """Near a singularity the joints no longer follow their prescribed motion.
 

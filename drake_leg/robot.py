@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.names import (
     BASE,
     BASE_WELD,
@@ -18,69 +19,51 @@ from drake_leg.names import (
     require_name,
     require_unique,
 )
+from drake_leg.quantities import (
+    DAMPING_UNITS,
+    LARGEST_ANGLE,
+    LEAST,
+    MOST,
+    STANDARD_GRAVITY,
+    require_angle,
+    require_non_negative,
+    require_positive,
+)
+
+# What describes a robot is found here, whichever file it stands in.
+__all__ = [
+    "DAMPING_UNITS",
+    "LARGEST_ANGLE",
+    "LEAST",
+    "MOST",
+    "STANDARD_GRAVITY",
+    "Brick",
+    "Cylinder",
+    "HardStop",
+    "Inertial",
+    "JointMechanics",
+    "JointType",
+    "Link",
+    "Robot",
+    "Row",
+    "Segment",
+    "Shape",
+    "Solid",
+    "Sphere",
+    "StateTarget",
+    "require_angle",
+    "require_non_negative",
+    "require_positive",
+]
 
 JointType = Literal["revolute", "prismatic", "fixed"]
-
-# What is smaller or larger than this in SI units is no robot; numbers beyond it end in an
-# overflow inside a parser or a solver.
-LEAST, MOST = 1e-30, 1e15
-LARGEST_ANGLE = 1e6  # [rad] or [m]
-
-STANDARD_GRAVITY = 9.80665  # [m/s^2], Simscape's default; Drake's own is 9.81
-
-# In N*m*s/rad; N*m/(deg/s) is Simscape's default.
-DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
 
 # Of the sum of the principal moments: how far rounding may take a plate off the triangle
 # inequality, and how far a body with products of inertia must stay inside, because SDF's parser
 # finds its principal moments only that well.
 _MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
 
-
-def require_positive(what: str, value: float, unit: str) -> None:
-    """Refuse a value that is not a positive finite number.
-
-    Raises
-    ------
-    InvalidValueError
-        Naming the quantity, the value and the unit.
-    """
-    if not (math.isfinite(value) and value > 0.0):
-        raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be a positive number")
-    if not LEAST <= value <= MOST:
-        raise InvalidValueError(
-            f"{what} is {float(value)!r} {unit}; it must be in {LEAST:g} ... {MOST:g} {unit}"
-        )
-
-
-def require_non_negative(what: str, value: float, unit: str) -> None:
-    """Refuse a value that is negative or not finite.
-
-    Raises
-    ------
-    InvalidValueError
-        Naming the quantity, the value and the unit.
-    """
-    if not (math.isfinite(value) and value >= 0.0):
-        raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be zero or positive")
-    if value:
-        require_positive(what, value, unit)
-
-
-def require_angle(what: str, value: float) -> None:
-    """Refuse a joint position that is not finite or beyond any robot's.
-
-    Raises
-    ------
-    InvalidValueError
-        Naming the quantity and the value.
-    """
-    if not math.isfinite(value):
-        raise InvalidValueError(f"{what} is {float(value)!r}; it must be a finite angle")
-    if abs(value) > LARGEST_ANGLE:
-        raise InvalidValueError(
-            f"{what} is {float(value)!r} rad; it must be at most {LARGEST_ANGLE:g} rad"
-        )
+NO_MECHANICS = JointMechanics()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,54 +220,13 @@ class Link:
 
 
 @dataclass(frozen=True, kw_only=True)
-class JointMechanics:
-    """What acts at a joint, under Simscape's names (internal mechanics, actuation, limits)."""
-
-    damping: float = 0.0  # [N*m*s/rad] or [N*s/m]
-    spring_stiffness: float = 0.0  # [N*m/rad] or [N/m]
-    equilibrium_position: float = 0.0  # [rad] or [m], where the spring is at rest
-    actuated: bool = True
-    lower: float | None = None  # [rad] or [m], least position; None: no limit
-    upper: float | None = None  # [rad] or [m], greatest position
-    velocity: float | None = None  # [rad/s] or [m/s], greatest speed
-    effort: float | None = None  # [N*m] or [N], greatest torque or force of the actuator
-
-    def __post_init__(self) -> None:
-        require_non_negative("the damping", self.damping, "N*m*s/rad")
-        require_non_negative("the spring stiffness", self.spring_stiffness, "N*m/rad")
-        require_angle("the spring's equilibrium position", self.equilibrium_position)
-        self._check_limits()
-
-    def _check_limits(self) -> None:
-        for name, limit in (("lower", self.lower), ("upper", self.upper)):
-            if limit is not None and not math.isfinite(limit):
-                raise InvalidValueError(
-                    f"the {name} limit is {limit!r}; it must be finite, or left out"
-                )
-        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
-            raise InvalidValueError(
-                f"the lower limit is {self.lower:.9g} and the upper one {self.upper:.9g}; the "
-                "lower one must be less, and a joint that cannot move is a fixed row"
-            )
-        if self.velocity is not None:
-            require_positive("the velocity limit", self.velocity, "rad/s")
-        if self.effort is not None:
-            require_positive("the effort limit", self.effort, "N*m")
-        if self.effort is not None and not self.actuated:
-            raise InvalidValueError(
-                f"the effort limit is {self.effort!r} N*m at a joint that is not actuated; "
-                "leave out one of the two"
-            )
-
-
-@dataclass(frozen=True, kw_only=True)
 class Segment:
     """A row of the table with what it carries: a joint, a link, or only a frame."""
 
     row: Row
     joint: str | None = None  # name of the joint; None for a mere frame
     link: Link | None = None
-    mechanics: JointMechanics = JointMechanics()
+    mechanics: JointMechanics = NO_MECHANICS
 
     def __post_init__(self) -> None:
         if (self.joint is None) != (self.link is None):
@@ -293,7 +235,7 @@ class Segment:
             )
         if self.link is None and self.row.joint != "fixed":
             raise InvalidValueError(f"a {self.row.joint} row has no link; only a fixed row may")
-        if self.row.joint == "fixed" and self.mechanics != JointMechanics():
+        if self.row.joint == "fixed" and self.mechanics != NO_MECHANICS:
             raise InvalidValueError(
                 "a fixed row has joint mechanics or limits; only a row that moves may"
             )

@@ -301,6 +301,12 @@ BAD_CONFIGS = [
     ("duration: null\n", "duration"),
     ("duration: [0.1]\n", "duration"),
     ("integrator: 5\n", "integrator"),
+    ("amplitude: [1, 2]\n", "amplitude is [1, 2]"),
+    ("max_step: {a: 1}\n", "max_step is"),
+    ("accuracy: yes\n", "accuracy is True"),
+    ("force: 3\n", "force is 3"),
+    ("q0: [90, [1], 0]\n", "q0 is [1]"),
+    ("direction: x\n", "direction is 'x'"),
     ("q0: [1, 2]\n", "[1.0, 2.0]"),
     ("q0: [90, x, 0]\n", "x"),
     ("q0: '123'\n", "123"),
@@ -454,7 +460,7 @@ def test_an_incomplete_or_unknown_command_is_refused_in_a_sentence(capsys, words
 
 def test_a_run_into_a_singularity_exits_with_3_and_saves_its_files(no_figures, tmp_path, capsys):
     out = tmp_path / "out"
-    assert status_of("run", "leg-b", "--out", out, "--amplitude", "0.1") == 3
+    assert status_of("run", "leg-b", "--out", out, "--amplitude", "0.1", "--force") == 3
     printed = capsys.readouterr()
     (sentence,) = printed.err.splitlines()
     assert "stopped at" in sentence
@@ -466,6 +472,37 @@ def test_a_run_into_a_singularity_exits_with_3_and_saves_its_files(no_figures, t
     assert summary["stopped_at_s"] == recording["time"][-1]
     assert summary["stopped_at_s"] == pytest.approx(2.651398, abs=1e-6)
     assert summary["stop_reason"] in sentence
+    met, foreseen = summary["singularity"], summary["foreseen"]
+    assert met["family"] == foreseen["family"] == "stretch"
+    assert met["time_s"] == pytest.approx(foreseen["time_s"], abs=1e-6)
+    assert met["foot_m"] == pytest.approx(foreseen["foot_m"], abs=1e-8)
+    assert met["q_deg"] == pytest.approx(foreseen["q_deg"], abs=0.05)
+    assert met["lost_direction"] == pytest.approx(foreseen["lost_direction"], abs=1e-3)
+    assert met["greatest_amplitude_m_s"] == pytest.approx(0.0941120543, abs=1e-9)
+
+
+def test_a_foreseen_singularity_is_refused_with_its_instant_and_nothing_is_written(refused):
+    for words, instant in ((["leg-b", "--amplitude", "0.1"], "2.651397687"),
+                           (["leg-a", "--amplitude", "-0.1"], "2.651397687"),
+                           (["leg-b", "--amplitude", "1", "--gain", "10", "--frequency", "10"],
+                            "0.265139769"),
+                           (["ellipse", "--amplitude", "0.1"], "2.809364"),
+                           (["scara", "--amplitude", "0.2"], "1.885994036")):  # fmt: skip
+        refused(*words, named=instant, status=3)
+        refused(*words, named="--force", status=3)
+
+
+def test_a_damped_run_goes_on_and_says_how_far_it_was(run):
+    status, recording, summary = run(
+        "leg-b", "--amplitude", "0.1", "--inverse", "damped", "--duration", "7"
+    )
+    assert status == 0
+    assert summary["stop_reason"] is None
+    assert 0.008 < summary["greatest_distance_from_command_m"] < 0.009
+    assert 1.0 < summary["time_off_command_s"] < 4.0
+    assert summary["distance_from_command_at_the_end_m"] < 1e-6
+    assert np.abs(recording.stack("qdot1", "qdot2", "qdot3")).max() < 10.0
+    assert (recording["q3"] < 0.0).all()  # the knee keeps its side
 
 
 def test_a_singular_start_exits_with_3_and_writes_nothing(refused):

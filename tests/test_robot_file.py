@@ -13,6 +13,7 @@ from drake_leg.check.proof import prove
 from drake_leg.check.rows import table_of_document
 from drake_leg.check.table import lint_table
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import HardStop, StateTarget
 from drake_leg.robot import (
     Brick,
     Cylinder,
@@ -200,12 +201,24 @@ def inertials(draw):
 @st.composite
 def mechanics(draw):
     lower = draw(st.none() | st.floats(-3.0, 0.0))
+    upper = draw(st.none() | st.floats(0.1, 3.0))
+    sizes = st.floats(1e-3, 1e3)
+    stops = st.none() | st.builds(
+        HardStop, stiffness=sizes, damping=st.just(0.0) | sizes, transition_width=sizes
+    )
+    targets = st.none() | st.builds(
+        StateTarget, value=st.floats(-3.0, 3.0), priority=st.sampled_from(["high", "low"])
+    )
     return JointMechanics(
         damping=draw(st.just(0.0) | st.floats(1e-6, 10.0)),
         spring_stiffness=draw(st.just(0.0) | st.floats(1e-6, 10.0)),
         equilibrium_position=draw(st.floats(-1.0, 1.0)),
         lower=lower,
-        upper=draw(st.none() | st.floats(0.1, 3.0)),
+        upper=upper,
+        lower_stop=None if lower is None else draw(stops),
+        upper_stop=None if upper is None else draw(stops),
+        position_target=draw(targets),
+        velocity_target=draw(targets),
         velocity=draw(st.none() | st.floats(0.1, 10.0)),
         effort=draw(st.none() | st.floats(0.1, 100.0)),
     )

@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import sys
-import typing
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail, numbers
-from drake_leg.cli.robot_source import robot_source
-from drake_leg.errors import InvalidValueError
+from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail
+from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.output import check_target, results_folder
 from drake_leg.progress import ProgressBar
-from drake_leg.runs.catalogue import RUNS, Progress, RunKind, Start, run_kind
-from drake_leg.runs.options import RunOptions, StraightOptions
-
-if typing.TYPE_CHECKING:
-    from pydrake.systems.framework import Diagram
-
-    from drake_leg.runs.outcome import Outcome
+from drake_leg.runs.catalogue import RUNS
 
 
 def add(commands: Commands) -> None:
@@ -47,88 +37,13 @@ def add(commands: Commands) -> None:
         "which makes the straight step",
     )
     add_output(parser)
-    parser.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE",
-        help="YAML file whose keys are these options, with underscores and in the same units; "
-        "options on the command line win over it",
-    )
-    group = parser.add_argument_group("what a run can be told")
-    for option, fields in _fields_by_name().items():
-        first = next(iter(fields.values()))
-        unit = first.metadata["unit"]
-        group.add_argument(
-            f"--{option.replace('_', '-')}",
-            metavar=_metavar(first),
-            default=argparse.SUPPRESS,
-            help=f"{first.metadata['help']}{f' [{unit}]' if unit else ''} "
-            f"({_defaults_text(fields)})".replace("%", "%%"),
-        )
+    add_run_options(parser)
     parser.set_defaults(command=_run)
 
 
-def _kind(name: str) -> RunKind:
-    """Look a run up; a robot from a file makes the straight step."""
-    if not name.lower().endswith(".toml"):
-        return run_kind(name)
-    robot = robot_source(name).robot()
-
-    def step(options: StraightOptions, progress: Progress | None = None) -> Outcome:
-        from drake_leg.runs.leg import run_robot
-
-        return run_robot(robot, options, progress)
-
-    def diagram(options: StraightOptions) -> tuple[Diagram, Start]:
-        from drake_leg.runs.leg import straight_diagram
-
-        return straight_diagram(robot, options)
-
-    return RunKind(title=robot.title, shows="", options=StraightOptions, run=step, diagram=diagram)
-
-
-def _fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
-    """Collect the options of all runs: option -> run -> field."""
-    found: dict[str, dict[str, dataclasses.Field[Any]]] = {}
-    for name, kind in RUNS.items():
-        for field in dataclasses.fields(kind.options):
-            found.setdefault(field.name, {})[name] = field
-    return found
-
-
-def _default_of(field: dataclasses.Field[Any]) -> object:
-    if field.default_factory is not dataclasses.MISSING:
-        return field.default_factory()
-    return field.default
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, list):
-        return ",".join(f"{number:g}" for number in value)
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
-
-
-def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
-    """Say the default, for each run where they differ, and which runs have the option."""
-    runs_of: dict[str, list[str]] = {}
-    for name, field in fields.items():
-        text = field.metadata["shown"] or _shown(_default_of(field))
-        runs_of.setdefault(text, []).append(name)
-    everywhere = len(fields) == len(RUNS)
-    if len(runs_of) == 1 and everywhere:
-        return f"default {next(iter(runs_of))}"
-    return "; ".join(f"{', '.join(names)}: {text}" for text, names in runs_of.items())
-
-
-def _metavar(field: dataclasses.Field[Any]) -> str:
-    if typing.get_origin(field.type) is list:
-        return "X,Y,Z"
-    return "TEXT" if field.type is str else "X"
-
-
 def _run(chosen: argparse.Namespace) -> int:
-    kind = _kind(chosen.name)
-    options = _options(kind, chosen)
+    kind = kind_of(chosen.name)
+    options = options_of(kind, chosen)
     check_target(chosen.out, overwrite=chosen.overwrite)
     bar = ProgressBar(sys.stderr, chosen.name, max(options.duration, 1e-300), "s")
     try:
@@ -142,7 +57,8 @@ def _run(chosen: argparse.Namespace) -> int:
     summary = outcome.summary
     rows = f"{summary['rows']} rows, {summary['real_time_factor']:.0f} x real time"
     print(f"wrote {chosen.out}: {rows}{_quality(summary)}")
-    for sentence in summary.get("limits_exceeded", ()):
+    remarks = [*summary.get("limits_exceeded", ()), summary.get("grazing")]
+    for sentence in filter(None, remarks):
         print(f"drake-leg: {sentence}", file=sys.stderr)
     if summary["stop_reason"] is None:
         return 0
@@ -155,87 +71,14 @@ def _run(chosen: argparse.Namespace) -> int:
 
 
 def _quality(summary: Mapping[str, Any]) -> str:
-    if "max_position_error_m" in summary:
-        return f", foot within {summary['max_position_error_m']:.1e} m of the exact path"
-    return f", angle within {summary['max_angle_error_rad']:.1e} rad of the exact motion"
-
-
-def _options(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
-    """Put the options together: defaults, then the file's, then the command line's."""
-    options = _from_file(kind, chosen.name, chosen.config) if chosen.config else kind.options()
-    known = {field.name: field for field in dataclasses.fields(kind.options)}
-    given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
-    for name in given:
-        if name not in known:
-            raise InvalidValueError(
-                f"--{name.replace('_', '-')} means nothing to {chosen.name}; its options are "
-                f"{', '.join('--' + other.replace('_', '-') for other in known)}"
-            )
-    hints = typing.get_type_hints(kind.options)
-    values: dict[str, Any] = {n: _value(n, hints[n], text) for n, text in given.items()}
-    return dataclasses.replace(options, **values)
-
-
-def _value(name: str, kind: object, text: str) -> object:
-    if kind is str:
-        return text
-    option = f"--{name.replace('_', '-')}"
-    if typing.get_origin(kind) is list:
-        return numbers(option, text)
-    return numbers(option, text, 1)[0]
-
-
-def _from_file(kind: RunKind, name: str, path: Path) -> RunOptions:
-    """Read a YAML file by Drake's typed loader."""
-    from pydrake.common.yaml import yaml_load_typed
-    from yaml import YAMLError
-
-    keys = ", ".join(field.name for field in dataclasses.fields(kind.options))
-    try:
-        text = _with_lists(kind, path.read_text(encoding="utf-8"))
-        options: RunOptions = yaml_load_typed(
-            schema=kind.options, data=text, defaults=kind.options()
+    if summary.get("time_off_command_s") and "filter_time_constant_s" not in summary:
+        farthest = summary["greatest_distance_from_command_m"]
+        return (
+            f", foot up to {farthest:.3g} m from its command and off it for "
+            f"{summary['time_off_command_s']:.3g} s"
         )
-    except (OSError, UnicodeDecodeError) as error:
-        why = getattr(error, "strerror", None) or str(error)
-        raise InvalidValueError(f"the config {path} cannot be read: {why}") from None
-    except (
-        RuntimeError,
-        ValueError,
-        TypeError,
-        AttributeError,
-        AssertionError,
-        YAMLError,
-    ) as error:
-        reason = " ".join(str(error).split())
-        raise InvalidValueError(
-            f"the config {path} is no good: {reason}; the keys of {name} are {keys}"
-        ) from None
-    return options
-
-
-def _with_lists(kind: RunKind, text: str) -> str:
-    """Make a lone number a list where a list is meant; a text there would be taken apart."""
-    from yaml import MappingNode, SafeLoader, compose, safe_dump, safe_load
-
-    root = compose(text, SafeLoader)
-    keys = [key.value for key, _ in root.value] if isinstance(root, MappingNode) else []
-    for key in keys:
-        if keys.count(key) > 1:
-            raise ValueError(f"{key} stands there {keys.count(key)} times")
-    content = safe_load(text)
-    if content is None:
-        raise ValueError("it holds nothing; leave --config out, or write at least one key")
-    if not isinstance(content, dict):
-        raise ValueError("it is no list of keys and values, as duration: 10")
-    for key in content:
-        if not isinstance(key, str):
-            raise ValueError(f"the key {key!r} is no name of an option")
-    hints = typing.get_type_hints(kind.options)
-    for name, value in content.items():
-        if typing.get_origin(hints.get(name)) is not list or isinstance(value, list):
-            continue
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"{name} is {value!r}; write a list of numbers, as [90, -50, -90]")
-        content[name] = [value]
-    return str(safe_dump(content))
+    if "max_position_error_m" in summary:
+        lag = summary.get("filter_time_constant_s")
+        filters = "" if lag is None else f", by input filters of {lag:g} s"
+        return f", foot within {summary['max_position_error_m']:.1e} m of the exact path{filters}"
+    return f", angle within {summary['max_angle_error_rad']:.1e} rad of the exact motion"

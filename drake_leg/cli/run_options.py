@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_leg.cli.common import numbers
+from drake_leg.cli.config_file import options_from_file
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, Progress, RunKind, Start, run_kind
@@ -39,12 +40,15 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     for option, fields in _fields_by_name().items():
         first = next(iter(fields.values()))
         unit = first.metadata["unit"]
+        takes: dict[str, Any] = (
+            {"action": "store_true"} if first.type is bool else {"metavar": _metavar(first)}
+        )
         group.add_argument(
             f"--{option.replace('_', '-')}",
-            metavar=_metavar(first),
             default=argparse.SUPPRESS,
             help=f"{first.metadata['help']}{f' [{unit}]' if unit else ''} "
             f"({_defaults_text(fields)})".replace("%", "%%"),
+            **takes,
         )
 
 
@@ -101,7 +105,11 @@ def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
     InvalidValueError
         If an option means nothing to the run, or its value makes no sense.
     """
-    options = _from_file(kind, chosen.name, chosen.config) if chosen.config else kind.options()
+    options = (
+        options_from_file(kind.options, chosen.name, chosen.config)
+        if chosen.config
+        else kind.options()
+    )
     known = {field.name: field for field in dataclasses.fields(kind.options)}
     given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
     for name in given:
@@ -133,6 +141,8 @@ def _default_of(field: dataclasses.Field[Any]) -> object:
 def _shown(value: object) -> str:
     if isinstance(value, list):
         return ",".join(f"{number:g}" for number in value)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
@@ -155,65 +165,9 @@ def _metavar(field: dataclasses.Field[Any]) -> str:
 
 
 def _value(name: str, kind: object, text: str) -> object:
-    if kind is str:
+    if kind in (str, bool):
         return text
     option = f"--{name.replace('_', '-')}"
     if typing.get_origin(kind) is list:
         return numbers(option, text)
     return numbers(option, text, 1)[0]
-
-
-def _from_file(kind: RunKind, name: str, path: Path) -> RunOptions:
-    """Read a YAML file by Drake's typed loader."""
-    from pydrake.common.yaml import yaml_load_typed
-    from yaml import YAMLError
-
-    keys = ", ".join(field.name for field in dataclasses.fields(kind.options))
-    try:
-        text = _with_lists(kind, path.read_text(encoding="utf-8"))
-        options: RunOptions = yaml_load_typed(
-            schema=kind.options, data=text, defaults=kind.options()
-        )
-    except (OSError, UnicodeDecodeError) as error:
-        why = getattr(error, "strerror", None) or str(error)
-        raise InvalidValueError(f"the config {path} cannot be read: {why}") from None
-    except (
-        RuntimeError,
-        ValueError,
-        TypeError,
-        AttributeError,
-        AssertionError,
-        YAMLError,
-    ) as error:
-        reason = " ".join(str(error).split())
-        raise InvalidValueError(
-            f"the config {path} is no good: {reason}; the keys of {name} are {keys}"
-        ) from None
-    return options
-
-
-def _with_lists(kind: RunKind, text: str) -> str:
-    """Make a lone number a list where a list is meant; a text there would be taken apart."""
-    from yaml import MappingNode, SafeLoader, compose, safe_dump, safe_load
-
-    root = compose(text, SafeLoader)
-    keys = [key.value for key, _ in root.value] if isinstance(root, MappingNode) else []
-    for key in keys:
-        if keys.count(key) > 1:
-            raise ValueError(f"{key} stands there {keys.count(key)} times")
-    content = safe_load(text)
-    if content is None:
-        raise ValueError("it holds nothing; leave --config out, or write at least one key")
-    if not isinstance(content, dict):
-        raise ValueError("it is no list of keys and values, as duration: 10")
-    for key in content:
-        if not isinstance(key, str):
-            raise ValueError(f"the key {key!r} is no name of an option")
-    hints = typing.get_type_hints(kind.options)
-    for name, value in content.items():
-        if typing.get_origin(hints.get(name)) is not list or isinstance(value, list):
-            continue
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"{name} is {value!r}; write a list of numbers, as [90, -50, -90]")
-        content[name] = [value]
-    return str(safe_dump(content))

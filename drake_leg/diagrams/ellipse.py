@@ -74,5 +74,5 @@ def build(config: EllipseConfig) -> Diagram:
     v, a = commands
 
     add_scope(builder, "input", along.GetOutputPort("y0"))
-    add_leg(builder, config.robot, config.q0, config.gravity, v=v, a=a)
+    add_leg(builder, config, v=v, a=a)
     return builder.Build()

@@ -25,10 +25,13 @@ from pydrake.systems.primitives import (
     Sine,
 )
 
+from drake_leg.diagrams.control import EXACT, Command, Control, corrected
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.foot_task import foot_task
+from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot import LEAST, MOST, STANDARD_GRAVITY, Robot, require_angle, require_positive
+from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 Vector = tuple[float, float, float]
@@ -45,12 +48,14 @@ class HexabotLegConfig:
     direction: Vector = (1.0, 0.0, 0.0)  # unit vector in the base frame
     gain: float = 1.0  # the sine has amplitude / gain; 1 is no gain block
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
+    filter_time_constant: float | None = None  # [s], of the joints' input filters; None: no filter
+    control: Control = EXACT
 
     def __post_init__(self) -> None:
         foot_task(self.robot)
         if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
-        for angle in self.q0:
+        for angle in self.control.start(self.q0):
             require_angle("an angle of q0", angle)
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
@@ -58,6 +63,8 @@ class HexabotLegConfig:
             raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
+        if self.filter_time_constant is not None:
+            require_positive("the filter's time constant", self.filter_time_constant, "s")
 
 
 def build(config: HexabotLegConfig) -> Diagram:
@@ -92,18 +99,12 @@ def build(config: HexabotLegConfig) -> Diagram:
         v = _turn(builder, "Direction", config.direction, v)
         a = _turn(builder, "Direction of the derivatives", config.direction, a)
 
-    add_leg(builder, config.robot, config.q0, config.gravity, v=v, a=a)
+    add_leg(builder, config, v=v, a=a)
     return builder.Build()
 
 
 def add_leg(
-    builder: DiagramBuilder,
-    robot: Robot,
-    q0: Vector,
-    gravity: float,
-    *,
-    v: OutputPort,
-    a: OutputPort,
+    builder: DiagramBuilder, config: HexabotLegConfig, *, v: OutputPort, a: OutputPort
 ) -> None:
     """Add everything behind the Mux: inverse Jacobian, integrators, leg, sensors, scopes.
 
@@ -111,37 +112,60 @@ def add_leg(
     ----------
     builder : DiagramBuilder
         The diagram under construction.
-    robot : Robot
-        The leg, or another robot of three joints.
-    q0 : (3,) tuple of float
-        Initial joint angles [rad].
-    gravity : float
-        [m/s^2].
+    config : HexabotLegConfig
+        Robot, posture, gravity, filter, control.
     v, a : OutputPort
         The foot's commanded velocity [m/s] and acceleration [m/s^2] in the base frame.
     """
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(foot_task(robot)))
+    control = config.control
+    task = control.task(foot_task(config.robot), config.robot)
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
+    q0 = control.start(config.q0)
     integrators = [
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q0[i - 1]])) for i in (1, 2, 3)
     ]
     converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(3))
-    leg = add_mechanism(builder, robot, gravity)
+    leg = add_mechanism(builder, config.robot, config.gravity)
 
-    builder.Connect(v, inverse_jacobian.GetInputPort("v"))
-    builder.Connect(a, inverse_jacobian.GetInputPort("a"))
+    command = corrected(
+        builder,
+        control.correction,
+        foot_pose(config.robot.rows, config.q0)[:3, 3],
+        Command(v, a),
+        p=leg.foot.GetOutputPort("position"),
+        pdot=leg.foot.GetOutputPort("velocity"),
+    )
+    builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
+    builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
     builder.Connect(leg.joints.get_output_port(0), inverse_jacobian.GetInputPort("q"))
+    builder.Connect(leg.joints.get_output_port(1), inverse_jacobian.GetInputPort("w"))
     builder.Connect(inverse_jacobian.GetOutputPort("qdot"), demux.get_input_port())
     for i, integrator in enumerate(integrators):
         builder.Connect(demux.get_output_port(i), integrator.get_input_port())
         builder.Connect(integrator.get_output_port(), converters.get_input_port(i))
-    builder.Connect(converters.get_output_port(), leg.motion.GetInputPort("q"))
-    builder.Connect(inverse_jacobian.GetOutputPort("qdot"), leg.motion.GetInputPort("qdot"))
-    builder.Connect(inverse_jacobian.GetOutputPort("qddot"), leg.motion.GetInputPort("qddot"))
+    motion = {
+        "q": converters.get_output_port(),
+        "qdot": inverse_jacobian.GetOutputPort("qdot"),
+        "qddot": inverse_jacobian.GetOutputPort("qddot"),
+    }
+    if config.filter_time_constant is not None:
+        motion = _filter(builder, config.filter_time_constant, q0, motion["q"])
+    for name, signal in motion.items():
+        builder.Connect(signal, leg.motion.GetInputPort(name))
 
     add_mechanism_scopes(builder, leg)
     add_scope(builder, "commanded velocities", v)
     add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
+
+
+def _filter(
+    builder: DiagramBuilder, time_constant: float, q0: Vector, signal: OutputPort
+) -> dict[str, OutputPort]:
+    """Let the joints follow the filtered angles; q, qdot, qddot are consistent by themselves."""
+    block = builder.AddNamedSystem("Input Filters", InputFilter(3, time_constant, initial=q0))
+    builder.Connect(signal, block.get_input_port())
+    return {name: block.GetOutputPort(name) for name in ("q", "qdot", "qddot")}
 
 
 def _gain(builder: DiagramBuilder, name: str, gain: float, signal: OutputPort) -> OutputPort:

@@ -7,6 +7,7 @@ inputs and position sensors, and the 6-DOF joint that senses the foot.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -14,12 +15,16 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPo
 from pydrake.systems.primitives import Demultiplexer, VectorLogSink
 
 from drake_leg.models.plant import build_plant
+from drake_leg.models.state_targets import initial_state
 from drake_leg.robot import Robot
 from drake_leg.systems.frame_sensor import FrameSensor
+from drake_leg.systems.input_filter import InputFilter
+from drake_leg.systems.joint_stops import JointStops
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 
 MOTION = "Prescribed Motion"
 SENSOR = "6-DOF Joint"
+STOPS = "Joint Limits"
 
 
 class Mechanism(NamedTuple):
@@ -39,7 +44,7 @@ def add_mechanism(builder: DiagramBuilder, robot: Robot, gravity: float) -> Mech
     builder : DiagramBuilder
         The diagram under construction.
     robot : Robot
-        Fully actuated.
+        Fully actuated. The motion presses joints with stops into these, with the torque it takes.
     gravity : float
         Along the world's -z [m/s^2].
 
@@ -55,17 +60,52 @@ def add_mechanism(builder: DiagramBuilder, robot: Robot, gravity: float) -> Mech
     """
     plant = builder.AddNamedSystem(robot.name, build_plant(robot, gravity=gravity))
     n = plant.num_positions()
-    motion = builder.AddNamedSystem(MOTION, PrescribedMotion(plant))
+    stops = add_stops(builder, robot, plant)
+    joints = [str(segment.joint) for segment in robot.moving] if stops else None
+    motion = builder.AddNamedSystem(MOTION, PrescribedMotion(plant, joints))
     joints = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([n, n]))
     foot_frame = plant.GetFrameByName(f"frame_{len(robot.segments)}")
     foot = builder.AddNamedSystem(SENSOR, FrameSensor(plant, foot_frame))
 
     state = plant.get_state_output_port()
-    builder.Connect(motion.GetOutputPort("torque"), plant.get_actuation_input_port())
+    if stops is None:
+        builder.Connect(motion.GetOutputPort("torque"), plant.get_actuation_input_port())
+    else:
+        force = stops.GetOutputPort("generalized_force")
+        builder.Connect(force, motion.GetInputPort("applied_generalized_force"))
+        builder.Connect(
+            motion.GetOutputPort("generalized_force"),
+            plant.get_applied_generalized_force_input_port(),
+        )
     builder.Connect(state, motion.GetInputPort("state"))
     builder.Connect(state, joints.get_input_port())
     builder.Connect(state, foot.GetInputPort("state"))
     return Mechanism(plant, motion, joints, foot)
+
+
+def add_stops(builder: DiagramBuilder, robot: Robot, plant: MultibodyPlant) -> JointStops | None:
+    """Add what pushes joints back into their limits, where a robot has such limits.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    robot : Robot
+        With the joints' mechanics.
+    plant : MultibodyPlant
+        Of the robot, in the diagram.
+
+    Returns
+    -------
+    JointStops or None
+        Its output ``generalized_force`` is left to be connected.
+    """
+    mechanics = {str(segment.joint): segment.mechanics for segment in robot.moving}
+    if not any(acting.stops for acting in mechanics.values()):
+        return None
+    stops: JointStops = builder.AddNamedSystem(STOPS, JointStops(plant, mechanics))
+    builder.Connect(plant.get_state_output_port(), stops.GetInputPort("state"))
+    return stops
 
 
 def add_mechanism_scopes(builder: DiagramBuilder, mechanism: Mechanism) -> None:
@@ -107,6 +147,30 @@ def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:
     builder.Connect(signal, scope.get_input_port())
 
 
+def start_at_targets(robot: Robot) -> Callable[[Diagram, Context], None]:
+    """Say how a diagram starts whose joints no motion drives: at their state targets.
+
+    Parameters
+    ----------
+    robot : Robot
+        With targets in its joints' mechanics; a joint without one starts at rest, or at 0.
+
+    Returns
+    -------
+    callable
+        ``start(diagram, context)``, which sets the state of the diagram's plant.
+    """
+    state = initial_state(robot)
+
+    def start(diagram: Diagram, context: Context) -> None:
+        plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+        plant_context = plant.GetMyMutableContextFromRoot(context)
+        plant.SetPositions(plant_context, state.q)
+        plant.SetVelocities(plant_context, state.qdot)
+
+    return start
+
+
 def start_on_motion(diagram: Diagram, context: Context) -> None:
     """Put the joints on their prescribed motion, positions and velocities, at the context's time.
 
@@ -119,7 +183,7 @@ def start_on_motion(diagram: Diagram, context: Context) -> None:
     """
     motion = diagram.GetSubsystemByName(MOTION)
     plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
-    motion_context = motion.GetMyContextFromRoot(context)
-    plant_context = plant.GetMyMutableContextFromRoot(context)
-    plant.SetPositions(plant_context, motion.GetInputPort("q").Eval(motion_context))
-    plant.SetVelocities(plant_context, motion.GetInputPort("qdot").Eval(motion_context))
+    for filter_ in (s for s in diagram.GetSystems() if isinstance(s, InputFilter)):
+        if not filter_.has_initial:
+            filter_.start_from_input(filter_.GetMyMutableContextFromRoot(context))
+    motion.start(motion.GetMyContextFromRoot(context), plant.GetMyMutableContextFromRoot(context))

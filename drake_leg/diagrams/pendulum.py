@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
-from pydrake.systems.primitives import Demultiplexer
+from pydrake.systems.primitives import Adder, Demultiplexer
 
-from drake_leg.diagrams.mechanism import add_scope
+from drake_leg.diagrams.mechanism import add_scope, add_stops
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
 from drake_leg.robot import STANDARD_GRAVITY, Robot, require_angle
@@ -54,15 +54,24 @@ def build(config: PendulumConfig) -> Diagram:
     )
     plant.SetDefaultPositions([config.q0])
     joint = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([1, 1]))
-    energy = builder.AddNamedSystem("Energy", EnergySensor(plant))
+    energy = builder.AddNamedSystem("Energy", EnergySensor(plant)).GetOutputPort("energy")
+    stops = add_stops(builder, config.robot, plant)
+    if stops:
+        total = builder.AddNamedSystem("Energy with that of the stops", Adder(2, 1))
+        builder.Connect(energy, total.get_input_port(0))
+        builder.Connect(stops.GetOutputPort("energy"), total.get_input_port(1))
+        force = stops.GetOutputPort("generalized_force")
+        builder.Connect(force, plant.get_applied_generalized_force_input_port())
+        energy = total.get_output_port()
 
     builder.Connect(plant.get_state_output_port(), joint.get_input_port())
-    builder.Connect(plant.get_state_output_port(), energy.GetInputPort("state"))
+    sensor = builder.GetSubsystemByName("Energy")
+    builder.Connect(plant.get_state_output_port(), sensor.GetInputPort("state"))
 
     add_scope(builder, "q", joint.get_output_port(0))
     add_scope(builder, "w", joint.get_output_port(1))
     add_scope(builder, "acceleration", plant.get_generalized_acceleration_output_port())
-    add_scope(builder, "energy", energy.GetOutputPort("energy"))
+    add_scope(builder, "energy", energy)
     return builder.Build()
 
 

@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import (
     ConstantVectorSource,
     Demultiplexer,
@@ -23,9 +23,10 @@ from pydrake.systems.primitives import (
     Sine,
 )
 
-from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
+from drake_leg.diagrams.control import EXACT, Command, Control, corrected
+from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task
+from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task, tool_position
 from drake_leg.robot import STANDARD_GRAVITY, Robot, require_angle, require_positive
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
@@ -44,12 +45,13 @@ class ScaraConfig:
     frequency: float = 1.0  # [rad/s]
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)  # horizontal unit vector
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
+    control: Control = EXACT
 
     def __post_init__(self) -> None:
         lift_position(ScaraGeometry.from_robot(self.robot), self.R)
         if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
-        for angle in self.q0:
+        for angle in self.control.start(self.q0):
             require_angle("an angle of q0", angle)
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
@@ -83,10 +85,13 @@ def build(config: ScaraConfig) -> Diagram:
     sine = builder.AddNamedSystem("Sine Wave", Sine(config.amplitude, config.frequency, 0.0, 1))
     v = builder.AddNamedSystem("Direction", MatrixGain(to_task))
     a = builder.AddNamedSystem("Direction of the derivatives", MatrixGain(to_task))
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(scara_task(arm)))
+    control = config.control
+    task = control.task(scara_task(arm), config.robot)
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
+    q0 = control.start(config.q0)
     integrators = [
-        builder.AddNamedSystem(f"Integrator {i}", Integrator([config.q0[i - 1]])) for i in (1, 2, 3)
+        builder.AddNamedSystem(f"Integrator {i}", Integrator([q0[i - 1]])) for i in (1, 2, 3)
     ]
     lift = builder.AddNamedSystem("Lift", ConstantVectorSource([lift_position(arm, config.R)]))
     at_rest = builder.AddNamedSystem("Lift at rest", ConstantVectorSource([0.0]))
@@ -100,10 +105,16 @@ def build(config: ScaraConfig) -> Diagram:
 
     builder.Connect(sine.GetOutputPort("y0"), v.get_input_port())
     builder.Connect(sine.GetOutputPort("y1"), a.get_input_port())
-    builder.Connect(v.get_output_port(), inverse_jacobian.GetInputPort("v"))
-    builder.Connect(a.get_output_port(), inverse_jacobian.GetInputPort("a"))
+    command = Command(v.get_output_port(), a.get_output_port())
+    if control.correction > 0.0:
+        command = _corrected(builder, config, command, scara)
+    builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
+    builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
     builder.Connect(scara.joints.get_output_port(0), angles.get_input_port())
     builder.Connect(angles.get_output_port(0), inverse_jacobian.GetInputPort("q"))
+    rates = builder.AddNamedSystem("Rates", Demultiplexer([3, 1]))
+    builder.Connect(scara.joints.get_output_port(1), rates.get_input_port())
+    builder.Connect(rates.get_output_port(0), inverse_jacobian.GetInputPort("w"))
     builder.Connect(inverse_jacobian.GetOutputPort("qdot"), demux.get_input_port())
     for i, integrator in enumerate(integrators):
         builder.Connect(demux.get_output_port(i), integrator.get_input_port())
@@ -122,3 +133,30 @@ def build(config: ScaraConfig) -> Diagram:
     add_scope(builder, "commanded velocities", v.get_output_port())
     add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
     return builder.Build()
+
+
+def _corrected(
+    builder: DiagramBuilder, config: ScaraConfig, command: Command, scara: Mechanism
+) -> Command:
+    """Correct (x, y, yaw): the place of the tool, and the sum of the three angles."""
+    to_task = np.zeros((3, 7))
+    to_task[0, 0] = to_task[1, 1] = 1.0
+    to_task[2, 3:6] = 1.0
+
+    def sensed(name: str, place: str, joints: int) -> OutputPort:
+        both = builder.AddNamedSystem(f"tool and joint {name}", Multiplexer([3, 4]))
+        task = builder.AddNamedSystem(f"task {name}", MatrixGain(to_task))
+        builder.Connect(scara.foot.GetOutputPort(place), both.get_input_port(0))
+        builder.Connect(scara.joints.get_output_port(joints), both.get_input_port(1))
+        builder.Connect(both.get_output_port(), task.get_input_port())
+        return task.get_output_port()
+
+    x, y, _ = tool_position(ScaraGeometry.from_robot(config.robot), [*config.q0, 0.0])
+    return corrected(
+        builder,
+        config.control.correction,
+        [x, y, sum(config.q0)],
+        command,
+        p=sensed("positions", "position", 0),
+        pdot=sensed("velocities", "velocity", 1),
+    )

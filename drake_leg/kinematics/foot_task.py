@@ -42,12 +42,13 @@ def foot_task(robot: Robot) -> Task:
 
 
 def _chain_task(rows: tuple[Row, ...]) -> Task:
-    reach = sum(math.hypot(row.d, row.r) for row in rows)
+    reach = max(sum(math.hypot(row.d, row.r) for row in rows), 1e-3)
     turning = sum(row.joint == "revolute" for row in rows)
     return task_from_jacobian(
         jacobian=partial(_translational, rows),
         bias=partial(_translational_bias, rows),
-        determinant_scale=max(reach, 1e-3) ** turning,
+        determinant_scale=reach**turning,
+        length=reach,
     )
 
 

@@ -21,9 +21,12 @@ from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array, assemble, finite_vectors, in_blocks, split
-from drake_leg.kinematics.rates import SINGULAR_BELOW
 from drake_leg.kinematics.task import Floats, Task, singular_posture
 from drake_leg.robot import Robot, require_positive
+
+# sin(q3), or the reach over the leg's length, below which the closed form no longer divides.
+SINGULAR_BELOW = 1e-12
+AT_REST = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -318,19 +321,27 @@ def leg_task(leg: LegGeometry) -> Task:
     """
     l1, l2, l3, sign = leg.l1, leg.l2, leg.l3, leg.sign
     nearest_reach = SINGULAR_BELOW * (l1 + l2 + l3)
+    factor = -sign * l2 * l3
     jacobian = partial(foot_jacobian, leg)
 
     def rates(q: Floats, v: Floats) -> Floats:
-        return solve(q, v, (0.0, 0.0, 0.0))
+        return solve(q, v, AT_REST, AT_REST)
 
-    def accelerations(q: Floats, qdot: Floats, a: Floats) -> Floats:
-        return solve(q, a, qdot)
+    def accelerations(
+        q: Floats, qdot: Floats, a: Floats, v: Floats = (), w: Floats = ()
+    ) -> Floats:
+        return solve(q, a, qdot, w or qdot)
 
-    def solve(q: Floats, a: Floats, qdot: Floats) -> Floats:
-        """Return ``J^-1 (a - dJ/dt qdot)``; at rest the second term is zero."""
+    def plain_determinant(q: Floats) -> float:
+        _, q2, q3 = q
+        return factor * math.sin(q3) * (l1 + l2 * math.cos(q2) + l3 * math.cos(q2 + q3))
+
+    def solve(q: Floats, a: Floats, qdot: Floats, w: Floats) -> Floats:
+        """Return ``J^-1 (a - dJ/dt qdot)`` with J changing along w."""
         q1, q2, q3 = q
-        w1, w2, w3 = qdot
-        q23, w23 = q2 + q3, w2 + w3
+        u1, u2, u3 = qdot
+        w1, w2, w3 = w
+        q23, u23, w23 = q2 + q3, u2 + u3, w2 + w3
         c1, s1, s3 = math.cos(q1), math.sin(q1), math.sin(q3)
         c23, s23 = math.cos(q23), math.sin(q23)
         x2, z2 = l2 * math.cos(q2), l2 * math.sin(q2)
@@ -338,9 +349,11 @@ def leg_task(leg: LegGeometry) -> Task:
         reach = l1 + x2 + x3
         if abs(s3) <= SINGULAR_BELOW or abs(reach) <= nearest_reach:
             raise singular_posture(jacobian, q)
-        w2_2, w23_2 = w2 * w2, w23 * w23
-        radial = c1 * a[0] + s1 * a[1] + x2 * w2_2 + x3 * w23_2 + reach * w1 * w1
-        tangential = c1 * a[1] - s1 * a[0] + 2.0 * (z2 * w2 + z3 * w23) * w1
+        w2_2, w23_2 = u2 * w2, u23 * w23
+        radial = c1 * a[0] + s1 * a[1] + x2 * w2_2 + x3 * w23_2 + reach * u1 * w1
+        tangential = (
+            c1 * a[1] - s1 * a[0] + (z2 * w2 + z3 * w23) * u1 + (z2 * u2 + z3 * u23) * w1
+        )
         vertical = sign * a[2] + z2 * w2_2 + z3 * w23_2
         return (
             tangential / reach,
@@ -350,10 +363,12 @@ def leg_task(leg: LegGeometry) -> Task:
 
     return Task(
         jacobian=jacobian,
-        determinant=lambda q: float(determinant(leg, q)),
+        bias=partial(jacobian_rate_bias, leg),
+        determinant=plain_determinant,
         rates=rates,
         accelerations=accelerations,
         determinant_scale=l2 * l3 * (l1 + l2 + l3),
+        length=l1 + l2 + l3,
     )
 
 

@@ -20,15 +20,27 @@ from scipy.special import ellipj, ellipkm1
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import STANDARD_GRAVITY, Brick, Robot, require_non_negative, require_positive
+from drake_leg.kinematics.joint_stop import limit_energy, limit_force
+from drake_leg.robot import (
+    STANDARD_GRAVITY,
+    Brick,
+    JointMechanics,
+    Robot,
+    require_non_negative,
+    require_positive,
+)
 
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright
+IN_AND_OUT = 0.002  # [s], greatest step where a limit may be met: none is stepped over
 STIFF = 1e5  # time constants of the damper in a run from which an implicit method is taken
 
 
 @dataclass(frozen=True, kw_only=True)
 class PendulumModel:
-    """What the equation of motion ``I qddot = m g (L/2) cos q - c qdot - k (q - q_ref)`` needs."""
+    """What the equation of motion ``I qddot = m g (L/2) cos q - c qdot - k (q - q_ref)`` needs.
+
+    On its right side is also the force of the joint's limits, where they push back.
+    """
 
     mass: float  # [kg]
     length: float  # [m]
@@ -37,6 +49,7 @@ class PendulumModel:
     spring_stiffness: float = 0.0  # [N*m/rad]
     equilibrium_position: float = 0.0  # [rad]
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
+    limits: JointMechanics | None = None  # where it has limits that push back
 
     def __post_init__(self) -> None:
         for name, unit in (("mass", "kg"), ("length", "m")):
@@ -82,6 +95,7 @@ class PendulumModel:
             spring_stiffness=segment.mechanics.spring_stiffness,
             equilibrium_position=segment.mechanics.equilibrium_position,
             gravity=gravity,
+            limits=segment.mechanics if segment.mechanics.stops else None,
         )
 
     @property
@@ -114,11 +128,12 @@ def energy(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
     """
     angle, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
     stretch = angle - model.equilibrium_position
-    return (
+    total: Array = (
         model.inertia * rate**2 / 2
         - model.gravity_torque * np.sin(angle)
         + model.spring_stiffness * stretch**2 / 2
     )
+    return total if model.limits is None else total + limit_energy(model.limits, angle)
 
 
 def acceleration(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
@@ -139,6 +154,8 @@ def acceleration(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
     angle, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
     spring = model.spring_stiffness * (angle - model.equilibrium_position)
     torque = model.gravity_torque * np.cos(angle) - model.damping * rate - spring
+    if model.limits is not None:
+        torque = torque + limit_force(model.limits, angle, rate)
     return torque / model.inertia
 
 
@@ -152,6 +169,7 @@ def _oscillates(model: PendulumModel, q0: float) -> bool:
     return (
         model.damping == 0.0
         and model.spring_stiffness == 0.0
+        and model.limits is None
         and model.gravity > 0.0
         and abs(_swing(q0)) > 1e-9
         and abs(_swing(q0)) < math.pi - 1e-9
@@ -171,7 +189,7 @@ def exact_period(model: PendulumModel, q0: float) -> float | None:
     Returns
     -------
     float or None
-        [s]; None where there is no period: with damping or a spring, hanging or upright.
+        [s]; None where there is no period: with damping, a spring or limits, hanging or upright.
     """
     if not _oscillates(model, q0):
         return None
@@ -179,10 +197,12 @@ def exact_period(model: PendulumModel, q0: float) -> float | None:
     return 4.0 * float(ellipkm1(k_prime**2)) / model.natural_frequency
 
 
-def exact_motion(model: PendulumModel, q0: float, time: ArrayLike) -> tuple[Array, Array]:
-    """Angle and rate of the pendulum released at rest.
+def exact_motion(
+    model: PendulumModel, q0: float, time: ArrayLike, qdot0: float = 0.0
+) -> tuple[Array, Array]:
+    """Angle and rate of the pendulum released at rest, or at a rate.
 
-    Without damping and spring by Jacobi's elliptic functions,
+    Released at rest without damping, spring and limits by Jacobi's elliptic functions,
     ``sin(phi/2) = k cd(omega0 t, k)``; otherwise, and where it starts so nearly upright that the
     elliptic functions lose their digits, by an eighth-order integration of the closed
     equation of motion at a relative tolerance of 1e-12 (of fifth order at 1e-9 where the damper
@@ -196,6 +216,8 @@ def exact_motion(model: PendulumModel, q0: float, time: ArrayLike) -> tuple[Arra
         Angle of release [rad].
     time : (n,) array_like
         Increasing instants from 0 [s].
+    qdot0 : float
+        Rate of release [rad/s].
 
     Returns
     -------
@@ -204,8 +226,8 @@ def exact_motion(model: PendulumModel, q0: float, time: ArrayLike) -> tuple[Arra
     """
     instants = np.asarray(time, dtype=np.float64)
     phi0 = _swing(q0)
-    if not _oscillates(model, q0):
-        return _integrated_motion(model, q0, instants)
+    if qdot0 != 0.0 or not _oscillates(model, q0):
+        return _integrated_motion(model, q0, qdot0, instants)
     if math.pi - abs(phi0) < NEARLY_UPRIGHT:
         return _motion_from_upright(model, q0, instants)
     k, k_prime = math.sin(phi0 / 2), math.cos(phi0 / 2)
@@ -215,8 +237,10 @@ def exact_motion(model: PendulumModel, q0: float, time: ArrayLike) -> tuple[Arra
     return q0 + (phi - phi0), rate
 
 
-def _integrated_motion(model: PendulumModel, q0: float, instants: Array) -> tuple[Array, Array]:
-    solution = _solution(model, q0, float(instants[-1]), tolerance=1e-13)
+def _integrated_motion(
+    model: PendulumModel, q0: float, qdot0: float, instants: Array
+) -> tuple[Array, Array]:
+    solution = _solution(model, q0, float(instants[-1]), tolerance=1e-13, qdot0=qdot0)
     return solution(instants)
 
 
@@ -233,18 +257,30 @@ def _motion_from_upright(model: PendulumModel, q0: float, instants: Array) -> tu
 
 
 def _solution(
-    model: PendulumModel, q0: float, duration: float, tolerance: float
+    model: PendulumModel, q0: float, duration: float, tolerance: float, qdot0: float = 0.0
 ) -> Callable[[Array], tuple[Array, Array]]:
     def derivatives(_time: float, state: Array) -> list[float]:
         return [state[1], float(acceleration(model, state[0], state[1]))]
 
     if duration <= 0.0:
-        return lambda time: (np.full_like(time, q0), np.zeros_like(time))
+        return lambda time: (np.full_like(time, q0), np.full_like(time, qdot0))
+    if model.limits is not None:
+        solved = solve_ivp(
+            derivatives,
+            (0.0, duration),
+            [q0, qdot0],
+            method="LSODA",
+            dense_output=True,
+            rtol=1e-11,
+            atol=1e-13,
+            max_step=IN_AND_OUT,
+        )
+        return lambda time: tuple(solved.sol(time))
     stiff = model.damping / model.inertia * duration > STIFF
     solved = solve_ivp(
         derivatives,
         (0.0, duration),
-        [q0, 0.0],
+        [q0, qdot0],
         method="Radau" if stiff else "DOP853",
         dense_output=True,
         rtol=1e-9 if stiff else 1e-12,
@@ -268,17 +304,18 @@ def rest_angle(model: PendulumModel, q_end: float) -> float | None:
     Returns
     -------
     float or None
-        [rad]; None without damping, for then it never rests, and where there is no rest
+        [rad]; None without damping and limits, for then it never rests, and where there is no rest
         within half a turn of ``q_end``.
     """
-    if model.damping == 0.0:
+    if model.damping == 0.0 and model.limits is None:
         return None
-    if model.spring_stiffness == 0.0:
+    if model.spring_stiffness == 0.0 and model.limits is None:
         return q_end - _swing(q_end) if model.gravity_torque > 0.0 else q_end
 
     def torque(q: float) -> float:
         spring = model.spring_stiffness * (q - model.equilibrium_position)
-        return model.gravity_torque * math.cos(q) - spring
+        limits = 0.0 if model.limits is None else float(limit_force(model.limits, q, 0.0))
+        return model.gravity_torque * math.cos(q) - spring + limits
 
     grid = np.linspace(q_end - math.pi, q_end + math.pi, 721)
     stable = [

@@ -266,6 +266,8 @@ def scara_task(arm: ScaraGeometry) -> Task:
         jacobian=partial(task_jacobian, arm),
         bias=partial(jacobian_rate_bias, arm),
         determinant_scale=arm.l1 * arm.l2,
+        length=arm.l1 + arm.l2,
+        row_lengths=(1.0, 1.0, arm.l1 + arm.l2),
     )
 
 

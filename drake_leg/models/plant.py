@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
@@ -23,7 +25,8 @@ def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> Multibody
     Returns
     -------
     MultibodyPlant
-        Named like the robot, with one model instance.
+        Named like the robot, with one model instance. A limit that pushes back, which a
+        continuous plant does not do, is none of the plant's own: ``JointStops`` does it.
 
     Raises
     ------
@@ -38,8 +41,19 @@ def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> Multibody
     try:
         parser.AddModelsFromString(sdf_text(robot), "sdf")
         plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
+        _leave_limits_to_stops(plant, robot)
         plant.Finalize()
     except RuntimeError as error:
         reason = " ".join(str(error).split())
         raise InvalidValueError(f"Drake does not take the model {robot.name!r}: {reason}") from None
     return plant
+
+
+def _leave_limits_to_stops(plant: MultibodyPlant, robot: Robot) -> None:
+    for segment in robot.moving:
+        if segment.mechanics.stops:
+            joint = plant.GetJointByName(segment.joint)
+            lower, upper = joint.position_lower_limits(), joint.position_upper_limits()
+            for side, _, _ in segment.mechanics.stops:
+                (lower if side < 0 else upper)[0] = side * math.inf
+            joint.set_position_limits(lower, upper)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from drake_leg.joint_mechanics import PRIORITIES, HardStop, StateTarget
 from drake_leg.robot import JointMechanics
 from drake_leg.robot_file.keys import Keys
 from drake_leg.robot_file.units import JointUnits
@@ -10,10 +11,16 @@ _MECHANICS_KEYS = (
     "damping",
     "damping_unit",
     "spring_stiffness",
+    "spring_unit",
     "equilibrium_position",
     "actuated",
+    "position_target",
+    "position_priority",
+    "velocity_target",
+    "velocity_priority",
 )
-_LIMIT_KEYS = ("lower", "upper", "velocity", "effort")
+_LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "lower_stop", "upper_stop")
+_STOP_KEYS = ("stiffness", "spring_unit", "damping", "damping_unit", "transition_width")
 _INSTEAD_OF_MECHANICS = {
     **dict.fromkeys(("limits", *_LIMIT_KEYS), "limits stand under [row.limits]"),
     "stiffness": "did you mean 'spring_stiffness'?",
@@ -44,7 +51,6 @@ def read_mechanics(
         With file, key and value.
     """
     acting = Keys(mechanics, f"{where}, mechanics", _MECHANICS_KEYS, _INSTEAD_OF_MECHANICS)
-    damping_unit = acting.choice("damping_unit", tuple(units.damping), next(iter(units.damping)))
     bounds = Keys(limits, f"{where}, limits", _LIMIT_KEYS)
     lower, upper = (bounds.optional(key, units.position) for key in ("lower", "upper"))
     if lower is not None and upper is not None and lower >= upper:
@@ -53,7 +59,6 @@ def read_mechanics(
             'lower must be less, and a joint that cannot move is a fixed row (sigma = "~")'
         )
     velocity = bounds.optional("velocity", units.velocity, positive=True)
-    damping = acting.non_negative("damping", damping_unit, 0.0)
     equilibrium = acting.number("equilibrium_position", units.position, 0.0)
     actuated = acting.flag("actuated", True)
     effort = bounds.optional("effort", units.effort, positive=True)
@@ -64,12 +69,49 @@ def read_mechanics(
         )
     return bounds.make(
         JointMechanics,
-        damping=damping * units.damping[damping_unit],
-        spring_stiffness=acting.non_negative("spring_stiffness", units.stiffness, 0.0),
+        damping=_in_si(acting, "damping", "damping_unit", units.damping, 0.0),
+        spring_stiffness=_in_si(acting, "spring_stiffness", "spring_unit", units.stiffness, 0.0),
         equilibrium_position=units.si(equilibrium),
         actuated=actuated,
         lower=None if lower is None else units.si(lower),
         upper=None if upper is None else units.si(upper),
         velocity=None if velocity is None else units.si(velocity),
         effort=effort,
+        lower_stop=_stop(bounds, "lower_stop", units),
+        upper_stop=_stop(bounds, "upper_stop", units),
+        position_target=_target(acting, "position", units.position, units),
+        velocity_target=_target(acting, "velocity", units.velocity, units),
     )
+
+
+def _in_si(keys: Keys, key: str, unit_key: str, units: dict[str, float], default: float) -> float:
+    """Read a number that is not negative, and the unit that the file may choose for it."""
+    unit = keys.choice(unit_key, tuple(units), next(iter(units)))
+    return default if not keys.has(key) else keys.non_negative(key, unit, 0.0) * units[unit]
+
+
+def _stop(bounds: Keys, key: str, units: JointUnits) -> HardStop | None:
+    """Read how a limit pushes back; what the file leaves out is as in Simscape."""
+    if not bounds.has(key):
+        return None
+    keys = Keys(bounds.value(key), f"{bounds.where}, {key}", _STOP_KEYS)
+    default = HardStop.translational() if units.position == "m" else HardStop.rotational()
+    width = keys.optional("transition_width", units.position, positive=True)
+    return keys.make(
+        HardStop,
+        stiffness=_in_si(keys, "stiffness", "spring_unit", units.stiffness, default.stiffness),
+        damping=_in_si(keys, "damping", "damping_unit", units.damping, default.damping),
+        transition_width=default.transition_width if width is None else units.si(width),
+    )
+
+
+def _target(acting: Keys, quantity: str, unit: str, units: JointUnits) -> StateTarget | None:
+    """Read where the joint starts, or how fast."""
+    key, priority_key = f"{quantity}_target", f"{quantity}_priority"
+    priority = acting.choice(priority_key, PRIORITIES, "high")
+    value = acting.optional(key, unit)
+    if value is not None:
+        return acting.make(StateTarget, value=units.si(value), priority=priority)
+    if acting.has(priority_key):
+        raise acting.error(f"{priority_key} is {priority!r}, but there is no {key}; give both")
+    return None

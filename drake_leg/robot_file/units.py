@@ -6,11 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from drake_leg.quantities import SPRING_UNITS
 from drake_leg.robot import DAMPING_UNITS, JointType
 
 AngleUnit = Literal["deg", "rad"]
 
 SLIDING_DAMPING_UNITS = {"N*s/m": 1.0}
+SLIDING_SPRING_UNITS = {"N/m": 1.0}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,8 +21,8 @@ class JointUnits:
 
     position: str  # as in sentences and comments: deg, rad or m
     effort: str
-    stiffness: str
-    damping: dict[str, float]  # unit to its value in SI, the default first
+    stiffness: dict[str, float]  # unit to its value in SI, the default first
+    damping: dict[str, float]  # the same
 
     @property
     def velocity(self) -> str:
@@ -47,8 +49,13 @@ def joint_units(joint: JointType, angles: AngleUnit) -> JointUnits:
     JointUnits
     """
     if joint == "prismatic":
-        return JointUnits(position="m", effort="N", stiffness="N/m", damping=SLIDING_DAMPING_UNITS)
-    return JointUnits(position=angles, effort="N*m", stiffness="N*m/rad", damping=DAMPING_UNITS)
+        return JointUnits(
+            position="m",
+            effort="N",
+            stiffness=SLIDING_SPRING_UNITS,
+            damping=SLIDING_DAMPING_UNITS,
+        )
+    return JointUnits(position=angles, effort="N*m", stiffness=SPRING_UNITS, damping=DAMPING_UNITS)
 
 
 def in_radians(angle: float, angles: AngleUnit) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 
+from drake_leg.joint_mechanics import HardStop, StateTarget
 from drake_leg.robot import Inertial, JointMechanics, Link, Robot, Segment, Solid
 from drake_leg.robot_file.bodies import ORIGIN, SHAPES
 from drake_leg.robot_file.units import AngleUnit, JointUnits, exact_degrees, joint_units
@@ -54,6 +55,9 @@ def _angles(robot: Robot) -> Iterator[float]:
         if segment.row.joint == "revolute":
             mechanics = segment.mechanics
             yield mechanics.equilibrium_position
+            targets = (mechanics.position_target, mechanics.velocity_target)
+            yield from (target.value for target in targets if target is not None)
+            yield from (stop.transition_width for _, _, stop in mechanics.stops)
             limits = (mechanics.lower, mechanics.upper, mechanics.velocity)
             yield from (limit for limit in limits if limit is not None)
 
@@ -103,28 +107,70 @@ def _solid_lines(solid: Solid) -> Iterator[str]:
     yield _line("colour", solid.colour, "red, green, blue, 0 to 1")
 
 
+Entries = dict[str, tuple[object, str]]  # key to value and unit
+
+
 def _joint_lines(mechanics: JointMechanics, units: JointUnits) -> Iterator[str]:
-    default = JointMechanics()
-    position, damping = units.position, next(iter(units.damping))
-    acting = (
-        ("damping", mechanics.damping, damping),
-        ("spring_stiffness", mechanics.spring_stiffness, units.stiffness),
-        ("equilibrium_position", _position(mechanics.equilibrium_position, units), position),
-        ("actuated", mechanics.actuated, ""),
-    )
-    bounds = (
-        ("lower", _position(mechanics.lower, units), position),
-        ("upper", _position(mechanics.upper, units), position),
-        ("velocity", _position(mechanics.velocity, units), units.velocity),
-        ("effort", mechanics.effort, units.effort),
-    )
-    for header, entries in (("[row.mechanics]", acting), ("[row.limits]", bounds)):
-        said = [
-            entry for entry in entries if getattr(mechanics, entry[0]) != getattr(default, entry[0])
-        ]
+    for header, entries in (("[row.mechanics]", _acting), ("[row.limits]", _bounds)):
+        unsaid = entries(JointMechanics(), units)
+        said = {
+            key: entry for key, entry in entries(mechanics, units).items() if entry != unsaid[key]
+        }
         if said:
             yield header
-            yield from (_line(key, value, unit and f"[{unit}]") for key, value, unit in said)
+        for key, (value, unit) in said.items():
+            yield _line(key, value, unit and f"[{unit}]")
+
+
+def _acting(mechanics: JointMechanics, units: JointUnits) -> Entries:
+    position, velocity = mechanics.position_target, mechanics.velocity_target
+    return {
+        "damping": (mechanics.damping, _first(units.damping)),
+        "spring_stiffness": (mechanics.spring_stiffness, _first(units.stiffness)),
+        "equilibrium_position": (
+            _position(mechanics.equilibrium_position, units),
+            units.position,
+        ),
+        "actuated": (mechanics.actuated, ""),
+        "position_target": (_target(position, units), units.position),
+        "position_priority": (_low(position), ""),
+        "velocity_target": (_target(velocity, units), units.velocity),
+        "velocity_priority": (_low(velocity), ""),
+    }
+
+
+def _bounds(mechanics: JointMechanics, units: JointUnits) -> Entries:
+    inside = f"{_first(units.stiffness)}, {_first(units.damping)}, {units.position}"
+    return {
+        "lower": (_position(mechanics.lower, units), units.position),
+        "upper": (_position(mechanics.upper, units), units.position),
+        "velocity": (_position(mechanics.velocity, units), units.velocity),
+        "effort": (mechanics.effort, units.effort),
+        "lower_stop": (_stop(mechanics.lower_stop, units), inside),
+        "upper_stop": (_stop(mechanics.upper_stop, units), inside),
+    }
+
+
+def _target(target: StateTarget | None, units: JointUnits) -> float | None:
+    return None if target is None else _position(target.value, units)
+
+
+def _low(target: StateTarget | None) -> str | None:
+    return "low" if target is not None and target.priority == "low" else None
+
+
+def _stop(stop: HardStop | None, units: JointUnits) -> dict[str, float | None] | None:
+    if stop is None:
+        return None
+    return {
+        "stiffness": stop.stiffness,
+        "damping": stop.damping,
+        "transition_width": _position(stop.transition_width, units),
+    }
+
+
+def _first(units: dict[str, float]) -> str:
+    return next(iter(units))
 
 
 def _position(value: float | None, units: JointUnits) -> float | None:
@@ -137,12 +183,14 @@ def _angle(value: float, angles: AngleUnit) -> float | None:
 
 def _line(key: str, value: object, comment: str = "") -> str:
     line = f"{key} = {_shown(value)}"
-    return f"{line:<{COMMENT_COLUMN}}# {comment}" if comment else line
+    return f"{line:<{COMMENT_COLUMN - 1}} # {comment}" if comment else line
 
 
 def _shown(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_shown(part)}' for key, part in value.items())} }}"
     if isinstance(value, tuple):
         return f"[{', '.join(map(_shown, value))}]"
     if isinstance(value, float | int):

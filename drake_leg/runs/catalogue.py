@@ -72,10 +72,12 @@ def _scara(options: ScaraOptions, progress: Progress | None = None) -> Outcome:
 
 
 def _pendulum_diagram(options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
-    from drake_leg.diagrams.pendulum import build, start_at_target
+    from drake_leg.diagrams.mechanism import start_at_targets
+    from drake_leg.diagrams.pendulum import build
     from drake_leg.runs.pendulum import pendulum_config
 
-    return build(pendulum_config(options)), start_at_target
+    config = pendulum_config(options)
+    return build(config), start_at_targets(config.robot)
 
 
 def _leg_a_diagram(options: LegAOptions) -> tuple[Diagram, Start]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 from pydrake.systems.framework import Diagram
@@ -12,16 +14,27 @@ from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
+from drake_leg.kinematics.arms import ChainArm, ScaraArm, arm_of
 from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.encounter import SineStep
 from drake_leg.kinematics.khalil import foot_pose, jacobian
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
 from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.models.state_targets import initial_state
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 from drake_leg.robots import LegVariant
 from drake_leg.robots import hexabot_leg as leg_robot
+from drake_leg.runs.foresight import (
+    Motion,
+    Plan,
+    control_findings,
+    control_of,
+    singularity_findings,
+    step_for,
+)
 from drake_leg.runs.options import (
     EllipseOptions,
     LegBOptions,
@@ -32,6 +45,10 @@ from drake_leg.runs.options import (
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.tip import default_step, exact_tip, tip_columns, tip_findings, torque_error
 from drake_leg.simulation import Progress, Run, Start, simulate
+
+Config = TypeVar("Config", bound=hexabot_leg.HexabotLegConfig)
+
+STEP_OF_FILTER = 1.5  # greatest step over the filters' time constant; 2 is unstable with Euler
 
 
 def run_straight(
@@ -88,20 +105,17 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
         If the robot is singular where it starts.
     """
     config = straight_config(robot, options)
-    settings = options.integrator_settings(default_step(config.frequency))
-    run = simulate(
-        hexabot_leg.build(config),
-        start=start_on_motion,
-        duration=options.duration,
-        settings=settings,
-        progress=progress,
-    )
     along = np.array(config.direction)
-    path = straight_path(
-        run.time, amplitude=config.amplitude, frequency=config.frequency, direction=along
+
+    def motion(amplitude: float, time: Array) -> CommandedMotion:
+        return straight_path(time, amplitude=amplitude, frequency=config.frequency, direction=along)
+
+    step = SineStep(
+        amplitude=config.amplitude, frequency=config.frequency, direction=config.direction
     )
     across = np.eye(3) - np.outer(along, along)
-    outcome = _outcome(config, options, settings, run, path, across)
+    plan = _plan(config, options, motion, step)
+    outcome = _carry_out(plan, config, options, hexabot_leg.build, across, progress)
     exceeded = {"limits_exceeded": _exceeded_limits(robot, outcome.recording)}
     return replace(outcome, robot=robot, summary={**outcome.summary, **exceeded})
 
@@ -129,24 +143,20 @@ def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Ou
         If the leg is singular where it starts.
     """
     config = ellipse_config(options)
-    settings = options.integrator_settings(default_step(config.frequency))
-    run = simulate(
-        ellipse.build(config),
-        start=start_on_motion,
-        duration=options.duration,
-        settings=settings,
-        progress=progress,
-    )
     along = np.array(config.direction)
-    path = elliptic_path(
-        run.time,
-        amplitude=config.amplitude,
-        frequency=config.frequency,
-        direction=along,
-        lift=config.lift,
-    )
+
+    def motion(amplitude: float, time: Array) -> CommandedMotion:
+        return elliptic_path(
+            time,
+            amplitude=amplitude,
+            frequency=config.frequency,
+            direction=along,
+            lift=config.lift,
+        )
+
     across = np.cross(along, UP)[:, np.newaxis]
-    return _outcome(config, options, settings, run, path, across)
+    plan = _plan(config, options, motion, None)
+    return _carry_out(plan, config, options, ellipse.build, across, progress)
 
 
 def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.HexabotLegConfig:
@@ -177,6 +187,8 @@ def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.Hexab
         direction=options.unit_direction(),
         gain=options.gain,
         gravity=options.gravity,
+        filter_time_constant=options.filter_time_constant,
+        control=control_of(options, robot.moving),
     )
 
 
@@ -220,15 +232,69 @@ def ellipse_config(options: EllipseOptions) -> ellipse.EllipseConfig:
     InvalidValueError
         If an option makes no sense.
     """
+    robot = leg_of("B", options)
     return ellipse.EllipseConfig(
-        robot=leg_of("B", options),
+        robot=robot,
         q0=options.posture(),
         amplitude=options.amplitude,
         frequency=options.frequency,
         direction=options.unit_direction(),
         lift=options.lift,
         gravity=options.gravity,
+        filter_time_constant=options.filter_time_constant,
+        control=control_of(options, robot.moving),
     )
+
+
+def _plan(
+    config: hexabot_leg.HexabotLegConfig,
+    options: StepOptions,
+    motion: Motion,
+    step: SineStep | None,
+) -> Plan:
+    arm = arm_of(config.robot)
+    return Plan(
+        arm=ChainArm(config.robot) if isinstance(arm, ScaraArm) else arm,
+        q0=config.q0,
+        control=config.control,
+        motion=motion,
+        amplitude=config.amplitude,
+        frequency=config.frequency,
+        duration=options.duration,
+        step=step,
+        filtered=config.filter_time_constant is not None,
+    )
+
+
+def _carry_out(
+    plan: Plan,
+    config: Config,
+    options: StepOptions,
+    build: Callable[[Config], Diagram],
+    across: Array,
+    progress: Progress | None,
+) -> Outcome:
+    """Look ahead, simulate, and compare with the command."""
+    settings = options.integrator_settings(_default_step(config))
+    forecast = plan.checked(config.robot.name, force=options.force)
+    run = simulate(
+        build(config),
+        start=start_on_motion,
+        duration=options.duration,
+        settings=settings,
+        progress=progress,
+    )
+    path = plan.motion(config.amplitude, run.time)
+    outcome = _outcome(config, options, settings, run, path, across)
+    met = singularity_findings(plan.arm, run, forecast, config.robot.name)
+    return replace(outcome, summary={**outcome.summary, **met})
+
+
+def _default_step(config: hexabot_leg.HexabotLegConfig) -> float:
+    """Greatest step for the sine and, where there are any, for the filters' fast decay [s]."""
+    step = step_for(default_step(config.frequency), config.control)
+    filtered = config.filter_time_constant
+    return step if filtered is None else min(step, STEP_OF_FILTER * filtered)
 
 
 def _unsaturated(robot: Robot) -> Robot:
@@ -300,8 +366,16 @@ def leg_of(variant: LegVariant, options: LegOptions) -> Robot:
     )
 
 
+def _as_options(robot: Robot, q0: Sequence[float]) -> list[float]:
+    """Give a posture as --q0 takes it."""
+    return [
+        round(math.degrees(q), 9) if segment.row.joint == "revolute" else q
+        for q, segment in zip(q0, robot.moving, strict=True)
+    ]
+
+
 def _posture(robot: Robot, options: StraightOptions) -> tuple[float, float, float]:
-    """Take q0 in rad where a joint turns, in m where it slides."""
+    """Take q0 in rad where a joint turns, in m where it slides, or the robot's state targets."""
     angles = options.posture()
     if len(robot.moving) != 3:
         return angles
@@ -309,6 +383,10 @@ def _posture(robot: Robot, options: StraightOptions) -> tuple[float, float, floa
         angle if segment.row.joint == "revolute" else math.degrees(angle)
         for angle, segment in zip(angles, robot.moving, strict=True)
     )
+    if (q1, q2, q3) == (0.0, 0.0, 0.0):  # where nobody said anything
+        q1, q2, q3 = initial_state(robot).q
+    joints = (str(segment.joint) for segment in robot.moving)
+    initial_state(robot, {joint: (q, 0.0) for joint, q in zip(joints, (q1, q2, q3), strict=True)})
     return q1, q2, q3
 
 
@@ -330,13 +408,18 @@ def _outcome(
     columns |= {f"det_j[m^{power}]": det_j, "sigma_min[m]": sigma_min}
     exact = exact_tip(start, path, _exact_angles(config, start + path.displacement))
     findings = {
-        "q0_deg": options.q0,
+        "q0_deg": options.q0 if any(options.q0) else _as_options(robot, config.q0),
+        **control_findings(config.control),
         **tip_findings(run, start, path, np.array(config.direction), across),
         "max_torque_error_n_m": torque_error(robot, run, config.gravity),
         "sigma_min_m": float(sigma_min.min()),
         f"det_j_min_m{power}": float(det_j.min()),
         f"det_j_max_m{power}": float(det_j.max()),
     }
+    if config.filter_time_constant is not None:
+        behind = run.scopes["foot positions"][-1] - (start + path.displacement[-1])
+        findings["filter_time_constant_s"] = config.filter_time_constant
+        findings["end_error_m"] = behind.tolist()  # of the filters' making
     return outcome_of(robot, run, settings, options.duration, Recording(columns), exact, findings)
 
 

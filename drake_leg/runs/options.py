@@ -1,6 +1,6 @@
 """What a person may change of a run, in a person's units and under the command line's names.
 
-One dataclass a family of runs; a YAML file has the same keys. Drake's YAML loader reads the
+One dataclass a family of runs; a YAML file has the same keys. The command line reads the
 annotations of the fields as types, so that they must not be postponed to strings here.
 """
 
@@ -10,6 +10,8 @@ from typing import Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
+from drake_leg.joint_mechanics import HardStop
+from drake_leg.quantities import SPRING_UNITS
 from drake_leg.robot import DAMPING_UNITS, STANDARD_GRAVITY
 from drake_leg.robots import (
     ALUMINIUM,
@@ -26,8 +28,11 @@ DURATION = "simulated time"
 DAMPING = "damping of every joint, in --damping-unit"
 Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where it hangs"
 AMPLITUDE = "greatest speed of the foot or of the tool"
+FILTER = "time constant of input filters at the joints, which lag as Simscape's do (there 0.001)"
+NO_FILTER = "none, the motion's derivatives are wired"
 L1 = "length of the coxa or of the first arm"
 L2 = "length of the femur or of the second arm"
+LIMIT = "{} angle, beyond which a spring and a damper push back, as Simscape's joint limits do"
 TARGET = "where pendulum-damped starts; where the spring of pendulum-spring is at rest"
 
 
@@ -132,6 +137,28 @@ class StepOptions(RunOptions):
     amplitude: float = option(0.0, AMPLITUDE, "m/s")
     frequency: float = option(1.0, "of the sine", "rad/s")
     direction: list[float] = option([1.0, 0.0, 0.0], "of the motion, in the base frame")
+    force: bool = option(False, "go up to a singularity that is foreseen, and save the way there")
+    inverse: str = option(
+        "exact", "of the Jacobian: exact stops where it is singular, damped and limited go on"
+    )
+    damped_below: float | None = option(
+        None,
+        "smallest singular value below which damped and limited are not exact",
+        "m",
+        shown="0.03 of the arm's length",
+    )
+    rate_limit: float | None = option(
+        None, "of every turning joint, for limited", "deg/s", shown="the robot's own, or 360"
+    )
+    correction: float | None = option(
+        None,
+        "K of a drift correction, v + K (p_d - p)",
+        "1/s",
+        shown="0; 5 with damped and limited",
+    )
+    q0_error: list[float] = option(
+        [0.0, 0.0, 0.0], "where the joints really start, minus q0", "deg"
+    )
 
     def unit_direction(self) -> tuple[float, float, float]:
         """Return the direction with length 1.
@@ -156,6 +183,24 @@ class StepOptions(RunOptions):
             )
         x, y, z = (value / length for value in self.direction)
         return x, y, z
+
+    def start_error(self) -> list[float]:
+        """Return q0_error as it was given.
+
+        Returns
+        -------
+        (3,) list of float
+
+        Raises
+        ------
+        InvalidValueError
+            If it has not three finite numbers.
+        """
+        if len(self.q0_error) != 3 or not all(map(math.isfinite, self.q0_error)):
+            raise InvalidValueError(
+                f"q0_error is {self.q0_error}; it must be three finite angles in degrees, as 1,0,0"
+            )
+        return self.q0_error
 
     def posture(self) -> tuple[float, float, float]:
         """Return q0 in rad.
@@ -198,6 +243,7 @@ class StraightOptions(StepOptions):
     gain: float = option(
         1.0, "of a gain block after the sine, whose own amplitude is amplitude / gain; 1: no block"
     )
+    filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
 
 
 @dataclass(kw_only=True)
@@ -217,6 +263,7 @@ class EllipseOptions(LegOptions):
     """The elliptic step."""
 
     lift: float = option(0.040, "height of the ellipse", "m")
+    filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
 
 
 @dataclass(kw_only=True)
@@ -238,6 +285,31 @@ class PendulumOptions(DampingOptions):
     q0: list[float] = option([0.0], Q0, "deg")
     size: list[float] = option(list(PENDULUM_SIZE), "length, width, height of the link", "m")
     density: float = option(ALUMINIUM, "of the solids", "kg/m^3")
+    velocity_target: float = option(0.0, "speed at the start", "deg/s")
+    lower_limit: float | None = option(None, LIMIT.format("least"), "deg", shown="none")
+    upper_limit: float | None = option(None, LIMIT.format("greatest"), "deg", shown="none")
+    limit_stiffness: float = option(1e4, "of the springs at the limits", "N*m/deg")
+    limit_damping: float = option(10.0, "of the dampers at the limits", "N*m/(deg/s)")
+    limit_width: float = option(
+        0.1, "depth beyond a limit at which spring and damper act in full", "deg"
+    )
+
+    def limits(self) -> dict[str, Any]:
+        """Return bounds and stops in SI units, as ``JointMechanics`` takes them.
+
+        Returns
+        -------
+        dict
+
+        Raises
+        ------
+        InvalidValueError
+            If a bound is not finite, or stiffness, damping or width make no sense.
+        """
+        bounds = {"lower": self.lower_limit, "upper": self.upper_limit}
+        stop = HardStop.rotational(self.limit_stiffness, self.limit_damping, self.limit_width)
+        given = {side: math.radians(angle) for side, angle in bounds.items() if angle is not None}
+        return {**given, **{f"{side}_stop": stop for side in given}}
 
     def start(self) -> float:
         """Return the initial angle in rad.
@@ -302,5 +374,24 @@ class SpringPendulumOptions(PendulumOptions):
 
     duration: float = option(30.0, DURATION, "s")
     damping: float = option(0.01, DAMPING)
-    spring_stiffness: float = option(5.0, "of the spring at the joint", "N*m/rad")
+    spring_stiffness: float = option(5.0, "of the spring at the joint, in --spring-unit")
+    spring_unit: str = option("N*m/rad", f"unit of --spring-stiffness: {' or '.join(SPRING_UNITS)}")
     target: float = option(30.0, TARGET, "deg")
+
+    def si_stiffness(self) -> float:
+        """Return the spring's stiffness in N*m/rad.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        InvalidValueError
+            If the unit is unknown.
+        """
+        if self.spring_unit not in SPRING_UNITS:
+            raise InvalidValueError(
+                f"the spring unit is {self.spring_unit!r}; it must be {' or '.join(SPRING_UNITS)}"
+            )
+        return self.spring_stiffness * SPRING_UNITS[self.spring_unit]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,9 @@ from scipy.interpolate import BPoly
 from scipy.optimize import brentq
 
 from drake_leg.diagrams import pendulum
+from drake_leg.diagrams.mechanism import start_at_targets
 from drake_leg.errors import InvalidValueError
+from drake_leg.integrator import ERROR_CONTROLLED, IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.pendulum import (
     PendulumModel,
@@ -19,7 +22,7 @@ from drake_leg.kinematics.pendulum import (
     rest_angle,
 )
 from drake_leg.recording import Recording
-from drake_leg.robot import JointMechanics
+from drake_leg.robot import JointMechanics, StateTarget
 from drake_leg.robots import pendulum as pendulum_robot
 from drake_leg.runs.options import PendulumOptions, SpringPendulumOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
@@ -28,6 +31,7 @@ from drake_leg.simulation import Progress, Run, simulate
 LONGEST_STEP = 0.002  # [s]
 STEP_OF_SWING = 0.015  # greatest step times natural frequency
 STEP_OF_STIFFNESS = 0.1  # greatest step times the fastest rate of spring and damper
+ACCURACY_AT_LIMITS = 1e-9  # relative, of the error control
 AT_REST = 1e-3  # [rad/s], [rad/s^2], below which the last tenth of a run counts as rest
 
 
@@ -54,10 +58,11 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
     config = pendulum_config(options)
     robot = config.robot
     model = PendulumModel.from_robot(robot, options.gravity)
-    settings = options.integrator_settings(default_step(model))
+    settings = _settings(options, model)
+    rate = math.radians(options.velocity_target)
     run = simulate(
         pendulum.build(config),
-        start=pendulum.start_at_target,
+        start=start_at_targets(robot),
         duration=options.duration,
         settings=settings,
         progress=progress,
@@ -71,7 +76,7 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
             "energy[J]": run.scopes["energy"][:, 0],
         }
     )
-    q, qdot = exact_motion(model, config.q0, run.time)
+    q, qdot = exact_motion(model, config.q0, run.time, rate)
     return outcome_of(
         robot,
         run,
@@ -79,8 +84,16 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
         options.duration,
         recording,
         {"q": q, "qdot": qdot},
-        _findings(model, config.q0, run, recording, q),
+        _findings(model, config, run, recording, q),
     )
+
+
+def _settings(options: PendulumOptions, model: PendulumModel) -> IntegratorSettings:
+    """Take error control where a limit may be met: the moment inside is short and stiff."""
+    settings = options.integrator_settings(default_step(model))
+    if model.limits is None or settings.accuracy or settings.scheme not in ERROR_CONTROLLED:
+        return settings
+    return replace(settings, accuracy=ACCURACY_AT_LIMITS)
 
 
 def pendulum_config(options: PendulumOptions) -> pendulum.PendulumConfig:
@@ -170,29 +183,39 @@ def _crossing(time: Array, swing: Array, states: Array, row: int) -> float:
 
 
 def _mechanics(options: PendulumOptions) -> JointMechanics:
-    if isinstance(options, SpringPendulumOptions):
-        return JointMechanics(
-            damping=options.si_damping(),
-            spring_stiffness=options.spring_stiffness,
-            equilibrium_position=math.radians(options.target),
-            actuated=False,
-        )
-    return JointMechanics(damping=options.si_damping(), actuated=False)
+    mechanics = JointMechanics(
+        damping=options.si_damping(),
+        actuated=False,
+        position_target=StateTarget(value=options.start()),
+        velocity_target=StateTarget(value=math.radians(options.velocity_target)),
+        **options.limits(),
+    )
+    if not isinstance(options, SpringPendulumOptions):
+        return mechanics
+    return replace(
+        mechanics,
+        spring_stiffness=options.si_stiffness(),
+        equilibrium_position=math.radians(options.target),
+    )
 
 
 def _findings(
-    model: PendulumModel, q0: float, run: Run, recording: Recording, exact_q: Array
+    model: PendulumModel,
+    config: pendulum.PendulumConfig,
+    run: Run,
+    recording: Recording,
+    exact_q: Array,
 ) -> dict[str, Any]:
     q, qdot, energy = recording["q"], recording["qdot"], recording["energy"]
     tail = run.time >= 0.9 * run.time[-1]
     moves = max(np.abs(qdot[tail]).max(), np.abs(recording["qddot"][tail]).max())
-    rested = model.damping > 0.0 and moves < AT_REST
-    period = exact_period(model, q0)
-    conservative = model.damping == 0.0
+    rested = (model.damping > 0.0 or model.limits is not None) and moves < AT_REST
+    period = exact_period(model, config.q0) if recording["qdot"][0] == 0.0 else None
+    conservative = model.damping == 0.0 and model.limits is None
     scale = model.gravity_torque or 1.0
     drift = float(np.abs(energy - energy[0]).max() / scale)
     return {
-        "q0_rad": q0,
+        "q0_rad": config.q0,
         "period_s": None if period is None else measured_period(recording),
         "exact_period_s": period,
         "energy_drift": drift if conservative else None,

@@ -6,7 +6,10 @@ import numpy as np
 
 from drake_leg.diagrams import scara
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.kinematics.paths import straight_path
+from drake_leg.kinematics.arms import ScaraArm
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.encounter import SineStep
+from drake_leg.kinematics.paths import CommandedMotion, straight_path
 from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.kinematics.scara import (
     ScaraGeometry,
@@ -17,6 +20,13 @@ from drake_leg.kinematics.scara import (
 )
 from drake_leg.recording import Recording
 from drake_leg.robots import scara as scara_robot
+from drake_leg.runs.foresight import (
+    Plan,
+    control_findings,
+    control_of,
+    singularity_findings,
+    step_for,
+)
 from drake_leg.runs.options import ScaraOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.tip import default_step, exact_tip, tip_columns, tip_findings, torque_error
@@ -46,7 +56,11 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
         If the arm is stretched or folded where it starts.
     """
     config = scara_config(options)
-    settings = options.integrator_settings(default_step(config.frequency))
+    along = np.array(config.direction)
+    plan = _plan(config, options.duration)
+    step = step_for(default_step(config.frequency), config.control)
+    settings = options.integrator_settings(step)
+    forecast = plan.checked(config.robot.name, force=options.force)
     run = simulate(
         scara.build(config),
         start=start_on_motion,
@@ -55,10 +69,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
         progress=progress,
     )
     arm = ScaraGeometry.from_robot(config.robot)
-    along = np.array(config.direction)
-    path = straight_path(
-        run.time, amplitude=config.amplitude, frequency=config.frequency, direction=along
-    )
+    path = plan.motion(config.amplitude, run.time)
     start = tool_position(arm, (*config.q0, lift_position(arm, config.R)))
     q = run.scopes["joint positions"]
     yaw, yaw0 = q[:, :3].sum(axis=1), sum(config.q0)
@@ -74,6 +85,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     }
     findings = {
         "q0_deg": options.q0,
+        **control_findings(config.control),
         **tip_findings(run, start, path, along, np.eye(3) - np.outer(along, along)),
         "max_yaw_error_rad": float(np.abs(yaw - yaw0).max()),
         "max_torque_error_n_m": torque_error(config.robot, run, config.gravity),
@@ -81,8 +93,34 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
         "det_j_min_m2": float(det_j.min()),
         "det_j_max_m2": float(det_j.max()),
     }
+    findings |= singularity_findings(plan.arm, run, forecast, config.robot.name)
     return outcome_of(
         config.robot, run, settings, options.duration, Recording(columns), exact, findings
+    )
+
+
+def _plan(config: scara.ScaraConfig, duration: float) -> Plan:
+    arm = ScaraGeometry.from_robot(config.robot)
+
+    def motion(amplitude: float, time: Array) -> CommandedMotion:
+        return straight_path(
+            time,
+            amplitude=amplitude,
+            frequency=config.frequency,
+            direction=np.array(config.direction),
+        )
+
+    return Plan(
+        arm=ScaraArm(arm, lift_position(arm, config.R)),
+        q0=config.q0,
+        control=config.control,
+        motion=motion,
+        amplitude=config.amplitude,
+        frequency=config.frequency,
+        duration=duration,
+        step=SineStep(
+            amplitude=config.amplitude, frequency=config.frequency, direction=config.direction
+        ),
     )
 
 
@@ -103,14 +141,16 @@ def scara_config(options: ScaraOptions) -> scara.ScaraConfig:
     InvalidValueError
         If an option makes no sense.
     """
+    robot = scara_robot(
+        l1=options.l1, l2=options.l2, density=options.density, damping=options.si_damping()
+    )
     return scara.ScaraConfig(
-        robot=scara_robot(
-            l1=options.l1, l2=options.l2, density=options.density, damping=options.si_damping()
-        ),
+        robot=robot,
         q0=options.posture(),
         R=options.tool_height,
         amplitude=options.amplitude,
         frequency=options.frequency,
         direction=options.unit_direction(),
         gravity=options.gravity,
+        control=control_of(options, robot.moving),
     )

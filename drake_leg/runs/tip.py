@@ -11,12 +11,14 @@ from pydrake.multibody.tree import MultibodyForces
 
 from drake_leg.integrator import ROW_INTERVAL
 from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.kinematics.paths import CommandedMotion
 from drake_leg.models.plant import build_plant
 from drake_leg.recording import lettered, numbered, without_sign_jumps
 from drake_leg.robot import Robot
 from drake_leg.simulation import Run
 
+OFF_COMMAND = 1e-6  # [m]: a tip that is farther from its command than this is off it
 STEPS_PER_PERIOD = 150
 
 
@@ -101,9 +103,13 @@ def tip_findings(
     measured = run.scopes["foot positions"]
     moved = measured - start
     velocity_error = run.scopes["foot velocities"] - path.velocity
+    off = np.linalg.norm(moved - path.displacement, axis=1)
     return {
         "stroke_m": float(np.ptp(moved @ along)),
-        "max_position_error_m": _greatest(moved - path.displacement),
+        "max_position_error_m": float(off.max()),
+        "greatest_distance_from_command_m": float(off.max()),
+        "time_off_command_s": float(np.diff(run.time)[off[1:] > OFF_COMMAND].sum()),
+        "distance_from_command_at_the_end_m": float(off[-1]),
         "max_off_axis_m": _greatest(moved @ across),
         "max_velocity_error_m_s": _greatest(velocity_error),
     }
@@ -143,6 +149,8 @@ def torque_error(robot: Robot, run: Run, gravity: float) -> float:
         plant.SetVelocities(context, qdot)
         plant.CalcForceElementsContribution(context, forces)
         exact[row] = plant.CalcInverseDynamics(context, qddot, forces)
+    for index, segment in enumerate(robot.moving):
+        exact[:, index] -= limit_force(segment.mechanics, joints[0][:, index], joints[1][:, index])
     return float(np.abs(run.scopes["joint torques"] - exact).max())
 
 

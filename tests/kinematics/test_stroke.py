@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.chain_stroke import chain_stroke
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.kinematics.scara import determinant as scara_determinant
 from drake_leg.kinematics.scara import inverse_kinematics as scara_inverse
 from drake_leg.kinematics.stroke import (
-    chain_stroke,
     greatest_amplitude,
     leg_stroke,
     scara_stroke,
@@ -124,7 +124,7 @@ def test_a_chains_stroke_is_the_closed_forms(rng):
     leg = LegGeometry.from_robot(LEG_B)
     for _ in range(5):
         q, d = random_posture(rng), random_direction(rng)
-        numeric = chain_stroke(LEG_B.rows, q, d)
+        numeric = chain_stroke(LEG_B.rows, q, d).stroke
         assert numeric.family is None
         assert numeric.length == pytest.approx(leg_stroke(leg, q, d).length, abs=1e-7)
 

@@ -18,6 +18,7 @@ def numeric_task(leg):
         jacobian=lambda q: foot_jacobian(leg, q),
         bias=lambda q, qdot: jacobian_rate_bias(leg, q, qdot),
         determinant_scale=leg.l2 * leg.l3 * (leg.l1 + leg.l2 + leg.l3),
+        length=leg.l1 + leg.l2 + leg.l3,
     )
 
 

@@ -170,7 +170,7 @@ def test_ellipses_in_other_vertical_planes_are_as_exact(direction):
 
 
 def test_a_run_into_the_boundary_keeps_what_it_recorded():
-    outcome = straight(amplitude=0.1)
+    outcome = straight(amplitude=0.1, force=True)
     summary = outcome.summary
     assert summary["stopped_at_s"] == outcome.recording["time"][-1]
     assert summary["stopped_at_s"] == pytest.approx(2.651398, abs=1e-6)

@@ -54,7 +54,7 @@ def test_its_ports_have_the_names_and_sizes_of_its_table():
     block = leg_block(LEG_B)
     inputs = [block.get_input_port(i) for i in range(block.num_input_ports())]
     outputs = [block.get_output_port(i) for i in range(block.num_output_ports())]
-    assert {port.get_name(): port.size() for port in inputs} == {"q": 3, "v": 3, "a": 3}
+    assert {port.get_name(): port.size() for port in inputs} == {"q": 3, "v": 3, "a": 3, "w": 3}
     assert {port.get_name(): port.size() for port in outputs} == {"qdot": 3, "qddot": 3, "det_j": 1}
 
 

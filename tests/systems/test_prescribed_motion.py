@@ -152,4 +152,4 @@ def test_a_floating_plant_is_refused():
 @pytest.mark.parametrize("stiffness", [-1.0, float("nan"), float("inf")])
 def test_a_senseless_stiffness_is_refused(stiffness):
     with pytest.raises(InvalidValueError, match=str(stiffness)):
-        PrescribedMotion(build_plant(hexabot_leg("B")), stiffness)
+        PrescribedMotion(build_plant(hexabot_leg("B")), stiffness=stiffness)

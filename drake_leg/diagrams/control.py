@@ -1,0 +1,110 @@
+"""What a command's way to the joints may have beside the exact inverse: limits, a correction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from numpy.typing import ArrayLike
+from pydrake.systems.framework import DiagramBuilder, OutputPort
+
+from drake_leg.kinematics.inverse import Inverse
+from drake_leg.kinematics.task import Task
+from drake_leg.robot import Robot, Segment, require_angle, require_non_negative
+from drake_leg.systems.drift_correction import DriftCorrection
+
+CORRECTION = "Drift Correction"
+EXACT_INVERSE = Inverse()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Control:
+    """Which inverse of the Jacobian, which correction, and how wrongly the joints start."""
+
+    inverse: Inverse = EXACT_INVERSE
+    joints: tuple[Segment, ...] | None = None  # whose limits an inverse heeds; None: the robot's
+    correction: float = 0.0  # K, of the drift correction [1/s]; 0 is no correction
+    q0_error: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [rad or m], start minus q0
+
+    def __post_init__(self) -> None:
+        require_non_negative("the gain of the drift correction", self.correction, "1/s")
+        for error in self.q0_error:
+            require_angle("an error of q0", error)
+
+    def task(self, task: Task, robot: Robot) -> Task:
+        """Invert a task's Jacobian as chosen.
+
+        Parameters
+        ----------
+        task : Task
+            Exact.
+        robot : Robot
+            Whose joints it moves, the first ones if it has more.
+
+        Returns
+        -------
+        Task
+        """
+        joints = robot.moving if self.joints is None else self.joints
+        return self.inverse.of(task, joints[: task.size])
+
+    def start(self, q0: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Return where the joints really start.
+
+        Parameters
+        ----------
+        q0 : (3,) tuple of float
+            Where the command believes them [rad or m].
+
+        Returns
+        -------
+        (3,) tuple of float
+        """
+        q1, q2, q3 = (q + error for q, error in zip(q0, self.q0_error, strict=True))
+        return q1, q2, q3
+
+
+EXACT = Control()
+
+
+class Command(NamedTuple):
+    """What the foot shall do."""
+
+    v: OutputPort  # [m/s]
+    a: OutputPort  # [m/s^2]
+
+
+def corrected(
+    builder: DiagramBuilder,
+    gain: float,
+    start: ArrayLike,
+    command: Command,
+    *,
+    p: OutputPort,
+    pdot: OutputPort,
+) -> Command:
+    """Add a drift correction to a command, unless its gain is zero.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    gain : float
+        K [1/s].
+    start : (3,) array_like
+        Where the command begins [m].
+    command : Command
+        Uncorrected.
+    p, pdot : OutputPort
+        The foot's place [m] and velocity [m/s], as sensed.
+
+    Returns
+    -------
+    Command
+    """
+    if gain == 0.0:
+        return command
+    correction = builder.AddNamedSystem(CORRECTION, DriftCorrection(gain, start))
+    for name, signal in (("v", command.v), ("a", command.a), ("p", p), ("pdot", pdot)):
+        builder.Connect(signal, correction.GetInputPort(name))
+    return Command(correction.GetOutputPort("velocity"), correction.GetOutputPort("acceleration"))

@@ -1,0 +1,191 @@
+"""What is asked of a robot to say where its singularities are: its edges, postures, Jacobian."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.edges import Edges, Family, leg_edges, leg_extremes, scara_edges
+from drake_leg.kinematics.khalil import foot_pose, jacobian
+from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
+from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.scara import ScaraGeometry, task_jacobian, tool_position
+from drake_leg.kinematics.scara import inverse_kinematics as scara_inverse
+from drake_leg.kinematics.stroke import facing
+from drake_leg.robot import Robot
+
+
+class Arm(Protocol):
+    """A robot, or its three joints that a command moves."""
+
+    turning: tuple[bool, ...]  # joint by joint: revolute, not prismatic
+
+    def foot(self, q: Sequence[float]) -> Array:
+        """Return the foot's or the tool's position, (3,) [m]."""
+        ...
+
+    def jacobian(self, q: Sequence[float]) -> Array:
+        """Return the Jacobian of the commanded translation, (m, n) [m/rad]."""
+        ...
+
+    def family(self, q: Sequence[float]) -> Family | None:
+        """Name the singular family that is nearest; None where families have no names."""
+        ...
+
+
+class ClosedArm(Arm, Protocol):
+    """An arm whose edges and inverse kinematics have closed forms."""
+
+    def edges(self, q: Sequence[float]) -> Edges:
+        """Return the edges of the workspace, seen from a posture."""
+        ...
+
+    def extremes(self, p: Array, d: Array) -> list[float]:
+        """Return the ways along a line at which a clearance may be extreme [m]."""
+        ...
+
+    def posture(self, p: Array, like: Sequence[float]) -> Array:
+        """Return the joint angles (3,) of a posture's branch; NaN out of reach."""
+        ...
+
+
+class LegArm:
+    """The hexabot's leg."""
+
+    turning: tuple[bool, ...] = (True, True, True)
+
+    def __init__(self, leg: LegGeometry) -> None:
+        self._leg = leg
+
+    def foot(self, q: Sequence[float]) -> Array:
+        """Return the foot, in closed form."""
+        return foot_position(self._leg, q)
+
+    def jacobian(self, q: Sequence[float]) -> Array:
+        """Return its Jacobian, (3, 3)."""
+        return foot_jacobian(self._leg, q)
+
+    def family(self, q: Sequence[float]) -> Family:
+        """Compare |sin q3| with the distance from the hip axis over the length."""
+        leg = self._leg
+        reach = leg.l1 + leg.l2 * math.cos(q[1]) + leg.l3 * math.cos(q[1] + q[2])
+        off_axis = abs(reach) / (leg.l1 + leg.l2 + leg.l3)
+        return "stretch" if abs(math.sin(q[2])) <= off_axis else "hip-axis"
+
+    def edges(self, q: Sequence[float]) -> Edges:
+        """Return the stretched and the folded leg and the hip axis."""
+        return leg_edges(self._leg, facing(self._leg, q))
+
+    def extremes(self, p: Array, d: Array) -> list[float]:
+        """Return the roots of a quartic."""
+        return leg_extremes(self._leg, p, d)
+
+    def posture(self, p: Array, like: Sequence[float]) -> Array:
+        """Return the inverse kinematics on the branch of ``like``."""
+        return inverse_kinematics(self._leg, p, like=like)
+
+
+class ScaraArm:
+    """The SCARA in its plane, its yaw held."""
+
+    turning: tuple[bool, ...] = (True, True, True)
+
+    def __init__(self, arm: ScaraGeometry, lift: float = 0.0) -> None:
+        self._arm = arm
+        self._lift = lift  # position of the fourth joint [m]
+
+    def foot(self, q: Sequence[float]) -> Array:
+        """Return the tool, in closed form."""
+        return tool_position(self._arm, [*q[:3], self._lift])
+
+    def jacobian(self, q: Sequence[float]) -> Array:
+        """Return the Jacobian of x and y, (2, 2)."""
+        J: Array = task_jacobian(self._arm, q[:3])[:2, :2]
+        return J
+
+    def family(self, _q: Sequence[float]) -> Family:
+        """Return the only one that there is."""
+        return "stretch"
+
+    def edges(self, _q: Sequence[float]) -> Edges:
+        """Return the stretched and the folded arm."""
+        return scara_edges(self._arm)
+
+    def extremes(self, p: Array, d: Array) -> list[float]:
+        """Return the point nearest to the base."""
+        return [-float(p[:2] @ d[:2])]
+
+    def posture(self, p: Array, like: Sequence[float]) -> Array:
+        """Return the inverse kinematics with the yaw of ``like``."""
+        return scara_inverse(self._arm, [p[0], p[1], sum(like)], like=like)
+
+
+class ChainArm:
+    """Any chain of three joints; nothing of it is known in closed form."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.rows = robot.rows
+        self.turning = tuple(segment.row.joint == "revolute" for segment in robot.moving)
+
+    def foot(self, q: Sequence[float]) -> Array:
+        """Return the foot by the chain of transforms."""
+        p: Array = foot_pose(self.rows, q)[:3, 3]
+        return p
+
+    def jacobian(self, q: Sequence[float]) -> Array:
+        """Return the translation's Jacobian, (3, 3)."""
+        J: Array = jacobian(self.rows, q)[3:]
+        return J
+
+    def family(self, _q: Sequence[float]) -> None:
+        """Name none."""
+
+
+def arm_of(robot: Robot) -> LegArm | ScaraArm | ChainArm:
+    """Return what is known of a robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        The leg, the SCARA, or any chain.
+
+    Returns
+    -------
+    LegArm, ScaraArm or ChainArm
+    """
+    try:
+        return LegArm(LegGeometry.from_robot(robot))
+    except InvalidValueError:
+        pass
+    try:
+        return ScaraArm(ScaraGeometry.from_robot(robot))
+    except InvalidValueError:
+        return ChainArm(robot)
+
+
+def lost_direction(arm: Arm, q: Sequence[float]) -> tuple[float, float, float]:
+    """Return the direction in which the foot moves least for all that its joints do.
+
+    Parameters
+    ----------
+    arm : Arm
+        The robot.
+    q : (3,) sequence of float
+        A posture that is singular, or nearly [rad or m].
+
+    Returns
+    -------
+    (3,) tuple of float
+        Unit vector in the base frame, its first component that is not zero positive.
+    """
+    U, _, _ = np.linalg.svd(arm.jacobian(q))
+    lost = np.zeros(3)
+    lost[: len(U)] = np.where(np.abs(U[:, -1]) < 1e-9, 0.0, U[:, -1])
+    sign = np.sign(lost[np.flatnonzero(lost)[0]])
+    x, y, z = (sign * lost + 0.0).tolist()
+    return x, y, z

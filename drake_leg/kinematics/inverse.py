@@ -1,0 +1,82 @@
+"""How the Jacobian is inverted: exactly, damped, or within the joints' limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.damped import damped_task, rate_box
+from drake_leg.kinematics.task import Task
+from drake_leg.robot import Segment, require_positive
+
+METHODS = ("exact", "damped", "limited")
+DAMPED_BELOW = 0.03  # of the arm's length: singular value at which damping begins
+FASTEST = 2.0 * math.pi  # [rad/s or m/s] of a joint without a limit of its own
+SETTLING = 0.1  # [s] in which a joint comes to its limit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inverse:
+    """Which inverse, and its numbers."""
+
+    method: str = "exact"
+    damped_below: float | None = None  # [m]; None: DAMPED_BELOW of the arm's length
+    rate_limit: float | None = None  # [rad/s] of turning joints; None: their own, or FASTEST
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise InvalidValueError(
+                f"the inverse is {self.method!r}; it must be one of {', '.join(METHODS)}"
+            )
+        for name, value, unit, methods in (
+            ("the singular value at which damping begins", self.damped_below, "m", METHODS[1:]),
+            ("the rate limit", self.rate_limit, "rad/s", METHODS[2:]),
+        ):
+            if value is None:
+                continue
+            require_positive(name, value, unit)
+            if self.method not in methods:
+                raise InvalidValueError(
+                    f"{name} is {value!r}, which means nothing to the inverse {self.method!r}: "
+                    f"leave it out, or choose --inverse {' or '.join(methods)}"
+                )
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the robot must stop where it is singular."""
+        return self.method == METHODS[0]
+
+    def of(self, task: Task, joints: tuple[Segment, ...]) -> Task:
+        """Invert a task's Jacobian this way.
+
+        Parameters
+        ----------
+        task : Task
+            Exact.
+        joints : tuple of Segment
+            The moving ones, with their limits.
+
+        Returns
+        -------
+        Task
+        """
+        if self.is_exact:
+            return task
+        below = DAMPED_BELOW * task.length if self.damped_below is None else self.damped_below
+        if self.method == "damped":
+            return damped_task(task, below)
+        mechanics = [segment.mechanics for segment in joints]
+        box = rate_box(
+            [-math.inf if joint.lower is None else joint.lower for joint in mechanics],
+            [math.inf if joint.upper is None else joint.upper for joint in mechanics],
+            [self._fastest(segment) for segment in joints],
+            SETTLING,
+        )
+        return damped_task(task, below, box)
+
+    def _fastest(self, segment: Segment) -> float:
+        own = segment.mechanics.velocity
+        if self.rate_limit is not None and segment.row.joint == "revolute":
+            return self.rate_limit
+        return FASTEST if own is None else own

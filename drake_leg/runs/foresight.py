@@ -1,0 +1,235 @@
+"""What a run will meet, said before it starts, and what it has met, said after."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drake_leg.diagrams.control import Control
+from drake_leg.errors import ForeseenSingularityError, SingularConfigurationError
+from drake_leg.kinematics.arms import Arm, ChainArm, ClosedArm
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.encounter import (
+    Forecast,
+    SineStep,
+    encounter_at,
+    forecast_path,
+    forecast_step,
+)
+from drake_leg.kinematics.inverse import Inverse
+from drake_leg.kinematics.paths import CommandedMotion
+from drake_leg.robot import Segment
+from drake_leg.runs.options import StepOptions
+from drake_leg.simulation import Run
+
+CORRECTION = 5.0  # [1/s], of a damped or limited inverse where none is asked for
+STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
+STEP_OF_LIMITS = 0.010  # [s], greatest step where rates may meet their limits in kinks
+SETTLED = 40.0  # time constants after which an error is gone
+
+Motion = Callable[[float, Array], CommandedMotion]  # amplitude, times -> motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """A commanded motion and how it is followed."""
+
+    arm: ClosedArm | ChainArm
+    q0: tuple[float, float, float]  # where the command believes the joints [rad or m]
+    control: Control
+    motion: Motion
+    amplitude: float  # [m/s]
+    frequency: float  # [rad/s]
+    duration: float  # [s]
+    step: SineStep | None  # where the motion is a straight step
+    filtered: bool = False  # the joints lag behind the command
+
+    def forecast(self) -> Forecast:
+        """Say what the motion meets.
+
+        Returns
+        -------
+        Forecast
+            Empty where it is not known: behind input filters, and for a chain without closed form
+            that does not start where the command believes it.
+        """
+        start = self.control.start(self.q0)
+        if self.filtered or not math.isfinite(self.duration) or _is_singular(self.arm, start):
+            return Forecast()
+        gain = self.control.correction
+        off = self.arm.foot(start) - self.arm.foot(self.q0)
+        if self.step is not None and (gain == 0.0 or not off.any()):
+            return forecast_step(self.arm, start, self.step, self.duration)
+        if isinstance(self.arm, ChainArm):
+            return Forecast()
+        period = 2.0 * math.pi / self.frequency
+        settled = SETTLED / gain if gain > 0.0 and off.any() else 0.0
+        origin = self.arm.foot(self.q0)
+
+        def path(amplitude: float) -> Callable[[Array], Array]:
+            return lambda times: (
+                origin
+                + self.motion(amplitude, times).displacement
+                + np.multiply.outer(np.exp(-gain * times), off)
+            )
+
+        return forecast_path(
+            self.arm,
+            start,
+            path,
+            amplitude=self.amplitude,
+            period=period,
+            duration=min(self.duration, period + settled),
+        )
+
+    def checked(self, name: str, *, force: bool) -> Forecast:
+        """Refuse a motion that an exact inverse cannot follow to its end.
+
+        Parameters
+        ----------
+        name : str
+            Of the robot, for the sentence.
+        force : bool
+            Whether it may go up to the singularity.
+
+        Returns
+        -------
+        Forecast
+
+        Raises
+        ------
+        ForeseenSingularityError
+            If it meets a singularity.
+        """
+        forecast = self.forecast()
+        encounter = forecast.encounter
+        if encounter and self.control.inverse.is_exact and not force:
+            raise ForeseenSingularityError(
+                name=name, description=encounter.describe(), q=encounter.q, time=encounter.time
+            )
+        return forecast
+
+
+def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
+    """Read the inverse, the correction and the error of the start off the options.
+
+    Parameters
+    ----------
+    options : StepOptions
+        In a person's units.
+    joints : sequence of Segment
+        The moving ones, with their limits.
+
+    Returns
+    -------
+    Control
+
+    Raises
+    ------
+    InvalidValueError
+        If one makes no sense.
+    """
+    rate = options.rate_limit
+    inverse = Inverse(
+        method=options.inverse,
+        damped_below=options.damped_below,
+        rate_limit=None if rate is None else math.radians(rate),
+    )
+    default = 0.0 if inverse.is_exact else CORRECTION
+    kinds = [segment.row.joint for segment in joints[:3]]
+    q1, q2, q3 = (
+        error if kind == "prismatic" else math.radians(error)
+        for error, kind in zip(options.start_error(), [*kinds, "", "", ""][:3], strict=True)
+    )
+    return Control(
+        inverse=inverse,
+        joints=tuple(joints),
+        correction=default if options.correction is None else options.correction,
+        q0_error=(q1, q2, q3),
+    )
+
+
+def control_findings(control: Control) -> dict[str, Any]:
+    """Say how the command was followed.
+
+    Parameters
+    ----------
+    control : Control
+        Inverse, correction, error of the start.
+
+    Returns
+    -------
+    dict
+        Entries of the summary.
+    """
+    return {
+        "inverse": control.inverse.method,
+        "correction_1_s": control.correction,
+        "q0_error_rad": list(control.q0_error),
+    }
+
+
+def step_for(step: float, control: Control) -> float:
+    """Shorten a step to what a drift correction takes, and the kinks of limited rates.
+
+    Parameters
+    ----------
+    step : float
+        [s].
+    control : Control
+        With the correction's gain.
+
+    Returns
+    -------
+    float
+        [s].
+    """
+    if control.inverse.method == "limited":
+        step = min(step, STEP_OF_LIMITS)
+    return min(step, STEP_OF_CORRECTION / control.correction) if control.correction else step
+
+
+def singularity_findings(arm: Arm, run: Run, forecast: Forecast, name: str) -> dict[str, Any]:
+    """Say of a run where it became singular, and what it was expected to meet.
+
+    Parameters
+    ----------
+    arm : Arm
+        The robot.
+    run : Run
+        With joint positions.
+    forecast : Forecast
+        Of its motion.
+    name : str
+        Of the robot.
+
+    Returns
+    -------
+    dict
+        Entries of the summary; ``stop_reason`` only where a singularity is the reason.
+    """
+    foreseen, graze = forecast.encounter, forecast.graze
+    findings: dict[str, Any] = {
+        "singularity": None,
+        "foreseen": foreseen.as_json() if foreseen else None,
+        "grazing": graze.describe() if graze else None,
+    }
+    if isinstance(run.stopped_by, SingularConfigurationError):
+        q = run.scopes["joint positions"][-1, :3].tolist()
+        greatest = foreseen.greatest_amplitude if foreseen else None
+        met = encounter_at(arm, q, float(run.time[-1]), greatest)
+        findings["singularity"] = met.as_json()
+        findings["stop_reason"] = (
+            f"the {name} became {met.describe()}: choose that, a higher frequency, another posture "
+            "or --inverse damped"
+        )
+    return findings
+
+
+def _is_singular(arm: Arm, q: Sequence[float]) -> bool:
+    sigma = np.linalg.svd(arm.jacobian(q), compute_uv=False)
+    return bool(sigma[-1] <= 1e-9 * sigma[0])
