@@ -11,7 +11,7 @@ from drake_leg.compare.comparison import Comparison
 from drake_leg.compare.correspondence import Correspondence
 from drake_leg.compare.diagram_signals import DiagramSignals
 from drake_leg.compare.findings import Findings
-from drake_leg.compare.match_blocks import match_carriers, match_sinks
+from drake_leg.compare.match_blocks import check_units, match_carriers, match_sinks
 from drake_leg.compare.match_frames import Alignment, align
 from drake_leg.compare.match_mechanism import match_mechanism
 from drake_leg.compare.match_motions import match_integrators, match_motions
@@ -94,6 +94,7 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     match_integrators(correspondence)
     match_carriers(correspondence)
     match_sinks(correspondence)
+    check_units(correspondence)
     match_boundaries(model, flat, findings)
     miss_the_rest(flat, findings)
     match_wires(correspondence)

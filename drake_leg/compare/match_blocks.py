@@ -9,10 +9,23 @@ from pydrake.systems.primitives import ConstantVectorSource
 from drake_leg.compare.correspondence import Correspondence
 from drake_leg.compare.signals import Scalar, close
 from drake_leg.compare.simulink_signals import SINKS, unit_factor
+from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block
+from drake_leg.simulink.units import parse_unit
 
 UNCONNECTED = "an output that stays unconnected"
 SCALES = (1.0, 1e2, 1e3, 180.0 / math.pi, 30.0 / math.pi)  # units of what a scope shows
+UNITS = {  # of what is sensed; a joint may turn or slide
+    ("sensed", "position"): ("rad", "m"),
+    ("sensed", "velocity"): ("rad/s", "m/s"),
+    ("sensed", "acceleration"): ("rad/s^2", "m/s^2"),
+    ("sensed", "torque"): ("N*m", "N"),
+    ("foot", "position"): ("m",),
+    ("foot", "velocity"): ("m/s",),
+    ("foot", "acceleration"): ("m/s^2",),
+    ("foot", "angular velocity"): ("rad/s",),
+    ("foot", "quaternion"): ("1",),
+}
 LIKELY = {  # what the live block's name begins with, where several carry the signal
     "Mux": "Mux",
     "Demux": "Demux",
@@ -35,6 +48,32 @@ def match_carriers(c: Correspondence) -> None:
             c.findings.match(block, UNCONNECTED)
         elif c.ours.is_carrier(block):
             _match_carrier(c, block)
+
+
+def check_units(c: Correspondence) -> None:
+    """Refuse converters whose unit measures something else than what reaches them.
+
+    Parameters
+    ----------
+    c : Correspondence
+        With all roles.
+    """
+    for block in c.model.blocks:
+        unit = str(block.parameters.get("Unit", "1"))
+        if block.kind != "PS-Simulink Converter" or unit in ("1", "inherit", ""):
+            continue
+        for scalar in c.ours.output(f"{block.sid}#out:1"):
+            for atom in scalar.terms:
+                wanted = UNITS.get((atom.kind, atom.what))
+                if wanted and not _measures(unit, wanted):
+                    c.findings.differ(block.sid, block.name, "Unit", unit, " or ".join(wanted))
+
+
+def _measures(unit: str, wanted: tuple[str, ...]) -> bool:
+    try:
+        return any(parse_unit(unit).is_like(parse_unit(one)) for one in wanted)
+    except InvalidValueError:
+        return False
 
 
 def match_sinks(c: Correspondence) -> None:

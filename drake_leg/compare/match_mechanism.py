@@ -71,6 +71,12 @@ def match_mechanism(
             joint = network.mechanism.joints[body - 1]
             mass = f"body {place.name!r} of {place.shape.mass:.6g} kg"
             findings.differ(joint.sid, joint.name, "solid on its follower", "none", mass)
+    for places in network.mechanism.bodies:
+        for place in places:
+            for step in place.way:
+                findings.miss(blocks[step.sid], "what it leads to has no counterpart in Drake")
+    if network.mechanism.joints and not network.grounded:
+        findings.differ("", "(model)", "World Frame", "not at the chain", "at the chain's base")
     for sid in network.loose:
         findings.miss(blocks[sid], "it is connected to nothing that leads to the World Frame")
     for sid, why in network.unknown.items():

@@ -10,7 +10,7 @@ from drake_leg.compare.block_laws import vector
 from drake_leg.compare.diagram_signals import DiagramSignals
 from drake_leg.compare.findings import Findings
 from drake_leg.compare.mechanism import Mechanism
-from drake_leg.compare.simulink_mechanism import Network
+from drake_leg.compare.simulink_mechanism import SENSORS, Network
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block, Model
 from drake_leg.systems.frame_sensor import FrameSensor
@@ -148,6 +148,8 @@ def miss_the_rest(flat: Model, findings: Findings) -> None:
     for block in flat.blocks:
         if block.kind in CONVERTERS:
             findings.miss(block, "it is connected to no joint or sensor of the chain")
+        elif block.kind in SENSORS:
+            findings.miss(block, "it does not sense the chain from the world")
         elif block.source.startswith("sm_lib"):
             findings.miss(block, "the Drake model has nothing of this kind")
         else:

@@ -6,7 +6,7 @@ from pydrake.systems.primitives import ConstantVectorSource, Sine
 
 from drake_leg.compare.block_laws import number
 from drake_leg.compare.comparison import Item
-from drake_leg.compare.correspondence import Correspondence
+from drake_leg.compare.correspondence import Correspondence, function_role
 from drake_leg.compare.inverse import Match, match_function
 from drake_leg.compare.signals import Atom, Scalar, close
 from drake_leg.simulink.model import Block
@@ -34,8 +34,11 @@ def match_inverse_jacobian(c: Correspondence) -> None:
     for parameter, ours, live in found.findings:
         c.findings.differ(sid, c.block(sid).name, parameter, ours, live)
     c.stands_for(sid, [name], unit_of_length_m=found.unit)
+    if not found.names:
+        _take_in_order(c, sid, name)
     _compare_positions(c, sid, name, found.joints_from)
     _compare_velocity(c, sid, name, found)
+    _match_other_sources(c, sid)
 
 
 def _function(c: Correspondence) -> str | None:
@@ -99,6 +102,34 @@ def _match_sources(c: Correspondence, ours: Scalar, live: Scalar) -> None:
                 c.stands_for(block.sid, names, parameters=_numbers(c, block, ours, live))
             elif names:
                 c.stands_for(block.sid, names)
+
+
+def _take_in_order(c: Correspondence, sid: str, name: str) -> None:
+    """Let a function that is none be the inverse Jacobian by its outputs' order alone.
+
+    That it is another function is noted; what is wired behind it need not be wrong for that.
+    """
+    size = c.live.systems[name].GetOutputPort("qdot").size()
+    outputs = [
+        atom
+        for place in range(len(c.ours.programs[sid].outputs))
+        for scalar in c.ours.output(f"{sid}#out:{place + 1}")
+        for atom in scalar.terms
+    ]
+    roles = [*(function_role("qdot", index) for index in range(size)), function_role("det J")]
+    c.names |= dict(zip(outputs, roles, strict=False))
+
+
+def _match_other_sources(c: Correspondence, sid: str) -> None:
+    """Name counterparts of the function's sources that belong to no matching component."""
+    for place in range(len(c.ours.programs[sid].inputs)):
+        for scalar in c.ours.input(sid, place + 1) or ():
+            if any(atom.kind in ("integral", "sensed") for atom in scalar.terms):
+                continue
+            for types, kind in ((("Sin",), Sine), (STILL, ConstantVectorSource)):
+                for block in c.origins(scalar, *types):
+                    if block.sid not in c.findings.seen and c.live.of_type(kind):
+                        c.stands_for(block.sid, c.live.of_type(kind))
 
 
 def _setting(c: Correspondence, scalar: Scalar) -> Block | None:

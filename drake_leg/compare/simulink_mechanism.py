@@ -37,6 +37,7 @@ class Network:
 
     mechanism: Mechanism
     joints: dict[str, int]  # SID -> number in the chain
+    grounded: bool  # whether the World Frame carries the chain; if not, it is read from its base
     sensor: str | None  # SID of the 6-DOF joint that senses the foot
     sensor_turned: bool  # whether it senses the world from the foot
     turned: tuple[int, ...]  # joints whose follower is towards the world
@@ -91,6 +92,9 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
 
     roots = [walk.end(block, FOLLOWER) for block in model.blocks if block.kind == "World Frame"]
     _spread(walk, [(root, np.eye(4)) for root in roots], body=0)
+    grounded = _next_joint(walk) is not None
+    if not grounded:
+        _spread(walk, [(base, np.eye(4)) for base in _outermost_base(walk)], body=0)
     while True:
         found = _next_joint(walk)
         if found is None:
@@ -128,6 +132,7 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
     return Network(
         mechanism=mechanism,
         joints={joint.sid: joint.number for joint in joints},
+        grounded=grounded,
         sensor=sensor,
         sensor_turned=sensor_turned,
         turned=tuple(turned_joints),
@@ -144,6 +149,20 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
         },
         frames={node: (body, X) for node, (body, X, _) in walk.found.items()},
     )
+
+
+def _outermost_base(walk: _Walk) -> list[int]:
+    """Find the base of a joint that is no other joint's follower, in a model without a world."""
+    joints = [block for block in walk.blocks.values() if block.kind in MOVING]
+    followers = {walk.end(block, FOLLOWER) for block in joints}
+    bases = [walk.end(block, BASE) for block in joints]
+    rigid = {
+        walk.end(block, port)
+        for block in walk.blocks.values()
+        if block.kind in RIGID
+        for port in (BASE, FOLLOWER)
+    }
+    return [base for base in bases if base not in followers | rigid][:1] or bases[:1]
 
 
 def _spread(walk: _Walk, starts: list[tuple[int, Array]], body: int) -> None:
