@@ -91,12 +91,8 @@ def match_sinks(c: Correspondence) -> None:
 
 
 def _match_carrier(c: Correspondence, block: Block) -> None:
-    ports = dict.fromkeys(
-        wire.source for wire in c.model.wires if wire.source.startswith(f"{block.sid}#")
-    )
-    if not ports:
-        c.findings.miss(block, "its output goes nowhere")
-        return
+    wired = [w.source for w in c.model.wires if w.source.startswith(f"{block.sid}#")]
+    ports = dict.fromkeys(wired or [f"{block.sid}#out:1"])
     scalars = [s for port in ports for s in c.role(c.ours.output(port)) if s.shape]
     names = [_carriers_of(c, scalar) for scalar in scalars]
     best = [_preferred(block, found) for found in names if found]

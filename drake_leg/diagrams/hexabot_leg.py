@@ -49,6 +49,7 @@ class HexabotLegConfig:
     gain: float = 1.0  # the sine has amplitude / gain; 1 is no gain block
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
     filter_time_constant: float | None = None  # [s], of the joints' input filters; None: no filter
+    feedback: str = "sensed"  # joint positions for the inverse Jacobian, or "integrated" ones
     control: Control = EXACT
 
     def __post_init__(self) -> None:
@@ -63,6 +64,10 @@ class HexabotLegConfig:
             raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
+        if self.feedback not in ("sensed", "integrated"):
+            raise InvalidValueError(
+                f"the feedback is {self.feedback!r}; it must be sensed or integrated"
+            )
         if self.filter_time_constant is not None:
             require_positive("the filter's time constant", self.filter_time_constant, "s")
 
@@ -138,8 +143,11 @@ def add_leg(
     )
     builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
-    builder.Connect(leg.joints.get_output_port(0), inverse_jacobian.GetInputPort("q"))
-    builder.Connect(leg.joints.get_output_port(1), inverse_jacobian.GetInputPort("w"))
+    if config.feedback == "sensed":
+        builder.Connect(leg.joints.get_output_port(0), inverse_jacobian.GetInputPort("q"))
+        builder.Connect(leg.joints.get_output_port(1), inverse_jacobian.GetInputPort("w"))
+    else:
+        builder.Connect(converters.get_output_port(), inverse_jacobian.GetInputPort("q"))
     builder.Connect(inverse_jacobian.GetOutputPort("qdot"), demux.get_input_port())
     for i, integrator in enumerate(integrators):
         builder.Connect(demux.get_output_port(i), integrator.get_input_port())

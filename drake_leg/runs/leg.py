@@ -188,6 +188,7 @@ def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.Hexab
         gain=options.gain,
         gravity=options.gravity,
         filter_time_constant=options.filter_time_constant,
+        feedback=options.feedback,
         control=control_of(options, robot.moving),
     )
 

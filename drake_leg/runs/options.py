@@ -29,6 +29,7 @@ DAMPING = "damping of every joint, in --damping-unit"
 Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where it hangs"
 AMPLITUDE = "greatest speed of the foot or of the tool"
 FILTER = "time constant of input filters at the joints, which lag as Simscape's do (there 0.001)"
+FEEDBACKS = ("sensed", "integrated")
 NO_FILTER = "none, the motion's derivatives are wired"
 L1 = "length of the coxa or of the first arm"
 L2 = "length of the femur or of the second arm"
@@ -244,6 +245,9 @@ class StraightOptions(StepOptions):
         1.0, "of a gain block after the sine, whose own amplitude is amplitude / gain; 1: no block"
     )
     filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
+    feedback: str = option(
+        "sensed", f"what the inverse Jacobian takes as joint positions: {' or '.join(FEEDBACKS)}"
+    )
 
 
 @dataclass(kw_only=True)

@@ -417,6 +417,7 @@ def test_positions_taken_from_the_integrators(compared):
     assert {(item["simulink"], item["drake"]) for item in found.different} == {
         ("integrated", "sensed")
     }
+    assert compared(model, feedback="integrated").agrees
 
 
 def test_joint_that_is_not_driven(compared):
@@ -451,3 +452,202 @@ def test_empty_model_lacks_nothing_but_gravity(compared):
     assert not found.missing
     assert differences(found) == [("(model)", "GravityVector")]
     assert len(found.extra) > 20
+
+
+def insert(model, kind, name, port, parameters=None, **more):
+    """Put a block of one input and one output before an input."""
+    sid = model.add_block(kind, name, parameters, ports={"in": 1, "out": 1}, **more)
+    rewire(model, port, f"{sid}#in:1")
+    model.connect(sid, port)
+    return sid
+
+
+def test_a_foreign_block_alone_is_missing(compared):
+    model = published_leg()
+    insert(model, "ZeroOrderHold", "Hold", f"{model.sid('Integrator2')}#in:1")
+    found = compared(model)
+    assert not found.different
+    assert [item["name"] for item in found.missing if item["what"] == "block"] == ["Hold"]
+    assert len([item for item in found.missing if item["what"] == "wire"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters"),
+    [("Fcn", {"Expr": "u*1"}), ("Gain", {"Gain": "1"}), ("SignalConversion", {})],
+)
+def test_blocks_that_change_nothing(compared, kind, parameters):
+    model = published_leg()
+    insert(model, kind, "Same", f"{model.sid('Mux')}#in:4", parameters)
+    assert compared(model).agrees
+
+
+def test_integrator_as_a_transfer_function(compared):
+    model = published_leg()
+    sid = model.sid("Integrator2")
+    model.blocks[sid].block_type = "TransferFcn"
+    model.set("Integrator2", Numerator="[1]", Denominator="[1 0]")
+    assert compared(model).agrees
+
+
+def test_open_input_of_a_mux_is_zero(compared):
+    assert compared(published_leg().remove("Constant y")).agrees
+
+
+def test_sine_and_zero_exchanged_at_the_mux(compared):
+    model = published_leg()
+    mux = model.sid("Mux")
+    rewire(model, f"{mux}#in:4", "x")
+    rewire(model, f"{mux}#in:5", f"{mux}#in:4")
+    rewire(model, "x", f"{mux}#in:5")
+    found = compared(model)
+    assert not found.missing
+    assert [item["parameter"][:4] for item in found.different] == ["in:4", "in:5"]
+
+
+def test_external_initial_conditions(compared):
+    model = published_leg()
+    for place in (1, 2, 3):
+        total, integrator = model.sid(f"Sum{place}"), model.sid(f"Integrator{place}")
+        rewire(model, f"{total}#in:2", f"{integrator}#in:2")
+        model.remove(f"Sum{place}")
+        model.connect(integrator, model.sid(f"Simulink-PS\nConverter{place}"))
+        model.set(f"Integrator{place}", InitialConditionSource="external")
+    assert compared(model).agrees
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [{"LimitOutput": "on"}, {"WrapState": "on"}, {"ExternalReset": "rising"}],
+    ids=lambda setting: next(iter(setting)),
+)
+def test_integrators_that_do_more(compared, setting):
+    found = compared(published_leg().set("Integrator1", **setting))
+    assert differences(found) == [("Integrator1", next(iter(setting)))]
+
+
+def test_derivatives_wired_to_the_wrong_joint(compared):
+    model = published_leg(filtered=False)
+    demux = model.sid("Demux")
+    for place, rate in ((1, 2), (2, 1), (3, 3)):
+        name = f"Simulink-PS\nConverter{place}"
+        model.set(name, FilteringAndDerivatives="provide", UdotUserProvided="1")
+        model.connect(f"{demux}#out:{rate}", f"{model.sid(name)}#in:2")
+    found = compared(model)
+    assert [item["parameter"] for item in found.different] == [
+        "in:2, derivative 1 of joint 1",
+        "in:2, derivative 1 of joint 2",
+    ]
+
+
+def test_gain_before_a_scope(compared):
+    model = published_leg()
+    insert(model, "Gain", "Ten", f"{model.sid('foot velocities')}#in:1", {"Gain": "10"})
+    assert differences(compared(model)) == [("foot velocities", "factor of velocity 1 of the foot")]
+    model.set("Ten", Gain="1000")  # a unit
+    assert compared(model).agrees
+
+
+def test_unit_that_measures_something_else(compared):
+    found = compared(published_leg().set("PS-Simulink vx", Unit="kg"))
+    assert ("PS-Simulink vx", "Unit") in differences(found)
+
+
+def test_one_sensor_in_degrees_is_one_difference(compared):
+    model = published_leg().set("PS-Simulink\nConverter3", Unit="deg")
+    (one,) = compared(model).different
+    assert one["parameter"] == "factors of the joint positions"
+
+
+def test_link_without_its_solid(compared):
+    found = compared(published_leg().remove("Brick Solid1"))
+    assert differences(found) == [("Revolute Joint1", "solid on its follower")]
+
+
+def test_further_solid_has_no_counterpart(compared):
+    model = published_leg()
+    ball = model.add_library(
+        "sm_lib/Body Elements/Spherical Solid", "Ball", {"SphereRadius": "0.01"}, ports={"rconn": 1}
+    )
+    model.physical(f"{ball}#rconn:1", f"{model.sid('Rigid Transform2')}#rconn:1")
+    found = compared(model)
+    assert names(found.missing) == ["Ball"]
+    assert not found.different
+
+
+def test_cylinder_for_a_brick(compared):
+    model = published_leg()
+    model.blocks[model.sid("Brick Solid1")].source = "sm_lib/Body Elements/Cylindrical Solid"
+    model.set("Brick Solid1", CylinderRadius="0.005", CylinderLength="0.1")
+    assert differences(compared(model)) == [("Brick Solid1", "shape")]
+
+
+def test_custom_inertia(compared):
+    custom = {"InertiaType": "Custom", "Mass": "0.162"}
+    same = custom | {"MomentsOfInertia": "0.162/12*[.02^2+.01^2 .3^2+.01^2 .3^2+.02^2]"}
+    assert compared(published_pendulum().set("Brick Solid", **same), "pendulum").agrees
+    other = custom | {"MomentsOfInertia": "[1e-5 1e-5 1e-5]"}
+    found = compared(published_pendulum().set("Brick Solid", **other), "pendulum")
+    assert differences(found) == [("Brick Solid", "MomentsOfInertia")]
+
+
+def test_knee_with_exchanged_ends(compared):
+    model = published_leg()
+    sid = model.sid("Revolute Joint1")
+    rewire(model, f"{sid}#lconn:1", "x")
+    rewire(model, f"{sid}#rconn:1", f"{sid}#lconn:1")
+    rewire(model, "x", f"{sid}#rconn:1")
+    assert differences(compared(model)) == [("Revolute Joint1", "base and follower")]
+
+
+def test_sensor_with_exchanged_ends(compared):
+    model = published_leg()
+    sid = model.sid("6-DOF Joint")
+    rewire(model, f"{sid}#lconn:1", "x")
+    rewire(model, f"{sid}#rconn:1", f"{sid}#lconn:1")
+    rewire(model, "x", f"{sid}#rconn:1")
+    assert differences(compared(model)) == [("6-DOF Joint", "base and follower")]
+
+
+def test_chain_without_a_world(compared):
+    found = compared(published_leg().remove("World Frame"))
+    assert ("(model)", "World Frame") in differences(found)
+    assert not found.missing
+
+
+def test_function_that_is_something_else(compared):
+    found = compared(published_leg(script="function y = f(u)\ny = [u(1) u(2) u(3) 1];\n"))
+    assert {item["name"] for item in found.different} == {"MATLAB Function"}
+
+
+def test_thighs_in_subsystems(compared):
+    model = published_leg()
+    for place in range(3):
+        system = model.add_block("SubSystem", f"Thigh {place}", ports={"lconn": 1, "rconn": 1})
+        inner = [
+            model.sid(name)
+            for name in (
+                f"Rigid Transform{2 * place}",
+                f"Brick Solid{place}",
+                f"Rigid Transform{2 * place + 1}",
+            )
+        ]
+        ends = [f"{inner[0]}#lconn:1", f"{inner[2]}#rconn:1"]
+        for side, (end, label) in enumerate(zip(ends, ("Left", "Right"), strict=True)):
+            outer = f"{system}#{'lr'[side]}conn:1"
+            rewire(model, end, outer)
+            port = model.add_block(
+                "PMIOPort",
+                f"Conn{side + 1}",
+                {"Side": label, "Port": str(side + 1)},
+                system=system,
+                ports={"rconn": 1},
+            )
+            model.blocks[port].system = system
+            for sid in inner:
+                model.blocks[sid].system = system
+            model.physical(f"{port}#rconn:1", end)
+        for line in model.lines:
+            if line.physical and all(p.split("#")[0] in inner for p in line.ports):
+                line.system = system
+    found = compared(model)
+    assert found.agrees, (found.missing, found.different)
