@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.markup import parameters
+from drake_leg.simulink.lines import DrawnLine, read_line
+from drake_leg.simulink.markup import one_line, parameters
+from drake_leg.simulink.masks import Mask, read_mask
 
-_PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")
 _OLD_PORTS = {"in": 0, "out": 1, "lconn": 5, "rconn": 6}  # places in <P Name="Ports">
 _DEEPEST = 100  # subsystems in subsystems
-_PHYSICAL = ("lconn", "rconn")
 _OF_THE_DRAWING = """
 Position ZOrder BlockRotation BlockMirror ShowName HideAutomaticName NameLocation NamePlacement
 FontName FontSize FontWeight FontAngle ForegroundColor BackgroundColor DropShadow IconDisplay
@@ -22,6 +22,7 @@ SourceBlock ContentPreviewEnabled GraphicalSettings WindowPosition ScopeSpecific
 ScopeGraphics Location WasSavedAsWebScope OpenFcn AttributesFormatString Description
 """
 _DRAWING = frozenset(_OF_THE_DRAWING.split())
+MATLAB_FUNCTION = "MATLAB Function"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,19 +37,10 @@ class DrawnBlock:
     system: str
     texts: dict[str, str]  # parameters that stand in the file
     ports: dict[str, int]  # counts of in, out, lconn, rconn; missing ones are not told
+    mask: Mask
 
     def __str__(self) -> str:
         return f"block {self.name!r} (SID {self.sid})"
-
-
-@dataclass(frozen=True, kw_only=True)
-class DrawnLine:
-    """A line with all its branches."""
-
-    name: str
-    physical: bool
-    source: str  # port; "" where the line hangs, and of physical lines
-    ends: tuple[str, ...]  # ports; of a physical line all of them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,15 +50,15 @@ class Diagram:
     blocks: tuple[DrawnBlock, ...]
     lines: tuple[DrawnLine, ...]
     commented: frozenset[str]  # SIDs of blocks that are commented out, and of all inside them
+    through: tuple[DrawnBlock, ...]  # those of them that are commented through: wires, in effect
     tags: dict[str, str]  # SID of a MATLAB Function block to the tag of the S-Function inside
 
 
-def one_line(text: str) -> str:
-    """Return a name with its line breaks as blanks."""
-    return " ".join(text.splitlines())
-
-
-def read_diagram(root: Element, fetch: Callable[[str], Element]) -> Diagram:
+def read_diagram(
+    root: Element,
+    fetch: Callable[[str], Element],
+    is_function: Callable[[DrawnBlock, str], bool],
+) -> Diagram:
     """Read all systems.
 
     Parameters
@@ -75,6 +67,9 @@ def read_diagram(root: Element, fetch: Callable[[str], Element]) -> Diagram:
         ``<System>`` of the top.
     fetch : callable
         From the name of a system, as ``<System Ref="...">`` has it, to its ``<System>``.
+    is_function : callable
+        From a block that holds some chart, and the tag of the S-Function inside, to whether the
+        chart is a MATLAB function: files of about R2012 do not tell at the block.
 
     Returns
     -------
@@ -85,15 +80,19 @@ def read_diagram(root: Element, fetch: Callable[[str], Element]) -> Diagram:
     InvalidValueError
         If a block has no SID, two blocks have the same, or a port makes no sense.
     """
-    return _Walk(fetch).all(root)
+    return _Walk(fetch, is_function).all(root)
 
 
 class _Walk:
-    def __init__(self, fetch: Callable[[str], Element]) -> None:
+    def __init__(
+        self, fetch: Callable[[str], Element], is_function: Callable[[DrawnBlock, str], bool]
+    ) -> None:
         self._fetch = fetch
+        self._is_function = is_function
         self._blocks: dict[str, DrawnBlock] = {}
         self._lines: list[DrawnLine] = []
         self._commented: set[str] = set()
+        self._through: list[DrawnBlock] = []
         self._tags: dict[str, str] = {}
         self._seen: set[str] = set()
 
@@ -103,6 +102,7 @@ class _Walk:
             blocks=tuple(self._blocks.values()),
             lines=tuple(self._lines),
             commented=frozenset(self._commented),
+            through=tuple(self._through),
             tags=self._tags,
         )
 
@@ -116,7 +116,7 @@ class _Walk:
             if child.tag == "Block":
                 self._block(child, sid, path, depth=depth, commented=commented)
             elif child.tag == "Line":
-                self._lines.append(_line(child))
+                self._lines.append(read_line(child))
 
     def _block(
         self, element: Element, system: str, path: str, *, depth: int, commented: bool
@@ -127,19 +127,30 @@ class _Walk:
                 f"two blocks have the SID {block.sid}, the second is {block.name!r}: save the "
                 "model again in Simulink"
             )
-        commented = commented or block.texts.get("Commented", "off") != "off"
+        systems = [self._resolve(inner, block) for inner in element if inner.tag == "System"]
+        block = self._with_chart(block, systems)
+        how = block.texts.get("Commented", "off")
+        if how == "through":
+            self._through.append(block)
+        commented = commented or how != "off"
         if commented:
             self._commented.add(block.sid)
         else:
             self._blocks[block.sid] = block
-        for inner in element:
-            if inner.tag == "System":
-                inside = self._resolve(inner, block)
-                if block.texts.get("SFBlockType", "NONE") == "NONE":
-                    path = f"{block.path}/"
-                    self._system(inside, block.sid, path, depth=depth + 1, commented=commented)
-                else:
-                    self._tags[block.sid] = _chart_tag(inside)
+        for inside in systems:
+            if block.texts.get("SFBlockType", "NONE") == "NONE":
+                path = f"{block.path}/"
+                self._system(inside, block.sid, path, depth=depth + 1, commented=commented)
+            else:
+                self._tags[block.sid] = _chart_tag(inside)
+
+    def _with_chart(self, block: DrawnBlock, systems: list[Element]) -> DrawnBlock:
+        """Tell at the block that it is a MATLAB Function where only its chart tells."""
+        if "SFBlockType" in block.texts or block.mask.type != "Stateflow" or not systems:
+            return block
+        if not self._is_function(block, _chart_tag(systems[0])):
+            return block
+        return replace(block, texts=block.texts | {"SFBlockType": MATLAB_FUNCTION})
 
     def _resolve(self, system: Element, block: DrawnBlock) -> Element:
         name = system.get("Ref")
@@ -177,6 +188,7 @@ def _drawn_block(element: Element, system: str, path: str) -> DrawnBlock:
         system=system,
         texts={key: text for key, text in texts.items() if key not in _DRAWING},
         ports=ports,
+        mask=read_mask(element, texts),
     )
 
 
@@ -194,57 +206,3 @@ def _chart_tag(system: Element) -> str:
         if block.get("BlockType") == "S-Function":
             return parameters(block).get("Tag", "")
     return ""
-
-
-def _line(element: Element) -> DrawnLine:
-    texts = parameters(element)
-    ends = [_port(text) for text in _ends(element, texts)]
-    physical = any(split_port(end)[1] in _PHYSICAL for end in ends)
-    source = "" if physical or "Src" not in texts else _port(texts["Src"])
-    if source:
-        ends.remove(source)
-    return DrawnLine(
-        name=one_line(texts.get("Name", "")), physical=physical, source=source, ends=tuple(ends)
-    )
-
-
-def _ends(element: Element, texts: dict[str, str]) -> Iterator[str]:
-    """Walk through a line and its branches, at whatever end they hold a port."""
-    for key in ("Src", "Dst"):
-        if texts.get(key):
-            yield texts[key]
-    for branch in element:
-        if branch.tag == "Branch":
-            yield from _ends(branch, parameters(branch))
-
-
-def _port(text: str) -> str:
-    found = _PORT.fullmatch(text.strip())
-    if not found:
-        raise InvalidValueError(
-            f"a line ends at {text[:60]!r}, which is no port (5#in:1): save the model again in "
-            "Simulink"
-        )
-    return f"{found['sid']}#{found['kind']}:{int(found['number'] or 1)}"
-
-
-def split_port(port: str) -> tuple[str, str, int]:
-    """Take a port apart.
-
-    Parameters
-    ----------
-    port : str
-        ``SID#kind:number``.
-
-    Returns
-    -------
-    sid : str
-        Of its block.
-    kind : str
-        ``in``, ``out``, ``lconn``, ``rconn``, ``enable``, ...
-    number : int
-        From 1.
-    """
-    sid, _, rest = port.partition("#")
-    kind, _, number = rest.partition(":")
-    return sid, kind, int(number)

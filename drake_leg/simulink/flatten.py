@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.diagram import split_port
+from drake_leg.simulink.lines import split_port
 from drake_leg.simulink.model import Block, Model, Wire
 from drake_leg.simulink.wiring import join
 

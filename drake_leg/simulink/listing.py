@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drake_leg.simulink.diagram import split_port
+from drake_leg.simulink.lines import split_port
 from drake_leg.simulink.model import Block, Model, Value
 from drake_leg.simulink.parameters import default_values
 
@@ -108,7 +108,7 @@ def _settings(block: Block) -> list[str]:
             filter(None, (name, _shown(value), str(block.parameters.get(f"{name}{_UNITS}", ""))))
         )
         for name, value in block.parameters.items()
-        if _is_telling(name, value, defaults) and name != "SFBlockType"
+        if (name in block.mask or _is_telling(name, value, defaults)) and name != "SFBlockType"
     ]
 
 

@@ -106,3 +106,8 @@ def parameters(element: Element) -> dict[str, str]:
         for child in element
         if child.tag == "P" and child.get("Ref") is None
     }
+
+
+def one_line(text: str) -> str:
+    """Return a name with its line breaks as blanks."""
+    return " ".join(text.splitlines())

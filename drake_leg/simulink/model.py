@@ -18,6 +18,7 @@ class Block:
     source: str  # of a Reference: "sm_lib/Joints/Revolute Joint"; otherwise ""
     system: str  # SID of the subsystem that holds it; "" at the top
     parameters: Mapping[str, Value]  # in SI; absent ones at Simulink's defaults
+    mask: tuple[str, ...] = ()  # names of those that its mask adds, as numbers or as they stand
 
     @property
     def kind(self) -> str:

@@ -3,39 +3,42 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from functools import lru_cache
+from collections.abc import Mapping
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.catalogue import Parameter, known_parameters
+from drake_leg.simulink.catalogue import known_parameters
 from drake_leg.simulink.diagram import DrawnBlock
-from drake_leg.simulink.matlab import value
+from drake_leg.simulink.evaluation import evaluate, require_finite
 from drake_leg.simulink.model import Value
+from drake_leg.simulink.scopes import Scope
 from drake_leg.simulink.units import parse_unit
 
 _UNIT_SUFFIXES = ("Units", "_unit")
 _LIBRARIES = "Simulink, Simscape and Simscape Multibody"
 
 
-def values_of(block: DrawnBlock) -> dict[str, Value]:
+def values_of(block: DrawnBlock, scope: Scope) -> dict[str, Value]:
     """Evaluate a block's parameters.
 
     Parameters
     ----------
     block : DrawnBlock
         With the texts of the file.
+    scope : Scope
+        Names that its parameters may use.
 
     Returns
     -------
     dict
         Name to value. Those that the file leaves out have their defaults; a value with a unit is in
         SI, and so is the unit beside it; what is no number is text. ``Inputs`` of a Sum are its
-        signs alone: ``+-``.
+        signs alone: ``+-``. What its mask adds is among them.
 
     Raises
     ------
     InvalidValueError
-        If the block is of no known kind, or a number cannot be evaluated.
+        If the block is of no known kind, or a number cannot be evaluated, or is infinite where
+        none can be.
     """
     known = known_parameters(block.type, block.source)
     if known is None:
@@ -47,24 +50,35 @@ def values_of(block: DrawnBlock) -> dict[str, Value]:
             "put the active choice in its place"
         )
     found: dict[str, Value] = {}
+    others = dict(texts)
     for parameter in known:
-        text = texts.get(parameter.name)
+        others.pop(parameter.name, None)
+        name = next((name for name in parameter.names if name in texts), parameter.name)
+        text = texts.get(name)
         if text is None:
             text = _counted(block, parameter.name) or parameter.default
         if not parameter.numeric:
             found[parameter.name] = text
             continue
-        unit = texts.get(f"{parameter.name}Units", parameter.unit)
+        unit = texts.get(f"{name}Units", parameter.unit)
         try:
-            found[parameter.name] = evaluate(text, unit, parameter.unit)
+            number = evaluate(text, unit, parameter.unit, scope)
+            require_finite(number, text, unbounded=parameter.unbounded, scope=scope)
         except InvalidValueError as error:
-            raise InvalidValueError(f"{block}: parameter {parameter.name} {error}") from None
+            raise InvalidValueError(f"{block}: parameter {name} {error}") from None
+        found[parameter.name] = number
         if parameter.unit:
             found[f"{parameter.name}Units"] = parse_unit(parameter.unit).si
-    for name, text in texts.items():
+        for spelled in parameter.names:
+            others.pop(spelled, None)
+            others.pop(f"{spelled}Units", None)
+    for name, text in others.items():
         if name not in found and not name.endswith("_conf"):
             found[name] = text
-    _convert_others(block, found, known)
+    _convert_others(block, others, found, scope)
+    for name, text in block.mask.values.items():
+        if name not in {parameter.name for parameter in known}:
+            found[name] = scope.numbers.get(name, text)
     if block.type == "Sum":
         found["Inputs"] = _signs(str(found["Inputs"]))
     return found
@@ -93,76 +107,23 @@ def default_values(block_type: str, source: str) -> Mapping[str, Value]:
     }
 
 
-@lru_cache(maxsize=4096)
-def evaluate(text: str, unit: str, quantity: str) -> Value:
-    """Evaluate the text of a number and convert it to SI.
-
-    Parameters
-    ----------
-    text : str
-        ``-50/180*pi``, ``[.025 0 0]``; ``auto`` stays text.
-    unit : str
-        Its unit, as the file says; "" where it has none.
-    quantity : str
-        Any unit of the same quantity, which `unit` must fit; "" where there is none.
-
-    Returns
-    -------
-    float, tuple of float, tuple of rows, or str
-        In SI.
-
-    Raises
-    ------
-    InvalidValueError
-        If it cannot be evaluated, or the unit does not fit.
-    """
-    if text.strip() == "auto":
-        return "auto"
-    try:
-        number = value(text)
-    except InvalidValueError as error:
-        raise InvalidValueError(
-            f"is {_shortened(text)}, which cannot be evaluated ({error}): put the number itself "
-            "there"
-        ) from None
-    if not quantity:
-        return number
-    try:
-        scale = parse_unit(unit)
-    except InvalidValueError:
-        raise InvalidValueError(
-            f"has the unit {_shortened(unit)}, which is not known here: choose one like {quantity}"
-        ) from None
-    if not scale.is_like(parse_unit(quantity)):
-        raise InvalidValueError(
-            f"has the unit {unit!r}, which measures something else: choose one like {quantity}"
-        )
-    return _mapped(number, scale.in_si)
-
-
-def _mapped(number: Value, convert: Callable[[float], float]) -> Value:
-    if isinstance(number, tuple):
-        return tuple(_mapped(entry, convert) for entry in number)  # type: ignore[return-value]
-    return convert(float(number))
-
-
 def _convert_others(
-    block: DrawnBlock, found: dict[str, Value], known: tuple[Parameter, ...]
+    block: DrawnBlock, others: Mapping[str, str], found: dict[str, Value], scope: Scope
 ) -> None:
     """Convert what is in no table but has its unit beside it."""
-    done = {parameter.name for parameter in known}
     for suffix in _UNIT_SUFFIXES:
-        for key in [key for key in block.texts if key.endswith(suffix)]:
+        for key in [key for key in others if key.endswith(suffix)]:
             name = key.removesuffix(suffix)
-            if name in done or name not in block.texts:
+            if name not in others:
                 continue
-            unit = block.texts[key].strip()
+            unit = others[key].strip()
             try:
                 si = parse_unit(unit).si
             except InvalidValueError:
                 continue
             try:
-                found[name] = evaluate(block.texts[name], unit, unit)
+                found[name] = evaluate(others[name], unit, unit, scope)
+                require_finite(found[name], others[name], unbounded=True, scope=scope)
             except InvalidValueError as error:
                 raise InvalidValueError(f"{block}: parameter {name} {error}") from None
             found[key] = si
@@ -197,7 +158,3 @@ def _unknown(block: DrawnBlock) -> str:
         f"{block} is of type {block.type!r}, which is no block of {_LIBRARIES} that is known here: "
         "replace it, or comment it out"
     )
-
-
-def _shortened(text: str) -> str:
-    return repr(text if len(text) <= 60 else text[:57] + "...")

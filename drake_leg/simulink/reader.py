@@ -9,10 +9,11 @@ from xml.etree.ElementTree import Element
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import Parts
 from drake_leg.simulink.diagram import read_diagram
-from drake_leg.simulink.functions import functions_of
+from drake_leg.simulink.functions import Charts, functions_of
 from drake_leg.simulink.markup import parse_markup
 from drake_leg.simulink.model import Block, Model
 from drake_leg.simulink.parameters import values_of
+from drake_leg.simulink.scopes import scopes_of
 from drake_leg.simulink.solver import solver_of
 from drake_leg.simulink.wiring import nodes_of, wires_of
 
@@ -35,7 +36,8 @@ def read_model(path: Path) -> Model:
     -------
     Model
         All blocks that are not commented out, those of subsystems included; the parts that a
-        MATLAB Function block is made of are no blocks.
+        MATLAB Function block is made of are no blocks, and a block that is commented through is a
+        wire.
 
     Raises
     ------
@@ -59,7 +61,10 @@ class _File:
         self._trees: dict[str, Element | None] = {}
 
     def model(self, name: str) -> Model:
-        diagram = read_diagram(self._top(), self._system)
+        top = self._top()
+        charts = Charts(self._stateflow())
+        diagram = read_diagram(top, self._system, charts.is_function)
+        scopes = scopes_of(diagram.blocks)
         return Model(
             name=name,
             blocks=tuple(
@@ -69,13 +74,14 @@ class _File:
                     type=block.type,
                     source=block.source,
                     system=block.system,
-                    parameters=values_of(block),
+                    parameters=values_of(block, scopes[block.sid]),
+                    mask=tuple(block.mask.values),
                 )
                 for block in diagram.blocks
             ),
             wires=wires_of(diagram),
             nodes=nodes_of(diagram),
-            functions=functions_of(diagram, self._stateflow()),
+            functions=functions_of(diagram, charts),
             solver=solver_of(self._configuration()),
         )
 

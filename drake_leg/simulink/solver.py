@@ -6,9 +6,9 @@ import re
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.evaluation import evaluate, require_finite
 from drake_leg.simulink.markup import parameters
 from drake_leg.simulink.model import Value
-from drake_leg.simulink.parameters import evaluate
 
 _DEFAULTS = {
     "StartTime": "0.0",
@@ -20,6 +20,7 @@ _DEFAULTS = {
     "InitialStep": "auto",
     "FixedStep": "auto",
 }
+_UNBOUNDED = ("StopTime", "MaxStep")
 _FIXED = re.compile(r"FixedStep\w*|ode(1|2|3|4|5|8|14x|1be|1b)")
 
 
@@ -39,7 +40,7 @@ def solver_of(configuration: Element | None) -> dict[str, Value]:
     Raises
     ------
     InvalidValueError
-        If a number cannot be evaluated.
+        If a number cannot be evaluated, or is infinite where none can be.
     """
     texts = _texts(configuration)
     solver = texts.get("SolverName") or texts.get("Solver") or "VariableStepAuto"
@@ -47,7 +48,9 @@ def solver_of(configuration: Element | None) -> dict[str, Value]:
     found: dict[str, Value] = {"Solver": solver, "SolverType": texts.get("SolverType", kind)}
     for name, default in _DEFAULTS.items():
         try:
-            found[name] = evaluate(texts.get(name, default), "", "")
+            text = texts.get(name, default)
+            found[name] = evaluate(text, "", "")
+            require_finite(found[name], text, unbounded=name in _UNBOUNDED)
         except InvalidValueError as error:
             raise InvalidValueError(f"solver setting {name} {error}") from None
     return found

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine, split_port
+from drake_leg.simulink.diagram import Diagram, DrawnBlock
+from drake_leg.simulink.lines import DrawnLine, split_port
 from drake_leg.simulink.model import Wire
 
 
@@ -20,14 +22,17 @@ def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
     Returns
     -------
     tuple of Wire
-        Without lines that hang, and without those at blocks that are commented out.
+        Without lines that hang, and without those at blocks that are commented out; what goes
+        into a block that is commented through comes out of it.
 
     Raises
     ------
     InvalidValueError
-        If a line ends at a block that is not there, or two lines end at one input.
+        If a line ends at a block that is not there, two lines end at one input, or a signal runs
+        in a circle of blocks that are commented through.
     """
-    blocks = {block.sid: block for block in diagram.blocks}
+    through = {block.sid for block in diagram.through}
+    blocks = {block.sid: block for block in (*diagram.blocks, *diagram.through)}
     wires: dict[str, Wire] = {}
     for line in diagram.lines:
         if line.physical or not line.source:
@@ -43,7 +48,28 @@ def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
                     "model again in Simulink"
                 )
             wires[end] = Wire(source=line.source, target=end, name=line.name)
-    return tuple(wires.values())
+    ends = [wire for wire in wires.values() if split_port(wire.target)[0] not in through]
+    bridged = (_bridged(wire, wires, through) for wire in ends)
+    return tuple(wire for wire in bridged if wire is not None)
+
+
+def _bridged(wire: Wire, wires: Mapping[str, Wire], through: Container[str]) -> Wire | None:
+    """Follow a wire backwards through blocks that are commented through."""
+    seen: set[str] = set()
+    while True:
+        sid, kind, number = split_port(wire.source)
+        if sid not in through:
+            return wire
+        before = wires.get(f"{sid}#in:{number}") if kind == "out" else None
+        if before is None:
+            return None
+        if wire.source in seen:
+            raise InvalidValueError(
+                f"the signal at {wire.target} runs in a circle of blocks that are commented "
+                "through: uncomment one"
+            )
+        seen.add(wire.source)
+        wire = replace(wire, source=before.source, name=wire.name or before.name)
 
 
 def nodes_of(diagram: Diagram) -> tuple[tuple[str, ...], ...]:
@@ -57,20 +83,26 @@ def nodes_of(diagram: Diagram) -> tuple[tuple[str, ...], ...]:
     Returns
     -------
     tuple of tuple of str
-        Ports ``SID#lconn:1``, at least two a node.
+        Ports ``SID#lconn:1``, at least two a node; a block that is commented through joins its
+        first ports on both sides.
 
     Raises
     ------
     InvalidValueError
         If a line ends at a block that is not there.
     """
-    blocks = {block.sid: block for block in diagram.blocks}
+    through = {block.sid for block in diagram.through}
+    blocks = {block.sid: block for block in (*diagram.blocks, *diagram.through)}
     groups: list[list[str]] = []
     for line in diagram.lines:
         if line.physical:
             _require_blocks(line, blocks, diagram.commented)
             groups.append([end for end in line.ends if _has_blocks((end,), blocks)])
-    return join(groups)
+    groups += [[f"{block.sid}#lconn:1", f"{block.sid}#rconn:1"] for block in diagram.through]
+    kept = (
+        tuple(port for port in node if split_port(port)[0] not in through) for node in join(groups)
+    )
+    return tuple(node for node in kept if len(node) > 1)
 
 
 def join(groups: Iterable[Sequence[str]]) -> tuple[tuple[str, ...], ...]:

@@ -22,6 +22,7 @@ class WrittenBlock:
     parameters: Texts
     ports: dict[str, int]
     script: str | None = None
+    mask: str = ""  # of `mask_text`
 
 
 @dataclass
@@ -206,6 +207,7 @@ class ModelBuilder:
             body += f"<InstanceData>{_p('ContentPreviewEnabled', 'off')}{texts}</InstanceData>"
         else:
             body += texts
+        body += block.mask
         if block.type == "SubSystem":
             body += (
                 self._system_text(block.sid, nested=True)
@@ -221,6 +223,31 @@ def write_parts(path: Path, parts: dict[str, str | bytes]) -> Path:
         for name, content in parts.items():
             archive.writestr(name, content)
     return path
+
+
+def mask_text(
+    values: Texts, initialization: str = "", *, form: str = "new", **attributes: str
+) -> str:
+    """Return a mask; `attributes` are those of all its parameters. The "R2013" form is older."""
+    settings = {"Type": "edit"} | attributes
+    if form == "R2013":
+        entries = "".join(
+            f"<Object>{''.join(_p(*item) for item in settings.items())}"
+            f"{_p('Name', name)}{_p('Value', text)}</Object>"
+            for name, text in values.items()
+        )
+        return (
+            f'<Object PropName="MaskObject" ClassName="Simulink.Mask">'
+            f"{_p('Initialization', initialization)}"
+            f'<Array PropName="Parameters" Type="Simulink.MaskParameter">{entries}</Array></Object>'
+        )
+    marks = "".join(f" {key}={quoteattr(text)}" for key, text in settings.items())
+    entries = "".join(
+        f"<MaskParameter Name={quoteattr(name)}{marks}><Prompt>{name} [mm]</Prompt>"
+        f"<Value>{escape(text)}</Value></MaskParameter>"
+        for name, text in values.items()
+    )
+    return f"<Mask><Initialization>{escape(initialization)}</Initialization>{entries}</Mask>"
 
 
 def _port(text: str, kind: str) -> str:

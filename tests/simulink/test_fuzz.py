@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 from slx_models import published_leg, published_pendulum
-from slx_writer import ModelBuilder
+from slx_writer import ModelBuilder, mask_text
 
 from drake_leg.errors import DrakeLegError
 from drake_leg.simulink.flatten import flatten
@@ -47,6 +47,10 @@ WORDS = (
     "on",
     "Right",
     "global",
+    "through",
+    "Stateflow",
+    "L",
+    "L=@1;w=&2;",
     "MATLAB Function",
     "SubSystem",
     "PMIOPort",
@@ -75,6 +79,10 @@ def nested_model():
     )
     builder.connect(builder.add_block("Sin", "Sine"), builder.add_block("Goto", "H"))
     builder.physical(f"{thigh}#lconn:1", "1#rconn:1")
+    builder.blocks[thigh].mask = mask_text({"L": "30", "w": "L/2"}, "h = L/2;")
+    gain = builder.add_block("Gain", "K", {"Gain": "L", "Commented": "through"}, system=thigh)
+    builder.connect(entry, gain)
+    builder.connect(gain, builder.add_block("Gain", "M", {"Gain": "[L 1]"}, system=thigh))
     return builder
 
 

@@ -143,6 +143,134 @@ def test_what_cannot_be_evaluated_is_said(parameters, kind, texts, sentence):
         parameters(kind, texts)
 
 
+TRANSFORM = "sm_lib/Frames and Transforms/Rigid Transform"
+SENSOR = "sm_lib/Frames and Transforms/Transform Sensor"
+OVERFLOW = "9^9^9^9^9"
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "text"),
+    [
+        ("Sin", "Amplitude", OVERFLOW),
+        ("Sin", "Amplitude", "inf"),
+        ("Gain", "Gain", "-1e999"),
+        ("Saturate", "UpperLimit", OVERFLOW),
+        ("Integrator", "LowerSaturationLimit", f"-{OVERFLOW}"),
+        ("Integrator", "InitialCondition", "Inf"),
+        (REVOLUTE, "SpringStiffness", "1e308"),
+        (REVOLUTE, "UpperLimitBound", "1e999"),
+        ("sm_lib/F/Internal Force", "Reach", OVERFLOW),
+    ],
+)
+def test_infinite_numbers_are_refused(parameters, kind, name, text):
+    units = {"ReachUnits": "m"} if name == "Reach" else {}
+    sentence = (
+        f"block 'B' .SID 1.: parameter {name} is '.*', which is infinite: put a finite number"
+    )
+    with pytest.raises(InvalidValueError, match=sentence):
+        parameters(kind, {name: text} | units)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "text"),
+    [
+        ("Saturate", "UpperLimit", "inf"),
+        ("Saturate", "LowerLimit", "-Inf"),
+        ("Step", "Time", "inf"),
+        ("RateLimiter", "RisingSlewLimit", "inf"),
+        (REVOLUTE, "UpperLimitBound", "inf"),
+        ("sm_lib/F/Internal Force", "Reach", "inf"),
+    ],
+)
+def test_limits_and_times_may_be_infinite(parameters, kind, name, text):
+    units = {"ReachUnits": "m"} if name == "Reach" else {}
+    assert math.isinf(parameters(kind, {name: text} | units)[name])
+
+
+@pytest.mark.parametrize(
+    ("name", "text"), [("StopTime", OVERFLOW), ("RelTol", "inf"), ("StartTime", "inf")]
+)
+def test_infinite_solver_settings_are_refused(tmp_path, name, text):
+    path = ModelBuilder(solver={name: text}).write(tmp_path / "m.slx")
+    with pytest.raises(
+        InvalidValueError, match=f"solver setting {name} is '.*', which is infinite"
+    ):
+        read_model(path)
+
+
+@pytest.mark.parametrize("name", ["Quaternion", "RotationQuaternion"])
+def test_both_names_of_the_quaternion(parameters, name):
+    found = parameters(TRANSFORM, {"RotationMethod": "Quaternion", name: "[0 1 0 0]"})
+    assert found["RotationQuaternion"] == (0.0, 1.0, 0.0, 0.0)
+    assert "Quaternion" not in found
+
+
+@pytest.mark.parametrize(
+    ("method", "name", "value"),
+    [
+        ("Quaternion", "RotationQuaternion", (1.0, 0.0, 0.0, 0.0)),
+        ("RotationMatrix", "RotationMatrix", ((1.0, 0, 0), (0, 1.0, 0), (0, 0, 1.0))),
+        ("ArbitraryAxis", "RotationArbitraryAxis", (0.0, 0.0, 1.0)),
+        ("RotationSequence", "RotationSequenceAngles", (0.0, 0.0, 0.0)),
+        ("RotationSequence", "RotationSequence", "XYZ"),
+    ],
+)
+def test_a_rotation_without_its_value_has_the_default(parameters, method, name, value):
+    assert parameters(TRANSFORM, {"RotationMethod": method})[name] == value
+
+
+@pytest.mark.parametrize("prefix", ["", "Rz"])
+@pytest.mark.parametrize("side", ["Lower", "Upper"])
+def test_both_names_of_a_stop(parameters, prefix, side):
+    kind = "sm_lib/Joints/Planar Joint" if prefix else REVOLUTE
+    spring, damper = f"{prefix}{side}LimitStiffness", f"{prefix}{side}LimitDamping"
+    other_spring, other_damper = (
+        f"{prefix}{side}LimitSpringStiffness",
+        f"{prefix}{side}LimitDampingCoefficient",
+    )
+    texts = {
+        other_spring: "5",
+        f"{other_spring}Units": "N*m/rad",
+        other_damper: "2",
+        f"{other_damper}Units": "N*m/(deg/s)",
+    }
+    found = parameters(kind, texts)
+    assert found[spring] == 5.0
+    assert found[damper] == pytest.approx(360 / math.pi, rel=1e-15)
+    assert found[f"{spring}Units"] == "N*m/rad"
+    assert not texts.keys() & found.keys()
+    with pytest.raises(InvalidValueError, match=f"parameter {other_spring} is 'k', which cannot"):
+        parameters(kind, {other_spring: "k"})
+
+
+@pytest.mark.parametrize(
+    ("kind", "quantity"),
+    [
+        (REVOLUTE, "Torque"),
+        ("sm_lib/Joints/Prismatic Joint", "Force"),
+        ("sm_lib/Joints/Spherical Joint", "Torque"),
+    ],
+)
+def test_sensed_torques_and_forces(parameters, kind, quantity):
+    found = parameters(kind, {f"SenseTotal{quantity}": "on"})
+    assert found[f"Sense{quantity}"] == found[f"SenseActuator{quantity}"] == "off"
+    assert found[f"SenseTotal{quantity}"] == "on"
+
+
+def test_what_a_transform_sensor_senses(parameters):
+    angles = ("Angle", "Axis", "Q", "R", "Omega", "OmegaX", "OmegaY", "OmegaZ")
+    places = ("X", "Y", "Z", "XYZ", "Dist", "Radius", "Azimuth", "Inclination")
+    rates = ("VX", "VY", "VZ", "VXYZ", "AX", "AY", "AZ", "AXYZ")
+    names = [f"Sense{what}" for what in (*angles, *places, *rates)]
+    found = parameters(SENSOR)
+    assert found["MeasurementFrame"] == "World"
+    assert {name for name in found if name.startswith("Sense")} == set(names)
+    assert {found[name] for name in names} == {"off"}
+    found = parameters(SENSOR, {"SenseVx": "on", "SenseAZ": "on", "MeasurementFrame": "Base"})
+    assert (found["SenseVX"], found["SenseVx"], found["SenseAZ"]) == ("on", "on", "on")
+    assert found["MeasurementFrame"] == "Base"
+
+
 def test_a_workspace_variable_in_the_solver_is_said(tmp_path):
     path = published_leg(stop_time="Tend").write(tmp_path / "m.slx")
     with pytest.raises(InvalidValueError, match="solver setting StopTime is 'Tend', which cannot"):

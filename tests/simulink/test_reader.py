@@ -141,16 +141,123 @@ def test_functions_of_one_name_are_told_apart(read):
         assert found == scripts
 
 
-@pytest.mark.parametrize("how", ["on", "through"])
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_commented_blocks_are_left_out_with_their_lines(read, how, layout):
+def test_commented_blocks_are_left_out_with_their_lines(read, layout):
     builder = published_leg()
-    builder.set("foot velocities", Commented=how).set("Revolute Joint2", Commented=how)
+    builder.set("foot velocities", Commented="on").set("Revolute Joint2", Commented="on")
     model = read(builder, layout)
     assert len(model.blocks) == 48
     assert len(model.wires) == 25
     gone = builder.sid("Revolute Joint2")
     assert not any(port.startswith(f"{gone}#") for node in model.nodes for port in node)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_signals_pass_blocks_that_are_commented_through(read, layout):
+    builder = ModelBuilder()
+    clock = builder.add_block("Clock", "Clock")
+    gains = [builder.add_block("Gain", f"K{place}", {"Commented": "through"}) for place in (0, 1)]
+    scopes = [builder.add_block("Scope", f"S{place}") for place in (0, 1)]
+    builder.connect(clock, gains[0], name="t")
+    builder.connect(gains[0], gains[1], scopes[0])
+    builder.connect(gains[1], scopes[1], name="near")
+    model = read(builder, layout)
+    assert [block.name for block in model.blocks] == ["Clock", "S0", "S1"]
+    assert {(wire.source, wire.target, wire.name) for wire in model.wires} == {
+        (f"{clock}#out:1", f"{scopes[0]}#in:1", "t"),
+        (f"{clock}#out:1", f"{scopes[1]}#in:1", "near"),
+    }
+
+
+def test_each_port_passes_to_its_own_number(read):
+    builder = ModelBuilder()
+    clocks = [builder.add_block("Clock", f"C{place}") for place in (1, 2)]
+    box = builder.add_block("SubSystem", "Box", {"Commented": "through"})
+    builder.add_block("Nonsense", "N", {"Commented": "through"}, system=box)
+    scopes = [builder.add_block("Scope", f"S{place}") for place in (1, 2, 3)]
+    for place, clock in enumerate(clocks, 1):
+        builder.connect(clock, f"{box}#in:{place}")
+    for place, scope in enumerate(scopes, 1):
+        builder.connect(f"{box}#out:{place}", scope)
+    model = read(builder)
+    assert [(wire.source, wire.target) for wire in model.wires] == [
+        (f"{clock}#out:1", f"{scope}#in:1") for clock, scope in zip(clocks, scopes[:2], strict=True)
+    ]
+
+
+def test_frames_pass_blocks_that_are_commented_through(read):
+    builder = published_leg().set("Rigid Transform2", Commented="through")
+    joint, gone, brick, far = (
+        builder.sid(name)
+        for name in ("Revolute Joint1", "Rigid Transform2", "Brick Solid1", "Rigid Transform3")
+    )
+    nodes = [set(node) for node in read(builder).nodes]
+    assert {f"{joint}#rconn:1", f"{brick}#rconn:1", f"{far}#lconn:1"} in nodes
+    assert len(nodes) == 23
+    assert not any(port.startswith(f"{gone}#") for node in nodes for port in node)
+
+
+def test_what_is_inside_a_commented_subsystem_passes_nothing(read):
+    builder = ModelBuilder()
+    system = builder.add_block("SubSystem", "Off", {"Commented": "on"})
+    clock = builder.add_block("Clock", "C", system=system)
+    gain = builder.add_block("Gain", "K", {"Commented": "through"}, system=system)
+    builder.connect(clock, gain)
+    builder.connect(gain, builder.add_block("Scope", "S", system=system))
+    model = read(builder)
+    assert model.blocks == model.wires == ()
+
+
+def test_a_circle_of_blocks_that_are_commented_through_is_said(read):
+    builder = ModelBuilder()
+    gain, other = (builder.add_block("Gain", name, {"Commented": "through"}) for name in "KL")
+    scope = builder.add_block("Scope", "S")
+    builder.connect(gain, other)
+    builder.connect(other, gain, scope)
+    with pytest.raises(InvalidValueError, match="signal at 3#in:1 runs in a circle of blocks that"):
+        read(builder)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("mask", ["texts", "object"])
+def test_functions_of_old_files(read, layout, mask):
+    builder = published_leg().set("MATLAB Function", SFBlockType=None)
+    if mask == "texts":
+        builder.set("MATLAB Function", MaskType="Stateflow")
+    else:
+        builder.blocks[builder.sid("MATLAB Function")].mask = (
+            '<Object PropName="MaskObject" ClassName="Simulink.Mask"><P Name="Type">Stateflow</P>'
+            "</Object>"
+        )
+    model = read(builder, layout)
+    assert len(model.blocks) == 50
+    assert by_name(model, "MATLAB Function").kind == "MATLAB Function"
+    assert [function.script for function in model.functions] == [JACOB_INV.format(50, 100, 100)]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("<eml>", "<state><eml>"),
+        ("<eml>", '<P Name="type">STATE_CHART</P><eml>'),
+        ("chart>", "nothing>"),
+    ],
+)
+def test_other_charts_of_old_files_are_no_functions(tmp_path, old, new):
+    builder = ModelBuilder()
+    function = builder.add_function("f", "function y = f(u)\ny = u;\n")
+    builder.blocks[function].parameters = {"MaskType": "Stateflow"}
+    parts = {
+        name: text.replace("<chart ", "<nothing ").replace("</chart>", "</nothing>")
+        if "nothing" in new
+        else text.replace(old, new).replace(
+            "</eml>", "</eml></state>" if "state>" in new else "</eml>"
+        )
+        for name, text in builder.parts().items()
+    }
+    model = read_model(write_parts(tmp_path / "m.slx", parts))
+    assert model.functions == ()
+    assert model.blocks[0].kind == "SubSystem"
 
 
 def test_all_inside_a_commented_subsystem_is_left_out(read):

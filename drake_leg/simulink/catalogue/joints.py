@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from drake_leg.simulink.catalogue.parameter import Parameters, choices, numbers, quantities
+from drake_leg.simulink.catalogue.parameter import (
+    Parameters,
+    also_named,
+    choices,
+    numbers,
+    quantities,
+    switches,
+    unbounded,
+)
 
 _MODES = choices(
     TorqueActuationMode="NoTorque",
@@ -20,51 +28,62 @@ _TARGETS = choices(
     VelocityTargetPriority="High",
 )
 _LIMITS = choices(LowerLimitSpecify="off", UpperLimitSpecify="off")
+_TORQUES = switches("SenseTorque", "SenseTotalTorque", "SenseActuatorTorque")
+_FORCES = switches("SenseForce", "SenseTotalForce", "SenseActuatorForce")
+_STOPS = {
+    "LowerLimitStiffness": "LowerLimitSpringStiffness",
+    "UpperLimitStiffness": "UpperLimitSpringStiffness",
+    "LowerLimitDamping": "LowerLimitDampingCoefficient",
+    "UpperLimitDamping": "UpperLimitDampingCoefficient",
+}
 
-TURNING = (
+TURNING = also_named(
     _MODES
+    + _TORQUES
     + _TARGETS
     + _LIMITS
     + quantities(
         "deg",
         PositionTargetValue="0",
         EquilibriumPosition="0",
-        LowerLimitBound="-90",
         LowerLimitTransitionRegionWidth="0.1",
-        UpperLimitBound="90",
         UpperLimitTransitionRegionWidth="0.1",
     )
+    + unbounded(quantities("deg", LowerLimitBound="-90", UpperLimitBound="90"))
     + quantities("deg/s", VelocityTargetValue="0")
     + quantities(
         "N*m/deg", SpringStiffness="0", LowerLimitStiffness="1e4", UpperLimitStiffness="1e4"
     )
     + quantities(
         "N*m/(deg/s)", DampingCoefficient="0", LowerLimitDamping="10", UpperLimitDamping="10"
-    )
+    ),
+    **_STOPS,
 )
 
-SLIDING = (
+SLIDING = also_named(
     _MODES
+    + _FORCES
     + _TARGETS
     + _LIMITS
     + quantities(
         "m",
         PositionTargetValue="0",
         EquilibriumPosition="0",
-        LowerLimitBound="-1",
         LowerLimitTransitionRegionWidth="1e-4",
-        UpperLimitBound="1",
         UpperLimitTransitionRegionWidth="1e-4",
     )
+    + unbounded(quantities("m", LowerLimitBound="-1", UpperLimitBound="1"))
     + quantities("m/s", VelocityTargetValue="0")
     + quantities("N/m", SpringStiffness="0", LowerLimitStiffness="1e6", UpperLimitStiffness="1e6")
     + quantities(
         "N/(m/s)", DampingCoefficient="0", LowerLimitDamping="1e3", UpperLimitDamping="1e3"
-    )
+    ),
+    **_STOPS,
 )
 
 BALL = (
     _MODES
+    + _TORQUES
     + _TARGETS
     + choices(
         PositionTargetRotationMethod="None",
@@ -100,7 +119,14 @@ _PRIMITIVES = {
 
 def _prefixed(prefix: str) -> Parameters:
     settings = _KINDS[prefix[0]]
-    return tuple(replace(setting, name=prefix + setting.name) for setting in settings)
+    return tuple(
+        replace(
+            setting,
+            name=prefix + setting.name,
+            aliases=tuple(prefix + alias for alias in setting.aliases),
+        )
+        for setting in settings
+    )
 
 
 JOINTS: dict[str, Parameters] = {

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from drake_leg.simulink.catalogue.joints import JOINTS
-from drake_leg.simulink.catalogue.parameter import Parameters, choices, numbers, quantities
+from drake_leg.simulink.catalogue.parameter import (
+    Parameters,
+    also_named,
+    choices,
+    numbers,
+    quantities,
+    switches,
+)
 
 _INERTIA = (
     quantities("kg", Mass="1")
@@ -36,21 +43,30 @@ _TRANSFORM = (
         TranslationStandardAxis="+Z",
     )
     + quantities("deg", RotationAngle="0", RotationSequenceAngles="[0 0 0]")
-    + numbers(
-        RotationArbitraryAxis="[0 0 1]",
-        RotationMatrix="[1 0 0; 0 1 0; 0 0 1]",
-        RotationQuaternion="[1 0 0 0]",
-    )
+    + numbers(RotationArbitraryAxis="[0 0 1]", RotationMatrix="[1 0 0; 0 1 0; 0 0 1]")
+    + also_named(numbers(RotationQuaternion="[1 0 0 0]"), RotationQuaternion="Quaternion")
     + quantities("m", TranslationStandardOffset="0", TranslationCartesianOffset="[0 0 0]")
     + quantities("m", TranslationCylindricalRadius="0", TranslationCylindricalZOffset="0")
     + quantities("deg", TranslationCylindricalTheta="0")
+)
+
+_AXES = ("X", "Y", "Z")
+_SENSED = switches(
+    *("SenseAngle", "SenseAxis", "SenseQ", "SenseR"),
+    *("SenseOmega", *(f"SenseOmega{axis}" for axis in _AXES)),
+    *(f"Sense{what}{axis}" for what in ("", "V", "A") for axis in (*_AXES, "XYZ")),
+    *("SenseDist", "SenseRadius", "SenseAzimuth", "SenseInclination"),
+)
+_SENSED = also_named(
+    _SENSED,
+    **{f"Sense{what}{axis}": f"Sense{what}{axis.lower()}" for what in "VA" for axis in _AXES},
 )
 
 _OTHERS: dict[str, Parameters] = {
     "World Frame": (),
     "Reference Frame": (),
     "Rigid Transform": _TRANSFORM,
-    "Transform Sensor": choices(MeasurementFrame="World"),
+    "Transform Sensor": choices(MeasurementFrame="World") + _SENSED,
     "Brick Solid": _BRICK + _SOLID,
     "Cylindrical Solid": _CYLINDER + _SOLID,
     "Spherical Solid": _SPHERE + _SOLID,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,6 +13,13 @@ class Parameter:
     default: str  # MATLAB text, in `unit`
     numeric: bool
     unit: str = ""  # default of the parameter that is named like this one plus "Units"
+    unbounded: bool = False  # whether it may be infinite, as a limit or a time may
+    aliases: tuple[str, ...] = ()  # other names that files have for it
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All its names, the one that is reported first."""
+        return (self.name, *self.aliases)
 
 
 Parameters = tuple[Parameter, ...]
@@ -37,4 +44,24 @@ def quantities(unit: str, **defaults: str) -> Parameters:
     return tuple(
         Parameter(name=name, default=text, numeric=True, unit=unit)
         for name, text in defaults.items()
+    )
+
+
+def unbounded(parameters: Parameters) -> Parameters:
+    """Return parameters that may be infinite."""
+    return tuple(replace(parameter, unbounded=True) for parameter in parameters)
+
+
+def switches(*names: str) -> Parameters:
+    """Return what is off until somebody switches it on."""
+    return choices(**dict.fromkeys(names, "off"))
+
+
+def also_named(parameters: Parameters, **aliases: str) -> Parameters:
+    """Return parameters that some files name otherwise: ``name="alias"``."""
+    return tuple(
+        replace(parameter, aliases=(aliases[parameter.name],))
+        if parameter.name in aliases
+        else parameter
+        for parameter in parameters
     )

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from drake_leg.simulink.catalogue.parameter import Parameters, choices, numbers
+from drake_leg.simulink.catalogue.parameter import Parameters, choices, numbers, unbounded
 
 BUILT_IN: dict[str, Parameters] = {
     # Sources
     "Sin": choices(SineType="Time based", TimeSource="Use simulation time")
     + numbers(Amplitude="1", Bias="0", Frequency="1", Phase="0", Samples="10", Offset="0"),
     "Constant": numbers(Value="1"),
-    "Step": numbers(Time="1", Before="0", After="1"),
+    "Step": unbounded(numbers(Time="1")) + numbers(Before="0", After="1"),
     "SignalGenerator": choices(WaveForm="sine", Units="rad/sec")
     + numbers(Amplitude="1", Frequency="1"),
     "DiscretePulseGenerator": choices(PulseType="Time based")
-    + numbers(Amplitude="1", Period="10", PulseWidth="5", PhaseDelay="0"),
+    + numbers(Amplitude="1", PulseWidth="5")
+    + unbounded(numbers(Period="10", PhaseDelay="0")),
     "RandomNumber": numbers(Mean="0", Variance="1", Seed="0"),
     "UniformRandomNumber": numbers(Minimum="-1", Maximum="1", Seed="0"),
     "FromWorkspace": choices(VariableName="simin"),
@@ -26,14 +27,10 @@ BUILT_IN: dict[str, Parameters] = {
         WrapState="off",
         ShowStatePort="off",
     )
-    + numbers(
-        InitialCondition="0",
-        UpperSaturationLimit="inf",
-        LowerSaturationLimit="-inf",
-        AbsoluteTolerance="auto",
-    ),
+    + numbers(InitialCondition="0", AbsoluteTolerance="auto")
+    + unbounded(numbers(UpperSaturationLimit="inf", LowerSaturationLimit="-inf")),
     "SecondOrderIntegrator": numbers(ICX="0.0", ICDXDT="0.0"),
-    "Derivative": numbers(CoefficientInTFapproximation="inf"),
+    "Derivative": unbounded(numbers(CoefficientInTFapproximation="inf")),
     "TransferFcn": numbers(Numerator="[1]", Denominator="[1 1]"),
     "ZeroPole": numbers(Zeros="[1]", Poles="[0 -1]", Gain="[1]"),
     "StateSpace": numbers(A="1", B="1", C="1", D="1"),
@@ -66,9 +63,9 @@ BUILT_IN: dict[str, Parameters] = {
     "ComplexToMagnitudeAngle": choices(Output="Magnitude and angle"),
     "ComplexToRealImag": choices(Output="Real and imag"),
     # Discontinuities
-    "Saturate": numbers(UpperLimit="0.5", LowerLimit="-0.5"),
-    "DeadZone": numbers(LowerValue="-0.5", UpperValue="0.5"),
-    "RateLimiter": numbers(RisingSlewLimit="1", FallingSlewLimit="-1"),
+    "Saturate": unbounded(numbers(UpperLimit="0.5", LowerLimit="-0.5")),
+    "DeadZone": unbounded(numbers(LowerValue="-0.5", UpperValue="0.5")),
+    "RateLimiter": unbounded(numbers(RisingSlewLimit="1", FallingSlewLimit="-1")),
     "Quantizer": numbers(QuantizationInterval="0.5"),
     "Backlash": numbers(BacklashWidth="1", InitialOutput="0"),
     "Relay": choices(OnSwitchValue="eps", OffSwitchValue="eps", OnOutputValue="1"),

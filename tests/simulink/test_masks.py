@@ -1,0 +1,208 @@
+"""Masked subsystems, in the three forms that files have."""
+
+import time
+
+import pytest
+from slx_writer import ModelBuilder, mask_text
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.markup import parse_markup
+from drake_leg.simulink.masks import read_mask
+from drake_leg.simulink.reader import read_model
+
+BRICK = "sm_lib/Body Elements/Brick Solid"
+FORMS = ("new", "R2013", "texts")
+
+
+def masked(builder, name, values, initialization="", *, form="new", system="", **attributes):
+    """Add a masked subsystem and return its SID."""
+    texts = {}
+    if form == "texts":
+        texts = {
+            "MaskVariables": "".join(f"{key}=@{at};" for at, key in enumerate(values, 1)),
+            "MaskValueString": "|".join(values.values()),
+            "MaskInitialization": initialization,
+        }
+    sid = builder.add_block("SubSystem", name, texts, system=system)
+    if form != "texts":
+        builder.blocks[sid].mask = mask_text(values, initialization, form=form, **attributes)
+    return sid
+
+
+@pytest.fixture
+def gain(tmp_path):
+    """Read the gain of the last block, which is ``K`` inside all subsystems."""
+
+    def _gain(builder, text, system, layout="new"):
+        builder.add_block("Gain", "K", {"Gain": text}, system=system)
+        return (
+            read_model(builder.write(tmp_path / "m.slx", layout=layout))
+            .blocks[-1]
+            .parameters["Gain"]
+        )
+
+    return _gain
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("layout", ["new", "old"])
+def test_blocks_inside_use_the_masks_names(tmp_path, form, layout):
+    builder = ModelBuilder()
+    for name, length in (("Coxa", "50"), ("Femur", "2*L0")):
+        values = {"L0": "50", "L": length} if name == "Coxa" else {"L": "100", "w": "[1 2]"}
+        link = masked(builder, name, values, form=form)
+        texts = {"BrickDimensions": "[L 1 1]", "BrickDimensionsUnits": "mm"}
+        builder.add_library(BRICK, f"Brick {name}", texts, system=link)
+    model = read_model(builder.write(tmp_path / "m.slx", layout=layout))
+    found = {block.name: block.parameters for block in model.blocks}
+    assert found["Brick Coxa"]["BrickDimensions"] == (0.05, 0.001, 0.001)
+    assert found["Brick Femur"]["BrickDimensions"] == (0.1, 0.001, 0.001)
+    assert (found["Coxa"]["L"], found["Femur"]["L"], found["Femur"]["w"]) == (50, 100, (1, 2))
+    assert [block.mask for block in model.blocks] == [("L0", "L"), (), ("L", "w"), ()]
+
+
+def test_masks_in_masks(gain):
+    builder = ModelBuilder()
+    outer = masked(builder, "Outer", {"L": "100", "r": "7"})
+    inner = masked(builder, "Inner", {"L": "L/4", "half": "r/2"}, system=outer)
+    plain = builder.add_block("SubSystem", "Plain", system=inner)
+    assert gain(builder, "[L half r]", plain) == (25.0, 3.5, 7.0)
+
+
+def test_a_masks_values_do_not_see_each_other(gain):
+    builder = ModelBuilder()
+    system = masked(builder, "S", {"L": "100", "h": "L/2"})
+    with pytest.raises(
+        InvalidValueError, match=r"mask parameter h of block 'S' .SID 1. is 'L/2': "
+    ):
+        gain(builder, "h", system)
+
+
+def test_names_end_with_their_subsystem(gain):
+    builder = ModelBuilder()
+    masked(builder, "S", {"L": "100"})
+    with pytest.raises(
+        InvalidValueError, match=r"'K' .SID 2.: parameter Gain is 'L', which cannot"
+    ):
+        gain(builder, "L", "")
+
+
+def test_a_masked_block_uses_its_own_names(tmp_path):
+    builder = ModelBuilder()
+    sid = builder.add_block("Gain", "K", {"Gain": "2*k"})
+    builder.blocks[sid].mask = mask_text({"k": "21"})
+    (block,) = read_model(builder.write(tmp_path / "m.slx")).blocks
+    assert (block.parameters["Gain"], block.parameters["k"]) == (42.0, 21.0)
+
+
+@pytest.mark.parametrize("text", ["[1;2;3]", "[1 2 3]'", "[1;2;3] % mm"])
+def test_a_column_stays_a_column(gain, text):
+    builder = ModelBuilder()
+    system = masked(builder, "S", {"v": text})
+    assert gain(builder, "v*v'", system) == ((1, 2, 3), (2, 4, 6), (3, 6, 9))
+
+
+@pytest.mark.parametrize(
+    ("values", "attributes", "text", "reason"),
+    [
+        (
+            {"L": "L0"},
+            {},
+            "L/2",
+            "mask parameter L of block 'S' .SID 1. is 'L0': 'L0' is no number",
+        ),
+        ({"L": ""}, {}, "L", "is '': the text is empty"),
+        ({"L": "9^9^9^9^9"}, {}, "L", "is '9.9.9.9.9', which is infinite"),
+        ({"L": "2"}, {"Type": "popup"}, "L", "is '2', which is a choice or a text, no number"),
+        ({"L": "2"}, {"Evaluate": "off"}, "L", "is '2', which is a choice or a text, no number"),
+        ({"pi": "rods"}, {}, "pi", "mask parameter pi of block 'S' .SID 1. is 'rods'"),
+    ],
+)
+@pytest.mark.parametrize("form", ["new", "R2013"])
+def test_what_a_mask_cannot_tell_is_said(gain, form, values, attributes, text, reason):
+    builder = ModelBuilder()
+    system = masked(builder, "S", values, form=form, **attributes)
+    with pytest.raises(
+        InvalidValueError, match=f"parameter Gain is .*cannot be evaluated.*{reason}"
+    ):
+        gain(builder, text, system)
+
+
+def test_an_unknown_value_that_nobody_uses_is_no_matter(tmp_path):
+    builder = ModelBuilder()
+    masked(builder, "Outer", {"L": "2"})
+    inner = masked(builder, "S", {"L": "L0", "file": "'leg.stl'"})
+    builder.add_block("Gain", "K", {"Gain": "3"}, system=inner)
+    model = read_model(builder.write(tmp_path / "m.slx"))
+    assert (model.blocks[1].parameters["L"], model.blocks[1].parameters["file"]) == (
+        "L0",
+        "'leg.stl'",
+    )
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_names_of_the_initialization_are_refused(gain, form):
+    builder = ModelBuilder()
+    outer = masked(builder, "Outer", {"L": "100"}, form=form)
+    system = masked(builder, "S", {"w": "1"}, "L = w/2;", form=form, system=outer)
+    with pytest.raises(
+        InvalidValueError,
+        match=r"'L' is set by the mask initialization of block 'S' .SID 2., which is not run here",
+    ):
+        gain(builder, "L", system)
+
+
+@pytest.mark.parametrize(
+    ("code", "computed"),
+    [
+        ("h = L/2;", {"h"}),
+        ("if L == 3, h=1; end\nw=2", {"h", "w"}),
+        ("[a, b] = size(L);", {"a", "b"}),
+        ("[a, ...\n b] = size(L);", {"a", "b"}),
+        ("% L = 3\nh = 2; % w = 3", {"h"}),
+        ("L(idx(1), 2) = 3", {"L", "idx"}),
+        ("s.L = 3", {"s"}),
+        ("disp(L), x = L >= 2 & L ~= 3", {"x"}),
+        ("sprintf('%d', L); k = 2", {"k"}),
+        ("eval('L=3')", {"eval", "L"}),
+        ("plot(1:L)", set()),
+    ],
+)
+def test_names_that_code_sets(code, computed):
+    block = parse_markup(b"<Block/>", "part")
+    assert read_mask(block, {"MaskInitialization": code}).computed == computed
+
+
+def test_texts_of_old_masks():
+    block = parse_markup(b"<Block/>", "part")
+    mask = read_mask(
+        block,
+        {
+            "MaskType": "Link",
+            "MaskVariables": "L=@1;name=&2;kind=@3;missing=@4;odd",
+            "MaskValueString": "100|leg|brick",
+            "MaskStyleString": "edit,edit,popup(brick|sphere),edit",
+        },
+    )
+    assert mask.type == "Link"
+    assert mask.values == {"L": "100", "name": "leg", "kind": "brick", "missing": ""}
+    assert mask.literal == {"name", "kind"}
+
+
+def test_a_thousand_masked_blocks_are_quick(tmp_path):
+    builder = ModelBuilder()
+    system = ""
+    for place in range(20):
+        system = masked(builder, f"S{place}", {f"a{place}": f"{place}", "L": "100"}, system=system)
+    for place in range(1000):
+        builder.add_block(
+            "Gain", f"K{place}", {"Gain": f"{place}*L + a{place % 20}"}, system=system
+        )
+    path = builder.write(tmp_path / "m.slx")
+    taken = []
+    for _ in range(3):
+        start = time.perf_counter()
+        model = read_model(path)
+        taken.append(time.perf_counter() - start)
+    assert model.blocks[-1].parameters["Gain"] == 999 * 100 + 19
+    assert min(taken) < 1.0
