@@ -22,7 +22,7 @@ def test_ci_calls_the_readmes_test_command():
     assert command in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
 
 
-@pytest.mark.parametrize("snippet", blocks("python"), ids=("run", "sdf"))
+@pytest.mark.parametrize("snippet", blocks("python"), ids=("sensor", "run", "sdf"))
 def test_a_snippet_runs(snippet):
     subprocess.run([sys.executable, "-W", "error", "-c", snippet], check=True, cwd=ROOT)
 
