@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from xml.sax.saxutils import escape
 
 from drake_leg.drawings.glyphs import draw_block
@@ -25,8 +25,11 @@ ARROW = 8.0  # [px]
 class Drawing:
     """An SVG document; a notebook shows it as a picture."""
 
-    svg: str
-    layouts: tuple[Layout, ...]
+    svg: str = field(repr=False)
+    layouts: tuple[Layout, ...] = field(repr=False)
+
+    def _repr_html_(self) -> str:
+        return self.svg
 
     def _repr_svg_(self) -> str:
         return self.svg

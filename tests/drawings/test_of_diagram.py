@@ -105,7 +105,8 @@ def test_the_drawing_is_one_svg_document_with_a_title(run_diagram):
     root = ET.fromstring(drawing.svg)
     assert root.find(f"{SVG}title").text == "A < B & C"
     assert "Mux to" in root.find(f"{SVG}desc").text
-    assert drawing._repr_svg_() == str(drawing) == drawing.svg
+    assert drawing._repr_html_() == drawing._repr_svg_() == str(drawing) == drawing.svg
+    assert len(repr(drawing)) < 100
     assert len(of_class(root, "wire")) == len(run_diagram("leg-b").connection_map())
     assert len(of_class(root, "block")) == len(run_diagram("leg-b").GetSystems())
 
