@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from drake_leg.cli.common import Commands
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
+from drake_leg.errors import InvalidValueError
 from drake_leg.robots import ROBOTS
 from drake_leg.runs.catalogue import RUNS
 
@@ -58,11 +60,11 @@ def add(commands: Commands) -> None:
 def _compare(chosen: argparse.Namespace) -> int:
     kind = kind_of(chosen.name)
     options = options_of(kind, chosen)
+    from drake_leg.simulink.listing import printable
     from drake_leg.simulink.reader import read_model
 
     model = read_model(chosen.model)
     from drake_leg.compare.compare import LiveModel, compare
-    from drake_leg.integrator import IntegratorSettings
 
     diagram, start = kind.diagram(options)
     root = diagram.CreateDefaultContext()
@@ -71,21 +73,22 @@ def _compare(chosen: argparse.Namespace) -> int:
         robot = robot_source(chosen.name).robot()
     else:
         robot = next(r for r in ROBOTS if diagram.HasSubsystemNamed(r.name))
-    found = compare(
-        model,
-        LiveModel(
-            diagram=diagram,
-            root=root,
-            robot=robot,
-            duration=options.duration,
-            scheme=options.integrator or IntegratorSettings().scheme,
-        ),
-        strict=chosen.strict,
+    live = LiveModel(
+        diagram=diagram,
+        root=root,
+        robot=robot,
+        duration=options.duration,
+        scheme=options.integrator,
     )
+    try:
+        found = compare(model, live, strict=chosen.strict)
+    except InvalidValueError as error:
+        raise InvalidValueError(f"{chosen.model}: {error}") from None
     if chosen.json:
-        print(json.dumps({"agrees": found.agrees, **found.as_json()}, indent=2))
+        lists = _plain({"agrees": found.agrees, **found.as_json()})
+        print(json.dumps(lists, indent=2, allow_nan=False))
     else:
-        print("\n".join(_lines(found, chosen)))
+        print("\n".join(map(printable, _lines(found, chosen))))
     return 0 if found.agrees else DIFFERENT
 
 
@@ -104,12 +107,24 @@ def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
             yield from (f"  {line(item)}" for item in items)
     yield ""
     if found.agrees:
-        yield "Every block and wire of the model has its counterpart, and the values agree."
+        but = f", but for the {len(found.tolerated)} above" if found.tolerated else ""
+        yield f"Every block and wire of the model has its counterpart, and the values agree{but}."
     else:
         yield (
             f"{len(found.missing)} missing, {len(found.different)} different: the diagram is not "
             "the model's."
         )
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever JSON can hold
+    """Write numbers that JSON has no form for as text."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return value
 
 
 def _place(item: dict[str, Any]) -> str:
@@ -131,14 +146,17 @@ def _missing(item: dict[str, Any]) -> str:
 
 
 def _different(item: dict[str, Any]) -> str:
-    unit = f" {item['unit']}" if item["unit"] else ""
-    ours, theirs = _value(item["simulink"]), _value(item["drake"])
-    return f"{_place(item)}: {item['parameter']} is {ours}{unit}, in Drake {theirs}{unit}"
+    ours, theirs = (_quantity(item[side], item["unit"]) for side in ("simulink", "drake"))
+    return f"{_place(item)}: {item['parameter']} is {ours}, in Drake {theirs}"
 
 
 def _extra(item: dict[str, Any]) -> str:
     kind = f" ({item['kind']})" if "kind" in item else ""
     return f"{item['what']} {item.get('name', _place(item).removeprefix('wire '))}{kind}"
+
+
+def _quantity(value: object, unit: str) -> str:
+    return _value(value) if isinstance(value, str) or not unit else f"{_value(value)} {unit}"
 
 
 def _value(value: object) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import typing
 from pathlib import Path
 from types import UnionType
@@ -106,7 +107,8 @@ def _number(key: str, value: object) -> float:
     """Take 1e-6 for the number that it is, though YAML 1.1 reads a text."""
     if isinstance(value, int | float | str) and not isinstance(value, bool):
         try:
-            return float(value)
+            if math.isfinite(number := float(value)):
+                return number
         except (ValueError, OverflowError):
             pass
-    raise ValueError(f"{key} is {value!r}; it must be a number")
+    raise ValueError(f"{key} is {value!r}; it must be a finite number")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram
@@ -36,6 +37,8 @@ from drake_leg.simulink.model import Model
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.joint_stops import JointStops
 from drake_leg.systems.prescribed_motion import PrescribedMotion
+
+MOST_TURNED = 6  # joints that are tried with their ends exchanged
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,13 +137,13 @@ def _aligned(flat: Model, drake: Mechanism) -> tuple[Network, Alignment]:
         return align(network.mechanism, drake, orientation=orientation)
 
     network = read_network(flat)
-    alignment = beside(network)
-    if network.turned:
-        drawn = read_network(flat, taken_as_drawn=network.turned)
-        other = beside(drawn)
-        if len(other.misses) + len(drawn.exchanged) < len(alignment.misses):
-            return drawn, other
-    return network, alignment
+    readings = [
+        read_network(flat, taken_as_drawn=exchanged)
+        for count in range(len(network.turned[:MOST_TURNED]) + 1)
+        for exchanged in combinations(network.turned[:MOST_TURNED], count)
+    ]
+    both = [(reading, beside(reading)) for reading in readings]
+    return min(both, key=lambda pair: 2 * len(pair[1].misses) + len(pair[0].exchanged))
 
 
 def _add_extra(signals: DiagramSignals, findings: Findings) -> None:

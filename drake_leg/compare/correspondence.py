@@ -16,6 +16,7 @@ from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 
 INVERSE_JACOBIAN = "inverse Jacobian"
+ANGLE_UNITS = (1.0, math.pi / 180.0, 2.0 * math.pi, math.pi / 30.0)  # deg, rev, rpm
 
 
 @dataclass
@@ -171,18 +172,36 @@ class Correspondence:
         Returns
         -------
         dict
-            Joint -> SID of its integrator, and the scalar that is integrated there.
+            Joint -> SID of its integrator, and what the joint's rate is because of it: the
+            scalar that is integrated there, times the factor behind the integrator.
         """
         found = {}
         for sid, joint in self.network.joints.items():
-            atoms = [atom for scalar in self.ours.motion(sid) or () for atom in scalar.terms]
-            for atom in atoms:
+            terms = [t for scalar in self.ours.motion(sid) or () for t in scalar.terms.items()]
+            for atom, factor in terms:
                 if atom.kind == "integral":
                     signal = self.ours.input(atom.of, 1) or ()
                     wide = signal * (atom.index + 1) if len(signal) == 1 else signal
-                    part = wide[atom.index] if atom.index < len(wide) else None
+                    part = wide[atom.index].scaled(factor) if atom.index < len(wide) else None
                     found[joint] = (atom.of, part)
         return found
+
+    def rate_unit(self) -> float:
+        """Value in rad/s of the unit in which the model's function gives joint rates.
+
+        Returns
+        -------
+        float
+            1 unless all rates are scaled by the same factor, and that is an angle's unit.
+        """
+        factors = [
+            factor
+            for _, scalar in self.integrated().values()
+            for atom, factor in (scalar.terms.items() if scalar else ())
+            if atom.kind == "function"
+        ]
+        common = len(factors) > 1 and all(close(factor, factors[0]) for factor in factors)
+        return next((u for u in ANGLE_UNITS if common and close(factors[0], u)), 1.0)
 
 
 def integral_roles(scalar: Scalar, joint: int) -> dict[Atom, Atom]:
@@ -222,7 +241,9 @@ def function_role(what: str, index: int = 0) -> Atom:
 
 
 def same_factors(ours: Scalar, live: Scalar) -> bool:
-    """Tell whether all atoms but the sines have the same factors.
+    """Tell whether all atoms but sines and integrals have the same factors.
+
+    A factor behind an integrator is one of the rate that it integrates.
 
     Parameters
     ----------
@@ -236,7 +257,7 @@ def same_factors(ours: Scalar, live: Scalar) -> bool:
     return all(
         close(factor, live.terms.get(atom, math.nan))
         for atom, factor in ours.terms.items()
-        if atom.kind != "sine"
+        if atom.kind not in ("sine", "integral")
     )
 
 

@@ -13,6 +13,7 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 POSTURES = 12
+DRAWS = 400
 SEED = 3
 WORST_CONDITION = 40.0  # of the Jacobian at the postures that are tried
 VELOCITY = 0.6  # in the function's unit, of the trials that tell rates from other outputs
@@ -70,24 +71,24 @@ class LiveInverse:
         return np.column_stack(columns)
 
     def postures(self) -> Array:
-        """Draw postures at which the Jacobian is far from singular.
+        """Draw postures at which the Jacobian is far from singular, as far as there are any.
 
         Returns
         -------
-        (POSTURES, n) ndarray
+        (at most POSTURES, n) ndarray
             [rad].
         """
         random = np.random.default_rng(SEED)
-        found: list[Array] = []
-        while len(found) < POSTURES:
-            q = random.uniform(-2.5, 2.5, self.size)
+        found: list[tuple[float, Array]] = []
+        for q in random.uniform(-2.5, 2.5, (DRAWS, self.size)):
             try:
-                inverse = self.inverse(q)
+                found.append((float(np.linalg.cond(self.inverse(q))), q))
             except DrakeLegError:
                 continue
-            if np.linalg.cond(inverse) < WORST_CONDITION:
-                found.append(q)
-        return np.array(found)
+            if sum(condition < WORST_CONDITION for condition, _ in found) == POSTURES:
+                break
+        best = sorted(found, key=lambda one: one[0])[:POSTURES]
+        return np.array([q for _, q in best])
 
 
 class FunctionProbe:

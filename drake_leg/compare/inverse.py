@@ -39,7 +39,12 @@ class Match:
 
 
 def match_function(
-    signals: SimulinkSignals, sid: str, block: InverseJacobian, commanded: dict[int, Scalar]
+    signals: SimulinkSignals,
+    sid: str,
+    block: InverseJacobian,
+    commanded: dict[int, Scalar],
+    *,
+    rate_unit: float = 1.0,
 ) -> Match:
     """Find out whether a MATLAB Function is the inverse Jacobian.
 
@@ -53,6 +58,8 @@ def match_function(
         The live one.
     commanded : dict
         Joint -> the scalar that is commanded to it, as the model writes it.
+    rate_unit : float
+        Value in rad/s of the unit of the function's rates.
 
     Returns
     -------
@@ -62,6 +69,8 @@ def match_function(
     live = LiveInverse(block)
     joints = {slot.joint for slot in probe.joints}
     postures = live.postures()
+    if len(postures) == 0:
+        return Match(findings=(("inverse", "not tried", "none at any posture that was tried"),))
     try:
         rates = probe.rates(postures) if joints and max(joints) <= live.size else []
         wanted = f"{live.size} joint positions and {live.size} velocities in, {live.size} rates out"
@@ -71,7 +80,7 @@ def match_function(
         )
         if has != wanted:
             return Match(findings=(("inputs and outputs", has, wanted),))
-        return _compared(probe, live, postures, rates, commanded)
+        return _compared(probe, live, postures, rates, commanded, rate_unit)
     except DrakeLegError as error:
         return Match(findings=(("code", str(error), "the inverse Jacobian"),))
 
@@ -82,33 +91,44 @@ def _compared(
     postures: Array,
     rates: list[Atom],
     commanded: dict[int, Scalar],
+    rate_unit: float,
 ) -> Match:
     J = np.array([np.linalg.inv(live.inverse(q)) for q in postures])
-    G = probe.matrices(postures, rates)
+    G = rate_unit * probe.matrices(postures, rates)
     findings: list[Finding] = []
     if not _constant(J @ G):
         for finding, slots in _other_wirings(probe.slots, live.size):
-            other = probe.wired(slots).matrices(postures, rates)
+            other = rate_unit * probe.wired(slots).matrices(postures, rates)
             if _constant(J @ other):
                 findings, G, probe = [finding], other, probe.wired(slots)
                 break
     P = J @ G
-    unit = _unit(P)
+    velocity: Signal = ()
+    ports: tuple[str, ...] = ()
+    units = _units(P)
     if _constant(P):
         mean = P.mean(axis=0)
         mean[np.abs(mean) < SAME * np.abs(mean).max()] = 0.0
     else:
-        mean = unit * np.eye(live.size)
-        findings += _entries(unit, G, J, postures)
+        mean = np.diag(units)
+        findings += _entries(units, G, J, postures)
+    if 2 * len(findings) <= J[0].size:
+        velocity = mixed(mean, tuple(slot.scalar for slot in probe.velocity))
+        straight = not np.any(mean - np.diag(np.diag(mean)))
+        ports = tuple(slot.port for slot in probe.velocity) if straight else ()
+    else:
+        findings = [("joint rates", "of another law", "those of the inverse Jacobian")]
     names = {atom: function_role("qdot", index) for index, atom in enumerate(rates)}
     for atom, values in probe.others(postures, rates).items():
-        if _is_determinant(values, G):
+        sign = _determinant_sign(values, G) or _determinant_sign(values, np.linalg.inv(J))
+        if sign:
             names[atom] = function_role("det J")
-    straight = not np.any(mean - np.diag(np.diag(mean)))
+        if sign < 0:
+            findings.append(("sign of the determinant", "negative", "positive"))
     return Match(
-        unit=unit,
-        velocity=mixed(mean, tuple(slot.scalar for slot in probe.velocity)),
-        ports=tuple(slot.port for slot in probe.velocity) if straight else (),
+        unit=float(units[0]),
+        velocity=velocity,
+        ports=ports,
         names=names,
         joints_from={
             slot.joint: "integrated" if slot.scalar == commanded.get(slot.joint) else "sensed"
@@ -145,34 +165,40 @@ def _other_wirings(slots: Slots, size: int) -> list[tuple[Finding, Slots]]:
     return found
 
 
-def _entries(unit: float, G: Array, J: Array, postures: Array) -> list[Finding]:
+def _entries(units: Array, G: Array, J: Array, postures: Array) -> list[Finding]:
     """Name the entries of the model's Jacobian that are not Drake's, each at its worst posture."""
     if not np.isfinite(G).all() or min(np.abs(np.linalg.det(G))) == 0.0:
         return [("joint rates", "singular or not finite", "regular")]
-    ours = unit * np.linalg.inv(G)
+    ours = units[:, np.newaxis] * np.linalg.inv(G)
     wrong = (np.abs(ours - J) > SAME * np.abs(J).max()).any(axis=0)
     findings: list[Finding] = []
     for row, column in np.argwhere(wrong):
         worst = int(np.argmax(np.abs(ours[:, row, column] - J[:, row, column])))
         posture = ", ".join(f"{angle:.6g}" for angle in postures[worst])
-        name = f"J({row + 1},{column + 1}) at q = ({posture}) rad [m/rad]"
+        name = f"J({row + 1},{column + 1}) at q = ({posture}) rad [SI]"
         findings.append((name, float(ours[worst, row, column]), float(J[worst, row, column])))
     return findings
 
 
-def _unit(P: Array) -> float:
-    """Find the length unit that the function works in; the likeliest one where P varies."""
-    scale = float(np.median(np.abs(P).max(axis=(1, 2))))
-    if not np.isfinite(scale) or scale == 0.0:
-        return 1.0
-    if _constant(P):
-        return next((unit for unit in LENGTH_UNITS if close(round(scale / unit, 7), 1.0)), scale)
-    diagonal = float(np.median(np.abs(np.diagonal(P, axis1=1, axis2=2))))
-    return min(LENGTH_UNITS, key=lambda unit: abs(np.log(max(diagonal, 1e-300) / unit)))
+def _units(P: Array) -> Array:
+    """Find the unit of each part of the velocity; the likeliest one where P varies."""
+    count = P.shape[1]
+    if not np.isfinite(P).all() or P.shape[2] != count:
+        return np.ones(count)
+    found = []
+    for row in range(count):
+        size = float(np.median(np.abs(P[:, row, :]).max(axis=1)))
+        exact = (unit for unit in LENGTH_UNITS if size and close(round(size / unit, 7), 1.0))
+        diagonal = max(float(np.median(np.abs(P[:, row, row]))), 1e-300)
+        distance = {unit: abs(np.log(diagonal / unit)) for unit in LENGTH_UNITS}
+        nearest = min(distance, key=distance.__getitem__)
+        found.append(next(exact, size if _constant(P) else nearest))
+    return np.array(found)
 
 
-def _is_determinant(values: Array, G: Array) -> bool:
-    """Tell whether an output is the determinant of the function's own Jacobian, in its unit."""
-    ratio = values * np.linalg.det(G)
-    positive = bool(np.isfinite(ratio).all() and ratio[0] > 0.0)
-    return positive and bool(np.ptp(ratio) <= SAME * ratio[0])
+def _determinant_sign(values: Array, inverse: Array) -> int:
+    """Tell whether values are a determinant in some unit: 1, or -1 with the other sign; else 0."""
+    ratio = values * np.linalg.det(inverse)
+    if not np.isfinite(ratio).all() or ratio[0] == 0.0:
+        return 0
+    return int(np.sign(ratio[0])) * bool(np.ptp(ratio) <= SAME * abs(ratio[0]))

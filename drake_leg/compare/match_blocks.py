@@ -7,7 +7,7 @@ import math
 from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_leg.compare.correspondence import Correspondence
-from drake_leg.compare.signals import Scalar, close
+from drake_leg.compare.signals import CLOSE, Scalar, close
 from drake_leg.compare.simulink_signals import SINKS, unit_factor
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block
@@ -15,16 +15,16 @@ from drake_leg.simulink.units import parse_unit
 
 UNCONNECTED = "an output that stays unconnected"
 SCALES = (1.0, 1e2, 1e3, 180.0 / math.pi, 30.0 / math.pi)  # units of what a scope shows
-UNITS = {  # of what is sensed; a joint may turn or slide
+UNITS = {  # of what is sensed: where a joint turns, where it slides
     ("sensed", "position"): ("rad", "m"),
     ("sensed", "velocity"): ("rad/s", "m/s"),
     ("sensed", "acceleration"): ("rad/s^2", "m/s^2"),
     ("sensed", "torque"): ("N*m", "N"),
-    ("foot", "position"): ("m",),
-    ("foot", "velocity"): ("m/s",),
-    ("foot", "acceleration"): ("m/s^2",),
-    ("foot", "angular velocity"): ("rad/s",),
-    ("foot", "quaternion"): ("1",),
+    ("foot", "position"): ("m", ""),
+    ("foot", "velocity"): ("m/s", ""),
+    ("foot", "acceleration"): ("m/s^2", ""),
+    ("foot", "angular velocity"): ("rad/s", ""),
+    ("foot", "quaternion"): ("1", ""),
 }
 LIKELY = {  # what the live block's name begins with, where several carry the signal
     "Mux": "Mux",
@@ -58,22 +58,30 @@ def check_units(c: Correspondence) -> None:
     c : Correspondence
         With all roles.
     """
+    for sid, joint in c.network.joints.items():
+        converter = c.ours.converter(sid)
+        if converter is not None:
+            _check_unit(c, converter, c.unit_of(joint))
     for block in c.model.blocks:
-        unit = str(block.parameters.get("Unit", "1"))
-        if block.kind != "PS-Simulink Converter" or unit in ("1", "inherit", ""):
-            continue
-        for scalar in c.ours.output(f"{block.sid}#out:1"):
-            for atom in scalar.terms:
-                wanted = UNITS.get((atom.kind, atom.what))
-                if wanted and not _measures(unit, wanted):
-                    c.findings.differ(block.sid, block.name, "Unit", unit, " or ".join(wanted))
+        if block.kind == "PS-Simulink Converter":
+            for scalar in c.ours.output(f"{block.sid}#out:1"):
+                for atom in scalar.terms:
+                    if (atom.kind, atom.what) in UNITS:
+                        turning, sliding = UNITS[atom.kind, atom.what]
+                        slides = atom.kind == "sensed" and c.unit_of(int(atom.of)) == "m"
+                        _check_unit(c, block, sliding if slides else turning)
 
 
-def _measures(unit: str, wanted: tuple[str, ...]) -> bool:
+def _check_unit(c: Correspondence, block: Block, wanted: str) -> None:
+    unit = str(block.parameters.get("Unit", "1"))
+    if unit in ("1", "inherit", ""):
+        return
     try:
-        return any(parse_unit(unit).is_like(parse_unit(one)) for one in wanted)
+        fits = parse_unit(unit).is_like(parse_unit(wanted))
     except InvalidValueError:
-        return False
+        fits = False
+    if not fits:
+        c.findings.differ(block.sid, block.name, "Unit", unit, wanted)
 
 
 def match_sinks(c: Correspondence) -> None:
@@ -120,6 +128,9 @@ def _carriers_of(c: Correspondence, scalar: Scalar) -> list[str]:
 
 
 def _match_sink(c: Correspondence, block: Block, logged: list[tuple[Scalar, str]]) -> None:
+    if not any(wire.target.startswith(f"{block.sid}#") for wire in c.model.wires):
+        c.findings.match(block, "nothing: it shows nothing")
+        return
     scopes: list[str] = []
     for wire in c.model.wires:
         if wire.target.partition("#")[0] != block.sid:
@@ -152,5 +163,8 @@ def _check_scale(c: Correspondence, block: Block, ours: Scalar, live: Scalar) ->
     unit = math.prod(unit_factor(b) for b in converters if b.sid in ours.origins)
     for atom, factor in ours.terms.items():
         ratio = factor * unit / live.terms[atom]
+        offset = ours.constant * unit - ratio * live.constant
+        if abs(offset) > CLOSE * abs(ratio):
+            c.findings.differ(block.sid, block.name, f"offset of {atom}", offset, 0.0)
         if not any(close(ratio, unit) or close(ratio, 1.0 / unit) for unit in SCALES):
             c.findings.differ(block.sid, block.name, f"factor of {atom}", ratio, 1.0)

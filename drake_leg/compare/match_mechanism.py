@@ -24,6 +24,7 @@ UNITS = {
     "LowerLimitTransitionRegionWidth": ("rad", "m"),
     "UpperLimitTransitionRegionWidth": ("rad", "m"),
 }
+DEFAULTS = {"JointMode": "Normal"}
 LEADS_TO = {"solid": "centre of body", "joint": "frame of joint", "foot": "frame"}
 
 
@@ -83,6 +84,13 @@ def match_mechanism(
         findings.miss(blocks[sid], why)
 
 
+def _targets(ours: Joint, theirs: Joint, name: str) -> bool:
+    """Tell whether a state target counts: one of low priority gives way to a motion."""
+    driven = theirs.parameters["MotionActuationMode"] == "InputMotion"
+    priority = f"{name.removesuffix('Value')}Priority"
+    return not driven or (name in ours.parameters and ours.priorities.get(priority) == "High")
+
+
 def _match_joints(
     simulink: tuple[Joint, ...],
     drake: tuple[Joint, ...],
@@ -99,9 +107,9 @@ def _match_joints(
         checked = [findings.check(block, "type", ours.type, theirs.type)]
         names = [*ours.parameters, *(n for n in theirs.parameters if n not in ours.parameters)]
         for name in names:
-            if name.endswith("TargetValue") and name not in theirs.parameters:
-                continue  # a joint that follows a motion starts on it
-            default: float | str = "none" if "Limit" in name else 0.0
+            if name.endswith("TargetValue") and not _targets(ours, theirs, name):
+                continue
+            default: float | str = DEFAULTS.get(name, "none" if "Limit" in name else 0.0)
             checked.append(
                 findings.check(
                     block,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydrake.systems.primitives import Integrator
+from pydrake.systems.primitives import ConstantVectorSource, Integrator
 
 from drake_leg.compare.block_laws import number
 from drake_leg.compare.comparison import Item
@@ -41,6 +41,7 @@ def match_motions(c: Correspondence) -> None:
             continue
         if joint <= len(commanded):
             _compare_motion(c, converter, joint, c.role(signal)[0], commanded[joint - 1])
+            _match_constants(c, signal[0], commanded[joint - 1])
         sources = [w.source for w in c.live.wires if w.target == motion and w.input == "q"]
         c.stands_for(
             converter.sid,
@@ -63,7 +64,7 @@ def match_integrators(c: Correspondence) -> None:
         if joint not in live:
             continue
         name, theirs = live[joint]
-        mine = None if scalar is None else scalar.renamed(c.names)
+        mine = None if scalar is None else scalar.renamed(c.names).scaled(1.0 / c.rate_unit())
         c.stands_for(sid, [name])
         _check_integrator(c, c.block(sid))
         if mine is None or mine.shape != theirs.shape or not same_factors(mine, theirs):
@@ -94,6 +95,14 @@ def _compare_motion(
             live.constant,
             unit=c.unit_of(joint),
         )
+
+
+def _match_constants(c: Correspondence, ours: Scalar, live: Scalar) -> None:
+    """Name the counterpart of a joint that is held still by a constant."""
+    names = [name for name in c.live.of_type(ConstantVectorSource) if name in live.origins]
+    if names and not live.terms:
+        for block in c.origins(ours, "Constant"):
+            c.stands_for(block.sid, names)
 
 
 def _compare_derivatives(c: Correspondence, sid: str, joint: int) -> None:

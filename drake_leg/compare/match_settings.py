@@ -58,6 +58,15 @@ def match_sensor(
         for bodies in (network.mechanism.bodies, drake.bodies)
     )
     findings.check(block, "link that is sensed, counted from the base", float(ours), float(theirs))
+    seen_from = str(block.parameters.get("MeasurementFrame", "World"))
+    if block.kind == "Transform Sensor" and seen_from not in ("World", "Base"):
+        findings.differ(block.sid, block.name, "MeasurementFrame", seen_from, "World")
+    for name, value in block.parameters.items():
+        acts = any(name.endswith(what) for what in ("SpringStiffness", "DampingCoefficient"))
+        if acts and "Limit" not in name and any(vector(value)):
+            findings.differ(block.sid, block.name, name, value, 0.0)
+        if name.endswith("ActuationMode") and str(value).startswith("Input"):
+            findings.differ(block.sid, block.name, name, value, "none")
     findings.match(block, repr(names[0]))
 
 
@@ -93,9 +102,15 @@ def match_settings(
             findings.match(block, "a frame of the plant")
         elif block.kind == "Mechanism Configuration":
             has_gravity = True
-            uniform = block.parameters.get("UniformGravity", "Constant") == "Constant"
-            gravity = vector(block.parameters.get("GravityVector")) if uniform else (0.0, 0.0, 0.0)
-            checked = findings.check(block, "GravityVector", gravity, drake.gravity, unit="m/s^2")
+            uniform = str(block.parameters.get("UniformGravity", "Constant"))
+            if uniform == "TimeVarying":
+                checked = findings.check(block, "UniformGravity", uniform, "Constant")
+            else:
+                value = vector(block.parameters.get("GravityVector"))
+                gravity = (0.0, 0.0, 0.0) if uniform == "None" else value
+                checked = findings.check(
+                    block, "GravityVector", gravity, drake.gravity, unit="m/s^2"
+                )
             findings.match(block, f"gravity of {plant!r}", parameters=[checked])
         elif block.kind == "Solver Configuration":
             has_solver = True
@@ -106,14 +121,17 @@ def match_settings(
     if not has_solver:
         findings.comparison.extra.append({"what": "solver", "name": scheme})
     stop = model.solver.get("StopTime")
-    if isinstance(stop, float) and not np.isclose(stop, duration, rtol=1e-12, atol=0.0):
+    if not isinstance(stop, float) or not np.isclose(stop, duration, rtol=1e-12, atol=0.0):
         findings.differ("", "(solver)", "StopTime", stop, duration, unit="s")
+    begin = model.solver.get("StartTime", 0.0)
+    if begin != 0.0:
+        findings.differ("", "(solver)", "StartTime", begin, 0.0, unit="s")
     times = {"parameter": "StopTime", "simulink": stop, "drake": duration, "unit": "s"}
     findings.comparison.matched.append(
         {
             "what": "solver",
             "name": str(model.solver.get("Solver", "")),
-            "counterpart": f"integrator {scheme}, steps chosen beforehand",
+            "counterpart": f"integrator {scheme}",
             "parameters": [times],
         }
     )
@@ -174,7 +192,9 @@ def match_nodes(flat: Model, network: Network, plant: MultibodyPlant, findings: 
     for index, node in enumerate(flat.nodes):
         item = {"what": "node", "ports": list(node)}
         if index not in network.frames:
-            counterpart = "a signal of a joint or a sensor"
+            sids = {port.partition("#")[0] for port in node}
+            lost = sids & {str(item.get("sid")) for item in findings.comparison.missing}
+            counterpart = "nothing" if lost == sids else "a signal of a joint or a sensor"
         else:
             body, X = network.frames[index]
             near = [

@@ -39,6 +39,10 @@ def match_solid(ours: Place, theirs: Place, gauge: Array, block: Block, findings
                     block, "MomentsOfInertia", mine.moments, drake.moments, unit="kg*m^2"
                 )
             )
+        if any(mine.offsets):
+            name = "CenterOfMass and ProductsOfInertia"
+            zero = (0.0,) * len(mine.offsets)
+            checked.append(findings.check(block, name, mine.offsets, zero))
     elif drake.density is not None:
         checked.append(findings.check(block, "Density", mine.density, drake.density, unit="kg/m^3"))
     if mine.kind == "other":

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.primitives import ConstantVectorSource, Sine
 
 from drake_leg.compare.block_laws import number
 from drake_leg.compare.comparison import Item
-from drake_leg.compare.correspondence import Correspondence, function_role
+from drake_leg.compare.correspondence import Correspondence, function_role, same_factors
 from drake_leg.compare.inverse import Match, match_function
 from drake_leg.compare.signals import Atom, Scalar, close
 from drake_leg.simulink.model import Block
@@ -15,6 +16,7 @@ from drake_leg.systems.inverse_jacobian import InverseJacobian
 SINE = (("Frequency", "rad/s"), ("Phase", "rad"), ("Amplitude", "m/s"))
 TIMED = {"SineType": "Time based", "TimeSource": "Use simulation time"}
 STILL = ("Constant", "Ground")
+WAVES = ("Sin", "SignalGenerator")
 
 
 def match_inverse_jacobian(c: Correspondence) -> None:
@@ -29,7 +31,9 @@ def match_inverse_jacobian(c: Correspondence) -> None:
     sid = _function(c)
     if sid is None or name is None:
         return
-    found = match_function(c.ours, sid, c.live.systems[name], _commanded(c))
+    found = match_function(
+        c.ours, sid, c.live.systems[name], _commanded(c), rate_unit=c.rate_unit()
+    )
     c.names |= found.names
     for parameter, ours, live in found.findings:
         c.findings.differ(sid, c.block(sid).name, parameter, ours, live)
@@ -74,11 +78,13 @@ def _compare_positions(c: Correspondence, sid: str, name: str, joints_from: dict
 
 def _compare_velocity(c: Correspondence, sid: str, name: str, found: Match) -> None:
     live = c.live_role(c.live.input(name, "v"))
-    for axis, mine, theirs in zip("xyz", found.velocity, live, strict=False):
+    axes = ("x", "y", "yaw") if c.live.of_type(MultibodyPlant) == ["scara"] else ("x", "y", "z")
+    for index, (axis, mine, theirs) in enumerate(zip(axes, found.velocity, live, strict=False)):
+        unit = "rad/s" if axis == "yaw" else "m/s"
         _match_sources(c, mine, theirs)
-        if mine.shape != theirs.shape:
-            port = found.ports["xyz".index(axis)] if found.ports else f"{sid}#in:1"
-            c.differs(port, f"wanted velocity {axis} [m/s]", mine, theirs)
+        port = found.ports[index] if found.ports else f"{sid}#in:1"
+        if mine.shape != theirs.shape or not same_factors(mine, theirs):
+            c.differs(port, f"wanted velocity {axis} [{unit}]", mine, theirs)
             continue
         if not close(mine.constant, theirs.constant):
             block = _setting(c, mine) or c.block(sid)
@@ -88,17 +94,18 @@ def _compare_velocity(c: Correspondence, sid: str, name: str, found: Match) -> N
                 f"constant velocity {axis}",
                 mine.constant,
                 theirs.constant,
-                unit="m/s",
+                unit=unit,
             )
-        _compare_sines(c, mine, theirs)
+        _compare_sines(c, port, mine, theirs)
 
 
 def _match_sources(c: Correspondence, ours: Scalar, live: Scalar) -> None:
     """Name the sources that a component comes from on both sides."""
-    for types, kind in ((("Sin",), Sine), (STILL, ConstantVectorSource)):
+    for types, kind in ((WAVES, Sine), (STILL, ConstantVectorSource)):
         names = [n for n in c.live.of_type(kind) if n in live.origins]
+        names = names or ([] if kind is Sine else sorted(live.origins))
         for block in c.origins(ours, *types):
-            if names and types == ("Sin",):
+            if names and kind is Sine:
                 c.stands_for(block.sid, names, parameters=_numbers(c, block, ours, live))
             elif names:
                 c.stands_for(block.sid, names)
@@ -126,7 +133,7 @@ def _match_other_sources(c: Correspondence, sid: str) -> None:
         for scalar in c.ours.input(sid, place + 1) or ():
             if any(atom.kind in ("integral", "sensed") for atom in scalar.terms):
                 continue
-            for types, kind in ((("Sin",), Sine), (STILL, ConstantVectorSource)):
+            for types, kind in ((WAVES, Sine), (STILL, ConstantVectorSource)):
                 for block in c.origins(scalar, *types):
                     if block.sid not in c.findings.seen and c.live.of_type(kind):
                         c.stands_for(block.sid, c.live.of_type(kind))
@@ -136,12 +143,13 @@ def _setting(c: Correspondence, scalar: Scalar) -> Block | None:
     """Find the block that sets a constant part: a constant that is not zero, or a sine's bias."""
     constants = c.origins(scalar, *STILL)
     moving = [block for block in constants if number(block.parameters.get("Value")) != 0.0]
-    biased = [b for b in c.origins(scalar, "Sin") if number(b.parameters.get("Bias")) != 0.0]
-    return next(iter([*moving, *biased, *constants, *c.origins(scalar, "Sin")]), None)
+    biased = [b for b in c.origins(scalar, *WAVES) if number(b.parameters.get("Bias")) != 0.0]
+    return next(iter([*moving, *biased, *constants, *c.origins(scalar, *WAVES)]), None)
 
 
-def _compare_sines(c: Correspondence, ours: Scalar, live: Scalar) -> None:
+def _compare_sines(c: Correspondence, port: str, ours: Scalar, live: Scalar) -> None:
     if len(ours.sines) != len(live.sines):
+        c.differs(port, "wanted velocity", ours, live)
         return
     atoms = sorted((a for a in ours.terms if a.kind == "sine"), key=lambda a: a.numbers)
     for atom, mine, theirs in zip(atoms, ours.sines, live.sines, strict=True):
@@ -155,13 +163,16 @@ def _compare_sines(c: Correspondence, ours: Scalar, live: Scalar) -> None:
 def _check_sine(c: Correspondence, block: Block) -> None:
     for name, plain in TIMED.items():
         c.findings.check(block, name, str(block.parameters.get(name, plain)), plain)
+    held = str(block.parameters.get("SampleTime", "0")).strip()
+    if held not in ("0", "-1", "0.0", "[0 0]"):
+        c.findings.differ(block.sid, block.name, "SampleTime", held, "0")
 
 
 def _blocks_of(c: Correspondence, atom: Atom, scalar: Scalar) -> list[Block]:
     """Find the Sine Waves that a term of a signal comes from."""
     return [
         block
-        for block in c.origins(scalar, "Sin")
+        for block in c.origins(scalar, *WAVES)
         if any(atom in one.terms for one in c.ours.output(f"{block.sid}#out:1"))
     ]
 

@@ -34,6 +34,7 @@ class Shape:
     density: float | None  # [kg/m^3]; None where the mass is said outright
     mass: float  # [kg]
     moments: tuple[float, ...] = ()  # [kg*m^2], said outright or of the plant's body
+    offsets: tuple[float, ...] = ()  # centre of mass [m] and products said outright; zero here
     colour: tuple[float, ...] = ()
 
 
@@ -59,6 +60,7 @@ class Joint:
     type: str  # "revolute", "prismatic"
     sid: str = ""
     parameters: dict[str, Parameter] = field(default_factory=dict)  # SI
+    priorities: dict[str, str] = field(default_factory=dict)  # of the state targets
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,19 +70,3 @@ class Mechanism:
     gravity: tuple[float, ...]  # [m/s^2], in the world
     joints: tuple[Joint, ...]
     bodies: tuple[tuple[Place, ...], ...]  # one more than joints: the world's places come first
-
-    def place(self, body: int, role: str) -> Place | None:
-        """Find a body's place by its role.
-
-        Parameters
-        ----------
-        body : int
-            0 is the world, i the body that joint i carries.
-        role : str
-            "joint" or "foot".
-
-        Returns
-        -------
-        Place or None
-        """
-        return next((place for place in self.bodies[body] if place.role == role), None)

@@ -155,9 +155,8 @@ def _parameters(
     }
     if stiffness:
         found["EquilibriumPosition"] = equilibrium
-    if not driven:
-        found["PositionTargetValue"] = float(joint.GetOnePosition(state))
-        found["VelocityTargetValue"] = float(joint.GetOneVelocity(state))
+    found["PositionTargetValue"] = float(joint.GetOnePosition(state))
+    found["VelocityTargetValue"] = float(joint.GetOneVelocity(state))
     for side, limit in (
         ("Lower", joint.position_lower_limit()),
         ("Upper", joint.position_upper_limit()),

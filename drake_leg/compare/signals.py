@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 CLOSE = 1e-9  # relative, of numbers that count as equal
+NOTHING = 1e-15  # what rounding leaves of a zero
 PHASE_ROUNDING = 1e-12  # [half turns, rad]
 
 
@@ -75,11 +76,6 @@ class Scalar:
     def shape(self) -> frozenset[Atom]:
         """The atoms without their numbers: what the signal is made of."""
         return frozenset(Atom(kind="sine") if atom.kind == "sine" else atom for atom in self.terms)
-
-    @property
-    def amplitude(self) -> float:
-        """Amplitude of its sines together, where they share frequency and phase."""
-        return math.fsum(factor for atom, factor in self.terms.items() if atom.kind == "sine")
 
     def renamed(self, names: Mapping[Atom, Atom]) -> Scalar:
         """Replace atoms by others.
@@ -230,7 +226,7 @@ def close(a: float, b: float) -> bool:
     -------
     bool
     """
-    return bool(math.isclose(a, b, rel_tol=CLOSE, abs_tol=CLOSE * 1e-3) or a == b)
+    return bool(math.isclose(a, b, rel_tol=CLOSE, abs_tol=NOTHING) or a == b)
 
 
 def mixed(matrix: np.ndarray, signal: Signal) -> Signal:

@@ -12,6 +12,7 @@ import numpy as np
 from drake_leg.compare.block_laws import number, vector
 from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape, Step
 from drake_leg.compare.poses import about, inverse, rigid_transform
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block, Model
 
@@ -108,6 +109,10 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
             sid=block.sid,
             type=MOVING[block.kind],
             parameters=_joint_parameters(block),
+            priorities={
+                name: str(block.parameters.get(name, "High"))
+                for name in ("PositionTargetPriority", "VelocityTargetPriority")
+            },
         )
         joints.append(joint)
         if turned:
@@ -125,7 +130,7 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
     _add_solids(walk, places)
     sensor, sensor_turned = _add_sensor(walk, sensors, places)
     mechanism = Mechanism(
-        gravity=_gravity(model),
+        gravity=(),
         joints=tuple(joints),
         bodies=tuple(tuple(body) for body in places),
     )
@@ -245,15 +250,6 @@ def _add_sensor(
     return block.sid, turned
 
 
-def _gravity(model: Model) -> tuple[float, ...]:
-    for block in model.blocks:
-        if block.kind == "Mechanism Configuration":
-            if block.parameters.get("UniformGravity", "Constant") == "None":
-                return (0.0, 0.0, 0.0)
-            return vector(block.parameters.get("GravityVector"))
-    return (0.0, 0.0, 0.0)
-
-
 def on(block: Block, name: str) -> bool:
     """Tell whether a switch of a block is on.
 
@@ -274,25 +270,48 @@ def on(block: Block, name: str) -> bool:
 def _joint_parameters(block: Block) -> dict[str, Parameter]:
     """Collect what acts at a joint, under the file's names, in SI."""
     get = block.parameters.get
-    found: dict[str, Parameter] = {
+    mode = str(get("JointMode", "Normal"))
+    found: dict[str, Parameter] = {} if mode == "Normal" else {"JointMode": mode}
+    found |= {
         "MotionActuationMode": str(get("MotionActuationMode", "ComputedMotion")),
-        "TorqueActuationMode": str(
-            get("TorqueActuationMode", get("ForceActuationMode", "NoTorque"))
-        ),
-        "SpringStiffness": number(get("SpringStiffness")),
-        "DampingCoefficient": number(get("DampingCoefficient")),
+        "TorqueActuationMode": _actuation(block),
+        "SpringStiffness": _scalar(block, "SpringStiffness"),
+        "DampingCoefficient": _scalar(block, "DampingCoefficient"),
     }
     if found["SpringStiffness"]:
-        found["EquilibriumPosition"] = number(get("EquilibriumPosition"))
+        found["EquilibriumPosition"] = _scalar(block, "EquilibriumPosition")
     for side in ("Lower", "Upper"):
         if on(block, f"{side}LimitSpecify"):
             for what in ("Bound", "Stiffness", "Damping", "TransitionRegionWidth"):
                 if f"{side}Limit{what}" in block.parameters:
-                    found[f"{side}Limit{what}"] = number(get(f"{side}Limit{what}"))
+                    found[f"{side}Limit{what}"] = _scalar(block, f"{side}Limit{what}")
     for what in ("Position", "Velocity"):
         if on(block, f"{what}TargetSpecify"):
-            found[f"{what}TargetValue"] = number(get(f"{what}TargetValue"))
+            found[f"{what}TargetValue"] = _scalar(block, f"{what}TargetValue")
     return found
+
+
+def _scalar(block: Block, name: str) -> float:
+    numbers = vector(block.parameters.get(name, 0.0))
+    if len(numbers) != 1:
+        raise _senseless(block, name, "one number")
+    return numbers[0]
+
+
+def _senseless(block: Block, name: str, wanted: str) -> InvalidValueError:
+    return InvalidValueError(
+        f"the block {block.name!r} (SID {block.sid}) has {name} {block.parameters.get(name)!r}; "
+        f"it must be {wanted}"
+    )
+
+
+def _actuation(block: Block) -> str:
+    """Return how a joint is actuated, in a turning joint's words."""
+    modes = [
+        str(block.parameters.get(f"{what}ActuationMode", "")).replace("Force", "Torque")
+        for what in ("Torque", "Force")
+    ]
+    return next((mode for mode in modes if mode not in ("", "NoTorque")), "NoTorque")
 
 
 def _shape(block: Block) -> Shape:
@@ -304,8 +323,11 @@ def _shape(block: Block) -> Shape:
     size: tuple[float, ...] = ()
     volume = 0.0
     moments: tuple[float, ...]
+    said: tuple[float, ...]
     if kind == "brick":
         size = vector(get("BrickDimensions"))
+        if len(size) != 3:
+            raise _senseless(block, "BrickDimensions", "three numbers")
         volume = math.prod(size)
     elif kind == "cylinder":
         radius, length = number(get("CylinderRadius")), number(get("CylinderLength"))
@@ -316,14 +338,22 @@ def _shape(block: Block) -> Shape:
         size = (radius,)
         volume = 4.0 / 3.0 * math.pi * radius**3
     density: float | None = number(get("Density"))
-    mass, moments = number(get("Density")) * volume, ()
+    mass, moments, said = number(get("Density")) * volume, (), ()
     if block.kind == "Inertia" or get("InertiaType") not in (None, "CalculateFromGeometry"):
         density, mass = None, number(get("Mass"))
-        if get("InertiaType") == "Custom":
-            moments = vector(get("MomentsOfInertia"))
+        custom = get("InertiaType") == "Custom"
+        moments = vector(get("MomentsOfInertia")) if custom else (0.0, 0.0, 0.0)
+        centre, products = vector(get("CenterOfMass")), vector(get("ProductsOfInertia"))
+        said = tuple(centre) + (tuple(products) if custom else ())
     elif get("BasedOnType") == "Mass":
         density, mass = None, number(get("Mass"))
     colour = vector(get("GraphicDiffuseColor"))
     return Shape(
-        kind=kind, size=size, density=density, mass=mass, moments=moments, colour=colour[:3]
+        kind=kind,
+        size=size,
+        density=density,
+        mass=mass,
+        moments=moments,
+        offsets=said,
+        colour=colour[:3],
     )

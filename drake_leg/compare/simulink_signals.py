@@ -15,6 +15,7 @@ from drake_leg.simulink.units import parse_unit
 
 INTEGRATORS = ("Integrator", "DiscreteIntegrator")
 SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "Outport", "XY Graph", "Record")
+MOST_INPUTS = 10_000  # of a Mux
 SIZES_TRIED = 4  # rounds until the sizes of integrators in a loop agree
 
 
@@ -42,11 +43,15 @@ class SimulinkSignals:
         self.programs = {f.sid: _program(f.sid, f.name, f.script) for f in model.functions}
         self._network = network
         self._source_of = {wire.target: wire.source for wire in model.wires}
+        self._inputs_of: dict[str, list[str]] = {}
+        for target in self._source_of:
+            self._inputs_of.setdefault(target.partition("#")[0], []).append(target)
         self._name_of = {wire.target: wire.name for wire in model.wires}
         self._node_of = {port: node for node in model.nodes for port in node}
         self._sizes: dict[str, int] = {}
         self._known: dict[str, Signal] = {}
         self._under_way: set[str] = set()
+        self.lawless: set[str] = set()  # SIDs of blocks whose law is not known or not followed
         self._settle_sizes()
 
     def _settle_sizes(self) -> None:
@@ -62,6 +67,7 @@ class SimulinkSignals:
             if self._sizes == before:
                 break
         self._known.clear()
+        self.lawless.clear()
 
     def input(self, sid: str, port: int) -> Signal | None:
         """Signal at a block's input.
@@ -108,29 +114,10 @@ class SimulinkSignals:
         -------
         bool
         """
+        if block.sid in self.lawless:
+            return False
         routes = block.type == "BusSelector" or block.kind == "PS-Simulink Converter"
         return routes or (block.type not in SOURCES and law_of(block) is not None)
-
-    def is_foreign(self, block: Block) -> bool:
-        """Tell whether a block does something for which there is no law.
-
-        Parameters
-        ----------
-        block : Block
-            Of the model.
-
-        Returns
-        -------
-        bool
-        """
-        known = (
-            block.sid in self.programs
-            or is_integrator(block)
-            or self.is_carrier(block)
-            or block.type in (*SOURCES, *SINKS, "Terminator")
-        )
-        physical = "lib" in block.source.partition("/")[0] or block.source.startswith("nesl")
-        return not known and block.kind not in SINKS and not (block.source and physical)
 
     def output(self, port: str) -> Signal:
         """Signal at a block's output.
@@ -144,6 +131,31 @@ class SimulinkSignals:
         -------
         Signal
         """
+        if not self._under_way:
+            for earlier in self._before(port):
+                self._output(earlier)
+        return self._output(port)
+
+    def _before(self, port: str) -> list[str]:
+        """List the outputs that a signal passes through, the farthest first.
+
+        Evaluated in this order, a long row of blocks needs no deep recursion.
+        """
+        found: dict[str, None] = {}
+        queue = [port]
+        while queue:
+            sid = queue.pop().partition("#")[0]
+            integrates = sid in self.blocks and is_integrator(self.blocks[sid])
+            for target in self._inputs_of.get(sid, ()):
+                if integrates and target.endswith("in:1"):
+                    continue
+                source = self._source_of[target]
+                if source not in found and source not in self._known:
+                    found[source] = None
+                    queue.append(source)
+        return list(reversed(found))
+
+    def _output(self, port: str) -> Signal:
         if port in self._known:
             return self._known[port]
         sid, _, place = port.partition("#out:")
@@ -239,15 +251,19 @@ class SimulinkSignals:
         found = law(block, inputs, place) if law else None
         if found is not None:
             return found
+        self.lawless.add(block.sid)
         alone = len(inputs) == 1 and place == 1
         return (inputs[0] if alone else None) or _other(block.sid, block.name, place - 1)
 
     def _count(self, block: Block) -> int:
         """Count a block's inputs: those that are wired, and a Mux's open ones."""
-        start = f"{block.sid}#in:"
-        wired = [int(p.rpartition(":")[2]) for p in self._source_of if p.startswith(start)]
-        open_too = number(block.parameters.get("Inputs")) if block.type == "Mux" else 0
-        return max([int(open_too), *wired])
+        wired = [
+            int(p)
+            for t in self._inputs_of.get(block.sid, ())
+            if (p := t.rpartition(":")[2]).isdigit()
+        ]
+        open_too = number(block.parameters.get("Inputs")) if block.type == "Mux" else 0.0
+        return max([int(min(open_too, MOST_INPUTS)), *wired])
 
     def _initial(self, block: Block) -> Signal:
         if block.parameters.get("InitialConditionSource") == "external":

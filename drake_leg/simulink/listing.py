@@ -70,14 +70,14 @@ def as_lines(model: Model) -> list[str]:
     """
     names = _names(model)
     blocks = [
-        (block.sid, names[block.sid], _printable(block.kind), ", ".join(_settings(block)))
+        (block.sid, names[block.sid], printable(block.kind), ", ".join(_settings(block)))
         for block in model.blocks
     ]
     wires = [
-        (_port(wire.source, names), "->", _port(wire.target, names), _printable(wire.name))
+        (_port(wire.source, names), "->", _port(wire.target, names), printable(wire.name))
         for wire in model.wires
     ]
-    lines = [f"{_printable(model.name)}: {_counted(len(blocks), 'block')}", ""]
+    lines = [f"{printable(model.name)}: {_counted(len(blocks), 'block')}", ""]
     lines += _table(("SID", "block", "kind", "settings that are not the default, in SI"), blocks)
     lines += ["", _counted(len(wires), "wire"), *_table(("from", "", "to", "signal"), wires)]
     lines += ["", _counted(len(model.nodes), "physical connection")]
@@ -86,7 +86,7 @@ def as_lines(model: Model) -> list[str]:
     for function in model.functions:
         lines += ["", f"code of {names[function.sid]} (SID {function.sid})"]
         code = function.script or "(none in the file)"
-        lines += [f"  {_printable(row.expandtabs(4))}" for row in code.strip("\n").splitlines()]
+        lines += [f"  {printable(row.expandtabs(4))}" for row in code.strip("\n").splitlines()]
     solver = [f"{key} {_shown(value)}" for key, value in model.solver.items()]
     return [*lines, "", *_wrapped("solver  ", ", ".join(solver), 8)]
 
@@ -97,7 +97,7 @@ def _names(model: Model) -> dict[str, str]:
     names: dict[str, str] = {}
     for block in model.blocks:
         above = f"{names[block.system]}/" if block.system in blocks else ""
-        names[block.sid] = above + (_printable(block.name) or f"SID {block.sid}")
+        names[block.sid] = above + (printable(block.name) or f"SID {block.sid}")
     return names
 
 
@@ -126,7 +126,7 @@ def _port(port: str, names: dict[str, str]) -> str:
 
 def _shown(value: Value) -> str:
     if isinstance(value, str):
-        text = _printable(value)
+        text = printable(value)
         return text if len(text) <= _LONGEST_TEXT else f"{text[: _LONGEST_TEXT - 3]}..."
     if not isinstance(value, tuple):
         return f"{value:.6g}"
@@ -144,7 +144,18 @@ def _plain(value: Value) -> object:
     return value
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
+    """Write control characters out, so that a name cannot speak to the terminal.
+
+    Parameters
+    ----------
+    text : str
+        Of a file.
+
+    Returns
+    -------
+    str
+    """
     return "".join(sign if sign.isprintable() else f"\\x{ord(sign):02x}" for sign in text)
 
 

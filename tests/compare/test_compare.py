@@ -6,6 +6,8 @@ import pytest
 from slx_models import JACOB_INV, RIGID_TRANSFORM, published_leg, published_pendulum
 from slx_writer import ModelBuilder
 
+from drake_leg.errors import InvalidValueError
+
 IN_METRES = JACOB_INV.replace("l1 = {0}; l2 = {1}; l3 = {2};", "l1 = .05; l2 = .1; l3 = .1;")
 BACKSLASH = JACOB_INV.replace("dq = inv(J)*[dx;dy;dz];", "dq = J\\[dx;dy;dz];")
 PINV = JACOB_INV.replace("inv(J)*", "pinv(J)*")
@@ -651,3 +653,156 @@ def test_thighs_in_subsystems(compared):
                 line.system = system
     found = compared(model)
     assert found.agrees, (found.missing, found.different)
+
+
+def test_selector_takes_what_it_says(compared):
+    model = published_leg()
+    function, demux = model.sid("MATLAB Function"), model.sid("Demux")
+    sid = model.add_block("Selector", "Rates", ports={"in": 1, "out": 1})
+    model.set("Rates", Indices="[1 2 3]", InputPortWidth="4").set("Demux", Outputs="3")
+    cut(model, f"{demux}#in:1", f"{demux}#out:4")
+    model.connect(f"{function}#out:1", f"{sid}#in:1")
+    model.connect(sid, demux)
+    model.remove("singularity check")
+    assert compared(model).agrees
+    model.set("Rates", Indices="[1 3 2]")
+    assert names(compared(model).different) == ["Integrator2", "Integrator3"]
+    model.set("Rates", Indices="[0 1 2]", IndexMode="Zero-based")
+    assert compared(model).agrees
+
+
+def test_leg_drawn_in_degrees(compared):
+    script = JACOB_INV.replace("y = [dq' det(J)];", "y = [dq'*180/pi det(J)];")
+    model = published_leg(script=script, initial=("90", "-50", "-90"))
+    for place in (1, 2, 3):
+        model.set(f"Simulink-PS\nConverter{place}", Unit="deg")
+    assert compared(model).agrees
+    model.set("Sine Wave", Amplitude="50")
+    (one,) = compared(model).different
+    assert one["simulink"] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("unit", ["mrad", "foo", "m", "N"])
+def test_motion_in_a_unit_of_something_else(compared, unit):
+    model = published_leg().set("Simulink-PS\nConverter3", Unit=unit)
+    assert ("Simulink-PS Converter3", "Unit") in differences(compared(model))
+
+
+@pytest.mark.parametrize(("priority", "agrees"), [("High", False), ("Low", True)])
+def test_state_target_beside_a_motion(compared, priority, agrees):
+    target = {"PositionTargetSpecify": "on", "PositionTargetValue": "80"}
+    model = published_leg().set("Revolute Joint", PositionTargetPriority=priority, **target)
+    assert compared(model).agrees is agrees
+    model.set("Revolute Joint", PositionTargetValue="90")
+    assert compared(model).agrees
+
+
+@pytest.mark.parametrize("solver", [{"StartTime": "5"}, {"StopTime": "[20 30]"}])
+def test_other_times(compared, solver):
+    model = published_leg()
+    model.solver.update(solver)
+    assert [p for _, p in differences(compared(model))] == list(solver)
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters"),
+    [
+        ("DataTypeConversion", {"OutDataTypeStr": "int32"}),
+        ("Gain", {"Gain": "[1 2; 3 4; 5 6]", "Multiplication": "Matrix(K*u)"}),
+        ("Fcn", {"Expr": "floor(u)"}),
+        ("Fcn", {"Expr": "u + 5*sin(2*pi*u)"}),
+        ("Saturate", {}),
+    ],
+)
+def test_block_that_is_no_wire_is_missing(compared, kind, parameters):
+    model = published_leg()
+    insert(model, kind, "Odd", f"{model.sid('Integrator1')}#in:1", parameters)
+    assert "Odd" in names(compared(model).missing)
+
+
+def test_matrix_gain_from_the_right(compared):
+    model = published_leg()
+    settings = {"Gain": "5*eye(6)", "Multiplication": "Matrix(u*K)"}
+    insert(model, "Gain", "Five", f"{model.sid('MATLAB Function')}#in:1", settings)
+    assert not compared(model).agrees
+
+
+def test_second_sine_is_seen(compared):
+    model = published_leg()
+    other = model.add_block("Sin", "Noise", {"Amplitude": "500", "Frequency": "7"})
+    both = model.add_block("Sum", "Both", {"Inputs": "++"}, ports={"in": 2, "out": 1})
+    rewire(model, f"{model.sid('Mux')}#in:4", f"{both}#in:1")
+    model.connect(other, f"{both}#in:2")
+    model.connect(both, f"{model.sid('Mux')}#in:4")
+    assert [item["what"] for item in compared(model).different] == ["wire"]
+
+
+def test_sampled_sine(compared):
+    found = compared(published_leg().set("Sine Wave", SampleTime="0.5"))
+    assert differences(found) == [("Sine Wave", "SampleTime")]
+
+
+def test_sensor_that_pulls(compared):
+    found = compared(published_leg().set("6-DOF Joint", PxSpringStiffness="3"))
+    assert differences(found) == [("6-DOF Joint", "PxSpringStiffness")]
+
+
+def test_function_without_an_inverse(compared):
+    transposed = published_leg(script=JACOB_INV.replace("inv(J)*", "J'*"))
+    found = compared(transposed)
+    assert differences(found) == [("MATLAB Function", "joint rates")]
+    assert not found.missing
+
+
+def test_determinant_with_the_other_sign(compared):
+    found = compared(published_leg(script=JACOB_INV.replace("det(J)]", "-det(J)]")))
+    assert differences(found) == [("MATLAB Function", "sign of the determinant")]
+
+
+def test_manual_switch_and_product(compared):
+    model = published_leg(amplitude="7")
+    mux = model.sid("Mux")
+    ten = model.add_block("Constant", "Ten", {"Value": "10"})
+    product = model.add_block("Product", "Product", {"Inputs": "2"}, ports={"in": 2, "out": 1})
+    switch = model.add_block("ManualSwitch", "Switch", ports={"in": 2, "out": 1})
+    rewire(model, f"{mux}#in:4", f"{product}#in:1")
+    model.connect(ten, f"{product}#in:2")
+    model.connect(product, f"{switch}#in:1")
+    model.connect(ten, f"{switch}#in:2")
+    model.connect(switch, f"{mux}#in:4")
+    found = compared(model)
+    assert found.agrees, found.different + found.missing
+
+
+def test_all_joints_exchanged(compared):
+    model = published_leg()
+    for name in ("Revolute Joint", "Revolute Joint1", "Revolute Joint2"):
+        sid = model.sid(name)
+        rewire(model, f"{sid}#lconn:1", "x")
+        rewire(model, f"{sid}#rconn:1", f"{sid}#lconn:1")
+        rewire(model, "x", f"{sid}#rconn:1")
+    assert {parameter for _, parameter in differences(compared(model))} == {"base and follower"}
+
+
+def test_a_long_row_of_gains(compared):
+    model = published_leg()
+    for index in range(400):
+        insert(model, "Gain", f"Gain{index}", f"{model.sid('Mux')}#in:4", {"Gain": "1"})
+    assert compared(model).agrees
+
+
+@pytest.mark.parametrize(
+    ("block", "changes"),
+    [
+        ("Brick Solid1", {"BrickDimensions": "[1 2]"}),
+        ("Revolute Joint1", {"SpringStiffness": "[1 2]"}),
+    ],
+)
+def test_numbers_that_make_no_sense_are_a_sentence(compared, block, changes):
+    with pytest.raises(InvalidValueError, match=block):
+        compared(published_leg().set(block, **changes))
+
+
+def test_counts_that_no_model_has(compared):
+    assert not compared(published_leg().set("Demux", Outputs="1e9")).agrees
+    compared(published_leg().set("Mux", Inputs="1e9"))

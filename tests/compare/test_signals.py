@@ -58,7 +58,8 @@ def test_shape_forgets_numbers_only():
 
 
 @pytest.mark.parametrize(
-    ("a", "b", "same"), [(1.0, 1.0 + 1e-12, True), (1.0, 1.00001, False), (0.0, 1e-13, True)]
+    ("a", "b", "same"),
+    [(1.0, 1.0 + 1e-12, True), (1.0, 1.00001, False), (0.0, 1e-16, True), (0.0, 1e-13, False)],
 )
 def test_close(a, b, same):
     assert close(a, b) is same

@@ -76,7 +76,12 @@ BUILT_IN: dict[str, Parameters] = {
     "Switch": choices(Criteria="u2 >= Threshold", Threshold="0"),
     "MultiPortSwitch": choices(Inputs="3"),
     "ManualSwitch": choices(CurrentSetting="1"),
-    "Selector": choices(InputPortWidth="3", IndexOptions="Index vector (dialog)", Indices="1"),
+    "Selector": choices(
+        InputPortWidth="3",
+        IndexOptions="Index vector (dialog)",
+        IndexMode="One-based",
+        Indices="[1 3]",
+    ),
     "BusCreator": choices(Inputs="4"),
     "BusSelector": choices(OutputSignals="signal1"),
     "Concatenate": choices(NumInputs="2", Mode="Vector"),
