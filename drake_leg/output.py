@@ -11,7 +11,7 @@ from pathlib import Path
 
 from drake_leg.errors import OutputError
 
-ENDINGS = (".csv", ".html", ".json", ".png", ".svg")
+ENDINGS = (".csv", ".html", ".json", ".pdf", ".png", ".svg")
 MARKS = ("summary.json", "report.html")
 
 
@@ -72,7 +72,8 @@ def results_folder(target: Path) -> Iterator[Path]:
         If something cannot be written.
     """
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
+        for folder in reversed(target.parents):  # mkdir(parents=True) recurses
+            folder.mkdir(exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=_scratch_prefix(target), dir=target.parent))
     except OSError as error:
         raise _cannot_write(target, error) from error

@@ -21,8 +21,9 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser(
         "report",
         help="reproduce the figures and tables of both reports on one page",
-        description="Reproduce every time plot, table and matrix of both reports: the figures "
-        "as PNG and SVG, named after the reports, and report.html with everything on one page.",
+        description="Reproduce every figure, table and equation of both reports: report.html "
+        "with everything on one page, the errata where they belong, and beside it the figures as "
+        "PNG, SVG and PDF, named after the reports, and the motions in 3D, which the page plays.",
     )
     add_output(parser)
     parser.set_defaults(command=_report)
@@ -38,5 +39,5 @@ def _report(chosen: argparse.Namespace) -> int:
             write_report(folder, bar)
     finally:
         bar.close()
-    print(f"wrote {chosen.out / 'report.html'} and the figures beside it")
+    print(f"wrote {chosen.out / 'report.html'} and its figures and replays")
     return 0

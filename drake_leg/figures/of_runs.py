@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from drake_leg.figures import pendulum, tip
@@ -71,6 +72,8 @@ def _leg(title: str, robot: Robot, recording: Recording) -> Named:
     yield "step", lambda: tip.stroboscope(robot, recording, f"{title}: the first stroke")
     yield "foot_position", lambda: tip.position(recording, f"{title}: foot position")
     yield "foot_velocity", lambda: tip.velocity(recording, f"{title}: foot velocity")
+    if _goes_along_x(recording):
+        yield from _along_x(title, recording)
     if is_hexabot_leg(robot):
         rotation = f"{title}: rotation of the foot"
         yield "foot_rotation", lambda: tip.rotation(robot, recording, rotation)
@@ -78,6 +81,33 @@ def _leg(title: str, robot: Robot, recording: Recording) -> Named:
         yield "joint_angles", lambda: tip.joint_angles(recording, angles, turning)
         yield "joint_torques", lambda: tip.torques(recording, torques, turning)
     yield "singularity", lambda: tip.singularity(recording, f"{title}: distance from singularity")
+
+
+def _along_x(title: str, recording: Recording) -> Named:
+    sine, gain = recording["input"], 1.0
+    if np.abs(sine).max() > 0.0:
+        gain = float(np.abs(recording["dx"]).max() / np.abs(sine).max())
+    yield (
+        "input_and_velocity",
+        lambda: tip.input_and_velocity(recording, f"{title}: input and velocity", round(gain, 9)),
+    )
+    yield (
+        "velocity_and_position",
+        lambda: tip.velocity_and_position(
+            recording, f"{title}: velocity and position", frequency=tip.step_frequency(recording)
+        ),
+    )
+    yield (
+        "input_velocity_and_position",
+        lambda: tip.velocity_and_position(
+            recording, f"{title}: input, velocity and position", with_input=True
+        ),
+    )
+
+
+def _goes_along_x(recording: Recording) -> bool:
+    """Tell whether the command has no component but along x."""
+    return bool(np.any(recording["dx"]) and not np.any(recording.stack("dy", "dz")))
 
 
 def _scara(title: str, robot: Robot, recording: Recording) -> Named:

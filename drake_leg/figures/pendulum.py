@@ -2,16 +2,39 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drake_leg.figures.style import BLUE, GREY, ORANGE, legend_above, new_figure
+from drake_leg.figures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    PLOT_WIDTH,
+    claim,
+    legend_above,
+    new_figure,
+    whole_ticks,
+)
 from drake_leg.figures.time_plots import TIME, add_degrees, time_plot, widen_flat_axis
+from drake_leg.kinematics.batches import Array
 from drake_leg.recording import Recording
 
+Span = tuple[float, float]
 
-def angle(recording: Recording, title: str, rest: float | None = None) -> Figure:
-    """Draw the angle against time, with the rest angle where there is one.
+VERTICAL = np.pi / 2  # [rad], where the link hangs
+NEAR_REST = np.radians(1.0)
+SAME = 1e-6  # [rad], by which the extremes of a constant amplitude may differ
+SLOW = 0.05  # of the greatest rate, and of the greatest swing: what is less is not marked
+MOST = 24  # marks of a kind that can be told apart
+
+
+def angle(
+    recording: Recording, title: str, rest: float | None = None, *, span: Span | None = None
+) -> Figure:
+    """Draw the angle against time (A 5, 6): how it swings, or where it comes to rest.
 
     Parameters
     ----------
@@ -21,6 +44,8 @@ def angle(recording: Recording, title: str, rest: float | None = None) -> Figure
         Of the figure.
     rest : float, optional
         Rest angle [rad].
+    span : (low, high), optional
+        Angles that the axis shows at least [rad], so that figures can be compared.
 
     Returns
     -------
@@ -29,26 +54,25 @@ def angle(recording: Recording, title: str, rest: float | None = None) -> Figure
     figure = time_plot(
         recording, {"q": "q"}, title=title, ylabel="joint angle q [rad]", degrees=True
     )
-    if rest is not None:
-        axes = figure.axes[0]
-        low, high = axes.get_ylim()
-        margin = 0.05 * max(high, rest) - 0.05 * min(low, rest)
-        axes.set_ylim(min(low, rest - margin), max(high, rest + margin))
-        axes.axhline(rest, color=GREY, linestyle=":", linewidth=1.2)
-        axes.annotate(
-            f"rest at {rest:.4f} rad = {np.degrees(rest):.2f} deg",
-            (0.98, rest),
-            xycoords=("axes fraction", "data"),
-            xytext=(0, 6),
-            textcoords="offset points",
-            ha="right",
-            color=GREY,
-        )
+    axes = figure.axes[0]
+    _show(axes, span or ())
+    if rest is None:
+        _mark_amplitude(axes, recording)
+    else:
+        _mark_rest(axes, recording, rest)
     return figure
 
 
-def angle_and_rate(recording: Recording, title: str) -> Figure:
-    """Draw the angle and the rate, one above the other; the vertical is marked.
+def angle_and_rate(
+    recording: Recording,
+    title: str,
+    *,
+    span: Span | None = None,
+    rates: Span | None = None,
+) -> Figure:
+    """Draw the angle and the rate, one above the other (A 7, 8).
+
+    Where the link is vertical, and where it turns back, is marked in both.
 
     Parameters
     ----------
@@ -56,20 +80,41 @@ def angle_and_rate(recording: Recording, title: str) -> Figure:
         Of a pendulum.
     title : str
         Of the figure.
+    span, rates : (low, high), optional
+        Angles [rad] and rates [rad/s] that the axes show at least.
 
     Returns
     -------
     Figure
     """
-    figure, (top, bottom) = new_figure(title, rows=2, height=5.0)
-    time = recording["time"]
-    top.plot(time, recording["q"], color=BLUE)
-    top.axhline(np.pi / 2, color=GREY, linestyle=":", linewidth=1.2, label="link vertical")
+    figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.0)
+    time, q, rate = (recording[name] for name in ("time", "q", "qdot"))
+    top.plot(time, q, color=BLUE)
+    bottom.plot(time, rate, color=ORANGE)
+    fast = SLOW * np.abs(rate).max()
+    passages = _crossings(time, q - VERTICAL, q, rate)
+    passages = passages[np.abs(passages[:, 2]) > fast]
+    turns = _crossings(time, rate, q, rate)
+    swings = np.abs(np.diff(turns[:, 1], prepend=q[0]))
+    turns = turns[swings > SLOW * np.ptp(q)]
+    for places, marker, label in ((passages, "o", "link vertical"), (turns, "s", "turns back")):
+        if 0 < len(places) <= MOST:
+            style: dict[str, Any] = {
+                "color": GREY,
+                "linestyle": "none",
+                "markersize": 4.5,
+                "markerfacecolor": "w",
+            }
+            top.plot(places[:, 0], places[:, 1], marker, label=label, **style)
+            bottom.plot(places[:, 0], places[:, 2], marker, **style)
     top.set(ylabel="angle q [rad]")
-    add_degrees(top)
-    legend_above(top)
-    bottom.plot(time, recording["qdot"], color=ORANGE)
     bottom.set(xlabel=TIME, ylabel="rate of q [rad/s]")
+    whole_ticks(bottom)
+    _show(top, span or ())
+    _show(bottom, rates or ())
+    add_degrees(top)
+    if top.get_legend_handles_labels()[0]:
+        legend_above(top)
     return figure
 
 
@@ -94,3 +139,66 @@ def energy(recording: Recording, title: str, scale: float) -> Figure:
     )
     widen_flat_axis(figure.axes[0], scale)
     return figure
+
+
+def _show(axes: Axes, values: Span | tuple[()]) -> None:
+    """Widen the y axis until it shows these values, with room around them."""
+    if values:
+        low, high = axes.get_ylim()
+        room = 0.05 * (max(values) - min(values))
+        axes.set_ylim(min(low, min(values) - room), max(high, max(values) + room))
+
+
+def _mark_rest(axes: Axes, recording: Recording, rest: float) -> None:
+    low, high = axes.get_ylim()
+    margin = 0.05 * max(high, rest) - 0.05 * min(low, rest)
+    axes.set_ylim(min(low, rest - margin), max(high, rest + margin))
+    axes.axhline(rest, color=GREY, linestyle=":", linewidth=1.2)
+    away = np.flatnonzero(np.abs(recording["q"] - rest) > NEAR_REST)
+    since = recording["time"][away[-1]] if len(away) else recording["time"][0]
+    for text, offset in (
+        (f"at rest at {rest:.4f} rad = {np.degrees(rest):.2f} deg", 6),
+        (f"within 1 deg of it from {since:.1f} s on", -14),
+    ):
+        axes.annotate(
+            text,
+            (0.98, rest),
+            xycoords=("axes fraction", "data"),
+            xytext=(0, offset),
+            textcoords="offset points",
+            ha="right",
+            fontsize=9.5,
+            color=GREY,
+        )
+
+
+def _mark_amplitude(axes: Axes, recording: Recording) -> None:
+    """Say that the amplitude is constant, where it is, and mark the extremes and the period."""
+    turns = _crossings(*(recording[name] for name in ("time", "qdot", "q", "qdot")))
+    highest, lowest = (turns[kind::2] for kind in (0, 1))
+    if len(highest) < 2 or len(lowest) < 1:
+        return
+    if max(np.ptp(highest[:, 1]), np.ptp(lowest[:, 1])) > SAME:
+        return
+    low, high = sorted((highest[0, 1], lowest[0, 1]))
+    for extreme in (low, high):
+        axes.axhline(extreme, color=GREY, linestyle=":", linewidth=1.2)
+    period = highest[1, 0] - highest[0, 0]
+    claim(
+        axes,
+        f"constant amplitude: every swing from {_degrees(low)} to {_degrees(high)} deg, "
+        f"period {period:.4f} s",
+    )
+
+
+def _degrees(angle: float) -> str:
+    return f"{round(np.degrees(angle), 2) + 0.0:g}".replace("-", "\N{MINUS SIGN}")
+
+
+def _crossings(time: Array, zero: Array, q: Array, rate: Array) -> Array:
+    """Interpolate time, angle and rate to where a signal changes sign, (n, 3)."""
+    i = np.flatnonzero(zero[:-1] * zero[1:] < 0.0)
+    share = zero[i] / (zero[i] - zero[i + 1])
+    step = share * (time[i + 1] - time[i])
+    there = rate[i] + share * (rate[i + 1] - rate[i])
+    return np.stack([time[i] + step, q[i] + step * (rate[i] + there) / 2.0, there], axis=-1)

@@ -9,16 +9,22 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-FORMATS = ("png", "svg")
+FORMATS = ("png", "svg", "pdf")
 
 # Okabe and Ito's colours, told apart by colour-blind eyes, and different line styles too.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#9B4F96"
-GREY = "#6B6B6B"
+GREY, INK, GRID = "#6B6B6B", "#1A1A1A", "#D9D9D9"
 LINES = ((BLUE, "-"), (ORANGE, "--"), (GREEN, "-."), (PURPLE, ":"))
 
 STYLE: dict[Any, Any] = {
     "font.size": 10.0,
+    "text.color": INK,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.spines.top": False,
@@ -26,7 +32,7 @@ STYLE: dict[Any, Any] = {
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-4, 5),
     "axes.xmargin": 0.01,
-    "grid.color": "#D9D9D9",
+    "grid.color": GRID,
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.6,
     "figure.facecolor": "white",
@@ -35,9 +41,26 @@ STYLE: dict[Any, Any] = {
     "svg.hashsalt": "drake-leg",
 }
 
+PLOT_WIDTH = 6.4  # [inch]; the lettering can be read where a plot fills a phone's screen
+
+# What each colour becomes on a dark page.
+DARK = {
+    "#ffffff": "#17181a",
+    "#000000": "#e8e8ea",
+    INK: "#e8e8ea",
+    GREY: "#a5a5ad",
+    GRID: "#3a3b40",
+    "#D5DCE3": "#3b424a",
+    BLUE: "#56b4e9",
+    ORANGE: "#f08a4b",
+    GREEN: "#3cc79a",
+    PURPLE: "#cf93ca",
+}
+NO_DATE = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+
 
 def new_figure(
-    title: str, *, rows: int = 1, columns: int = 1, height: float = 3.6
+    title: str, *, rows: int = 1, columns: int = 1, width: float = 7.2, height: float = 3.6
 ) -> tuple[Figure, list[Axes]]:
     """Make a figure with axes one above the other, or side by side.
 
@@ -47,8 +70,8 @@ def new_figure(
         Above everything, left.
     rows, columns : int
         Of axes; those one above the other share their x axis.
-    height : float
-        Of the figure [inch]; it is 7.2 inch wide.
+    width, height : float
+        Of the figure [inch].
 
     Returns
     -------
@@ -56,11 +79,43 @@ def new_figure(
         Row by row.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.2, height), layout="constrained")
+        figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).ravel()
-    figure.suptitle(title, x=0.01, horizontalalignment="left", fontsize=11.0)
+        figure.suptitle(title, x=0.01, horizontalalignment="left", fontsize=11.0)
     return figure, list(axes)
+
+
+def claim(axes: Axes, text: str) -> None:
+    """Write what the curves show above the axes, left.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of which it is said.
+    text : str
+        A short sentence.
+    """
+    axes.annotate(
+        text,
+        (0.0, 1.0),
+        xycoords="axes fraction",
+        xytext=(0, 5),
+        textcoords="offset points",
+        fontsize=9.0,
+        color=GREY,
+    )
+
+
+def whole_ticks(axes: Axes) -> None:
+    """Put the ticks of a time axis at 1, 2 or 5 times a power of ten.
+
+    Parameters
+    ----------
+    axes : Axes
+        Whose x axis it is.
+    """
+    axes.xaxis.set_major_locator(MaxNLocator(11, steps=[1, 2, 5, 10]))
 
 
 def legend_above(axes: Axes, *others: Axes) -> None:
@@ -91,13 +146,13 @@ def legend_above(axes: Axes, *others: Axes) -> None:
     )
 
 
-def save(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """Write a figure as PNG and SVG, the same bytes every time.
+def save(figure: Figure, folder: Path, name: str) -> dict[str, Path]:
+    """Write a figure as PNG, SVG and PDF, the same bytes every time.
 
     Parameters
     ----------
     figure : Figure
-        To be written.
+        To be written; its layout is fixed from here on.
     folder : Path
         Where.
     name : str
@@ -105,14 +160,37 @@ def save(figure: Figure, folder: Path, name: str) -> list[Path]:
 
     Returns
     -------
-    list of Path
-        The files written.
+    dict of str to Path
+        The files written, by format.
     """
-    paths = []
+    paths = {ending: folder / f"{name}.{ending}" for ending in FORMATS}
     with mpl.rc_context(STYLE):
-        for ending in FORMATS:
-            path = folder / f"{name}.{ending}"
-            metadata = {"Date": None} if ending == "svg" else None
-            figure.savefig(path, metadata=metadata)
-            paths.append(path)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        for ending, path in paths.items():
+            figure.savefig(path, metadata=NO_DATE[ending])
     return paths
+
+
+def for_light_and_dark(svg: str) -> str:
+    """Make a figure's SVG follow the reader's colour scheme.
+
+    Parameters
+    ----------
+    svg : str
+        As matplotlib writes it, in this module's colours.
+
+    Returns
+    -------
+    str
+        The same, with a style sheet of its own for the dark.
+    """
+    rules = "".join(
+        f'[style*="{paint}: {light.lower()}"] {{ {paint}: {dark} !important; }}\n'
+        for light, dark in DARK.items()
+        for paint in ("fill", "stroke")
+    )
+    ink = f"svg {{ fill: {DARK['#000000']}; }}\n"  # what has no colour of its own is black
+    sheet = f"<style>@media (prefers-color-scheme: dark) {{\n{ink}{rules}}}</style>"
+    head, defs, rest = svg.partition("<defs>")
+    return f"{head}{sheet}\n{defs}{rest}"

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from drake_leg.figures.style import LINES, legend_above, new_figure
+from drake_leg.figures.style import LINES, PLOT_WIDTH, legend_above, new_figure, whole_ticks
 from drake_leg.kinematics.batches import Array
 from drake_leg.recording import Recording
 
@@ -62,10 +63,11 @@ def curves_plot(
     -------
     Figure
     """
-    figure, (axes,) = new_figure(title)
+    figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
     for (label, values), (colour, style) in zip(curves.items(), LINES, strict=False):
         axes.plot(time, values, style, color=colour, label=label)
     axes.set(xlabel=TIME, ylabel=ylabel)
+    whole_ticks(axes)
     widen_flat_axis(axes)
     if degrees:
         add_degrees(axes)
@@ -84,6 +86,7 @@ def add_degrees(axes: Axes) -> None:
     """
     right = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
     right.set_ylabel("[deg]")
+    right.yaxis.set_major_locator(MaxNLocator("auto", steps=[1, 3, 6, 10]))
     right.spines["right"].set_visible(True)
 
 

@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from drake_leg.figures.style import BLUE, GREEN, GREY, ORANGE, legend_above, new_figure
-from drake_leg.figures.time_plots import TIME, curves_plot, time_plot, widen_flat_axis
+from drake_leg.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PLOT_WIDTH,
+    claim,
+    legend_above,
+    new_figure,
+    whole_ticks,
+)
+from drake_leg.figures.time_plots import (
+    TIME,
+    add_degrees,
+    curves_plot,
+    time_plot,
+    widen_flat_axis,
+)
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.kinematics.leg import LegGeometry, foot_rotation_angles
 from drake_leg.kinematics.rotation import rotation_matrices
@@ -15,6 +33,7 @@ from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 
 GHOSTS = 9  # postures drawn over the run's first stroke
+STILL = 1e-6  # [m or m/s], a coordinate that changes less is said to be constant
 
 
 def position(recording: Recording, title: str, what: str = "foot") -> Figure:
@@ -33,12 +52,22 @@ def position(recording: Recording, title: str, what: str = "foot") -> Figure:
     -------
     Figure
     """
-    return time_plot(
+    figure = time_plot(
         recording,
         {"x": "x", "y": "y", "z": "z"},
         title=title,
         ylabel=f"{what} position in the base frame [m]",
     )
+    spans = {name: float(np.ptp(recording[name])) for name in "xyz"}
+    still = [name for name, span in spans.items() if span < STILL]
+    if len(still) == 2:
+        (moving,) = spans.keys() - still
+        claim(
+            figure.axes[0],
+            f"{moving} swings through {1e3 * spans[moving]:.1f} mm; {still[0]} and {still[1]} "
+            f"stay within {_power(max(spans[name] for name in still))} m",
+        )
+    return figure
 
 
 def velocity(recording: Recording, title: str, what: str = "foot") -> Figure:
@@ -57,16 +86,25 @@ def velocity(recording: Recording, title: str, what: str = "foot") -> Figure:
     -------
     Figure
     """
-    return time_plot(
+    figure = time_plot(
         recording,
         {"vx": "$v_x$", "vy": "$v_y$", "vz": "$v_z$"},
         title=title,
         ylabel=f"{what} velocity in the base frame [m/s]",
     )
+    fastest = {axis: float(np.abs(recording[f"v{axis}"]).max()) for axis in "xyz"}
+    still = [axis for axis, speed in fastest.items() if speed < STILL]
+    if len(still) == 2:
+        claim(
+            figure.axes[0],
+            f"$v_{still[0]}$ and $v_{still[1]}$ stay within "
+            f"{_power(max(fastest[axis] for axis in still))} m/s of zero",
+        )
+    return figure
 
 
 def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
-    """Draw joint angles against time (A 13, 14, 15).
+    """Draw joint angles against time, one above the other on the same scale (A 13, 14, 15).
 
     Parameters
     ----------
@@ -81,8 +119,21 @@ def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Fi
     -------
     Figure
     """
-    columns = {f"q{number}": f"$q_{number}$ ({name})" for number, name in joints.items()}
-    return time_plot(recording, columns, title=title, ylabel="joint angle [rad]", degrees=True)
+    figure, panels = new_figure(
+        title, rows=len(joints), width=PLOT_WIDTH, height=1.2 + 1.55 * len(joints)
+    )
+    span = 1.15 * max([float(np.ptp(recording[f"q{number}"])) for number in joints] + [1e-6])
+    for axes, (number, name) in zip(panels, joints.items(), strict=True):
+        q = recording[f"q{number}"]
+        axes.plot(recording["time"], q, color=BLUE, label=f"$q_{number}$ ({name})")
+        middle = (q.min() + q.max()) / 2.0
+        axes.set_ylim(middle - span / 2.0, middle + span / 2.0)
+        axes.set_ylabel(f"{name} $q_{number}$ [rad]")
+        add_degrees(axes)
+    panels[-1].set_xlabel(TIME)
+    whole_ticks(panels[-1])
+    figure.align_ylabels(panels)
+    return figure
 
 
 def rotation(robot: Robot, recording: Recording, title: str) -> Figure:
@@ -147,7 +198,7 @@ def singularity(recording: Recording, title: str) -> Figure:
     -------
     Figure
     """
-    figure, (top, bottom) = new_figure(title, rows=2, height=5.0)
+    figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.0)
     unit = next(h for h in recording.columns if h.startswith("det_j")).partition("[")[2]
     power = unit.strip("]m^")
     top.plot(recording["time"], recording["det_j"], color=BLUE)
@@ -156,6 +207,7 @@ def singularity(recording: Recording, title: str) -> Figure:
     bottom.plot(recording["time"], recording["sigma_min"], color=ORANGE)
     bottom.axhline(0.0, color=GREY, linewidth=1.0, label="singular")
     bottom.set(xlabel=TIME, ylabel=r"$\sigma_{\min}$ [m]")
+    whole_ticks(bottom)
     return figure
 
 
@@ -175,7 +227,7 @@ def input_and_velocity(recording: Recording, title: str, gain: float) -> Figure:
     -------
     Figure
     """
-    figure, (axes,) = new_figure(title)
+    figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
     time = recording["time"]
     axes.plot(time, recording["input"], color=GREY, linewidth=3.5, alpha=0.6, label="input (sine)")
     axes.plot(time, recording["vx"], color=BLUE, label="foot velocity $v_x$")
@@ -189,13 +241,8 @@ def input_and_velocity(recording: Recording, title: str, gain: float) -> Figure:
             xytext=(time[row], bottom),
             arrowprops={"arrowstyle": "->", "color": ORANGE},
         )
-        axes.annotate(
-            rf"$\times$ {gain:g}",
-            (time[row], (top + bottom) / 2),
-            xytext=(6, 0),
-            textcoords="offset points",
-            color=ORANGE,
-        )
+        claim(axes, f"the velocity is {gain:g} times the input")
+    whole_ticks(axes)
     widen_flat_axis(axes)
     legend_above(axes)
     return figure
@@ -221,7 +268,7 @@ def velocity_and_position(
     -------
     Figure
     """
-    figure, (axes,) = new_figure(title, height=4.0)
+    figure, (axes,) = new_figure(title, width=PLOT_WIDTH, height=4.0)
     time = recording["time"]
     if with_input:
         axes.plot(
@@ -229,6 +276,7 @@ def velocity_and_position(
         )
     axes.plot(time, recording["vx"], color=BLUE, label="velocity $v_x$ (left)")
     axes.set(xlabel=TIME, ylabel="velocity [m/s]")
+    whole_ticks(axes)
     right = axes.twinx()
     right.plot(time, recording["x"], color=ORANGE, linestyle="--", label="position x (right)")
     right.set_ylabel("position [m]")
@@ -258,6 +306,34 @@ def velocity_and_position(
     return figure
 
 
+def _power(value: float) -> str:
+    """Write a size as a power of ten, rounded up."""
+    if value == 0.0:
+        return "0"
+    return f"$10^{{{math.ceil(math.log10(value))}}}$"
+
+
+def step_frequency(recording: Recording) -> float | None:
+    """Find the frequency of a step that begins at rest: half a period is over where it turns.
+
+    Parameters
+    ----------
+    recording : Recording
+        With vx.
+
+    Returns
+    -------
+    float or None
+        [rad/s]; None where the run ends before.
+    """
+    v, time = recording["vx"], recording["time"]
+    turns = np.flatnonzero(v[1:-1] * v[2:] < 0.0) + 1
+    if not len(turns):
+        return None
+    i = turns[0]
+    return float(np.pi / (time[i] + (time[i + 1] - time[i]) * v[i] / (v[i] - v[i + 1])))
+
+
 def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
     """Draw the links at instants of the first stroke, from the side and from the top (B 6, 7).
 
@@ -283,7 +359,7 @@ def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
     X_B = base_transforms(robot.rows, q[rows])
     joints = np.concatenate([np.zeros((len(rows), 1, 3)), X_B[:, :, :3, 3]], axis=1)
 
-    figure, (side, top) = new_figure(title, columns=2, height=4.0)
+    figure, (side, top) = new_figure(title, columns=2, width=PLOT_WIDTH, height=3.8)
     for axes, (across, up) in ((side, (0, 2)), (top, (0, 1))):
         for shade, points in zip(np.linspace(0.2, 1.0, len(rows)), joints, strict=True):
             x, y = points[:, across], points[:, up]

@@ -1,13 +1,13 @@
-"""The reports' transforms, Jacobians and determinants, evaluated by three independent ways.
+"""The reports' matrices, evaluated by three independent ways.
 
 The corrected formulas in closed form, the chain of the Khalil table, and Drake's plant on the
-SDF: each is compared with the other two.
+SDF: the first is compared with the other two.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,109 +15,132 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
-from drake_leg.errata.formulas import Formula, evaluate, evaluate_entry
+from drake_leg.errata.formulas import Formula, Values, evaluate
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import base_transforms, jacobian
+from drake_leg.kinematics.khalil import (
+    base_transforms,
+    jacobian,
+    jacobian_by_differentiation,
+    row_transform,
+)
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.models.plant import build_plant
 from drake_leg.report.formulas import (
-    LEG_DETERMINANT,
-    LEG_JACOBIAN,
-    LEG_TRANSFORMS,
-    SCARA_DETERMINANT,
-    SCARA_JACOBIAN,
-    SCARA_TRANSFORMS,
+    LEG,
+    ROW_TRANSFORM,
+    SCARA,
     leg_symbols,
+    of_variant,
     scara_symbols,
 )
+from drake_leg.report.subjects import Subject
 from drake_leg.robot import Robot
+
+POSTURES = 1000  # at which the two Jacobians are compared
+TRANSFORM, CONTRIBUTION = re.compile(r"T(\d)(\d)"), re.compile(r"V(\d)")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
     """One matrix: its formula, its value, and how far the other two ways are from it."""
 
-    name: str
     formula: Formula
-    value: Array
+    value: Array | None  # None where it belongs to no posture
     from_chain: float  # greatest difference of an entry
     from_drake: float
 
 
-def leg_comparisons(robot: Robot, q: Sequence[float]) -> list[Comparison]:
-    """Compare all matrices of a leg at a posture.
+@dataclass(frozen=True, kw_only=True)
+class BothMethods:
+    """The Jacobian of a task by the direct and by the indirect method."""
+
+    direct: Array  # at the subject's posture
+    indirect: Array
+    difference: float  # greatest of an entry, at ``POSTURES`` random postures
+
+
+def comparisons(subject: Subject) -> Mapping[str, Comparison]:
+    """Compare all matrices of a robot at its posture.
 
     Parameters
     ----------
-    robot : Robot
-        Leg A or B.
-    q : (3,) sequence of float
-        Angles [rad].
+    subject : Subject
+        A leg or the SCARA.
 
     Returns
     -------
-    list of Comparison
-        Transforms between neighbours and to the base, Jacobian, determinant.
+    mapping of str to Comparison
+        By name: T, T01 ..., V1 ..., P, J, J⁻¹, det J, det J expanded.
     """
-    symbols = leg_symbols(LegGeometry.from_robot(robot), q)
+    robot, q = subject.robot, subject.q
+    formulas, values = _formulas(subject)
     witness = _Witness(robot, q)
-    rows = slice(3, 6)
-    compared = [witness.transform(n, f, evaluate(f, symbols)) for n, f in LEG_TRANSFORMS.items()]
-    compared.append(
-        _compare(
-            "J",
-            LEG_JACOBIAN,
-            evaluate(LEG_JACOBIAN, symbols),
-            witness.chain_jacobian[rows],
-            witness.drake_jacobian[rows],
+    found = {"T": _row_comparison(robot, witness)}
+    for name, formula in formulas.items():
+        chain, drake = (side(name, subject.task) for side in (witness.by_chain, witness.by_drake))
+        value = evaluate(formula, values)
+        found[name] = Comparison(
+            formula=formula,
+            value=value,
+            from_chain=float(np.abs(value - chain).max()),
+            from_drake=float(np.abs(value - drake).max()),
         )
-    )
-    determinant = np.array([[evaluate_entry(LEG_DETERMINANT, symbols)]])
-    compared.append(
-        _compare(
-            "det J",
-            ((LEG_DETERMINANT,),),
-            determinant,
-            np.linalg.det(witness.chain_jacobian[rows]),
-            np.linalg.det(witness.drake_jacobian[rows]),
-        )
-    )
-    return compared
+    return found
 
 
-def scara_comparisons(robot: Robot, q: Sequence[float]) -> list[Comparison]:
-    """Compare all matrices of the SCARA at a posture.
+def methods(subject: Subject) -> BothMethods:
+    """Compare the direct with the indirect method.
 
     Parameters
     ----------
-    robot : Robot
-        The SCARA.
-    q : (4,) sequence of float
-        Three angles [rad] and the lift [m].
+    subject : Subject
+        A leg or the SCARA.
 
     Returns
     -------
-    list of Comparison
-        Transforms between neighbours and to the base, Jacobian of (x, y, yaw), determinant.
+    BothMethods
     """
-    symbols = scara_symbols(ScaraGeometry.from_robot(robot), q)
-    witness = _Witness(robot, q)
-    rows = [3, 4, 2]  # vx, vy, yaw rate
-    chain, drake = witness.chain_jacobian[rows, :3], witness.drake_jacobian[rows, :3]
-    compared = [witness.transform(n, f, evaluate(f, symbols)) for n, f in SCARA_TRANSFORMS.items()]
-    compared.append(_compare("J", SCARA_JACOBIAN, evaluate(SCARA_JACOBIAN, symbols), chain, drake))
-    determinant = np.array([[evaluate_entry(SCARA_DETERMINANT, symbols)]])
-    compared.append(
-        _compare(
-            "det J",
-            ((SCARA_DETERMINANT,),),
-            determinant,
-            np.linalg.det(chain),
-            np.linalg.det(drake),
-        )
+    rows = subject.robot.rows
+    size = len(subject.task)
+    random = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSTURES, len(subject.q)))
+    difference = jacobian(rows, random) - jacobian_by_differentiation(rows, random)
+    direct, indirect = (
+        method(rows, subject.q)[list(subject.task), :size]
+        for method in (jacobian, jacobian_by_differentiation)
     )
-    return compared
+    return BothMethods(direct=direct, indirect=indirect, difference=float(np.abs(difference).max()))
+
+
+def _formulas(subject: Subject) -> tuple[dict[str, Formula], Values]:
+    if subject.name == "scara":
+        return SCARA, scara_symbols(ScaraGeometry.from_robot(subject.robot), subject.q)
+    leg = LegGeometry.from_robot(subject.robot)
+    formulas = {name: of_variant(formula, leg.sign) for name, formula in LEG.items()}
+    columns = {f"V{joint + 1}": tuple((row[joint],) for row in formulas["J"]) for joint in range(3)}
+    return formulas | columns, leg_symbols(leg, subject.q)
+
+
+def _row_comparison(robot: Robot, witness: _Witness) -> Comparison:
+    """Compare the general transform, with the numbers of every row of the table."""
+    from_chain = from_drake = 0.0
+    position = 0
+    for number, row in enumerate(robot.rows, start=1):
+        q = 0.0
+        if row.joint != "fixed":
+            q, position = witness.q[position], position + 1
+        r = row.r + q * (row.joint == "prismatic")
+        theta = row.theta + q * (row.joint == "revolute")
+        values = {"d": row.d, "r": r}
+        for name, angle in (("α", row.alpha), ("θ", theta)):
+            values |= {f"cos{name}": float(np.cos(angle)), f"sin{name}": float(np.sin(angle))}
+        value = evaluate(ROW_TRANSFORM, values)
+        drake = witness.by_drake(f"T{number - 1}{number}", ())
+        from_chain = max(from_chain, float(np.abs(value - row_transform(row, q)).max()))
+        from_drake = max(from_drake, float(np.abs(value - drake).max()))
+    return Comparison(
+        formula=ROW_TRANSFORM, value=None, from_chain=from_chain, from_drake=from_drake
+    )
 
 
 class _Witness:
@@ -127,18 +150,44 @@ class _Witness:
         plant = build_plant(robot)
         context = plant.CreateDefaultContext()
         plant.SetPositions(context, np.asarray(q))
+        self.q = q
         self._plant, self._context = plant, context
         self._chain = [np.eye(4), *base_transforms(robot.rows, q)]
-        self.chain_jacobian = jacobian(robot.rows, q)
-        self.drake_jacobian = _drake_jacobian(plant, context, len(robot.rows))
+        self._last = len(robot.rows)
+        self._jacobians = (
+            jacobian(robot.rows, q),
+            _drake_jacobian(plant, context, self._last),
+        )
 
-    def transform(self, name: str, formula: Formula, value: Array) -> Comparison:
-        """Compare the transform ``Tij``, from frame j to frame i."""
-        i, j = (int(digit) for digit in re.findall(r"\d", name))
-        chain = np.linalg.solve(self._chain[i], self._chain[j])
-        frame_i, frame_j = (self._plant.GetFrameByName(f"frame_{k}") for k in (i, j))
-        drake = self._plant.CalcRelativeTransform(self._context, frame_i, frame_j)
-        return _compare(name, formula, value, chain, drake.GetAsMatrix4())
+    def by_chain(self, name: str, task: Sequence[int]) -> Array:
+        """Evaluate a matrix from the chain of the table."""
+        found = TRANSFORM.fullmatch(name)
+        if found:
+            i, j = map(int, found.groups())
+            return np.asarray(np.linalg.solve(self._chain[i], self._chain[j]), dtype=float)
+        if name == "P":
+            return np.asarray(self._chain[-1][:3, 3:])
+        return _of_jacobian(name, self._jacobians[0][list(task), : len(task)])
+
+    def by_drake(self, name: str, task: Sequence[int]) -> Array:
+        """Evaluate a matrix from Drake's plant."""
+        found = TRANSFORM.fullmatch("T0" + str(self._last) if name == "P" else name)
+        if found:
+            frame_i, frame_j = (self._plant.GetFrameByName(f"frame_{k}") for k in found.groups())
+            X_ij = self._plant.CalcRelativeTransform(self._context, frame_i, frame_j).GetAsMatrix4()
+            return np.asarray(X_ij[:3, 3:] if name == "P" else X_ij)
+        return _of_jacobian(name, self._jacobians[1][list(task), : len(task)])
+
+
+def _of_jacobian(name: str, J: Array) -> Array:
+    """Evaluate what follows from a Jacobian."""
+    column = CONTRIBUTION.fullmatch(name)
+    if column:
+        joint = int(column[1])
+        return J[:, joint - 1 : joint]
+    if name == "J⁻¹":
+        return np.asarray(np.linalg.inv(J), dtype=float)
+    return J if name == "J" else np.array([[np.linalg.det(J)]])
 
 
 def _drake_jacobian(plant: MultibodyPlant, context: Context, last: int) -> Array:
@@ -147,13 +196,3 @@ def _drake_jacobian(plant: MultibodyPlant, context: Context, last: int) -> Array
         context, JacobianWrtVariable.kQDot, foot, np.zeros(3), base, base
     )
     return spatial
-
-
-def _compare(name: str, formula: Formula, value: Array, chain: Array, drake: Array) -> Comparison:
-    return Comparison(
-        name=name,
-        formula=formula,
-        value=value,
-        from_chain=float(np.abs(value - chain).max()),
-        from_drake=float(np.abs(value - drake).max()),
-    )

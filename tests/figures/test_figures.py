@@ -1,7 +1,9 @@
 import hashlib
+import re
 import subprocess
 import sys
 from functools import cache
+from xml.etree import ElementTree
 
 import matplotlib as mpl
 import numpy as np
@@ -10,20 +12,22 @@ import pytest
 from drake_leg.figures import pendulum as pendulum_figures
 from drake_leg.figures import tip
 from drake_leg.figures.of_runs import figures_of_run
-from drake_leg.figures.style import STYLE, new_figure, save
+from drake_leg.figures.style import DARK, STYLE, for_light_and_dark, new_figure, save
 from drake_leg.figures.time_plots import curves_plot, time_plot, widen_flat_axis
 from drake_leg.recording import Recording
 from drake_leg.runs.catalogue import RUNS
 
-LEG_FIGURES = ["step", "foot_position", "foot_velocity", "foot_rotation", "joint_angles",
-               "joint_torques", "singularity"]  # fmt: skip
+ALONG_X = ["input_and_velocity", "velocity_and_position", "input_velocity_and_position"]
+TURNING = ["foot_rotation", "joint_angles", "joint_torques", "singularity"]
+ELLIPSE_FIGURES = ["step", "foot_position", "foot_velocity", *TURNING]
+LEG_FIGURES = ["step", "foot_position", "foot_velocity", *ALONG_X, *TURNING]
 SCARA_FIGURES = ["step", "tool_position", "tool_velocity", "joint_angles", "joint_torques",
                  "singularity"]  # fmt: skip
 PENDULUM_FIGURES = ["angle", "angle_and_rate", "energy"]
 FIGURES = {
     "pendulum": PENDULUM_FIGURES, "pendulum-damped": PENDULUM_FIGURES,
     "pendulum-spring": PENDULUM_FIGURES, "leg-a": LEG_FIGURES, "leg-b": LEG_FIGURES,
-    "ellipse": LEG_FIGURES, "scara": SCARA_FIGURES,
+    "ellipse": ELLIPSE_FIGURES, "scara": SCARA_FIGURES,
 }  # fmt: skip
 
 
@@ -62,7 +66,7 @@ def test_every_figure_has_a_title_and_axes_with_units(name):
         for axes in figure.axes:
             assert "[" in axes.get_ylabel()
             assert axes.get_xlabel() == "" or "[" in axes.get_xlabel()
-        assert figure.axes[-1].get_xlabel()
+        assert any(axes.get_xlabel() for axes in figure.axes)
 
 
 @pytest.mark.parametrize(
@@ -70,10 +74,8 @@ def test_every_figure_has_a_title_and_axes_with_units(name):
     [
         ("leg-b", "foot_position", ["x", "y", "z"], "[m]"),
         ("leg-b", "foot_velocity", ["vx", "vy", "vz"], "[m/s]"),
-        ("leg-a", "joint_angles", ["q1", "q2", "q3"], "[rad]"),
         ("leg-b", "joint_torques", ["tau1", "tau2", "tau3"], "[N m]"),
         ("scara", "tool_position", ["x", "y", "z"], "[m]"),
-        ("scara", "joint_angles", ["q1", "q2", "q3"], "[rad]"),
     ],
 )
 def test_time_plots_show_the_columns_against_time(name, figure, columns, unit):
@@ -90,10 +92,46 @@ def test_time_plots_show_the_columns_against_time(name, figure, columns, unit):
         np.testing.assert_array_equal(line.get_xdata(), recording["time"])
 
 
-def test_the_hip_the_knee_and_the_ankle_are_named():
-    labels = list(drawn(figures_of("leg-b")["joint_angles"]().axes[0]))
-    for label, joint in zip(labels, ("hip", "knee", "ankle"), strict=True):
-        assert joint in label
+@pytest.mark.parametrize(
+    ("name", "joints"),
+    [("leg-a", ("hip", "knee", "ankle")), ("scara", ("shoulder", "elbow", "wrist"))],
+)
+def test_the_joints_are_drawn_one_above_the_other_on_one_scale(name, joints):
+    recording = outcome_of(name).recording
+    panels = figures_of(name)["joint_angles"]().axes
+    spans = [np.ptp(axes.get_ylim()) for axes in panels]
+    assert spans == pytest.approx([spans[0]] * 3)
+    for number, (axes, joint) in enumerate(zip(panels, joints, strict=True), start=1):
+        assert joint in axes.get_ylabel()
+        assert "[rad]" in axes.get_ylabel()
+        (q,) = drawn(axes).values()
+        np.testing.assert_array_equal(q, recording[f"q{number}"])
+        low, high = axes.get_ylim()
+        assert low < q.min() <= q.max() < high
+        assert axes.get_shared_x_axes().joined(axes, panels[0])
+
+
+def test_what_stays_constant_is_said_and_only_then():
+    straight, round_about = figures_of("leg-b"), figures_of("ellipse")
+    (text,) = texts(straight["foot_position"]())
+    assert text.startswith("x swings through 140.0 mm; y and z stay within")
+    (text,) = texts(straight["foot_velocity"]())
+    assert "$v_y$ and $v_z$ stay within" in text
+    assert texts(round_about["foot_position"]()) == texts(round_about["foot_velocity"]()) == []
+
+
+def test_a_step_that_is_not_along_x_has_no_figures_of_x():
+    assert set(ALONG_X).isdisjoint(figures_of("leg-b", direction=(0.6, 0.8, 0.0), amplitude=0.02))
+
+
+@pytest.mark.parametrize("frequency", [1.0, 2.0])
+def test_the_frequency_of_a_step_is_where_it_turns(frequency):
+    recording = outcome_of("leg-b", frequency=frequency).recording
+    assert tip.step_frequency(recording) == pytest.approx(frequency, rel=1e-3)
+
+
+def test_a_step_that_has_not_turned_has_no_frequency():
+    assert tip.step_frequency(outcome_of("leg-b", duration=1.0).recording) is None
 
 
 def test_the_foots_rotation_is_drawn_as_the_legs_own_angles():
@@ -201,10 +239,40 @@ def test_a_run_that_came_to_rest_shows_where():
     assert named["angle"]().axes[0].get_lines()[1].get_ydata()[0] == rest
 
 
-def test_a_pendulum_that_does_not_rest_has_no_rest_line():
+def test_a_free_pendulum_has_no_rest_but_a_constant_amplitude_and_a_period():
+    outcome = outcome_of("pendulum")
     figure = figures_of("pendulum")["angle"]()
-    assert len(figure.axes[0].get_lines()) == 1
-    assert texts(figure) == []
+    _, *guides = figure.axes[0].get_lines()
+    assert [guide.get_ydata()[0] for guide in guides] == pytest.approx([0.0, np.pi], abs=1e-7)
+    (text,) = texts(figure)
+    assert "constant amplitude: every swing from 0 to 180 deg" in text
+    assert f"period {outcome.summary['exact_period_s']:.4f} s" in text
+
+
+def test_no_constant_amplitude_is_claimed_of_a_swing_that_dies_away():
+    recording = outcome_of("pendulum-damped", duration=3.0).recording
+    assert texts(pendulum_figures.angle(recording, "title")) == []
+
+
+def test_figures_that_are_compared_can_have_one_scale():
+    free, damped = (outcome_of(name).recording for name in ("pendulum", "pendulum-damped"))
+    spans = {"span": (0.0, np.pi), "rates": (-10.0, 10.0)}
+    angles = [pendulum_figures.angle(r, "", span=spans["span"]).axes[0] for r in (free, damped)]
+    assert angles[0].get_ylim() == pytest.approx(angles[1].get_ylim(), abs=0.01)
+    both = [pendulum_figures.angle_and_rate(r, "", **spans).axes for r in (free, damped)]
+    for one, other in zip(*both, strict=True):
+        assert one.get_ylim() == pytest.approx(other.get_ylim(), abs=0.05)
+
+
+def test_the_rate_is_marked_where_the_link_is_vertical_and_where_it_turns():
+    top, bottom = figures_of("pendulum")["angle_and_rate"]().axes
+    greatest = np.abs(outcome_of("pendulum").recording["qdot"]).max()
+    vertical, turning = drawn(top).values()
+    np.testing.assert_allclose(vertical, np.pi / 2, atol=1e-5)
+    np.testing.assert_allclose(np.abs(turning - np.pi / 2), np.pi / 2, atol=1e-5)
+    at_vertical, at_turning = (line.get_ydata() for line in bottom.get_lines()[1:])
+    np.testing.assert_allclose(np.abs(at_vertical), greatest, rtol=1e-4)
+    np.testing.assert_allclose(at_turning, 0.0, atol=1e-12)
 
 
 def test_the_energys_axis_hides_rounding_noise():
@@ -256,20 +324,37 @@ def digests(folder):
     return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir()}
 
 
-def test_a_figure_is_saved_as_png_and_svg_with_the_same_bytes_every_time(tmp_path):
+def test_a_figure_is_saved_as_png_svg_and_pdf_with_the_same_bytes_every_time(tmp_path):
     for place in ("first", "second"):
         (tmp_path / place).mkdir()
         for name in ("step", "joint_angles"):
             paths = save(figures_of("leg-b")[name](), tmp_path / place, name)
-            assert [path.name for path in paths] == [f"{name}.png", f"{name}.svg"]
+            assert {ending: path.name for ending, path in paths.items()} == {
+                "png": f"{name}.png",
+                "svg": f"{name}.svg",
+                "pdf": f"{name}.pdf",
+            }
     assert digests(tmp_path / "first") == digests(tmp_path / "second")
     assert (tmp_path / "first" / "step.png").read_bytes().startswith(b"\x89PNG")
     assert "<svg" in (tmp_path / "first" / "step.svg").read_text(encoding="utf-8")
+    assert (tmp_path / "first" / "step.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_a_saved_svg_tells_no_date(tmp_path):
+def test_a_saved_figure_tells_no_date(tmp_path):
     save(figures_of("leg-b")["step"](), tmp_path, "step")
     assert "dc:date" not in (tmp_path / "step.svg").read_text(encoding="utf-8")
+    assert b"CreationDate" not in (tmp_path / "step.pdf").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["leg-b", "pendulum", "pendulum-spring"])
+def test_every_colour_of_a_figure_has_one_for_the_dark(name, tmp_path):
+    for file, draw in figures_of(name).items():
+        svg = save(draw(), tmp_path, file)["svg"].read_text(encoding="utf-8")
+        used = set(re.findall(r"(?:fill|stroke): (#[0-9a-f]{6})", svg))
+        assert used <= {colour.lower() for colour in DARK}
+        themed = for_light_and_dark(svg)
+        ElementTree.fromstring(themed)
+        assert themed.index("prefers-color-scheme: dark") < themed.index("<defs>")
 
 
 def test_drawing_leaves_matplotlibs_settings_alone(tmp_path):

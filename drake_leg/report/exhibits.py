@@ -1,0 +1,199 @@
+"""What the page shows of each item, by its kind: made, written beside the page, and proved."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from drake_leg.drawings.drawing import draw
+from drake_leg.drawings.of_runs import ALL, run_pictures
+from drake_leg.figures.free_body import free_body
+from drake_leg.figures.style import for_light_and_dark, save
+from drake_leg.report import mathematics
+from drake_leg.report.contents import Item
+from drake_leg.report.markup import picture, power, prose
+from drake_leg.report.plots import PLOTS, deviation
+from drake_leg.report.runs import RUNS, command
+from drake_leg.report.subjects import SUBJECTS
+from drake_leg.runs.catalogue import run_kind
+from drake_leg.runs.outcome import Outcome
+from drake_leg.scene.motion import recorded_motion
+from drake_leg.scene.replay import replay_page
+from drake_leg.scene.stills import still_png
+from drake_leg.scene.views import VIEWS
+
+NARROW = 600  # [px], a block diagram that may be made to fit a phone's screen
+FITTED, LEGIBLE = 0.62, 0.75  # of its own size, the least at which one is shown
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exhibit:
+    """One item, ready for the page."""
+
+    body: str  # HTML
+    commands: tuple[str, ...]  # that reproduce it
+    result: str = ""  # which file of theirs shows it
+    proof: str = ""  # HTML: how far it is from the exact answer
+    files: tuple[str, ...] = ()  # beside the page
+
+
+@dataclass(frozen=True, kw_only=True)
+class Workshop:
+    """Where exhibits are made, and what from."""
+
+    folder: Path
+    outcomes: Mapping[str, Outcome]  # of all ``RUNS``
+
+    def make(self, item: Item) -> Exhibit:
+        """Make an item's exhibit, and write its files.
+
+        Parameters
+        ----------
+        item : Item
+            Of the contents.
+
+        Returns
+        -------
+        Exhibit
+
+        Raises
+        ------
+        OSError
+            If a file cannot be written.
+        """
+        return KINDS[item.kind](item, self)
+
+
+def _plot(item: Item, workshop: Workshop) -> Exhibit:
+    plot, outcome = PLOTS[item.show], workshop.outcomes[item.subject]
+    title = f"{item.label}: {RUNS[item.subject].title}"
+    paths = save(plot.draw(outcome, title), workshop.folder, item.id)
+    return Exhibit(
+        body=_figure(item, for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))),
+        commands=(command(item.subject),),
+        result=f"{item.subject}/{plot.file}.svg",
+        proof=f"From the exact answer: at most {power(deviation(plot, outcome))} {plot.unit}.",
+        files=tuple(path.name for path in paths.values()),
+    )
+
+
+def _frames(item: Item, workshop: Workshop) -> Exhibit:
+    robot = workshop.outcomes[item.subject].robot
+    figure = free_body(robot, title=f"{item.label}: {robot.title}")
+    paths = save(figure, workshop.folder, item.id)
+    return Exhibit(
+        body=_figure(item, for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))),
+        commands=(f"drake-leg diagram {item.subject} --part frames --out {item.id}.svg",),
+        files=tuple(path.name for path in paths.values()),
+    )
+
+
+def _blocks(item: Item, workshop: Workshop) -> Exhibit:
+    kind = run_kind(item.subject)
+    diagram, _ = kind.diagram(kind.options())
+    robot = workshop.outcomes[item.subject].robot
+    pictures = run_pictures(diagram, robot, title=kind.title, part=item.show)
+    svg = draw(*pictures).svg
+    file = workshop.folder / f"{item.id}.svg"
+    file.write_text(svg, encoding="utf-8")
+    part = "" if item.show == ALL else f" --part {item.show}"
+    found = re.search(r'width="([\d.]+)"', svg)
+    width = round(float(found[1])) if found else 0
+    narrow = width < NARROW
+    least = round(width * (FITTED if narrow else LEGIBLE))
+    place = f'class="drawing{"" if narrow else " large"}"'
+    return Exhibit(
+        body=_figure(item, svg, f' {place} style="--width: {width}px; --least: {least}px"'),
+        commands=(f"drake-leg diagram {item.subject}{part} --out {item.id}.svg",),
+        files=(file.name,),
+    )
+
+
+def _still(item: Item, workshop: Workshop) -> Exhibit:
+    subject = SUBJECTS[item.subject]
+    file = workshop.folder / f"{item.id}.png"
+    file.write_bytes(still_png(subject.robot, subject.q, view=VIEWS[item.show]))
+    return Exhibit(
+        body=_figure(item, file.read_bytes(), ' class="still"'),
+        commands=(
+            f"drake-leg view {subject.name} --q {subject.option} --from {item.show} "
+            f"--still {item.id}.png",
+        ),
+        files=(file.name,),
+    )
+
+
+def _replay(item: Item, workshop: Workshop) -> Exhibit:
+    outcome = workshop.outcomes[item.subject]
+    motion = recorded_motion(outcome.robot, outcome.recording)
+    file = workshop.folder / f"{item.id}.html"
+    file.write_text(replay_page(motion), encoding="utf-8")
+    poster = picture(still_png(outcome.robot, motion.q[0], motion=motion), item.caption)
+    body = (
+        f'<figure class="still replay"><a href="{file.name}" title="{escape(item.title)}">{poster}'
+        '<span class="play">Play in 3D</span></a>'
+        f"<figcaption>{prose(item.caption)}</figcaption></figure>"
+    )
+    return Exhibit(
+        body=body,
+        commands=(
+            command(item.subject),
+            f"drake-leg replay {item.subject} --out {item.id}.html",
+        ),
+        files=(file.name,),
+    )
+
+
+def _figure(item: Item, data: bytes | str, attributes: str = "") -> str:
+    image = picture(data, f"{item.title}. {item.caption}")
+    return (
+        f"<figure><div{attributes}>{image}</div>"
+        f"<figcaption>{prose(item.caption)}</figcaption></figure>"
+    )
+
+
+def _text(item: Item, body: str, *commands: str) -> Exhibit:
+    caption = f"<p>{prose(item.caption)}</p>\n" if item.caption else ""
+    return Exhibit(body=caption + body, commands=commands)
+
+
+def _table(item: Item, _workshop: Workshop) -> Exhibit:
+    body = mathematics.khalil_table(SUBJECTS[item.subject].robot)
+    return _text(item, body, f"drake-leg sdf {item.subject} --toml")
+
+
+def _equations(item: Item, _workshop: Workshop) -> Exhibit:
+    return _text(item, mathematics.equations(item), f"drake-leg derive {item.subject}")
+
+
+def _methods(item: Item, _workshop: Workshop) -> Exhibit:
+    commands = (f"drake-leg check {item.subject}", f"drake-leg derive {item.subject}")
+    return _text(item, mathematics.both_methods(item), *commands)
+
+
+def _singular(item: Item, _workshop: Workshop) -> Exhibit:
+    commands = mathematics.singular_commands(item)
+    return _text(item, mathematics.singular_postures(item), *commands)
+
+
+def _stroke(item: Item, _workshop: Workshop) -> Exhibit:
+    subject = SUBJECTS[item.subject]
+    doctor = f"drake-leg doctor {subject.name} --q {subject.option} --direction 1,0,0"
+    return _text(item, mathematics.stroke(item), doctor)
+
+
+KINDS: Mapping[str, Callable[[Item, Workshop], Exhibit]] = {
+    "plot": _plot,
+    "frames": _frames,
+    "blocks": _blocks,
+    "still": _still,
+    "replay": _replay,
+    "table": _table,
+    "equations": _equations,
+    "methods": _methods,
+    "singular": _singular,
+    "stroke": _stroke,
+}

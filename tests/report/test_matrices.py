@@ -1,0 +1,119 @@
+"""The page's formulas against the chain, Drake and SymPy."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.report import matrices
+from drake_leg.report.contents import chapters
+from drake_leg.report.formulas import LEG, as_html, of_variant
+from drake_leg.report.matrices import comparisons, methods
+from drake_leg.report.subjects import SUBJECTS
+
+NAMES = ("leg-a", "leg-b", "scara")
+
+
+def posed(name, seed):
+    subject = SUBJECTS[name]
+    q = np.random.default_rng(seed).uniform(0.3, 1.2, len(subject.q))
+    return replace(subject, q=tuple(q.tolist()))
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("name", NAMES)
+def test_every_formula_agrees_with_the_chain_and_with_drake(name, seed):
+    for matrix, comparison in comparisons(posed(name, seed)).items():
+        least = 1e-12 if matrix == "J⁻¹" else 2e-15
+        assert comparison.from_chain < least, matrix
+        assert comparison.from_drake < least, matrix
+
+
+@pytest.mark.parametrize("entry", [(0, 0), (1, 3), (2, 2)])
+def test_a_wrong_entry_is_seen(entry, monkeypatch):
+    row, column = entry
+    wrong = [list(cells) for cells in LEG["T04"]]
+    wrong[row][column] = f"{wrong[row][column]} + c1"
+    monkeypatch.setitem(matrices.LEG, "T04", tuple(map(tuple, wrong)))
+    compared = comparisons(posed("leg-b", 0))["T04"]
+    assert min(compared.from_chain, compared.from_drake) > 0.1
+
+
+def test_an_equation_names_a_matrix_or_is_a_text_with_an_equals_sign():
+    for item in (item for chapter in chapters() for item in chapter.items if item.equations):
+        known = comparisons(SUBJECTS[item.subject])
+        for _, name in item.equations:
+            assert name in known or " = " in name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_direct_and_indirect_jacobian_are_one(name):
+    found = methods(SUBJECTS[name])
+    assert found.difference < 1e-14
+    np.testing.assert_allclose(found.direct, found.indirect, atol=1e-15)
+    np.testing.assert_allclose(found.direct, comparisons(SUBJECTS[name])["J"].value, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("entry", "leg_a", "leg_b"),
+    [
+        ("s", "-1", "1"),
+        ("-s", "1", "-1"),
+        ("s*s2", "-s2", "s2"),
+        ("-s*c1", "c1", "-c1"),
+        ("s*(l2*s2 + l3*s23)", "-(l2*s2 + l3*s23)", "l2*s2 + l3*s23"),
+        ("s1*c2", "s1*c2", "s1*c2"),
+    ],
+)
+def test_a_variant_has_its_own_signs(entry, leg_a, leg_b):
+    assert of_variant(((entry,),), -1) == ((leg_a,),)
+    assert of_variant(((entry,),), 1) == ((leg_b,),)
+
+
+def test_formulas_are_set_with_subscripts_and_without_signs_of_products():
+    shown = as_html("-l1*c23 + c3**2/sinα")
+    assert re.sub("<[^>]*>", "", shown) == "&minus;l1&#8201;c23 + c32/sin&#8201;α"
+    assert "<i>c</i><sub>23</sub>" in shown
+    assert "<sub>3</sub><sup>2</sup>" in shown
+
+
+@pytest.mark.parametrize("name", ["leg-a", "leg-b"])
+def test_the_leg_is_singular_in_the_postures_that_are_named(name):
+    subject = SUBJECTS[name]
+    leg = LegGeometry.from_robot(subject.robot)
+    for posture, degrees in subject.singular:
+        _, q2, q3 = np.radians(degrees)
+        reach = leg.l1 + leg.l2 * np.cos(q2) + leg.l3 * np.cos(q2 + q3)
+        families = (abs(np.sin(q3)) < 1e-12, abs(reach) < 1e-12)
+        expected = {"foot on the hip axis": (False, True), "both at once": (True, True)}
+        assert families == expected.get(posture, (True, False))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_sympy_derives_the_same(name):
+    sympy = pytest.importorskip("sympy", reason="SymPy, of the extra symbolic, is not installed")
+    from drake_leg.symbolic.catalogue import derived_equations
+
+    subject = posed(name, 4)
+    values = {f"q{i}": q for i, q in enumerate(subject.q, start=1)}
+    values |= {f"l{i}": row.d for i, row in enumerate(subject.robot.rows[1:], start=1) if row.d}
+    values["h"] = subject.robot.rows[0].r
+    known = comparisons(subject)
+    checked = set()
+    for equation in derived_equations(name):
+        matrix = str(equation.left).replace("_", "")
+        if matrix not in known or not hasattr(equation.right, "shape"):
+            continue
+        right = sympy.Matrix(equation.right).subs(
+            {s: values[str(s).replace("_", "")] for s in equation.right.free_symbols
+             if str(s).replace("_", "") in values}
+        )  # fmt: skip
+        if right.free_symbols:
+            continue
+        np.testing.assert_allclose(
+            np.array(right, dtype=float), known[matrix].value, atol=1e-12, err_msg=matrix
+        )
+        checked.add(matrix)
+    assert {"T01", "T12", "T23", "T34", "J"} <= checked

@@ -1,0 +1,96 @@
+"""The page in a browser: on a wide screen, on a phone, in the dark, with a replay opened."""
+
+import shutil
+
+import pytest
+
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def browser():
+    api = pytest.importorskip(
+        "playwright.sync_api", reason="Playwright, of the extra browser, is not installed"
+    )
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("no Chromium is installed (Debian: apt-get install chromium)")
+    with api.sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=program, args=FLAGS)
+        yield running
+        running.close()
+
+
+class Visit:
+    """The page, open, with what it asked for and what it complained of."""
+
+    def __init__(self, browser, folder, width, **settings):
+        self.page = browser.new_page(viewport={"width": width, "height": 844}, **settings)
+        self.errors, self.requests = [], []
+        self.page.on("console", self._note)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto((folder / "report.html").as_uri())
+
+    def _note(self, message):
+        if message.type == "error":
+            self.errors.append(message.text)
+
+    def close(self):
+        self.page.close()
+        assert self.errors == []
+        away = [u for u in self.requests if not u.startswith(("file:", "data:", "blob:"))]
+        assert away == []
+
+
+@pytest.mark.parametrize("width", [390, 820, 1440])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_is_wider_than_the_window_and_every_picture_is_there(
+    browser, folder, width, scheme
+):
+    visit = Visit(browser, folder, width, color_scheme=scheme)
+    assert visit.page.evaluate("document.documentElement.scrollWidth") == width
+    broken = "[...document.images].filter(i => !i.complete || !i.naturalWidth).map(i => i.alt)"
+    assert visit.page.evaluate(broken) == []
+    shade = visit.page.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert (shade == "rgb(255, 255, 255)") == (scheme == "light")
+    visit.close()
+
+
+@pytest.mark.parametrize("width", [390, 1440])
+def test_a_replay_opens_in_its_place_and_plays(browser, folder, width):
+    visit = Visit(browser, folder, width)
+    item = visit.page.locator("#b07_replay")
+    assert item.locator("iframe").count() == 0
+    item.get_by_text("Play in 3D").click()
+    assert item.locator("figure a").count() == 0
+    frame = item.locator("iframe").element_handle().content_frame()
+    frame.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
+    place = "viewer.scene_tree.find(['drake', 'robot', 'frame_4']).object.position.toArray()"
+    before = frame.evaluate(place)
+    frame.get_by_role("button", name="Play", exact=True).click()
+    visit.page.wait_for_timeout(700)
+    assert frame.evaluate(place) != before
+    assert visit.page.evaluate("document.documentElement.scrollWidth") == width
+    visit.close()
+
+
+def test_without_scripts_the_replay_is_a_link(browser, folder):
+    visit = Visit(browser, folder, 820, java_script_enabled=False)
+    link = visit.page.locator("#b07_replay figure a")
+    assert link.get_attribute("href") == "b07_replay.html"
+    visit.close()
+
+
+def test_on_paper_nothing_is_cut_off(browser, folder):
+    visit = Visit(browser, folder, 680)  # the width of A4 between margins of 15 mm
+    visit.page.emulate_media(media="print")
+    assert visit.page.evaluate("document.documentElement.scrollWidth") == 680
+    cut = (
+        "[...document.querySelectorAll('main img, main table')]"
+        ".filter(e => e.getBoundingClientRect().right > innerWidth + 1).length"
+    )
+    assert visit.page.evaluate(cut) == 0
+    visit.close()
