@@ -12,6 +12,7 @@ from drake_leg.quantities import (
     SPRING_UNITS,
     require_angle,
     require_non_negative,
+    require_number,
     require_positive,
 )
 
@@ -132,6 +133,8 @@ class JointMechanics:
 
     def _check_limits(self) -> None:
         for name, limit in (("lower", self.lower), ("upper", self.upper)):
+            if limit is not None:
+                require_number(f"the {name} limit", limit)
             if limit is not None and not math.isfinite(limit):
                 raise InvalidValueError(
                     f"the {name} limit is {limit!r}; it must be finite, or left out"

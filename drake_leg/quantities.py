@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from numbers import Real
 
 from drake_leg.errors import InvalidValueError
 
@@ -20,6 +21,18 @@ DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
 SPRING_UNITS = {"N*m/rad": 1.0, "N*m/deg": 180.0 / math.pi}
 
 
+def require_number(what: str, value: object) -> None:
+    """Refuse what is no real number.
+
+    Raises
+    ------
+    InvalidValueError
+        Naming the quantity and the value.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise InvalidValueError(f"{what} is {value!r}; it must be a number")
+
+
 def require_positive(what: str, value: float, unit: str) -> None:
     """Refuse a value that is not a positive finite number.
 
@@ -28,6 +41,7 @@ def require_positive(what: str, value: float, unit: str) -> None:
     InvalidValueError
         Naming the quantity, the value and the unit.
     """
+    require_number(what, value)
     if not (math.isfinite(value) and value > 0.0):
         raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be a positive number")
     if not LEAST <= value <= MOST:
@@ -44,6 +58,7 @@ def require_non_negative(what: str, value: float, unit: str) -> None:
     InvalidValueError
         Naming the quantity, the value and the unit.
     """
+    require_number(what, value)
     if not (math.isfinite(value) and value >= 0.0):
         raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be zero or positive")
     if value:
@@ -58,6 +73,7 @@ def require_angle(what: str, value: float) -> None:
     InvalidValueError
         Naming the quantity and the value.
     """
+    require_number(what, value)
     if not math.isfinite(value):
         raise InvalidValueError(f"{what} is {float(value)!r}; it must be a finite angle")
     if abs(value) > LARGEST_ANGLE:

@@ -63,12 +63,19 @@ class InputFilter(Diagram):
     ) -> None:
         super().__init__()
         require_positive("the filter's time constant", time_constant, "s")
+        if not isinstance(size, int) or size < 1:
+            raise InvalidValueError(
+                f"the filter's size is {size!r}; it must be the number of signals, 1 or more"
+            )
         if order not in (1, 2):
             raise InvalidValueError(f"the filter's order is {order!r}; it must be 1 or 2")
         self.time_constant = time_constant
         self.order = order
         self.has_initial = initial is not None
-        start = np.zeros(size) if initial is None else np.asarray(initial, dtype=np.float64)
+        try:
+            start = np.zeros(size) if initial is None else np.asarray(initial, dtype=np.float64)
+        except (TypeError, ValueError):
+            start = np.zeros(0)
         if start.shape != (size,) or not np.isfinite(start).all():
             raise InvalidValueError(
                 f"the filter's initial output is {initial!r}; it must be {size} finite numbers"

@@ -8,6 +8,7 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.joint_stop import stop_force, stored_energy
 from drake_leg.systems.partial_dynamics import joints_of_one_axis
@@ -42,6 +43,11 @@ class JointStops(LeafSystem):
 
     def __init__(self, plant: MultibodyPlant, mechanics: Mapping[str, JointMechanics]) -> None:
         super().__init__()
+        for name, acting in mechanics.items():
+            if not isinstance(acting, JointMechanics):
+                raise InvalidValueError(
+                    f"the mechanics of joint {name!r} are {acting!r}; they must be JointMechanics"
+                )
         stopped = {name: acting for name, acting in mechanics.items() if acting.stops}
         self.mechanics: Mapping[str, JointMechanics] = stopped
         joints = joints_of_one_axis(plant, stopped)

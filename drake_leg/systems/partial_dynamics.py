@@ -15,6 +15,27 @@ from drake_leg.kinematics.batches import Array
 _ONE_AXIS = ("revolute", "prismatic")
 
 
+def require_plant(plant: MultibodyPlant) -> None:
+    """Refuse what is no finalised plant.
+
+    Parameters
+    ----------
+    plant : MultibodyPlant
+        To be looked at.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is none, or not finalised.
+    """
+    if not isinstance(plant, MultibodyPlant):
+        raise InvalidValueError(f"the plant is {plant!r}; it must be a MultibodyPlant")
+    if not plant.is_finalized():
+        raise InvalidValueError(
+            f"the plant {plant.get_name()!r} is not finalised; call its Finalize() before"
+        )
+
+
 def joints_of_one_axis(plant: MultibodyPlant, joints: Iterable[str | Joint]) -> list[Joint]:
     """Find the joints that are named, each of them revolute or prismatic.
 
@@ -36,7 +57,15 @@ def joints_of_one_axis(plant: MultibodyPlant, joints: Iterable[str | Joint]) -> 
         If none is named or one twice, if there is no such joint or more than one, or if one is
         neither revolute nor prismatic.
     """
-    found = [_joint(plant, joint) if isinstance(joint, str) else joint for joint in joints]
+    require_plant(plant)
+    named = [joints] if isinstance(joints, str) else list(joints)
+    found = [_joint(plant, joint) if isinstance(joint, str) else joint for joint in named]
+    for joint in found:
+        if not isinstance(joint, Joint) or joint.GetParentPlant() is not plant:
+            raise InvalidValueError(
+                f"{joint!r} is no joint of the plant {plant.get_name()!r}; give its joints or "
+                "their names"
+            )
     if not found:
         raise InvalidValueError("no joint is named; name at least one revolute or prismatic joint")
     for index, joint in enumerate(found):

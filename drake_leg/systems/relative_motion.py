@@ -252,6 +252,10 @@ class RelativeMotion:
 
 
 def _own(plant: MultibodyPlant, frame: Frame) -> Frame:
+    if not isinstance(frame, Frame):
+        raise InvalidValueError(
+            f"{frame!r} is no frame; take one from the plant, as plant.GetFrameByName('foot')"
+        )
     if frame.GetParentPlant() is not plant:
         raise InvalidValueError(
             f"the frame {frame.name()!r} is not of the plant {plant.get_name()!r}; take it from "
