@@ -2,7 +2,7 @@
 
 ``sdf/thigh.sdf`` is the femur of leg B. A leg's document includes it once for every joint and
 sets only what differs, as one fills in a Simulink mask: with SDF's custom model composition,
-``<experimental:params>``, which Drake's and Gazebo's parsers both read.
+``<experimental:params>``, which SDFormat's parser, and so Drake's, reads.
 """
 
 from __future__ import annotations
