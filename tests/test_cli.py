@@ -3,6 +3,7 @@ import json
 import math
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -123,12 +124,11 @@ def test_a_run_leaves_a_recording_a_summary_and_pictures(carried_out):
     assert status == 0
     names = {path.name for path in out.iterdir()}
     assert {"recording.csv", "summary.json"} <= names
-    pictures = {name for name in names if name.endswith((".png", ".svg"))}
+    pictures = {name for name in names if name.endswith((".png", ".svg", ".pdf"))}
     assert pictures | {"recording.csv", "summary.json"} == names
     assert len(pictures) >= 6
-    assert {p.removesuffix(".png") for p in pictures if p.endswith(".png")} == {
-        p.removesuffix(".svg") for p in pictures if p.endswith(".svg")
-    }
+    stems = {Path(picture).stem for picture in pictures}
+    assert pictures == {f"{stem}.{ending}" for stem in stems for ending in ("png", "svg", "pdf")}
     assert [path.name for path in out.parent.iterdir()] == [name]
 
 

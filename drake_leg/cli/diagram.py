@@ -97,7 +97,7 @@ def _frames(name: str) -> str:
 def _subject(name: str) -> tuple[str, Diagram, Robot]:
     """Find a run's title, its diagram as it is by default, and its robot."""
     if name.lower().endswith(".toml"):
-        from drake_leg.runs.leg import straight_diagram
+        from drake_leg.runs.leg_setup import straight_diagram
         from drake_leg.runs.options import StraightOptions
 
         robot = robot_source(name).robot()

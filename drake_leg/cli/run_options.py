@@ -79,7 +79,7 @@ def kind_of(name: str) -> RunKind:
         return run_robot(robot, options, progress)
 
     def diagram(options: StraightOptions) -> tuple[Diagram, Start]:
-        from drake_leg.runs.leg import straight_diagram
+        from drake_leg.runs.leg_setup import straight_diagram
 
         return straight_diagram(robot, options)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -12,8 +14,12 @@ from drake_leg.kinematics.inverse import Inverse
 from drake_leg.kinematics.task import Task
 from drake_leg.robot import Robot, Segment, require_angle, require_non_negative
 from drake_leg.systems.drift_correction import DriftCorrection
+from drake_leg.systems.speed_limit import SpeedLimit
 
 CORRECTION = "Drift Correction"
+SPEED_LIMIT = "Speed Limit"
+TOP_SPEED = 1.25  # of a corrected command, times the greatest speed of the uncorrected one
+LEAST_TOP = 0.5  # [1/s], of the arm's length: the limit of a corrected command at least
 EXACT_INVERSE = Inverse()
 
 
@@ -63,6 +69,28 @@ class Control:
         q1, q2, q3 = (q + error for q, error in zip(q0, self.q0_error, strict=True))
         return q1, q2, q3
 
+    def top_speed(self, task: Task, commanded: float) -> float:
+        """Return how fast a corrected command may be.
+
+        A foot that waits at its boundary for a command far outside is not pushed against it ever
+        harder. An exact inverse has no limit, so that an error falls exponentially from the start.
+
+        Parameters
+        ----------
+        task : Task
+            With the length of the arm.
+        commanded : float
+            Greatest speed of the uncorrected command [m/s].
+
+        Returns
+        -------
+        float
+            [m/s]; infinite for an exact inverse.
+        """
+        if self.inverse.is_exact:
+            return math.inf
+        return max(TOP_SPEED * commanded, LEAST_TOP * task.length)
+
 
 EXACT = Control()
 
@@ -82,6 +110,8 @@ def corrected(
     *,
     p: OutputPort,
     pdot: OutputPort,
+    top_speed: float = math.inf,
+    lengths: Sequence[float] = (1.0, 1.0, 1.0),
 ) -> Command:
     """Add a drift correction to a command, unless its gain is zero.
 
@@ -97,6 +127,10 @@ def corrected(
         Uncorrected.
     p, pdot : OutputPort
         The foot's place [m] and velocity [m/s], as sensed.
+    top_speed : float
+        How fast the sum may be [m/s].
+    lengths : (3,) sequence of float
+        What makes each part of the velocity a length [m/unit].
 
     Returns
     -------
@@ -107,4 +141,9 @@ def corrected(
     correction = builder.AddNamedSystem(CORRECTION, DriftCorrection(gain, start))
     for name, signal in (("v", command.v), ("a", command.a), ("p", p), ("pdot", pdot)):
         builder.Connect(signal, correction.GetInputPort(name))
+    if math.isfinite(top_speed):
+        limit = builder.AddNamedSystem(SPEED_LIMIT, SpeedLimit(top_speed, lengths))
+        builder.Connect(correction.GetOutputPort("velocity"), limit.GetInputPort("v"))
+        builder.Connect(correction.GetOutputPort("acceleration"), limit.GetInputPort("a"))
+        correction = limit
     return Command(correction.GetOutputPort("velocity"), correction.GetOutputPort("acceleration"))

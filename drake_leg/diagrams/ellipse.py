@@ -15,6 +15,7 @@ import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import MatrixGain, Multiplexer, Sine
 
+from drake_leg.diagrams.building import built
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, add_leg
 from drake_leg.diagrams.mechanism import add_scope
 from drake_leg.errors import InvalidValueError
@@ -41,6 +42,11 @@ class EllipseConfig(HexabotLegConfig):
                 f"the direction is {self.direction!r}; the ellipse's plane is vertical, "
                 "so that its direction must be horizontal (third number 0)"
             )
+
+    @property
+    def greatest_speed(self) -> float:
+        """Of the foot, as commanded [m/s]."""
+        return max(abs(self.amplitude), abs(self.lift) / 2.0 * self.frequency)
 
 
 def build(config: EllipseConfig) -> Diagram:
@@ -75,4 +81,4 @@ def build(config: EllipseConfig) -> Diagram:
 
     add_scope(builder, "input", along.GetOutputPort("y0"))
     add_leg(builder, config, v=v, a=a)
-    return builder.Build()
+    return built(builder)

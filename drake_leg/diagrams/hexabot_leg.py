@@ -25,7 +25,9 @@ from pydrake.systems.primitives import (
     Sine,
 )
 
+from drake_leg.diagrams.building import built
 from drake_leg.diagrams.control import EXACT, Command, Control, corrected
+from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.foot_task import foot_task
@@ -51,6 +53,7 @@ class HexabotLegConfig:
     filter_time_constant: float | None = None  # [s], of the joints' input filters; None: no filter
     feedback: str = "sensed"  # joint positions for the inverse Jacobian, or "integrated" ones
     control: Control = EXACT
+    disturbance: Disturbance = UNDISTURBED
 
     def __post_init__(self) -> None:
         foot_task(self.robot)
@@ -70,6 +73,11 @@ class HexabotLegConfig:
             )
         if self.filter_time_constant is not None:
             require_positive("the filter's time constant", self.filter_time_constant, "s")
+
+    @property
+    def greatest_speed(self) -> float:
+        """Of the foot, as commanded [m/s]."""
+        return abs(self.amplitude)
 
 
 def build(config: HexabotLegConfig) -> Diagram:
@@ -105,7 +113,7 @@ def build(config: HexabotLegConfig) -> Diagram:
         a = _turn(builder, "Direction of the derivatives", config.direction, a)
 
     add_leg(builder, config, v=v, a=a)
-    return builder.Build()
+    return built(builder)
 
 
 def add_leg(
@@ -118,7 +126,7 @@ def add_leg(
     builder : DiagramBuilder
         The diagram under construction.
     config : HexabotLegConfig
-        Robot, posture, gravity, filter, control.
+        Robot, posture, gravity, filter, control, disturbance.
     v, a : OutputPort
         The foot's commanded velocity [m/s] and acceleration [m/s^2] in the base frame.
     """
@@ -131,7 +139,7 @@ def add_leg(
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q0[i - 1]])) for i in (1, 2, 3)
     ]
     converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(3))
-    leg = add_mechanism(builder, config.robot, config.gravity)
+    leg = add_mechanism(builder, config.robot, config.gravity, config.disturbance)
 
     command = corrected(
         builder,
@@ -140,6 +148,7 @@ def add_leg(
         Command(v, a),
         p=leg.foot.GetOutputPort("position"),
         pdot=leg.foot.GetOutputPort("velocity"),
+        top_speed=control.top_speed(task, config.greatest_speed),
     )
     builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
@@ -163,6 +172,8 @@ def add_leg(
         builder.Connect(signal, leg.motion.GetInputPort(name))
 
     add_mechanism_scopes(builder, leg)
+    if config.disturbance.acts:
+        add_scope(builder, "prescribed positions", motion["q"])
     add_scope(builder, "commanded velocities", v)
     add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
 

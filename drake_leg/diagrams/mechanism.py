@@ -14,6 +14,13 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Demultiplexer, VectorLogSink
 
+from drake_leg.diagrams.disturbance import (
+    UNDISTURBED,
+    Disturbance,
+    add_push,
+    limited_torque,
+)
+from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.models.state_targets import initial_state
 from drake_leg.robot import Robot
@@ -34,9 +41,15 @@ class Mechanism(NamedTuple):
     motion: PrescribedMotion
     joints: Demultiplexer  # sensed positions on port 0, velocities on port 1
     foot: FrameSensor
+    torque: OutputPort  # as it acts, behind a limit if there is one
 
 
-def add_mechanism(builder: DiagramBuilder, robot: Robot, gravity: float) -> Mechanism:
+def add_mechanism(
+    builder: DiagramBuilder,
+    robot: Robot,
+    gravity: float,
+    disturbance: Disturbance = UNDISTURBED,
+) -> Mechanism:
     """Add a motion-driven robot to a diagram, with its joints and its last frame sensed.
 
     Parameters
@@ -47,6 +60,8 @@ def add_mechanism(builder: DiagramBuilder, robot: Robot, gravity: float) -> Mech
         Fully actuated. The motion presses joints with stops into these, with the torque it takes.
     gravity : float
         Along the world's -z [m/s^2].
+    disturbance : Disturbance
+        What keeps the joints from following their motion exactly.
 
     Returns
     -------
@@ -56,31 +71,41 @@ def add_mechanism(builder: DiagramBuilder, robot: Robot, gravity: float) -> Mech
     Raises
     ------
     InvalidValueError
-        If a joint of the robot has no actuator, or gravity is not finite.
+        If a joint of the robot has no actuator, gravity is not finite, or a believed mass makes no
+        sense.
     """
     plant = builder.AddNamedSystem(robot.name, build_plant(robot, gravity=gravity))
     n = plant.num_positions()
     stops = add_stops(builder, robot, plant)
     joints = [str(segment.joint) for segment in robot.moving] if stops else None
-    motion = builder.AddNamedSystem(MOTION, PrescribedMotion(plant, joints))
+    believed = disturbance.believed(robot, gravity)
+    motion = builder.AddNamedSystem(
+        MOTION,
+        PrescribedMotion(plant, joints, stiffness=disturbance.pull, believed=believed),
+    )
     joints = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([n, n]))
     foot_frame = plant.GetFrameByName(f"frame_{len(robot.segments)}")
     foot = builder.AddNamedSystem(SENSOR, FrameSensor(plant, foot_frame))
 
     state = plant.get_state_output_port()
-    if stops is None:
-        builder.Connect(motion.GetOutputPort("torque"), plant.get_actuation_input_port())
-    else:
+    torque = motion.GetOutputPort("torque")
+    if disturbance.torque_limit is not None:
+        _require_actuators(robot, plant)
+        torque = limited_torque(builder, disturbance.torque_limit, torque)
+    if disturbance.push is not None:
+        add_push(builder, plant, foot_frame, disturbance.push)
+    if stops is None or disturbance.torque_limit is not None:
+        builder.Connect(torque, plant.get_actuation_input_port())
+    if stops is not None:
         force = stops.GetOutputPort("generalized_force")
         builder.Connect(force, motion.GetInputPort("applied_generalized_force"))
-        builder.Connect(
-            motion.GetOutputPort("generalized_force"),
-            plant.get_applied_generalized_force_input_port(),
-        )
+        if disturbance.torque_limit is None:
+            force = motion.GetOutputPort("generalized_force")
+        builder.Connect(force, plant.get_applied_generalized_force_input_port())
     builder.Connect(state, motion.GetInputPort("state"))
     builder.Connect(state, joints.get_input_port())
     builder.Connect(state, foot.GetInputPort("state"))
-    return Mechanism(plant, motion, joints, foot)
+    return Mechanism(plant, motion, joints, foot, torque)
 
 
 def add_stops(builder: DiagramBuilder, robot: Robot, plant: MultibodyPlant) -> JointStops | None:
@@ -108,6 +133,14 @@ def add_stops(builder: DiagramBuilder, robot: Robot, plant: MultibodyPlant) -> J
     return stops
 
 
+def _require_actuators(robot: Robot, plant: MultibodyPlant) -> None:
+    if plant.num_actuators() != plant.num_velocities():
+        raise InvalidValueError(
+            f"{robot.name!r} has {plant.num_actuators()} actuators for its "
+            f"{plant.num_velocities()} joints; a torque limit needs one at every joint"
+        )
+
+
 def add_mechanism_scopes(builder: DiagramBuilder, mechanism: Mechanism) -> None:
     """Log what the mechanical half senses, each log named like the scope it stands for.
 
@@ -118,7 +151,7 @@ def add_mechanism_scopes(builder: DiagramBuilder, mechanism: Mechanism) -> None:
     mechanism : Mechanism
         Its blocks.
     """
-    plant, motion, joints, foot = mechanism
+    plant, motion, joints, foot, torque = mechanism
     add_scope(builder, "foot positions", foot.GetOutputPort("position"))
     add_scope(builder, "foot velocities", foot.GetOutputPort("velocity"))
     add_scope(builder, "Q", foot.GetOutputPort("quaternion"))
@@ -126,7 +159,9 @@ def add_mechanism_scopes(builder: DiagramBuilder, mechanism: Mechanism) -> None:
     add_scope(builder, "joint positions", joints.get_output_port(0))
     add_scope(builder, "joint velocities", joints.get_output_port(1))
     add_scope(builder, "joint accelerations", plant.get_generalized_acceleration_output_port())
-    add_scope(builder, "joint torques", motion.GetOutputPort("torque"))
+    add_scope(builder, "joint torques", torque)
+    if torque.get_system() is not motion:
+        add_scope(builder, "torques asked for", motion.GetOutputPort("torque"))
 
 
 def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:

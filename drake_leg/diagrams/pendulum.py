@@ -15,6 +15,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Adder, Demultiplexer
 
+from drake_leg.diagrams.building import built
 from drake_leg.diagrams.mechanism import add_scope, add_stops
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
@@ -72,7 +73,7 @@ def build(config: PendulumConfig) -> Diagram:
     add_scope(builder, "w", joint.get_output_port(1))
     add_scope(builder, "acceleration", plant.get_generalized_acceleration_output_port())
     add_scope(builder, "energy", energy)
-    return builder.Build()
+    return built(builder)
 
 
 def start_at_target(diagram: Diagram, context: Context) -> None:

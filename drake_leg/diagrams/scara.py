@@ -23,10 +23,13 @@ from pydrake.systems.primitives import (
     Sine,
 )
 
+from drake_leg.diagrams.building import built
 from drake_leg.diagrams.control import EXACT, Command, Control, corrected
+from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task, tool_position
+from drake_leg.kinematics.task import Task
 from drake_leg.robot import STANDARD_GRAVITY, Robot, require_angle, require_positive
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
@@ -46,6 +49,7 @@ class ScaraConfig:
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)  # horizontal unit vector
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
     control: Control = EXACT
+    disturbance: Disturbance = UNDISTURBED
 
     def __post_init__(self) -> None:
         lift_position(ScaraGeometry.from_robot(self.robot), self.R)
@@ -100,14 +104,14 @@ def build(config: ScaraConfig) -> Diagram:
     qddot = builder.AddNamedSystem(
         "Simulink-PS Converters of the accelerations", Multiplexer([3, 1])
     )
-    scara = add_mechanism(builder, config.robot, config.gravity)
+    scara = add_mechanism(builder, config.robot, config.gravity, config.disturbance)
     angles = builder.AddNamedSystem("Angles", Demultiplexer([3, 1]))
 
     builder.Connect(sine.GetOutputPort("y0"), v.get_input_port())
     builder.Connect(sine.GetOutputPort("y1"), a.get_input_port())
     command = Command(v.get_output_port(), a.get_output_port())
     if control.correction > 0.0:
-        command = _corrected(builder, config, command, scara)
+        command = _corrected(builder, config, command, scara, task)
     builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
     builder.Connect(scara.joints.get_output_port(0), angles.get_input_port())
@@ -130,13 +134,15 @@ def build(config: ScaraConfig) -> Diagram:
 
     add_scope(builder, "input", sine.GetOutputPort("y0"))
     add_mechanism_scopes(builder, scara)
+    if config.disturbance.acts:
+        add_scope(builder, "prescribed positions", q.get_output_port())
     add_scope(builder, "commanded velocities", v.get_output_port())
     add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
-    return builder.Build()
+    return built(builder)
 
 
 def _corrected(
-    builder: DiagramBuilder, config: ScaraConfig, command: Command, scara: Mechanism
+    builder: DiagramBuilder, config: ScaraConfig, command: Command, scara: Mechanism, task: Task
 ) -> Command:
     """Correct (x, y, yaw): the place of the tool, and the sum of the three angles."""
     to_task = np.zeros((3, 7))
@@ -159,4 +165,6 @@ def _corrected(
         command,
         p=sensed("positions", "position", 0),
         pdot=sensed("velocities", "velocity", 1),
+        top_speed=config.control.top_speed(task, abs(config.amplitude)),
+        lengths=task.row_lengths,
     )

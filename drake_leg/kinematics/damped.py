@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -67,6 +68,10 @@ def damped_task(task: Task, below: float, box: Box | None = None) -> Task:
     strongest = below / 2.0
 
     def damping(q: Floats) -> _Damping | None:
+        return damping_at(tuple(q))
+
+    @lru_cache(maxsize=2)  # rates, their derivative and their stiffness ask at the same posture
+    def damping_at(q: tuple[float, ...]) -> _Damping | None:
         J = lengths[:, np.newaxis] * task.jacobian(q)
         U, sigma, Vt = np.linalg.svd(J)
         if sigma[-1] >= below:

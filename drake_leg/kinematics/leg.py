@@ -327,9 +327,7 @@ def leg_task(leg: LegGeometry) -> Task:
     def rates(q: Floats, v: Floats) -> Floats:
         return solve(q, v, AT_REST, AT_REST)
 
-    def accelerations(
-        q: Floats, qdot: Floats, a: Floats, v: Floats = (), w: Floats = ()
-    ) -> Floats:
+    def accelerations(q: Floats, qdot: Floats, a: Floats, v: Floats = (), w: Floats = ()) -> Floats:
         return solve(q, a, qdot, w or qdot)
 
     def plain_determinant(q: Floats) -> float:
@@ -351,9 +349,7 @@ def leg_task(leg: LegGeometry) -> Task:
             raise singular_posture(jacobian, q)
         w2_2, w23_2 = u2 * w2, u23 * w23
         radial = c1 * a[0] + s1 * a[1] + x2 * w2_2 + x3 * w23_2 + reach * u1 * w1
-        tangential = (
-            c1 * a[1] - s1 * a[0] + (z2 * w2 + z3 * w23) * u1 + (z2 * u2 + z3 * u23) * w1
-        )
+        tangential = c1 * a[1] - s1 * a[0] + (z2 * w2 + z3 * w23) * u1 + (z2 * u2 + z3 * u23) * w1
         vertical = sign * a[2] + z2 * w2_2 + z3 * w23_2
         return (
             tangential / reach,

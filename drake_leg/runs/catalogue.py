@@ -81,13 +81,13 @@ def _pendulum_diagram(options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
 
 
 def _leg_a_diagram(options: LegAOptions) -> tuple[Diagram, Start]:
-    from drake_leg.runs.leg import leg_of, straight_diagram
+    from drake_leg.runs.leg_setup import leg_of, straight_diagram
 
     return straight_diagram(leg_of("A", options), options)
 
 
 def _leg_b_diagram(options: LegBOptions) -> tuple[Diagram, Start]:
-    from drake_leg.runs.leg import leg_of, straight_diagram
+    from drake_leg.runs.leg_setup import leg_of, straight_diagram
 
     return straight_diagram(leg_of("B", options), options)
 
@@ -95,7 +95,7 @@ def _leg_b_diagram(options: LegBOptions) -> tuple[Diagram, Start]:
 def _ellipse_diagram(options: EllipseOptions) -> tuple[Diagram, Start]:
     from drake_leg.diagrams.ellipse import build
     from drake_leg.diagrams.mechanism import start_on_motion
-    from drake_leg.runs.leg import ellipse_config
+    from drake_leg.runs.leg_setup import ellipse_config
 
     return build(ellipse_config(options)), start_on_motion
 

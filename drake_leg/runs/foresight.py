@@ -13,13 +13,8 @@ from drake_leg.diagrams.control import Control
 from drake_leg.errors import ForeseenSingularityError, SingularConfigurationError
 from drake_leg.kinematics.arms import Arm, ChainArm, ClosedArm
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.encounter import (
-    Forecast,
-    SineStep,
-    encounter_at,
-    forecast_path,
-    forecast_step,
-)
+from drake_leg.kinematics.encounter import Encounter, Forecast, SineStep, encounter_at
+from drake_leg.kinematics.forecast import forecast_path, forecast_step
 from drake_leg.kinematics.inverse import Inverse
 from drake_leg.kinematics.paths import CommandedMotion
 from drake_leg.robot import Segment
@@ -193,7 +188,9 @@ def step_for(step: float, control: Control) -> float:
     return min(step, STEP_OF_CORRECTION / control.correction) if control.correction else step
 
 
-def singularity_findings(arm: Arm, run: Run, forecast: Forecast, name: str) -> dict[str, Any]:
+def singularity_findings(
+    arm: Arm, run: Run, forecast: Forecast, name: str, *, disturbed: bool = False
+) -> dict[str, Any]:
     """Say of a run where it became singular, and what it was expected to meet.
 
     Parameters
@@ -206,6 +203,8 @@ def singularity_findings(arm: Arm, run: Run, forecast: Forecast, name: str) -> d
         Of its motion.
     name : str
         Of the robot.
+    disturbed : bool
+        Whether something kept the joints from their motion.
 
     Returns
     -------
@@ -224,10 +223,16 @@ def singularity_findings(arm: Arm, run: Run, forecast: Forecast, name: str) -> d
         met = encounter_at(arm, q, float(run.time[-1]), greatest)
         findings["singularity"] = met.as_json()
         findings["stop_reason"] = (
-            f"the {name} became {met.describe()}: choose that, a higher frequency, another posture "
-            "or --inverse damped"
+            f"the {name} became {met.describe()}: {_remedy(met, disturbed=disturbed)}"
         )
     return findings
+
+
+def _remedy(met: Encounter, *, disturbed: bool) -> str:
+    if disturbed and met.greatest_amplitude is None:
+        return "choose a weaker disturbance or --inverse damped"
+    amplitude = "that" if met.greatest_amplitude else "a smaller amplitude"
+    return f"choose {amplitude}, a higher frequency, another posture or --inverse damped"
 
 
 def _is_singular(arm: Arm, q: Sequence[float]) -> bool:

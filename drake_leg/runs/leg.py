@@ -12,7 +12,6 @@ from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.arms import ChainArm, ScaraArm, arm_of
 from drake_leg.kinematics.batches import Array
@@ -22,29 +21,27 @@ from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
 from drake_leg.kinematics.rates import smallest_singular_value
-from drake_leg.models.state_targets import initial_state
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 from drake_leg.robots import LegVariant
-from drake_leg.robots import hexabot_leg as leg_robot
+from drake_leg.runs.disturbance import step_under
 from drake_leg.runs.foresight import (
     Motion,
     Plan,
     control_findings,
-    control_of,
     singularity_findings,
     step_for,
 )
+from drake_leg.runs.leg_setup import ellipse_config, leg_of, straight_config
 from drake_leg.runs.options import (
     EllipseOptions,
     LegBOptions,
-    LegOptions,
     StepOptions,
     StraightOptions,
 )
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.tip import default_step, exact_tip, tip_columns, tip_findings, torque_error
-from drake_leg.simulation import Progress, Run, Start, simulate
+from drake_leg.simulation import Progress, Run, simulate
 
 Config = TypeVar("Config", bound=hexabot_leg.HexabotLegConfig)
 
@@ -159,94 +156,6 @@ def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Ou
     return _carry_out(plan, config, options, ellipse.build, across, progress)
 
 
-def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.HexabotLegConfig:
-    """Say how the diagram of a straight step is built.
-
-    Parameters
-    ----------
-    robot : Robot
-        With three joint positions.
-    options : StraightOptions
-        Posture and step.
-
-    Returns
-    -------
-    HexabotLegConfig
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense, or the robot has not three joint positions.
-    """
-    _require_mass(robot)
-    return hexabot_leg.HexabotLegConfig(
-        robot=_unsaturated(robot),
-        q0=_posture(robot, options),
-        amplitude=options.amplitude,
-        frequency=options.frequency,
-        direction=options.unit_direction(),
-        gain=options.gain,
-        gravity=options.gravity,
-        filter_time_constant=options.filter_time_constant,
-        feedback=options.feedback,
-        control=control_of(options, robot.moving),
-    )
-
-
-def straight_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, Start]:
-    """Build what the straight step simulates.
-
-    Parameters
-    ----------
-    robot : Robot
-        With three joint positions.
-    options : StraightOptions
-        Posture and step.
-
-    Returns
-    -------
-    (Diagram, callable)
-        And how it starts.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense, or the robot has not three joint positions.
-    """
-    return hexabot_leg.build(straight_config(robot, options)), start_on_motion
-
-
-def ellipse_config(options: EllipseOptions) -> ellipse.EllipseConfig:
-    """Say how the diagram of an elliptic step is built.
-
-    Parameters
-    ----------
-    options : EllipseOptions
-        Posture and ellipse.
-
-    Returns
-    -------
-    EllipseConfig
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    """
-    robot = leg_of("B", options)
-    return ellipse.EllipseConfig(
-        robot=robot,
-        q0=options.posture(),
-        amplitude=options.amplitude,
-        frequency=options.frequency,
-        direction=options.unit_direction(),
-        lift=options.lift,
-        gravity=options.gravity,
-        filter_time_constant=options.filter_time_constant,
-        control=control_of(options, robot.moving),
-    )
-
-
 def _plan(
     config: hexabot_leg.HexabotLegConfig,
     options: StepOptions,
@@ -287,26 +196,18 @@ def _carry_out(
     )
     path = plan.motion(config.amplitude, run.time)
     outcome = _outcome(config, options, settings, run, path, across)
-    met = singularity_findings(plan.arm, run, forecast, config.robot.name)
+    met = singularity_findings(
+        plan.arm, run, forecast, config.robot.name, disturbed=config.disturbance.acts
+    )
     return replace(outcome, summary={**outcome.summary, **met})
 
 
 def _default_step(config: hexabot_leg.HexabotLegConfig) -> float:
     """Greatest step for the sine and, where there are any, for the filters' fast decay [s]."""
     step = step_for(default_step(config.frequency), config.control)
+    step = step_under(step, config.disturbance)
     filtered = config.filter_time_constant
     return step if filtered is None else min(step, STEP_OF_FILTER * filtered)
-
-
-def _unsaturated(robot: Robot) -> Robot:
-    """Take the effort limits off: the torque of a prescribed motion is what the motion takes."""
-    return replace(
-        robot,
-        segments=tuple(
-            replace(segment, mechanics=replace(segment.mechanics, effort=None, velocity=None))
-            for segment in robot.segments
-        ),
-    )
 
 
 def _exceeded_limits(robot: Robot, recording: Recording) -> list[str]:
@@ -325,70 +226,12 @@ def _exceeded_limits(robot: Robot, recording: Recording) -> list[str]:
     return said
 
 
-def _require_mass(robot: Robot) -> None:
-    """Refuse a robot with a joint that moves nothing: its motion has no equation."""
-    mass_beyond = False
-    for segment in reversed(robot.segments):
-        link = segment.link
-        mass_beyond |= link is not None and (link.solid or link.inertial) is not None
-        if segment.row.joint != "fixed" and not mass_beyond:
-            raise InvalidValueError(
-                f"{robot.name}: nothing beyond joint {segment.joint} has a mass; give its row, or "
-                "one after it, a [row.solid] or a [row.inertial]"
-            )
-
-
-def leg_of(variant: LegVariant, options: LegOptions) -> Robot:
-    """Return the leg that the options describe.
-
-    Parameters
-    ----------
-    variant : {"A", "B"}
-        Whose leg.
-    options : LegOptions
-        Lengths, density, damping.
-
-    Returns
-    -------
-    Robot
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    """
-    return leg_robot(
-        variant,
-        l1=options.l1,
-        l2=options.l2,
-        l3=options.l3,
-        density=options.density,
-        damping=options.si_damping(),
-    )
-
-
 def _as_options(robot: Robot, q0: Sequence[float]) -> list[float]:
     """Give a posture as --q0 takes it."""
     return [
         round(math.degrees(q), 9) if segment.row.joint == "revolute" else q
         for q, segment in zip(q0, robot.moving, strict=True)
     ]
-
-
-def _posture(robot: Robot, options: StraightOptions) -> tuple[float, float, float]:
-    """Take q0 in rad where a joint turns, in m where it slides, or the robot's state targets."""
-    angles = options.posture()
-    if len(robot.moving) != 3:
-        return angles
-    q1, q2, q3 = (
-        angle if segment.row.joint == "revolute" else math.degrees(angle)
-        for angle, segment in zip(angles, robot.moving, strict=True)
-    )
-    if (q1, q2, q3) == (0.0, 0.0, 0.0):  # where nobody said anything
-        q1, q2, q3 = initial_state(robot).q
-    joints = (str(segment.joint) for segment in robot.moving)
-    initial_state(robot, {joint: (q, 0.0) for joint, q in zip(joints, (q1, q2, q3), strict=True)})
-    return q1, q2, q3
 
 
 def _outcome(
@@ -411,8 +254,8 @@ def _outcome(
     findings = {
         "q0_deg": options.q0 if any(options.q0) else _as_options(robot, config.q0),
         **control_findings(config.control),
-        **tip_findings(run, start, path, np.array(config.direction), across),
-        "max_torque_error_n_m": torque_error(robot, run, config.gravity),
+        **tip_findings(run, start, path, np.array(config.direction), across, config.disturbance),
+        "max_torque_error_n_m": torque_error(robot, run, config.gravity, config.disturbance),
         "sigma_min_m": float(sigma_min.min()),
         f"det_j_min_m{power}": float(det_j.min()),
         f"det_j_max_m{power}": float(det_j.max()),

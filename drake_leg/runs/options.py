@@ -153,12 +153,30 @@ class StepOptions(RunOptions):
     )
     correction: float | None = option(
         None,
-        "K of a drift correction, v + K (p_d - p)",
+        "K of a drift correction, v + K (p_d - p); with damped and limited the sum is at most 1.25 "
+        "times the fastest v, or half the arm's length in a second",
         "1/s",
         shown="0; 5 with damped and limited",
     )
     q0_error: list[float] = option(
         [0.0, 0.0, 0.0], "where the joints really start, minus q0", "deg"
+    )
+    push: list[float] = option(
+        [], "greatest force of a push on the foot or the tool, half a sine wave", "N", shown="none"
+    )
+    push_at: float | None = option(None, "when the push begins", "s", shown="2")
+    push_for: float | None = option(None, "how long the push lasts", "s", shown="0.1")
+    mass_error: float = option(
+        0.0, "of the computed torque: 0.2 believes all masses 20 % larger than they are"
+    )
+    torque_limit: float | None = option(
+        None, "of every joint's motor", "N*m, or N of a joint that slides", shown="none"
+    )
+    stiffness: float | None = option(
+        None,
+        "k of the pull k e + 2 sqrt(k) de/dt that keeps joints on their motion",
+        "1/s^2",
+        shown="4; 2500 with a push, a mass error or a torque limit",
     )
 
     def unit_direction(self) -> tuple[float, float, float]:

@@ -20,6 +20,7 @@ from drake_leg.kinematics.scara import (
 )
 from drake_leg.recording import Recording
 from drake_leg.robots import scara as scara_robot
+from drake_leg.runs.disturbance import disturbance_of, step_under
 from drake_leg.runs.foresight import (
     Plan,
     control_findings,
@@ -59,6 +60,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     along = np.array(config.direction)
     plan = _plan(config, options.duration)
     step = step_for(default_step(config.frequency), config.control)
+    step = step_under(step, config.disturbance)
     settings = options.integrator_settings(step)
     forecast = plan.checked(config.robot.name, force=options.force)
     run = simulate(
@@ -83,17 +85,20 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
         **exact_tip(start, path, inverse_kinematics(arm, task, like=config.q0)),
         "yaw": np.full_like(yaw, yaw0),
     }
+    across = np.eye(3) - np.outer(along, along)
     findings = {
         "q0_deg": options.q0,
         **control_findings(config.control),
-        **tip_findings(run, start, path, along, np.eye(3) - np.outer(along, along)),
+        **tip_findings(run, start, path, along, across, config.disturbance),
         "max_yaw_error_rad": float(np.abs(yaw - yaw0).max()),
-        "max_torque_error_n_m": torque_error(config.robot, run, config.gravity),
+        "max_torque_error_n_m": torque_error(config.robot, run, config.gravity, config.disturbance),
         "sigma_min_m": float(sigma_min.min()),
         "det_j_min_m2": float(det_j.min()),
         "det_j_max_m2": float(det_j.max()),
     }
-    findings |= singularity_findings(plan.arm, run, forecast, config.robot.name)
+    findings |= singularity_findings(
+        plan.arm, run, forecast, config.robot.name, disturbed=config.disturbance.acts
+    )
     return outcome_of(
         config.robot, run, settings, options.duration, Recording(columns), exact, findings
     )
@@ -153,4 +158,5 @@ def scara_config(options: ScaraOptions) -> scara.ScaraConfig:
         direction=options.unit_direction(),
         gravity=options.gravity,
         control=control_of(options, robot.moving),
+        disturbance=disturbance_of(options),
     )

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pydrake.multibody.tree import MultibodyForces
 
+from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.integrator import ROW_INTERVAL
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_force
@@ -16,6 +17,7 @@ from drake_leg.kinematics.paths import CommandedMotion
 from drake_leg.models.plant import build_plant
 from drake_leg.recording import lettered, numbered, without_sign_jumps
 from drake_leg.robot import Robot
+from drake_leg.runs.disturbance import disturbance_findings, push_torques
 from drake_leg.simulation import Run
 
 OFF_COMMAND = 1e-6  # [m]: a tip that is farther from its command than this is off it
@@ -74,11 +76,19 @@ def tip_columns(
     columns |= lettered("v", "xyz", "m/s", run.scopes["foot velocities"])
     columns |= lettered("q", "wxyz", "", without_sign_jumps(run.scopes["Q"]))
     columns |= lettered("w", "xyz", "rad/s", run.scopes["foot angular velocities"])
-    return columns | numbered("tau", force, run.scopes["joint torques"])
+    columns |= numbered("tau", force, run.scopes["joint torques"])
+    if "torques asked for" in run.scopes:
+        columns |= numbered("tau_asked", force, run.scopes["torques asked for"])
+    return columns
 
 
 def tip_findings(
-    run: Run, start: Array, path: CommandedMotion, along: Array, across: Array
+    run: Run,
+    start: Array,
+    path: CommandedMotion,
+    along: Array,
+    across: Array,
+    disturbance: Disturbance,
 ) -> dict[str, Any]:
     """Compare the tip's motion with its exact path.
 
@@ -94,6 +104,8 @@ def tip_findings(
         Unit vector of the step.
     across : (3, k) ndarray
         Orthonormal directions in which the tip must not move.
+    disturbance : Disturbance
+        What kept it from its path.
 
     Returns
     -------
@@ -112,6 +124,7 @@ def tip_findings(
         "distance_from_command_at_the_end_m": float(off[-1]),
         "max_off_axis_m": _greatest(moved @ across),
         "max_velocity_error_m_s": _greatest(velocity_error),
+        **disturbance_findings(run, off, disturbance),
     }
 
 
@@ -119,11 +132,13 @@ def _greatest(vectors: Array) -> float:
     return float(np.linalg.norm(vectors, axis=1).max())
 
 
-def torque_error(robot: Robot, run: Run, gravity: float) -> float:
+def torque_error(
+    robot: Robot, run: Run, gravity: float, disturbance: Disturbance = UNDISTURBED
+) -> float:
     """Greatest difference between the recorded torques and Drake's inverse dynamics.
 
     Inverse dynamics is evaluated on a plant of its own, at the recorded positions, velocities
-    and accelerations.
+    and accelerations; what a push does at the joints is taken off.
 
     Parameters
     ----------
@@ -133,6 +148,8 @@ def torque_error(robot: Robot, run: Run, gravity: float) -> float:
         With joint scopes.
     gravity : float
         [m/s^2].
+    disturbance : Disturbance
+        With the push, or without.
 
     Returns
     -------
@@ -151,6 +168,7 @@ def torque_error(robot: Robot, run: Run, gravity: float) -> float:
         exact[row] = plant.CalcInverseDynamics(context, qddot, forces)
     for index, segment in enumerate(robot.moving):
         exact[:, index] -= limit_force(segment.mechanics, joints[0][:, index], joints[1][:, index])
+    exact -= push_torques(robot, run, disturbance)
     return float(np.abs(run.scopes["joint torques"] - exact).max())
 
 

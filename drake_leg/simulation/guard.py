@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 from pydrake.systems.framework import Context, Diagram
 
+from drake_leg.diagrams.disturbance import is_disturbed
 from drake_leg.errors import LostMotionError
+from drake_leg.systems.foot_push import FootPush
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 
@@ -37,6 +39,9 @@ class Guard:
     than ``TIME_LEFT``, the zero is not farther than that. A motion that turns away before, however
     near, goes on.
 
+    Joints that are disturbed do not follow their motion: what they do is told by their sensed
+    rates, and a lag is no error of the integration.
+
     Parameters
     ----------
     diagram : Diagram
@@ -54,7 +59,9 @@ class Guard:
             if isinstance(block, InverseJacobian):
                 determinant = block.normalised_determinant(block.GetMyContextFromRoot(context))
                 self._watched.append(_Watched(block, math.copysign(1.0, determinant)))
+        self._disturbed = is_disturbed(diagram)
         self._motions = [s for s in systems if isinstance(s, PrescribedMotion)]
+        self._pushes = [s for s in systems if isinstance(s, FootPush)]
         self._max_step = max_step
         self._step = max_step
 
@@ -79,12 +86,14 @@ class Guard:
             Where the joints do not follow closely enough to tell.
         """
         step = min(GROWTH * self._step, self._max_step)
+        for push in self._pushes:
+            step = min(step, push.longest_step(root.get_time()))
         for block, sign in self._watched:
             context = block.GetMyContextFromRoot(root)
             if block.is_exact:
                 step = self._towards(root, block, context, sign, step)
             else:
-                step = _through(block, context, step)
+                step = self._through(block, context, step)
         self._step = max(step, SMALLEST_STEP)
         return self._step
 
@@ -95,9 +104,9 @@ class Guard:
         now = sign * block.normalised_determinant(context)
         if now <= 0.0:
             raise block.singular(context)
-        if now < NEARLY_SINGULAR:
+        if now < NEARLY_SINGULAR and not self._disturbed:
             self._require_following(root)
-        ahead = block.look_ahead(context)
+        ahead = block.look_ahead(context, disturbed=self._disturbed)
         while step > SMALLEST_STEP:
             turn, change = ahead(step)
             if turn <= LARGEST_TURN and change <= APPROACH:
@@ -113,15 +122,14 @@ class Guard:
             if lag > LARGEST_LAG:
                 raise LostMotionError(time=root.get_time(), lag=lag)
 
-
-def _through(block: InverseJacobian, context: Context, step: float) -> float:
-    """Shorten a step of a damped inverse to what its rates can follow."""
-    ahead = block.look_ahead(context)
-    slowest, stiffness = block.stiffness(context)
-    least = DAMPED_STEP / slowest if slowest > 0.0 else step
-    while step > least:
-        turn, change = ahead(step)
-        if turn <= LARGEST_TURN and change <= APPROACH:
-            break
-        step /= SHRINK
-    return min(step, DAMPED_STEP / stiffness) if stiffness > 0.0 else step
+    def _through(self, block: InverseJacobian, context: Context, step: float) -> float:
+        """Shorten a step of a damped inverse to what its rates can follow."""
+        ahead = block.look_ahead(context, disturbed=self._disturbed)
+        slowest, stiffness = block.stiffness(context)
+        least = DAMPED_STEP / slowest if slowest > 0.0 else step
+        while step > least:
+            turn, change = ahead(step)
+            if turn <= LARGEST_TURN and change <= APPROACH:
+                break
+            step /= SHRINK
+        return min(step, DAMPED_STEP / stiffness) if stiffness > 0.0 else step

@@ -165,25 +165,25 @@ class InverseJacobian(LeafSystem):
             return 0.0, 0.0
         return self._task.stiffness(self._q.Eval(context), self._v.Eval(context))
 
-    def look_ahead(self, context: Context) -> LookAhead:
+    def look_ahead(self, context: Context, *, disturbed: bool = False) -> LookAhead:
         """Take the present rates and, if ``a`` is wired, accelerations.
 
         Parameters
         ----------
         context : Context
             This system's own.
+        disturbed : bool
+            Whether the joints may move otherwise than commanded, so that sensed rates count.
 
         Returns
         -------
         LookAhead
         """
-        wired = self._a.HasValue(context)
-        return LookAhead(
-            self._task.determinant,
-            self._q.Eval(context).tolist(),
-            self._qdot.Eval(context).tolist(),
-            self._qddot.Eval(context).tolist() if wired else None,
-        )
+        determinant, q = self._task.determinant, self._q.Eval(context).tolist()
+        if disturbed and self._w.HasValue(context):
+            return LookAhead(determinant, q, self._w.Eval(context).tolist(), None)
+        accelerations = self._qddot.Eval(context).tolist() if self._a.HasValue(context) else None
+        return LookAhead(determinant, q, self._qdot.Eval(context).tolist(), accelerations)
 
     def singular(self, context: Context) -> SingularConfigurationError:
         """Describe the present posture as singular.

@@ -14,7 +14,11 @@ from pydrake.systems.primitives import MatrixGain, Multiplexer
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import require_non_negative
-from drake_leg.systems.partial_dynamics import PartialInverseDynamics, joints_of_one_axis
+from drake_leg.systems.partial_dynamics import (
+    PartialInverseDynamics,
+    joints_of_one_axis,
+    require_plant,
+)
 
 # Pulls the joints back onto the prescribed motion against the integrator's rounding: so weak
 # that it does not stiffen the loop, so that a step of 40 ms stays accurate.
@@ -61,6 +65,9 @@ class PrescribedMotion(Diagram):
         The driven joints, revolute or prismatic; all by default.
     stiffness : float
         k, of the pull towards the motion [1/s^2].
+    believed : MultibodyPlant, optional
+        What the torque is computed for, where that is not the plant as it is: the same joints, with
+        other masses.
 
     Raises
     ------
@@ -75,16 +82,19 @@ class PrescribedMotion(Diagram):
         joints: Iterable[str | Joint] | None = None,
         *,
         stiffness: float = STIFFNESS,
+        believed: MultibodyPlant | None = None,
     ) -> None:
         super().__init__()
         require_non_negative("the motion's stiffness", stiffness, "1/s^2")
+        require_plant(plant)
         self._plant = plant
+        self._believed = plant if believed is None else believed
         if joints is None:
             _require_actuators(plant)
             n = plant.num_velocities()
             driven_q, driven_v = np.arange(n), np.arange(n)
         else:
-            driven = joints_of_one_axis(plant, joints)
+            driven = joints_of_one_axis(self._believed, joints)
             driven_q = np.array([joint.position_start() for joint in driven])
             driven_v = np.array([joint.velocity_start() for joint in driven])
         self._driven_q, self._driven_v = driven_q, driven_v
@@ -102,9 +112,19 @@ class PrescribedMotion(Diagram):
             self._add_full_dynamics(builder)
         else:
             self._add_partial_dynamics(builder, driven)
+        if plant.time_step() > 0.0:
+            raise InvalidValueError(
+                f"the plant {plant.get_name()!r} is discrete; motion is prescribed to a plant "
+                "that is continuous in time, with time_step 0"
+            )
         builder.BuildInto(self)
         self._q = self.GetInputPort("q")
         self._state = self.GetInputPort("state")
+
+    @property
+    def knows_its_plant(self) -> bool:
+        """Whether the torque is computed for the plant as it is."""
+        return self._believed is self._plant
 
     def lag(self, context: Context) -> float:
         """Greatest distance of a joint from its prescribed position.
@@ -167,7 +187,7 @@ class PrescribedMotion(Diagram):
 
     def _add_full_dynamics(self, builder: DiagramBuilder) -> None:
         """Add Drake's inverse dynamics of the whole plant, which is fast."""
-        plant = self._plant
+        plant = self._believed
         mode = InverseDynamics.InverseDynamicsMode.kInverseDynamics
         dynamics = builder.AddNamedSystem("inverse dynamics", InverseDynamics(plant, mode))
         actuators = builder.AddNamedSystem("actuators", MatrixGain(plant.MakeActuationMatrix().T))
@@ -181,7 +201,7 @@ class PrescribedMotion(Diagram):
 
     def _add_partial_dynamics(self, builder: DiagramBuilder, driven: list[Joint]) -> None:
         dynamics = builder.AddNamedSystem(
-            "inverse dynamics", PartialInverseDynamics(self._plant, driven)
+            "inverse dynamics", PartialInverseDynamics(self._believed, driven)
         )
         reference = builder.GetSubsystemByName("acceleration").get_output_port()
         builder.Connect(reference, dynamics.GetInputPort("acceleration"))

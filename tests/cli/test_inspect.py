@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from slx_models import published_leg, published_pendulum
-from slx_writer import ModelBuilder
+from slx_writer import ModelBuilder, mask_text
 
 from drake_leg.cli import main
 
@@ -85,6 +85,20 @@ def test_subsystems_name_the_path(capsys, tmp_path):
     builder.add_block("Gain", "K", {"Gain": "[1 2;3 4]"}, system=thigh)
     _, out, _ = inspected(capsys, builder.write(tmp_path / "m.slx"))
     assert "2    Thigh link/K  Gain       Gain [1 2; 3 4]\n" in out
+
+
+def test_masks_show_their_parameters(capsys, tmp_path):
+    builder = ModelBuilder()
+    thigh = builder.add_block("SubSystem", "Thigh")
+    builder.blocks[thigh].mask = mask_text({"L": "100", "w": "[1 2]", "file": "'leg.stl'"})
+    builder.add_block("Gain", "K", {"Gain": "L/4"}, system=thigh)
+    path = builder.write(tmp_path / "m.slx")
+    _, out, _ = inspected(capsys, path)
+    lines = [" ".join(line.split()) for line in out.splitlines()]
+    assert "1 Thigh SubSystem L 100, w [1 2], file 'leg.stl'" in lines
+    assert "2 Thigh/K Gain Gain 25" in lines
+    _, out, _ = inspected(capsys, path, "--json")
+    assert json.loads(out)["blocks"][0]["parameters"]["L"] == 100.0
 
 
 def test_control_signs_are_not_sent_to_the_terminal(capsys, tmp_path):

@@ -50,6 +50,19 @@ def test_every_wire_of_a_run_is_drawn_once_and_cleanly(run_diagram, require_clea
     require_clean(layout)
 
 
+def test_a_disturbed_run_is_drawn_with_its_push_its_limits_and_its_correction(
+    run_diagram, require_clean
+):
+    diagram = run_diagram(
+        "leg-b", push=(0.0, 0.0, 0.1), torque_limit=0.01, correction=5.0, inverse="damped"
+    )
+    layout = lay_out(diagram_picture(diagram, title="leg-b"))
+    assert block_pairs(layout.picture) == connected_pairs(diagram)
+    names = {block.name for block in layout.picture.blocks}
+    assert {"Push", "Torque Limit", "Drift Correction", "Speed Limit"} <= names
+    require_clean(layout)
+
+
 @pytest.mark.parametrize("name", RUNS)
 def test_the_picture_fits_a_page(run_diagram, name):
     layout = lay_out(diagram_picture(run_diagram(name), title=name))

@@ -8,7 +8,8 @@ import pytest
 from scipy.optimize import brentq
 
 from drake_leg.kinematics.arms import ChainArm, LegArm, ScaraArm, arm_of, lost_direction
-from drake_leg.kinematics.encounter import SineStep, forecast_path, forecast_step
+from drake_leg.kinematics.encounter import SineStep
+from drake_leg.kinematics.forecast import forecast_path, forecast_step
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position
 from drake_leg.kinematics.paths import elliptic_path

@@ -112,6 +112,14 @@ def test_other_inverses_go_on_and_recover(method):
     assert summary["distance_from_command_at_the_end_m"] < 1e-5
 
 
+def test_a_command_far_outside_is_waited_for_at_a_bounded_speed_and_in_few_steps():
+    outcome = run_straight("B", LegBOptions(duration=6.4, amplitude=0.3, inverse="damped"))
+    assert outcome.summary["greatest_distance_from_command_m"] > 0.3
+    assert outcome.summary["distance_from_command_at_the_end_m"] < 0.02
+    assert outcome.summary["rows"] < 4000
+    assert np.linalg.norm(outcome.recording.stack("vx", "vy", "vz"), axis=1).max() < 1.3 * 0.3
+
+
 @pytest.mark.parametrize("method", ["damped", "limited"])
 @pytest.mark.parametrize("amplitude", [0.07, 0.093])
 def test_other_inverses_are_exact_inside(method, amplitude):

@@ -12,7 +12,8 @@ from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.arms import LegArm, ScaraArm
-from drake_leg.kinematics.encounter import SineStep, forecast_step
+from drake_leg.kinematics.encounter import SineStep
+from drake_leg.kinematics.forecast import forecast_step
 from drake_leg.kinematics.leg import LegGeometry, foot_position, leg_task
 from drake_leg.kinematics.scara import ScaraGeometry, scara_task
 from drake_leg.robots import hexabot_leg as leg_robot
@@ -91,7 +92,8 @@ def random_run(rng, number, slowest=-1.0):
     d, sign = rng.normal(size=3), rng.choice([-1, 1])
     if number % 5 == 0:
         x, y, _ = foot_position(leg, q0)
-        d, sign = np.array([-x, -y, rng.uniform(-0.2, 0.2)]), 1
+        d = -sign * np.array([x, y, rng.uniform(-0.2, 0.2) * math.hypot(x, y)])
+        size = rng.uniform(0.4, 1.0) * math.hypot(x, y)
     d /= np.linalg.norm(d)
     step = SineStep(
         amplitude=float(sign * size * frequency), frequency=frequency, direction=tuple(d.tolist())
@@ -120,6 +122,7 @@ def test_two_thousand_random_runs_of_the_loop_are_exact_or_stop_in_time(rng):
 
 @pytest.mark.slow
 def test_fifty_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
+    met = []
     for number in range(50):
         leg, q0, step = random_run(rng, number, slowest=0.0)
         config = hexabot_leg.HexabotLegConfig(
@@ -137,6 +140,8 @@ def test_fifty_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
         )
         forecast = forecast_step(LegArm(leg), q0, step, duration_of(step))
         see(run, run.scopes["foot positions"], forecast, step)
+        met.append(forecast.encounter.family if forecast.encounter else None)
+    assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 4
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)

@@ -1,0 +1,128 @@
+"""What shows a run's motion: a page that replays it, a video, still pictures."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from drake_leg.errors import OutputError
+
+if TYPE_CHECKING:
+    from drake_leg.runs.outcome import Outcome
+
+ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}
+
+
+def add_shows(parser: argparse.ArgumentParser) -> None:
+    """Add ``--replay``, ``--video`` and ``--stills``.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of the command.
+    """
+    parser.add_argument(
+        "--replay", type=Path, metavar="FILE", help="write a page that replays the run (.html)"
+    )
+    parser.add_argument(
+        "--video", type=Path, metavar="FILE", help="write a video of the run (.mp4, .gif)"
+    )
+    parser.add_argument(
+        "--stills", action="store_true", help="add pictures from every side to DIR, at the start"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shows:
+    """What was asked for beside the folder of results."""
+
+    replay: Path | None
+    video: Path | None
+    stills: bool
+    overwrite: bool
+
+    @classmethod
+    def of(cls, chosen: argparse.Namespace) -> Self:
+        """Read it off the command line.
+
+        Parameters
+        ----------
+        chosen : Namespace
+            What was given.
+
+        Returns
+        -------
+        Shows
+        """
+        return cls(
+            replay=chosen.replay,
+            video=chosen.video,
+            stills=chosen.stills,
+            overwrite=chosen.overwrite,
+        )
+
+    def check(self) -> None:
+        """Refuse files that cannot be made, before any work is done for them.
+
+        Raises
+        ------
+        DrakeLegError
+            As ``scene.files.check_show`` does.
+        """
+        for option, path in self._files().items():
+            from drake_leg.scene.files import check_show
+
+            if path.suffix.lower() not in ENDINGS[option]:
+                endings = " or ".join(ENDINGS[option])
+                raise OutputError(f"--{option} is {path}; its name must end in {endings}")
+            check_show(path, overwrite=self.overwrite)
+
+    def write_into(self, folder: Path, outcome: Outcome) -> None:
+        """Write what belongs into the folder of results.
+
+        Parameters
+        ----------
+        folder : Path
+            Of the results.
+        outcome : Outcome
+            Of the run.
+        """
+        if self.stills:
+            from drake_leg.scene.motion import recorded_motion
+            from drake_leg.scene.stills import write_stills
+
+            motion = recorded_motion(outcome.robot, outcome.recording)
+            write_stills(folder, motion.robot, motion.q[0], motion=motion)
+
+    def write(self, outcome: Outcome) -> Iterator[Path]:
+        """Write page and video.
+
+        Parameters
+        ----------
+        outcome : Outcome
+            Of the run.
+
+        Yields
+        ------
+        Path
+            When it is written.
+
+        Raises
+        ------
+        DrakeLegError
+            As ``scene.files.write_show`` does.
+        """
+        for path in self._files().values():
+            from drake_leg.scene.files import write_show
+            from drake_leg.scene.motion import recorded_motion
+
+            motion = recorded_motion(outcome.robot, outcome.recording)
+            write_show(path, motion, overwrite=self.overwrite)
+            yield path
+
+    def _files(self) -> dict[str, Path]:
+        given = {"replay": self.replay, "video": self.video}
+        return {option: path for option, path in given.items() if path is not None}

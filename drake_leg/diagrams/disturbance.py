@@ -1,0 +1,169 @@
+"""What may disturb a motion: a push on the foot, wrongly believed masses, limited torques."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Frame
+from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
+from pydrake.systems.primitives import Saturation
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.push import Push
+from drake_leg.models.plant import build_plant
+from drake_leg.robot import Link, Robot, require_non_negative, require_positive
+from drake_leg.systems.foot_push import FootPush
+from drake_leg.systems.prescribed_motion import STIFFNESS, PrescribedMotion
+
+PUSH = "Push"
+TORQUE_LIMIT = "Torque Limit"
+FIRM = 2500.0  # [1/s^2], stiffness of a motion that something disturbs: 50 rad/s, or 8 Hz
+
+
+@dataclass(frozen=True, kw_only=True)
+class Disturbance:
+    """What disturbs the joints, and how stiffly they are pulled back."""
+
+    push: Push | None = None  # on the foot, or on the tool
+    mass_error: float = 0.0  # all masses are believed to be 1 + mass_error times what they are
+    torque_limit: float | None = None  # [N*m or N], of every joint
+    stiffness: float | None = None  # k [1/s^2]; None: STIFFNESS, and FIRM under a disturbance
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.mass_error) and self.mass_error > -1.0):
+            raise InvalidValueError(
+                f"the mass error is {self.mass_error!r}; it must be finite and greater than -1, "
+                "as 0.2 for masses believed to be 20 % too large"
+            )
+        if self.torque_limit is not None:
+            require_positive("the torque limit", self.torque_limit, "N*m or N")
+        if self.stiffness is not None:
+            require_non_negative("the motion's stiffness", self.stiffness, "1/s^2")
+
+    @property
+    def acts(self) -> bool:
+        """Whether anything disturbs the motion."""
+        return self.push is not None or self.mass_error != 0.0 or self.torque_limit is not None
+
+    @property
+    def pull(self) -> float:
+        """The stiffness that acts [1/s^2]."""
+        if self.stiffness is not None:
+            return self.stiffness
+        return FIRM if self.acts else STIFFNESS
+
+    def believed(self, robot: Robot, gravity: float) -> MultibodyPlant | None:
+        """Build the plant that the computed torque believes in.
+
+        Parameters
+        ----------
+        robot : Robot
+            As it is.
+        gravity : float
+            [m/s^2].
+
+        Returns
+        -------
+        MultibodyPlant or None
+            None where the masses are believed as they are.
+
+        Raises
+        ------
+        InvalidValueError
+            If a mass so large or so small makes no sense.
+        """
+        if self.mass_error == 0.0:
+            return None
+        return build_plant(_heavier(robot, 1.0 + self.mass_error), gravity=gravity)
+
+
+UNDISTURBED = Disturbance()
+
+
+def limited_torque(builder: DiagramBuilder, limit: float, torque: OutputPort) -> OutputPort:
+    """Add Drake's Saturation behind torques.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    limit : float
+        Of every joint, to both sides [N*m or N].
+    torque : OutputPort
+        As asked for.
+
+    Returns
+    -------
+    OutputPort
+        As given.
+    """
+    most = [limit] * torque.size()
+    saturation = builder.AddNamedSystem(TORQUE_LIMIT, Saturation([-limit] * torque.size(), most))
+    builder.Connect(torque, saturation.get_input_port())
+    return saturation.get_output_port()
+
+
+def add_push(builder: DiagramBuilder, plant: MultibodyPlant, frame: Frame, push: Push) -> None:
+    """Add a push on a frame.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    plant : MultibodyPlant
+        In the diagram.
+    frame : Frame
+        Of the plant.
+    push : Push
+        Its force over time.
+    """
+    block = builder.AddNamedSystem(PUSH, FootPush(frame, push))
+    forces = block.GetOutputPort("spatial_forces")
+    builder.Connect(forces, plant.get_applied_spatial_force_input_port())
+
+
+def is_disturbed(diagram: Diagram) -> bool:
+    """Say whether the joints of a diagram may leave their prescribed motion.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        Built.
+
+    Returns
+    -------
+    bool
+    """
+    return any(
+        isinstance(system, FootPush | Saturation)
+        or (isinstance(system, PrescribedMotion) and not system.knows_its_plant)
+        for system in diagram.GetSystems()
+    )
+
+
+def _heavier(robot: Robot, factor: float) -> Robot:
+    return replace(
+        robot,
+        segments=tuple(
+            replace(segment, link=segment.link and _scaled(segment.link, factor))
+            for segment in robot.segments
+        ),
+    )
+
+
+def _scaled(link: Link, factor: float) -> Link:
+    solid, inertial = link.solid, link.inertial
+    if solid is not None:
+        solid = replace(solid, density=factor * solid.density)
+    if inertial is not None:
+        ixx, iyy, izz = (factor * moment for moment in inertial.moments)
+        ixy, ixz, iyz = (factor * product for product in inertial.products)
+        inertial = replace(
+            inertial,
+            mass=factor * inertial.mass,
+            moments=(ixx, iyy, izz),
+            products=(ixy, ixz, iyz),
+        )
+    return replace(link, solid=solid, inertial=inertial)

@@ -1,0 +1,185 @@
+"""What the leg's runs simulate: robots, postures and diagrams, read off a run's options."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from pydrake.systems.framework import Diagram
+
+from drake_leg.diagrams import ellipse, hexabot_leg
+from drake_leg.diagrams.mechanism import start_on_motion
+from drake_leg.errors import InvalidValueError
+from drake_leg.models.state_targets import initial_state
+from drake_leg.robot import Robot
+from drake_leg.robots import LegVariant
+from drake_leg.robots import hexabot_leg as leg_robot
+from drake_leg.runs.disturbance import disturbance_of
+from drake_leg.runs.foresight import (
+    control_of,
+)
+from drake_leg.runs.options import (
+    EllipseOptions,
+    LegOptions,
+    StraightOptions,
+)
+from drake_leg.simulation import Start
+
+
+def leg_of(variant: LegVariant, options: LegOptions) -> Robot:
+    """Return the leg that the options describe.
+
+    Parameters
+    ----------
+    variant : {"A", "B"}
+        Whose leg.
+    options : LegOptions
+        Lengths, density, damping.
+
+    Returns
+    -------
+    Robot
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    """
+    return leg_robot(
+        variant,
+        l1=options.l1,
+        l2=options.l2,
+        l3=options.l3,
+        density=options.density,
+        damping=options.si_damping(),
+    )
+
+
+def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.HexabotLegConfig:
+    """Say how the diagram of a straight step is built.
+
+    Parameters
+    ----------
+    robot : Robot
+        With three joint positions.
+    options : StraightOptions
+        Posture and step.
+
+    Returns
+    -------
+    HexabotLegConfig
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense, or the robot has not three joint positions.
+    """
+    _require_mass(robot)
+    return hexabot_leg.HexabotLegConfig(
+        robot=_unsaturated(robot),
+        q0=_posture(robot, options),
+        amplitude=options.amplitude,
+        frequency=options.frequency,
+        direction=options.unit_direction(),
+        gain=options.gain,
+        gravity=options.gravity,
+        filter_time_constant=options.filter_time_constant,
+        feedback=options.feedback,
+        control=control_of(options, robot.moving),
+        disturbance=disturbance_of(options),
+    )
+
+
+def straight_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, Start]:
+    """Build what the straight step simulates.
+
+    Parameters
+    ----------
+    robot : Robot
+        With three joint positions.
+    options : StraightOptions
+        Posture and step.
+
+    Returns
+    -------
+    (Diagram, callable)
+        And how it starts.
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense, or the robot has not three joint positions.
+    """
+    return hexabot_leg.build(straight_config(robot, options)), start_on_motion
+
+
+def ellipse_config(options: EllipseOptions) -> ellipse.EllipseConfig:
+    """Say how the diagram of an elliptic step is built.
+
+    Parameters
+    ----------
+    options : EllipseOptions
+        Posture and ellipse.
+
+    Returns
+    -------
+    EllipseConfig
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    """
+    robot = leg_of("B", options)
+    return ellipse.EllipseConfig(
+        robot=robot,
+        q0=options.posture(),
+        amplitude=options.amplitude,
+        frequency=options.frequency,
+        direction=options.unit_direction(),
+        lift=options.lift,
+        gravity=options.gravity,
+        filter_time_constant=options.filter_time_constant,
+        control=control_of(options, robot.moving),
+        disturbance=disturbance_of(options),
+    )
+
+
+def _posture(robot: Robot, options: StraightOptions) -> tuple[float, float, float]:
+    """Take q0 in rad where a joint turns, in m where it slides, or the robot's state targets."""
+    angles = options.posture()
+    if len(robot.moving) != 3:
+        return angles
+    q1, q2, q3 = (
+        angle if segment.row.joint == "revolute" else math.degrees(angle)
+        for angle, segment in zip(angles, robot.moving, strict=True)
+    )
+    if (q1, q2, q3) == (0.0, 0.0, 0.0):  # where nobody said anything
+        q1, q2, q3 = initial_state(robot).q
+    joints = (str(segment.joint) for segment in robot.moving)
+    initial_state(robot, {joint: (q, 0.0) for joint, q in zip(joints, (q1, q2, q3), strict=True)})
+    return q1, q2, q3
+
+
+def _unsaturated(robot: Robot) -> Robot:
+    """Take the effort limits off: the torque of a prescribed motion is what the motion takes."""
+    return replace(
+        robot,
+        segments=tuple(
+            replace(segment, mechanics=replace(segment.mechanics, effort=None, velocity=None))
+            for segment in robot.segments
+        ),
+    )
+
+
+def _require_mass(robot: Robot) -> None:
+    """Refuse a robot with a joint that moves nothing: its motion has no equation."""
+    mass_beyond = False
+    for segment in reversed(robot.segments):
+        link = segment.link
+        mass_beyond |= link is not None and (link.solid or link.inertial) is not None
+        if segment.row.joint != "fixed" and not mass_beyond:
+            raise InvalidValueError(
+                f"{robot.name}: nothing beyond joint {segment.joint} has a mass; give its row, or "
+                "one after it, a [row.solid] or a [row.inertial]"
+            )

@@ -1,0 +1,54 @@
+"""A commanded velocity, not faster than a given speed."""
+
+from __future__ import annotations
+
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from drake_leg.kinematics.speed_limit import limited_speed
+from drake_leg.kinematics.task import Floats
+from drake_leg.robot import require_positive
+
+
+class SpeedLimit(LeafSystem):
+    """Shortens a velocity, and passes its direction on.
+
+    ================ ===== ===== ======= ==========================================
+    port             kind  size  unit    meaning
+    ================ ===== ===== ======= ==========================================
+    ``v``            in    n     m/s     commanded velocity
+    ``a``            in    n     m/s^2   its derivative
+    ``velocity``     out   n     m/s     ``v``, or ``top v / |v|`` where that is less
+    ``acceleration`` out   n     m/s^2   the derivative of that
+    ================ ===== ===== ======= ==========================================
+
+    Parameters
+    ----------
+    top : float
+        Greatest speed [m/s].
+    lengths : (n,) sequence of float
+        What makes each part of the velocity a length; 1 where it is one [m/unit].
+
+    Raises
+    ------
+    InvalidValueError
+        If the speed is not positive.
+    """
+
+    def __init__(self, top: float, lengths: Floats = (1.0, 1.0, 1.0)) -> None:
+        super().__init__()
+        require_positive("the greatest speed", top, "m/s")
+        self._top, self._lengths = top, lengths
+        n = len(lengths)
+        self._v = self.DeclareVectorInputPort("v", n)
+        self._a = self.DeclareVectorInputPort("a", n)
+        v, a = self._v.ticket(), self._a.ticket()
+        self.DeclareVectorOutputPort("velocity", n, self._calc_velocity, {v})
+        self.DeclareVectorOutputPort("acceleration", n, self._calc_acceleration, {v, a})
+
+    def _calc_velocity(self, context: Context, velocity: BasicVector) -> None:
+        v = self._v.Eval(context).tolist()
+        velocity.SetFromVector(limited_speed(v, v, self._top, self._lengths)[0])
+
+    def _calc_acceleration(self, context: Context, acceleration: BasicVector) -> None:
+        v, a = self._v.Eval(context).tolist(), self._a.Eval(context).tolist()
+        acceleration.SetFromVector(limited_speed(v, a, self._top, self._lengths)[1])

@@ -1,0 +1,219 @@
+"""``drake-leg run``: disturbances, shows, interrupts, full disks, the same bytes twice."""
+
+import json
+import resource
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from drake_leg.cli import main
+from drake_leg.recording import read_csv
+from drake_leg.scene import stills
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def no_figures(monkeypatch):
+    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+
+
+def run(capsys, *words):
+    status = main(["run", *words])
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+def refused(capsys, here, *words):
+    status, out, err = run(capsys, *words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("drake-leg: ")
+    assert list(here.iterdir()) == []
+    return err
+
+
+# --- disturbances ----------------------------------------------------------------------------
+
+
+def test_a_disturbed_run_says_in_its_line_what_it_cost(no_figures, here, capsys):
+    words = ("leg-b", "--out", "out", "--duration", "3", "--push", "0,0,-0.1", "--push-at", "1.5")
+    status, out, err = run(capsys, *words, "--push-for", "0.2", "--torque-limit", "0.0075")
+    assert (status, err) == (0, "")
+    assert "from its command, farther than 0.001 m for 0." in out
+    assert "m off at the end, torques up to 0.0075 N*m, at their limit for 0.0" in out
+    cost = json.loads((here / "out" / "summary.json").read_text(encoding="utf-8"))["disturbance"]
+    assert (cost["push_n"], cost["push_at_s"], cost["push_for_s"]) == ([0.0, 0.0, -0.1], 1.5, 0.2)
+    assert "tau_asked1[N*m]" in read_csv(here / "out" / "recording.csv").columns
+
+
+def test_a_config_file_disturbs_too(no_figures, here, capsys):
+    (here / "push.yaml").write_text("push: [0, 0, 0.05]\npush_at: 0.1\nmass_error: 0.2\n")
+    words = ("scara", "--out", "out", "--duration", "0.5", "--config", "push.yaml")
+    assert run(capsys, *words)[0] == 0
+    cost = json.loads((here / "out" / "summary.json").read_text(encoding="utf-8"))["disturbance"]
+    assert (cost["push_n"], cost["mass_error"]) == ([0.0, 0.0, 0.05], 0.2)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["leg-b", "--push", "1,2"], "three numbers in N"),
+        (["leg-b", "--push", "0,0,x"], "'x' is no number"),
+        (["leg-b", "--push", "0,0,inf"], "must be finite"),
+        (["leg-b", "--push-at", "1"], "there is no push"),
+        (["leg-b", "--push", "0,0,1", "--push-at", "20"], "earlier --push-at"),
+        (["leg-b", "--push", "0,0,1", "--push-for", "-1"], "-1.0"),
+        (["leg-b", "--mass-error", "-1"], "greater than -1"),
+        (["leg-b", "--mass-error", "1e300"], "drake-leg: "),
+        (["leg-b", "--torque-limit", "0"], "torque limit"),
+        (["leg-b", "--stiffness", "-4"], "stiffness"),
+        (["pendulum", "--push", "0,0,1"], "--push means nothing to pendulum"),
+        (["leg-b", "--replay", "a.mp4"], "--replay is a.mp4; its name must end in .html"),
+        (["leg-b", "--video", "a.html"], "--video is a.html; its name must end in .mp4 or .gif"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_senseless_options_are_one_sentence(here, capsys, words, said):
+    assert said in refused(capsys, here, *words, "--out", "out")
+
+
+def test_a_robot_called_like_a_block_is_one_sentence(here, capsys, tmp_path_factory):
+    main(["sdf", "leg-b", "--toml"])
+    toml = capsys.readouterr().out.replace("leg_b", "Demux")
+    robot = tmp_path_factory.mktemp("robot") / "robot.toml"
+    robot.write_text(toml, encoding="utf-8")
+    words = (str(robot), "--out", "out", "--q0", "90,-50,-90", "--duration", "0.1")
+    assert "give the robot another name" in refused(capsys, here, *words)
+
+
+# --- shows -----------------------------------------------------------------------------------
+
+
+def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkeypatch):
+    monkeypatch.setattr(stills, "rendering_fault", lambda: "to be quick")
+    words = ("leg-b", "--out", "out", "--duration", "0.2", "--replay", "leg.html", "--stills")
+    status, out, err = run(capsys, *words)
+    assert (status, err) == (0, "")
+    assert out.splitlines()[1:] == ["wrote leg.html"]
+    assert (here / "leg.html").stat().st_size > 100_000
+    assert (here / "out" / "still_3d.png").stat().st_size > 1000
+    assert "leg.html exists" in run(capsys, *words[:1], "--out", "new", *words[3:])[2]
+    assert not (here / "new").exists()
+    assert run(capsys, *words, "--overwrite")[0] == 0
+
+
+def test_a_video_is_asked_of_what_can_write_it(no_figures, here, capsys, monkeypatch):
+    written = []
+    monkeypatch.setattr("drake_leg.scene.files.check_show", lambda path, overwrite: None)
+    monkeypatch.setattr(
+        "drake_leg.scene.files.write_show",
+        lambda path, motion, overwrite: written.append((path.name, motion.duration)),
+    )
+    words = ("pendulum", "--out", "out", "--duration", "0.2", "--video", "swing.gif")
+    assert run(capsys, *words)[0] == 0
+    assert written == [("swing.gif", pytest.approx(0.2))]
+
+
+# --- in a process of its own -----------------------------------------------------------------
+
+TOLD_OF_ITS_BEGINNING = """
+import sys
+from drake_leg.cli import main
+from drake_leg.progress import ProgressBar
+def told(self, done):
+    if done > 0.5 and not hasattr(self, "told"):
+        self.told = True
+        print("running", flush=True)
+ProgressBar.__call__ = told
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["leg-b", "--duration", "50000"],
+        ["pendulum", "--duration", "3000"],
+        ["leg-b", "--duration", "9000", "--inverse", "damped", "--push", "0,0,0.1"],
+    ],
+    ids=lambda words: " ".join(words[::3]),
+)
+def test_ctrl_c_leaves_a_whole_readable_recording(here, words):
+    process = subprocess.Popen(
+        [sys.executable, "-W", "error", "-c", TOLD_OF_ITS_BEGINNING, "run", *words, "--out", "out"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "running\n"
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert out.startswith("wrote out: ")
+    assert "interrupted" in err
+    assert "Traceback" not in err
+    summary = json.loads((here / "out" / "summary.json").read_text(encoding="utf-8"))
+    recording = read_csv(here / "out" / "recording.csv")
+    assert summary["stop_reason"] == "interrupted"
+    assert summary["rows"] == len(recording["time"])
+    assert recording["time"][-1] == summary["stopped_at_s"] > 0.5
+    assert any(path.suffix == ".png" for path in (here / "out").iterdir())
+
+
+@pytest.mark.parametrize("most", [1000, 60_000])
+def test_a_full_disk_is_one_sentence_and_leaves_nothing(here, most):
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+
+    done = subprocess.run(
+        [sys.executable, "-m", "drake_leg", "run", "leg-b", "--out", "out", "--duration", "2"],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=limit,
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    assert "cannot be written" in done.stderr
+    assert list(here.iterdir()) == []
+
+
+# --- the same bytes --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["leg-b"],
+        ["scara"],
+        ["pendulum"],
+        ["leg-a", "--push", "0,0,0.1", "--push-at", "0.2", "--torque-limit", "0.006"],
+        ["leg-b", "--inverse", "damped", "--amplitude", "0.3", "--frequency", "3"],
+    ],
+    ids=" ".join,
+)
+def test_two_runs_record_the_same_bytes(no_figures, here, capsys, words):
+    recordings = []
+    for out in ("first", "second"):
+        assert run(capsys, *words, "--duration", "1.5", "--out", out)[0] == 0
+        recordings.append((here / out / "recording.csv").read_bytes())
+    assert recordings[0] == recordings[1]
+
+
+def test_a_missing_display_is_no_hindrance(here, monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setenv("MPLBACKEND", "TkAgg")
+    done = subprocess.run(
+        [sys.executable, "-m", "drake_leg", "run", "pendulum", "--out", "out", "--duration", "0.1"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")

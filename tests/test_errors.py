@@ -1,0 +1,143 @@
+"""Every error that this package documents is provoked, and says its one sentence."""
+
+import importlib
+import inspect
+import pkgutil
+from dataclasses import replace
+
+import pytest
+
+import drake_leg
+from drake_leg.errors import (
+    DrakeLegError,
+    ForeseenSingularityError,
+    InvalidValueError,
+    JointLimitError,
+    LostMotionError,
+    OutputError,
+    SingularConfigurationError,
+    StepBudgetError,
+    UnstableRunError,
+)
+from drake_leg.kinematics.rates import exact_rates
+from drake_leg.output import check_target
+from drake_leg.robot import JointMechanics
+from drake_leg.robots import LEG_B
+from drake_leg.runs import leg, pendulum
+from drake_leg.runs.leg import run_robot, run_straight
+from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
+from drake_leg.runs.pendulum import run_pendulum
+from drake_leg.scene import rendering, video
+from drake_leg.scene.meshcat import MeshcatError
+from drake_leg.scene.rendering import NoRenderingError
+from drake_leg.scene.replay import ReplayError
+from drake_leg.scene.video import MissingEncoderError
+from drake_leg.simulation import run as simulation_run
+from drake_leg.symbolic.optional import MissingSymPyError
+
+PROVOKED_ELSEWHERE = {
+    MeshcatError: "tests/scene/test_viewer.py",
+    ReplayError: "tests/scene/test_replay.py",
+    MissingSymPyError: "tests/symbolic/test_catalogue.py",
+}
+
+
+def cause(run, monkeypatch):
+    """What stopped the simulation of a run, which goes on to its outcome."""
+    stops = []
+
+    def watched(*arguments, **keywords):
+        stops.append(simulation_run.simulate(*arguments, **keywords))
+        return stops[0]
+
+    for module in (leg, pendulum):
+        monkeypatch.setattr(module, "simulate", watched)
+    run()
+    return stops[0].stopped_by
+
+
+def invalid(monkeypatch, tmp_path):
+    run_straight("B", LegBOptions(duration=-1.0))
+
+
+def output(monkeypatch, tmp_path):
+    check_target(tmp_path, overwrite=False)
+
+
+def singular(monkeypatch, tmp_path):
+    exact_rates(LEG_JACOBIAN, [1.0, 0.0, 0.0], [0.0, 0.0, 0.0])
+
+
+LEG_JACOBIAN = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]
+
+
+def foreseen(monkeypatch, tmp_path):
+    run_straight("B", LegBOptions(amplitude=0.1))
+
+
+def lost(monkeypatch, tmp_path):
+    options = LegBOptions(amplitude=0.1, duration=4.0, integrator="radau3", force=True)
+    raise cause(lambda: run_straight("B", options), monkeypatch)
+
+
+def budget(monkeypatch, tmp_path):
+    monkeypatch.setattr(simulation_run, "STEP_BUDGET", 20)
+    options = LegBOptions(duration=0.8, accuracy=1e-12)
+    raise cause(lambda: run_straight("B", options), monkeypatch)
+
+
+def unstable(monkeypatch, tmp_path):
+    options = PendulumOptions(duration=5.0, q0=[20.0], damping=10.0, max_step=0.04)
+    raise cause(lambda: run_pendulum(options), monkeypatch)
+
+
+def limit(monkeypatch, tmp_path):
+    hip, knee, *rest = LEG_B.segments
+    narrow = replace(knee, mechanics=JointMechanics(lower=-0.88, upper=-0.86))
+    options = StraightOptions(q0=[90.0, -50.0, -90.0], amplitude=0.07, duration=4.0)
+    robot = replace(LEG_B, segments=(hip, narrow, *rest))
+    raise cause(lambda: run_robot(robot, options), monkeypatch)
+
+
+def no_rendering(monkeypatch, tmp_path):
+    monkeypatch.setattr(rendering, "rendering_fault", lambda: "there is no VTK here")
+    video.require_video(tmp_path / "a.gif")
+
+
+def no_encoder(monkeypatch, tmp_path):
+    monkeypatch.setattr(video, "find_spec", lambda name: None)
+    video.require_video(tmp_path / "a.mp4")
+
+
+PROVOKED = {
+    InvalidValueError: invalid,
+    OutputError: output,
+    SingularConfigurationError: singular,
+    ForeseenSingularityError: foreseen,
+    LostMotionError: lost,
+    StepBudgetError: budget,
+    UnstableRunError: unstable,
+    JointLimitError: limit,
+    NoRenderingError: no_rendering,
+    MissingEncoderError: no_encoder,
+}
+
+
+@pytest.mark.parametrize("kind", PROVOKED, ids=lambda kind: kind.__name__)
+def test_an_error_comes_where_it_is_due_in_one_sentence(kind, monkeypatch, tmp_path):
+    with pytest.raises(DrakeLegError) as caught:
+        PROVOKED[kind](monkeypatch, tmp_path)
+    assert type(caught.value) is kind
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) > 20
+
+
+def test_none_is_forgotten():
+    public = set()
+    for module in pkgutil.walk_packages(drake_leg.__path__, "drake_leg."):
+        if module.name == "drake_leg.__main__":
+            continue
+        for name, kind in vars(importlib.import_module(module.name)).items():
+            if inspect.isclass(kind) and issubclass(kind, DrakeLegError) and name[0] != "_":
+                public.add(kind)
+    assert public - {DrakeLegError} == set(PROVOKED) | set(PROVOKED_ELSEWHERE)
