@@ -16,7 +16,8 @@ from drake_leg.systems.prescribed_motion import PrescribedMotion
 TIME_LEFT = 5e-10  # [s] before the instant of a singularity, at which a run stops
 NEARLY_SINGULAR = 0.02  # normalised determinant below which the joints must follow closely
 LARGEST_LAG = 1e-6  # [rad or m] of the joints behind their prescribed motion there
-APPROACH = 0.05  # part of the determinant that a step changes, at most
+APPROACH = 0.03  # part of the determinant that a step changes, at most
+NEAR, NEAR_APPROACH = 0.3, 0.02  # below this normalised determinant it is this part
 LARGEST_TURN = 0.05  # [rad or m] of a joint in a step
 GROWTH = 1.2  # from one step to the next, at most
 SHRINK = 1.5  # from one trial to the next
@@ -107,9 +108,10 @@ class Guard:
         if now < NEARLY_SINGULAR and not self._disturbed:
             self._require_following(root)
         ahead = block.look_ahead(context, disturbed=self._disturbed)
+        approach = NEAR_APPROACH if now < NEAR else APPROACH
         while step > SMALLEST_STEP:
             turn, change = ahead(step)
-            if turn <= LARGEST_TURN and change <= APPROACH:
+            if turn <= LARGEST_TURN and change <= approach:
                 break
             step /= SHRINK
         if step < TIME_LEFT and ahead.time_left(step) < TIME_LEFT:

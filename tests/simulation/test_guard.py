@@ -93,7 +93,7 @@ def random_run(rng, number, slowest=-1.0):
     if number % 5 == 0:
         x, y, _ = foot_position(leg, q0)
         d = -sign * np.array([x, y, rng.uniform(-0.2, 0.2) * math.hypot(x, y)])
-        size = rng.uniform(0.4, 1.0) * math.hypot(x, y)
+        size = rng.uniform(0.4, 1.6) * math.hypot(x, y)
     d /= np.linalg.norm(d)
     step = SineStep(
         amplitude=float(sign * size * frequency), frequency=frequency, direction=tuple(d.tolist())
