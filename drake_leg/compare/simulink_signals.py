@@ -15,7 +15,7 @@ from drake_leg.simulink.units import parse_unit
 
 INTEGRATORS = ("Integrator", "DiscreteIntegrator")
 SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "Outport", "XY Graph", "Record")
-MOST_INPUTS = 10_000  # of a Mux
+MOST_INPUTS = 1_000  # of a Mux
 SIZES_TRIED = 4  # rounds until the sizes of integrators in a loop agree
 
 

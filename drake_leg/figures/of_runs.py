@@ -53,8 +53,13 @@ def figures_of_run(
 
 def _pendulum(title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]) -> Named:
     rest = summary["exact_rest_angle_rad"]
-    scale = PendulumModel.from_robot(robot).gravity_torque
-    yield "angle", lambda: pendulum.angle(recording, f"{title}: angle", rest)
+    model = PendulumModel.from_robot(robot)
+    scale = model.gravity_torque
+    equilibrium = model.equilibrium_position if model.spring_stiffness else None
+    yield (
+        "angle",
+        lambda: pendulum.angle(recording, f"{title}: angle", rest, equilibrium=equilibrium),
+    )
     yield (
         "angle_and_rate",
         lambda: pendulum.angle_and_rate(recording, f"{title}: angle and rate"),

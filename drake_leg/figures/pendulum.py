@@ -32,7 +32,12 @@ MOST = 24  # marks of a kind that can be told apart
 
 
 def angle(
-    recording: Recording, title: str, rest: float | None = None, *, span: Span | None = None
+    recording: Recording,
+    title: str,
+    rest: float | None = None,
+    *,
+    equilibrium: float | None = None,
+    span: Span | None = None,
 ) -> Figure:
     """Draw the angle against time (A 5, 6): how it swings, or where it comes to rest.
 
@@ -44,6 +49,8 @@ def angle(
         Of the figure.
     rest : float, optional
         Rest angle [rad].
+    equilibrium : float, optional
+        Of a spring at the joint [rad].
     span : (low, high), optional
         Angles that the axis shows at least [rad], so that figures can be compared.
 
@@ -59,7 +66,9 @@ def angle(
     if rest is None:
         _mark_amplitude(axes, recording)
     else:
-        _mark_rest(axes, recording, rest)
+        _mark_rest(axes, recording, rest, equilibrium)
+    if equilibrium is not None:
+        _mark_equilibrium(axes, equilibrium)
     return figure
 
 
@@ -149,16 +158,19 @@ def _show(axes: Axes, values: Span | tuple[()]) -> None:
         axes.set_ylim(min(low, min(values) - room), max(high, max(values) + room))
 
 
-def _mark_rest(axes: Axes, recording: Recording, rest: float) -> None:
+def _mark_rest(axes: Axes, recording: Recording, rest: float, equilibrium: float | None) -> None:
     low, high = axes.get_ylim()
     margin = 0.05 * max(high, rest) - 0.05 * min(low, rest)
     axes.set_ylim(min(low, rest - margin), max(high, rest + margin))
     axes.axhline(rest, color=GREY, linestyle=":", linewidth=1.2)
     away = np.flatnonzero(np.abs(recording["q"] - rest) > NEAR_REST)
     since = recording["time"][away[-1]] if len(away) else recording["time"][0]
+    first, second = 6, -14
+    if equilibrium is not None:
+        first, second = (20, 6) if equilibrium <= rest else (-14, -28)
     for text, offset in (
-        (f"at rest at {rest:.4f} rad = {np.degrees(rest):.2f} deg", 6),
-        (f"within 1 deg of it from {since:.1f} s on", -14),
+        (f"at rest at {rest:.4f} rad = {np.degrees(rest):.2f} deg", first),
+        (f"within 1 deg of it from {since:.1f} s on", second),
     ):
         axes.annotate(
             text,
@@ -170,6 +182,12 @@ def _mark_rest(axes: Axes, recording: Recording, rest: float) -> None:
             fontsize=9.5,
             color=GREY,
         )
+
+
+def _mark_equilibrium(axes: Axes, equilibrium: float) -> None:
+    _show(axes, (equilibrium, equilibrium))
+    axes.axhline(equilibrium, color=ORANGE, linestyle="--", linewidth=1.2)
+    claim(axes, f"dashed: the spring's equilibrium, {_degrees(equilibrium)} deg")
 
 
 def _mark_amplitude(axes: Axes, recording: Recording) -> None:

@@ -34,6 +34,7 @@ from drake_leg.robot import Robot
 
 GHOSTS = 9  # postures drawn over the run's first stroke
 STILL = 1e-6  # [m or m/s], a coordinate that changes less is said to be constant
+INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gaps of the other
 
 
 def position(recording: Recording, title: str, what: str = "foot") -> Figure:
@@ -95,6 +96,9 @@ def velocity(recording: Recording, title: str, what: str = "foot") -> Figure:
     fastest = {axis: float(np.abs(recording[f"v{axis}"]).max()) for axis in "xyz"}
     still = [axis for axis, speed in fastest.items() if speed < STILL]
     if len(still) == 2:
+        for axis, dashes in zip(still, INTERLEAVED, strict=True):
+            figure.axes[0].lines["xyz".index(axis)].set_linestyle(dashes)
+        legend_above(figure.axes[0])
         claim(
             figure.axes[0],
             f"$v_{still[0]}$ and $v_{still[1]}$ stay within "

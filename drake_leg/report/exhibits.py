@@ -25,8 +25,7 @@ from drake_leg.scene.replay import replay_page
 from drake_leg.scene.stills import still_png
 from drake_leg.scene.views import VIEWS
 
-NARROW = 600  # [px], a block diagram that may be made to fit a phone's screen
-FITTED, LEGIBLE = 0.62, 0.75  # of its own size, the least at which one is shown
+NARROW = 600  # [px], a block diagram that can be read where it fills a phone's screen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,10 +102,10 @@ def _blocks(item: Item, workshop: Workshop) -> Exhibit:
     found = re.search(r'width="([\d.]+)"', svg)
     width = round(float(found[1])) if found else 0
     narrow = width < NARROW
-    least = round(width * (FITTED if narrow else LEGIBLE))
     place = f'class="drawing{"" if narrow else " large"}"'
+    full = "" if narrow else f' <a class="full" href="{file.name}">Open it at full size</a>.'
     return Exhibit(
-        body=_figure(item, svg, f' {place} style="--width: {width}px; --least: {least}px"'),
+        body=_figure(item, svg, f' {place} style="--width: {width}px"', full),
         commands=(f"drake-leg diagram {item.subject}{part} --out {item.id}.svg",),
         files=(file.name,),
     )
@@ -147,11 +146,11 @@ def _replay(item: Item, workshop: Workshop) -> Exhibit:
     )
 
 
-def _figure(item: Item, data: bytes | str, attributes: str = "") -> str:
+def _figure(item: Item, data: bytes | str, attributes: str = "", more: str = "") -> str:
     image = picture(data, f"{item.title}. {item.caption}")
     return (
         f"<figure><div{attributes}>{image}</div>"
-        f"<figcaption>{prose(item.caption)}</figcaption></figure>"
+        f"<figcaption>{prose(item.caption)}{more}</figcaption></figure>"
     )
 
 

@@ -125,8 +125,8 @@ def table(head: Iterable[str], rows: Iterable[Sequence[object]]) -> str:
     headings = "".join(f"<th>{cell}</th>" for cell in head)
     body = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in rows)
     return (
-        f'<div class="wide" tabindex="0"><table class="data"><thead><tr>{headings}</tr></thead>'
-        f"<tbody>{body}</tbody></table></div>"
+        '<div class="wide" tabindex="0" role="region" aria-label="table"><table class="data">'
+        f"<thead><tr>{headings}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
 

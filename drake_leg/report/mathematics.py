@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cache
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -60,6 +61,9 @@ def _turn(angle: float) -> str:
     return named.get(angle, f"{angle:.4g}")
 
 
+_SCROLLING = '<div class="equation" tabindex="0" role="region" aria-label="equation">'
+
+
 def equations(item: Item) -> str:
     """Write an item's equations; matrices with their values and how far the witnesses are.
 
@@ -92,7 +96,7 @@ def _matrix(label: str, name: str, comparison: Comparison) -> str:
         "" if comparison.value is None else f"<span>=</span> {value_grid(comparison.value)}{rate}"
     )
     return (
-        f'<div class="equation" tabindex="0"><span class="name">{prose(NAMES.get(name, name))}'
+        f'{_SCROLLING}<span class="name">{prose(NAMES.get(name, name))}'
         f"</span> <span>=</span> {formula_grid(comparison.formula)}{rate} {value}{_label(label)}"
         f'<span class="proof">from the chain {power(comparison.from_chain)}, from Drake '
         f"{power(comparison.from_drake)}</span></div>"
@@ -119,16 +123,16 @@ def both_methods(item: Item) -> str:
     subject = SUBJECTS[item.subject]
     found = methods(subject)
     lines = "".join(
-        f'<div class="equation" tabindex="0"><span class="name">J {name}</span> <span>=</span> '
-        f"{value_grid(value)}</div>"
+        f'{_SCROLLING}<span class="name">J {name}</span> <span>=</span> {value_grid(value)}</div>'
         for name, value in (("direct", found.direct), ("indirect", found.indirect))
     )
+    symbols = "; in symbols, by SymPy, for every q" if find_spec("sympy") else ""
     return (
         f"<p>Evaluated at q = ({subject.posture}), lengths in m:</p>\n{lines}\n"
         '<div class="equation"><span class="name">J direct − J indirect</span> <span>=</span> '
         f'<span>0</span> <span class="proof">at {POSTURES} random postures no entry of the 6 × '
-        f"{len(subject.q)} Jacobians differs by more than {power(found.difference)}; in symbols, "
-        "by SymPy, for every q</span></div>"
+        f"{len(subject.q)} Jacobians differs by more than {power(found.difference)}"
+        f"{symbols}</span></div>"
     )
 
 

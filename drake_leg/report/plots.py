@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from drake_leg.figures import pendulum, tip
 from drake_leg.figures.of_runs import LEG_JOINTS
 from drake_leg.kinematics.leg import LegGeometry, foot_rotation_angles
+from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.kinematics.rotation import rotation_matrices
 from drake_leg.report.runs import GAIN
 from drake_leg.runs.options import LegBOptions
@@ -64,7 +65,13 @@ def _rotation_deviation(outcome: Outcome) -> float:
 
 
 def _angle(outcome: Outcome, title: str) -> Figure:
-    return pendulum.angle(outcome.recording, title, outcome.summary["exact_rest_angle_rad"])
+    model = PendulumModel.from_robot(outcome.robot)
+    return pendulum.angle(
+        outcome.recording,
+        title,
+        outcome.summary["exact_rest_angle_rad"],
+        equilibrium=model.equilibrium_position if model.spring_stiffness else None,
+    )
 
 
 def _swing(outcome: Outcome, title: str) -> Figure:

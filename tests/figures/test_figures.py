@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drake_leg.figures import pendulum as pendulum_figures
-from drake_leg.figures import tip
+from drake_leg.figures import style, tip
 from drake_leg.figures.of_runs import figures_of_run
 from drake_leg.figures.style import DARK, STYLE, for_light_and_dark, new_figure, save
 from drake_leg.figures.time_plots import curves_plot, time_plot, widen_flat_axis
@@ -369,3 +369,25 @@ def test_figures_need_neither_drake_nor_a_window():
         "sys.exit(any(name in sys.modules for name in ('pydrake', 'matplotlib.pyplot')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("equilibrium", [0.5236, 0.6])
+def test_a_springs_equilibrium_is_drawn_beside_where_it_rests(equilibrium):
+    recording = outcome_of("pendulum-spring").recording
+    figure = pendulum_figures.angle(recording, "title", 0.5639, equilibrium=equilibrium)
+    axes = figure.axes[0]
+    assert axes.get_lines()[2].get_ydata()[0] == equilibrium
+    offsets = [text.get_position()[1] for text in axes.texts if text.get_position()[1] != 5]
+    assert all((offset > 0) == (equilibrium < 0.5639) for offset in offsets)
+
+
+def test_of_two_velocities_that_stay_zero_both_are_seen():
+    figure = tip.velocity(outcome_of("leg-b").recording, "title")
+    figure.axes[0].get_legend().remove()
+    figure.canvas.draw()
+    pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+    seen = [
+        np.count_nonzero((pixels == np.round(255 * np.array(mpl.colors.to_rgb(colour)))).all(-1))
+        for colour in (style.ORANGE, style.GREEN)
+    ]
+    assert min(seen) > 0.8 * max(seen) > 100

@@ -6,6 +6,7 @@ from dataclasses import fields
 import pytest
 
 from drake_leg.errata import errata
+from drake_leg.report import mathematics
 from drake_leg.report.contents import Item, chapters
 from drake_leg.report.exhibits import KINDS
 from drake_leg.report.plots import PLOTS
@@ -78,3 +79,10 @@ def test_an_item_can_be_made(item):
 
 def test_the_gain_of_figure_b_10_is_on_its_command():
     assert command("leg-b-gain") == "drake-leg run leg-b --gain 10 --out leg-b-gain"
+
+
+@pytest.mark.parametrize("installed", [True, False])
+def test_sympy_is_named_as_a_witness_only_where_it_is_installed(monkeypatch, installed):
+    monkeypatch.setattr(mathematics, "find_spec", lambda _: object() if installed else None)
+    (item, *_) = (item for item in ITEMS if item.kind == "methods")
+    assert ("SymPy" in mathematics.both_methods(item)) == installed
