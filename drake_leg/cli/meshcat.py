@@ -35,6 +35,12 @@ def add_meshcat(parser: argparse.ArgumentParser) -> None:
     )
 
 
+LEAVING = (
+    "Escape in the browser, or Ctrl-C here, ends it: the posture is printed as --q takes it, and "
+    "the exit status is 0."
+)
+
+
 def start_meshcat(chosen: argparse.Namespace, shows: str) -> Meshcat:
     """Start Meshcat, say where, and open a browser.
 

@@ -39,7 +39,7 @@ def add(commands: Commands) -> None:
         help="file to make, .html, .mp4 or .gif",
     )
     parser.add_argument("--overwrite", action="store_true", help="replace FILE if it exists")
-    add_view(parser, "of a video")
+    add_view(parser, "of a video, or first one of a page")
     parser.add_argument(
         "--robot",
         metavar="NAME|FILE.toml",
@@ -56,6 +56,7 @@ def _replay(chosen: argparse.Namespace) -> int:
 
     view = view_named(chosen.view)
     check_show(chosen.out, overwrite=chosen.overwrite)
+    _require_run(chosen.run)
     robot = _robot(chosen)
     motion = recorded_motion(robot, read_csv(chosen.run / "recording.csv"))
     bar = ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s")
@@ -65,6 +66,16 @@ def _replay(chosen: argparse.Namespace) -> int:
         bar.close()
     print(f"wrote {chosen.out}: {motion.duration:g} s of {robot.title}")
     return 0
+
+
+def _require_run(folder: Path) -> None:
+    """Refuse what is no folder with a recording."""
+    try:
+        recorded = (folder / "recording.csv").is_file()
+    except (OSError, ValueError):
+        recorded = False
+    if not recorded:
+        raise OutputError(f"{folder} is no folder of a run: give one that 'drake-leg run' has made")
 
 
 def _robot(chosen: argparse.Namespace) -> Robot:

@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from drake_leg.cli.common import Commands
-from drake_leg.cli.meshcat import add_meshcat, start_meshcat
+from drake_leg.cli.meshcat import LEAVING, add_meshcat, start_meshcat
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
+from drake_leg.errors import SingularConfigurationError
+from drake_leg.robot import Robot
+
+if TYPE_CHECKING:
+    from drake_leg.teleop.control import Step
+
+KEYS = (
+    "keys in the browser: A D along x, S W along y, F R along z, space halts, "
+    "1 to 4 are the views, Escape quits"
+)
 
 
 def add(commands: Commands) -> None:
@@ -24,7 +35,9 @@ def add(commands: Commands) -> None:
         description="Open a robot of three joints in Meshcat and drive its foot: sliders or the "
         "keys A D, S W, F R set the velocity along x, y, z, the space bar halts. A leg's section "
         "of reach is shown, the smallest singular value too; near a singularity a guard slows "
-        "the foot and stops it (green, orange, red), and lets it go back.",
+        "the foot and stops it (green, orange, red), and lets it go back. What "
+        "it does is said in the terminal, too.",
+        epilog=LEAVING,
     )
     add_robot_source(parser)
     add_posture(parser)
@@ -33,19 +46,34 @@ def add(commands: Commands) -> None:
 
 
 def _teleop(chosen: argparse.Namespace) -> int:
-    from drake_leg.teleop.control import at_rest, drive_of
     from drake_leg.teleop.session import drive_robot
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
-    at_rest(drive_of(robot), q)
+    start = _start(robot, q)
     meshcat = start_meshcat(chosen, f"{robot.title}, driven by A D, S W, F R")
+    _say(f"{KEYS}\nat the start sigma_min is {1e3 * start.sigma_min:.2f} mm, the guard is idle")
     try:
         step = drive_robot(robot, q, meshcat, say=_say, once=chosen.once)
     except KeyboardInterrupt:
         return 0
     print(f"the robot was left at --q {as_option(robot, step.q.tolist())}")
     return 0
+
+
+def _start(robot: Robot, q: list[float]) -> Step:
+    """Describe where the robot starts, or refuse a singular posture."""
+    from drake_leg.teleop.control import at_rest, drive_of, singular_words
+
+    drive = drive_of(robot)
+    try:
+        return at_rest(drive, q)
+    except SingularConfigurationError as error:
+        error.args = (
+            f"at --q {as_option(robot, q)} {singular_words(drive, q, '')}: from this singular "
+            "posture the foot cannot be driven; choose another --q",
+        )
+        raise
 
 
 def _say(sentence: str) -> None:

@@ -6,9 +6,10 @@ import argparse
 from pathlib import Path
 
 from drake_leg.cli.common import Commands
-from drake_leg.cli.meshcat import add_meshcat, start_meshcat
+from drake_leg.cli.meshcat import LEAVING, add_meshcat, start_meshcat
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
+from drake_leg.errors import OutputError
 
 
 def add(commands: Commands) -> None:
@@ -25,6 +26,7 @@ def add(commands: Commands) -> None:
         description="Open a robot in Meshcat, in the browser: the frames of its table (x red, y "
         "green, z blue), a slider for every joint, the trace of its tip, and buttons for the "
         "reports' views. Or write one picture, without a browser, with --still.",
+        epilog=LEAVING,
     )
     add_robot_source(parser)
     add_posture(parser)
@@ -32,7 +34,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--still", type=Path, metavar="FILE.png", help="write one picture instead, and end"
     )
-    add_view(parser, "of the picture")
+    add_view(parser, "of the picture, or first one in the browser")
     parser.add_argument("--overwrite", action="store_true", help="replace FILE.png if it exists")
     parser.set_defaults(command=_view)
 
@@ -62,10 +64,12 @@ def _view(chosen: argparse.Namespace) -> int:
     if chosen.still is not None:
         return _still(chosen)
     from drake_leg.scene.viewer import view_robot
+    from drake_leg.scene.views import view_named
 
+    view = view_named(chosen.view)
     meshcat = start_meshcat(chosen, robot.title)
     try:
-        left_at = view_robot(robot, q, meshcat, once=chosen.once)
+        left_at = view_robot(robot, q, meshcat, view=view, once=chosen.once)
     except KeyboardInterrupt:
         return 0
     print(f"the sliders were left at --q {as_option(robot, left_at.tolist())}")
@@ -80,7 +84,10 @@ def _still(chosen: argparse.Namespace) -> int:
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
     view = view_named(chosen.view)
-    with whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch:
-        scratch.write_bytes(still_png(robot, q, view=view))
+    try:
+        with whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch:
+            scratch.write_bytes(still_png(robot, q, view=view))
+    except OutputError as error:
+        raise OutputError(str(error).replace("another --out", "another --still")) from None
     print(f"wrote {chosen.still}")
     return 0

@@ -55,7 +55,7 @@ def write_show(
     motion : Motion
         What moves.
     view : View
-        From where a video sees it; a page has all views.
+        From where a video sees it, or a page first; a page has all views.
     overwrite : bool
         Whether a file that is there may be replaced.
     progress : callable, optional
@@ -73,4 +73,4 @@ def write_show(
         return
     from drake_leg.scene.replay import write_replay
 
-    write_replay(target, motion, overwrite=overwrite)
+    write_replay(target, motion, view=view, overwrite=overwrite)

@@ -39,7 +39,7 @@ def triad_parts(robot: Robot, size: float) -> tuple[Part, ...]:
         Three a frame, from the base to the tip.
     """
     parts = []
-    for index, length in enumerate(_triad_lengths(robot, size)):
+    for index, length in enumerate(triad_lengths(robot, size)):
         radius = (0.8 if index == 0 else 1.0) * TRIAD_RADIUS * size
         for axis, (letter, colour) in enumerate(zip("xyz", (RED, GREEN, BLUE), strict=True)):
             rod = _rod(np.zeros(3), length * np.eye(3)[axis], radius)
@@ -66,12 +66,26 @@ def triad_tips(robot: Robot, X_BF: Array, size: float) -> Array:
     p_BT : (..., n + 1, 3, 3) ndarray
         The last axis but one counts x, y, z [m].
     """
-    lengths = np.array(_triad_lengths(robot, size))[:, np.newaxis, np.newaxis]
+    lengths = np.array(triad_lengths(robot, size))[:, np.newaxis, np.newaxis]
     axes = np.swapaxes(X_BF[..., :3, :3], -1, -2)
     return np.asarray(X_BF[..., np.newaxis, :3, 3] + lengths * axes)
 
 
-def _triad_lengths(robot: Robot, size: float) -> list[float]:
+def triad_lengths(robot: Robot, size: float) -> list[float]:
+    """How long the axes of each frame are.
+
+    Parameters
+    ----------
+    robot : Robot
+        n rows.
+    size : float
+        Of the scene [m].
+
+    Returns
+    -------
+    (n + 1,) list of float
+        From the base to the tip [m].
+    """
     return [BASE_TRIAD * TRIAD_LENGTH * size] + [TRIAD_LENGTH * size] * len(robot.rows)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import socket
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -48,6 +49,7 @@ def open_meshcat(*, host: str = LOCALHOST, port: int | None = None) -> Meshcat:
     """
     if port is not None and not _SMALLEST_PORT <= port <= _LARGEST_PORT:
         raise MeshcatError(f"--port is {port}; it must be in {_SMALLEST_PORT} ... {_LARGEST_PORT}")
+    _require_host(host)
     settings = MeshcatParams()
     settings.host = host
     settings.port = port
@@ -152,6 +154,33 @@ def look(meshcat: Meshcat, place: Sequence[float], target: Sequence[float], fiel
     for name, value in (("fov", math.degrees(field)), ("near", away / 50.0), ("far", 4.0 * away)):
         meshcat.SetProperty("/Cameras/default/rotated/<object>", name, value)
     meshcat.SetCameraPose(place, target)
+
+
+def _require_host(host: str) -> None:
+    """Refuse a host that is not this machine: Meshcat would try each of its thousand ports."""
+    if host == "*":
+        return
+    try:
+        places = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)
+    except (OSError, ValueError):
+        raise MeshcatError(
+            f"Meshcat cannot listen at {host!r}: no machine of this name is known; "
+            "choose another --host"
+        ) from None
+    if not any(_bindable(family, address) for family, _, _, _, address in places):
+        raise MeshcatError(
+            f"Meshcat cannot listen at {host}: it is not an address of this machine; "
+            "choose another --host"
+        )
+
+
+def _bindable(family: int, address: tuple[object, ...]) -> bool:
+    try:
+        with socket.socket(family, socket.SOCK_STREAM) as trial:
+            trial.bind(address)
+    except OSError:
+        return False
+    return True
 
 
 @contextmanager

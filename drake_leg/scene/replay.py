@@ -15,9 +15,10 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.kinematics.batches import Array
+from drake_leg.scene.marks import triad_lengths
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.scene import Scene, scene_of
-from drake_leg.scene.views import MARGIN, VIEWS
+from drake_leg.scene.views import MARGIN, VIEWS, View
 from drake_leg.text_file import write_text
 
 RATE = 30.0  # poses a second; the page interpolates between them
@@ -28,7 +29,9 @@ class ReplayError(DrakeLegError):
     """Meshcat's page is not as this program knows it."""
 
 
-def write_replay(target: Path, motion: Motion, *, overwrite: bool = False) -> None:
+def write_replay(
+    target: Path, motion: Motion, *, view: View = VIEWS["3d"], overwrite: bool = False
+) -> None:
     """Write the page of a motion.
 
     Parameters
@@ -37,6 +40,8 @@ def write_replay(target: Path, motion: Motion, *, overwrite: bool = False) -> No
         Ends in ``.html``.
     motion : Motion
         What moves.
+    view : View
+        From where the page sees it first.
     overwrite : bool
         Whether a file that is there may be replaced.
 
@@ -49,16 +54,18 @@ def write_replay(target: Path, motion: Motion, *, overwrite: bool = False) -> No
     OutputError
         If the file cannot be written.
     """
-    write_text(target, replay_page(motion), ending=".html", overwrite=overwrite)
+    write_text(target, replay_page(motion, view=view), ending=".html", overwrite=overwrite)
 
 
-def replay_page(motion: Motion) -> str:
+def replay_page(motion: Motion, *, view: View = VIEWS["3d"]) -> str:
     """Make the page of a motion: play, scrub, speed, the reports' views.
 
     Parameters
     ----------
     motion : Motion
         What moves.
+    view : View
+        From where the page sees it first.
 
     Returns
     -------
@@ -87,7 +94,7 @@ def replay_page(motion: Motion) -> str:
         title=escape(title),
         caption=_caption(motion, scene),
         duration=frames.duration,
-        data=json.dumps(_data(frames, scene)).replace("</", "<\\/"),
+        data=json.dumps(_data(frames, scene, view)).replace("</", "<\\/"),
     )
     page: str = meshcat.StaticHtml()
     page = _replaced(page, "<html>", '<html lang="en">')
@@ -124,7 +131,7 @@ def _caption(motion: Motion, scene: Scene) -> str:
     )
 
 
-def _data(frames: Motion, scene: Scene) -> dict[str, Any]:
+def _data(frames: Motion, scene: Scene, first: View) -> dict[str, Any]:
     from drake_leg.scene.meshcat import frame_path
 
     moving = range(1, len(frames.robot.rows) + 1)
@@ -150,6 +157,8 @@ def _data(frames: Motion, scene: Scene) -> dict[str, Any]:
         "paths": [f"/drake/{frame_path(index)}" for index in moving],
         "poses": _packed(frames.poses()[:, 1:]),
         "views": views,
+        "first": list(VIEWS).index(first.name),
+        "axes": triad_lengths(frames.robot, scene.size),
         "shown": {"Frames": triads, "Trace": [f"/drake/{frame_path(0)}/trace"]},
     }
 

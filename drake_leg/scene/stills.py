@@ -19,6 +19,7 @@ from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS, View
 
 if TYPE_CHECKING:
+    from drake_leg.scene.lettering import Words
     from drake_leg.scene.sketch import Sketcher
     from drake_leg.scene.vtk import Renderer
 
@@ -104,24 +105,56 @@ def write_stills(
     return paths
 
 
+def frame_names(
+    artist: Renderer | Sketcher, scene: Scene, X_WF: Array, view: View, *, share: int, size: int
+) -> list[Words]:
+    """Name the axes of all frames at their ends, but those that point at the camera.
+
+    Parameters
+    ----------
+    artist : Renderer or Sketcher
+        Knows where points are in its picture.
+    scene : Scene
+        What there is to see.
+    X_WF : (n + 1, 4, 4) ndarray
+        Poses of the robot's frames, as one row of ``Motion.poses``.
+    view : View
+        From where.
+    share : int
+        What the artist's picture is reduced by before it is written on.
+    size : int
+        Of the letters [pixels].
+
+    Returns
+    -------
+    list of Words
+        x₀, y₀, z₀ and so on.
+    """
+    from drake_leg.scene.lettering import Words
+
+    words = []
+    tips = triad_tips(scene.robot, X_WF, scene.size)
+    for frame, (origin, ends) in enumerate(zip(X_WF[:, :3, 3], tips, strict=True)):
+        *seen_ends, start = artist.pixels(np.vstack([ends, origin]), view) / share
+        for letter, colour, end in zip("xyz", (RED, GREEN, BLUE), seen_ends, strict=True):
+            way = float(np.linalg.norm(end - start))
+            if way < size:
+                continue
+            x, y = end + (end - start) / way * size
+            text = f"{letter}{frame}".translate(SUBSCRIPTS)
+            words.append(Words(text=text, x=x - size / 2.0, y=y, size=size, colour=colour))
+    return words
+
+
 def _picture(scene: Scene, X_WF: Array, view: View) -> bytes:
     from PIL import Image
 
     from drake_leg.scene.lettering import Words, reduced, write_on
 
     artist = _artist(scene)
-    words = [Words(text=scene.robot.title, x=28, y=36, size=22)]
-    tips = triad_tips(scene.robot, X_WF, scene.size)
-    for frame, (origin, ends) in enumerate(zip(X_WF[:, :3, 3], tips, strict=True)):
-        *seen_ends, start = artist.pixels(np.vstack([ends, origin]), view) / SMOOTHING
-        for letter, colour, end in zip("xyz", (RED, GREEN, BLUE), seen_ends, strict=True):
-            way = float(np.linalg.norm(end - start))
-            if way < LETTERS:
-                continue  # it points at the camera, or away from it
-            x, y = end + (end - start) / way * LETTERS
-            text = f"{letter}{frame}".translate(SUBSCRIPTS)
-            words.append(Words(text=text, x=x - LETTERS / 2.0, y=y, size=LETTERS, colour=colour))
-    image = write_on(reduced(artist.image(X_WF, view), SMOOTHING), words)
+    title = Words(text=scene.robot.title, x=28, y=36, size=22)
+    names = frame_names(artist, scene, X_WF, view, share=SMOOTHING, size=LETTERS)
+    image = write_on(reduced(artist.image(X_WF, view), SMOOTHING), [title, *names])
     buffer = io.BytesIO()
     Image.fromarray(image).save(buffer, "PNG", optimize=True)
     return buffer.getvalue()

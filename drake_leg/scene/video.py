@@ -14,6 +14,7 @@ from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.rendering import require_rendering
 from drake_leg.scene.scene import Scene, scene_of
+from drake_leg.scene.stills import frame_names
 from drake_leg.scene.views import VIEWS, View
 from drake_leg.text_file import whole_file
 
@@ -27,6 +28,7 @@ GIF_RATE, GIF_SHARE = 20, 2  # a GIF counts time in 1/100 s; width and height di
 LONGEST = 600.0  # [s]
 QUALITY = "20"  # x264's constant rate factor
 GIF_COLOURS = 128
+SMALLEST_LETTERS = 12  # [pixels], of the frames' names
 
 
 class MissingEncoderError(DrakeLegError):
@@ -122,10 +124,12 @@ def _images(
     renderer = Renderer(scene, width=WIDTH, height=HEIGHT)
     height = HEIGHT // share
     letters, margin = max(height // 30, 13), height // 28
+    small = max(height // 40, SMALLEST_LETTERS)
     title = Words(text=frames.robot.title, x=margin, y=margin + letters / 2, size=letters)
     for time, poses in zip(frames.time, frames.poses(), strict=True):
         clock = Words(text=f"t = {time:.1f} s", x=margin, y=height - 1.4 * margin, size=letters)
-        yield write_on(reduced(renderer.image(poses, view), share), (title, clock))
+        names = frame_names(renderer, scene, poses, view, share=share, size=small)
+        yield write_on(reduced(renderer.image(poses, view), share), (title, clock, *names))
         if progress is not None:
             progress(float(time - frames.time[0]))
 

@@ -8,6 +8,7 @@ import sys
 import time
 import webbrowser
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -168,10 +169,11 @@ def view_robot(
     q: ArrayLike,
     meshcat: Meshcat,
     *,
+    view: View = VIEWS["3d"],
     once: bool = False,
     wait: Callable[[float], None] = time.sleep,
 ) -> Array:
-    """Show a robot and let its sliders move it, until somebody quits.
+    """Show a robot and let its sliders move it, until somebody quits or interrupts.
 
     Parameters
     ----------
@@ -181,6 +183,8 @@ def view_robot(
         Where it starts [rad or m].
     meshcat : Meshcat
         Empty; its controls are taken away at the end.
+    view : View
+        From where it is seen first.
     once : bool
         Whether to end when the controls have been looked at once.
     wait : callable
@@ -197,31 +201,34 @@ def view_robot(
     scene = scene_of(still(robot, q), room=ROOM)
     brighten(meshcat)
     draw(meshcat, scene)
-    look_from(meshcat, scene, VIEWS["3d"])
+    look_from(meshcat, scene, view)
     for slider in sliders:
         meshcat.AddSlider(slider.name, slider.low, slider.high, 0.1, slider.value)
     views = {view.label: view for view in VIEWS.values()}
     keys = {label: f"Digit{number}" for number, label in enumerate(views, start=1)}
     clicks = Clicks(meshcat, {**keys, START: "", CLEAR: "", QUIT: "Escape"})
     trace = Trace(meshcat, scene.size)
-    while True:
-        posture = np.array([meshcat.GetSliderValue(s.name) * s.unit for s in sliders])
-        poses = frame_poses(robot, posture)
-        move(meshcat, poses)
-        trace.add(poses[-1, :3, 3])
-        clicked = clicks.new()
-        for label in clicked:
-            if label in views:
-                look_from(meshcat, scene, views[label])
-        if START in clicked:
-            for slider in sliders:
-                meshcat.SetSliderValue(slider.name, slider.value)
-        if CLEAR in clicked:
-            trace.clear()
-        if once or QUIT in clicked:
-            meshcat.DeleteAddedControls()
-            return posture
-        wait(PERIOD)
+    posture: Array = still(robot, q).q[0]
+    with suppress(KeyboardInterrupt):
+        while True:
+            posture = np.array([meshcat.GetSliderValue(s.name) * s.unit for s in sliders])
+            poses = frame_poses(robot, posture)
+            move(meshcat, poses)
+            trace.add(poses[-1, :3, 3])
+            clicked = clicks.new()
+            for label in clicked:
+                if label in views:
+                    look_from(meshcat, scene, views[label])
+            if START in clicked:
+                for slider in sliders:
+                    meshcat.SetSliderValue(slider.name, slider.value)
+            if CLEAR in clicked:
+                trace.clear()
+            if once or QUIT in clicked:
+                break
+            wait(PERIOD)
+    meshcat.DeleteAddedControls()
+    return posture
 
 
 def open_browser(url: str) -> bool:

@@ -177,7 +177,7 @@ def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
             span = min(left, LARGEST_TURN / min(peak, drive.rate) if peak > 0.0 else left)
             moved, share, here = _substep(drive, posture, command, span, peak)
         except SingularConfigurationError:
-            obstacle = _singular_words(drive, posture)
+            obstacle = singular_words(drive, posture)
             break
         posture, gone, left = moved, gone + share * span, left - span
         obstacle = here or obstacle
@@ -198,10 +198,10 @@ def _substep(
     if drive.sigma_min(moved) < before or _crossed(drive, q, moved):
         room = (before - drive.stop) / (drive.slow - drive.stop)
         if room < 1.0:
-            share, obstacle = share * max(room, 0.0), _singular_words(drive, q)
+            share, obstacle = share * max(room, 0.0), singular_words(drive, q)
             moved = _advance(drive.task.rates, q, share * v, span)
         if drive.sigma_min(moved) < min(drive.stop, before) or _crossed(drive, q, moved):
-            return q, 0.0, _singular_words(drive, q)
+            return q, 0.0, singular_words(drive, q)
     beyond = _joint_beyond(drive.robot, q, moved)
     if beyond:
         return q, 0.0, f"the joint {beyond} is at its limit"
@@ -239,15 +239,31 @@ def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
     return None
 
 
-def _singular_words(drive: Drive, q: Array) -> str:
-    """Say which singularity is near."""
+def singular_words(drive: Drive, q: ArrayLike, nearly: str = "nearly ") -> str:
+    """Say which singularity is near.
+
+    Parameters
+    ----------
+    drive : Drive
+        What is driven.
+    q : (3,) array_like
+        Joint positions [rad or m].
+    nearly : str
+        Put before what it is; empty at the singularity itself.
+
+    Returns
+    -------
+    str
+        Such as "the leg is nearly stretched".
+    """
+    q = np.asarray(q)
     if not is_hexabot_leg(drive.robot):
-        return "the robot is nearly singular"
+        return f"the robot is {nearly}singular"
     leg = LegGeometry.from_robot(drive.robot)
     reach = leg.l1 + leg.l2 * math.cos(q[1]) + leg.l3 * math.cos(q[1] + q[2])
     if abs(reach) / (leg.l1 + leg.l2 + leg.l3) < abs(math.sin(q[2])) / 2.0:
-        return "the foot is nearly on the hip axis"
-    return f"the leg is nearly {'stretched' if math.cos(q[2]) > 0.0 else 'folded'}"
+        return f"the foot is {nearly}on the hip axis"
+    return f"the leg is {nearly}{'stretched' if math.cos(q[2]) > 0.0 else 'folded'}"
 
 
 def _step(drive: Drive, q: Array, share: float, obstacle: str) -> Step:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,6 +34,7 @@ GUARD = "Guard: "  # a label that looks like a button
 SIGMA, SHARE = "sigma_min [mm]", "speed [%]"  # shown, not read
 ROOM = 0.7  # around the posture, of its size
 LONGEST_STEP = 0.1  # [s]: what a late look at the controls may move
+FREED = "nothing is in the way: the foot is free"
 BALL = 0.06  # of the scene's size: radius of the ball that shows the guard's state
 STATE_COLOURS = {
     "free": (0.0, 0.62, 0.451),
@@ -51,7 +53,7 @@ def drive_robot(
     wait: Callable[[float], None] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
 ) -> Step:
-    """Let somebody drive a robot's foot, until that somebody quits.
+    """Let somebody drive a robot's foot, until that somebody quits or interrupts.
 
     Parameters
     ----------
@@ -62,7 +64,7 @@ def drive_robot(
     meshcat : Meshcat
         Empty; its controls are taken away at the end.
     say : callable
-        Called with each new sentence of the guard.
+        Called with each new sentence of the guard, also when it lets the foot go.
     once : bool
         Whether to end after one step.
     wait, clock : callable
@@ -85,21 +87,24 @@ def drive_robot(
     scene = scene_of(still(robot, q), room=ROOM)
     desk = _Desk(meshcat, drive, scene)
     now = clock()
-    while True:
-        clicked = desk.clicked()
-        before, now = now, clock()
-        if START in clicked:
-            step = start
-        sentence = step.sentence
-        velocity = desk.velocity()
-        step = control_step(drive, step.q, velocity, min(now - before, LONGEST_STEP))
-        if step.sentence != sentence and step.sentence:
-            say(step.sentence)
-        desk.show(step)
-        if once or QUIT in clicked:
-            meshcat.DeleteAddedControls()
-            return step
-        wait(PERIOD)
+    said = step.sentence
+    with suppress(KeyboardInterrupt):
+        while True:
+            clicked = desk.clicked()
+            before, now = now, clock()
+            if START in clicked:
+                step = start
+            velocity = desk.velocity()
+            step = control_step(drive, step.q, velocity, min(now - before, LONGEST_STEP))
+            if step.sentence != said:
+                said = step.sentence
+                say(f"{said or FREED} (sigma_min {1e3 * step.sigma_min:.2f} mm)")
+            desk.show(step)
+            if once or QUIT in clicked:
+                break
+            wait(PERIOD)
+    meshcat.DeleteAddedControls()
+    return step
 
 
 class _Desk:

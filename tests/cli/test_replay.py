@@ -46,6 +46,12 @@ def test_a_run_becomes_a_page(capsys):
     assert "leg.html exists" in refused(capsys, "leg", "--out", "leg.html")
 
 
+def test_a_page_opens_with_the_view_asked_for():
+    assert main(["replay", "leg", "--out", "leg.html", "--from", "top"]) == 0
+    page = Path("leg.html").read_text(encoding="utf-8")
+    assert '"first": 3' in page
+
+
 def test_a_run_with_lengths_of_ones_own_needs_its_robot(capsys):
     said = refused(capsys, "long", "--out", "long.html")
     assert "tip is up to 0.03 m away from where 'leg_b' has it" in said
@@ -61,7 +67,9 @@ def test_a_run_with_lengths_of_ones_own_needs_its_robot(capsys):
     [
         (["leg", "--out", "leg.avi"], "leg.avi does not end in .html or .mp4 or .gif"),
         (["leg", "--out", "leg.html", "--from", "left"], "there is no view 'left'"),
-        (["nowhere", "--out", "a.html"], "does not tell which robot moved"),
+        (["nowhere", "--out", "a.html"], "nowhere is no folder of a run: give one that"),
+        (["leg/summary.json", "--out", "a.html"], "summary.json is no folder of a run"),
+        ([".", "--out", "a.html", "--robot", "leg-b"], ". is no folder of a run"),
         (["leg", "--out", "a.html", "--robot", "leg-c"], "there is no robot 'leg-c'"),
     ],
 )

@@ -8,6 +8,8 @@ from PIL import Image
 from drake_leg.cli import main
 from drake_leg.scene import stills
 from drake_leg.scene.meshcat import open_meshcat
+from drake_leg.scene.viewer import view_robot
+from drake_leg.teleop.session import drive_robot
 
 TURN = """
 name = "turn"
@@ -59,10 +61,18 @@ def test_a_leg_is_driven_from_the_posture_given(capsys):
         (["view", "leg-b", "--port", "7000.5"], 2, "must be a whole number"),
         (["view", "leg-b", "--port", "80"], 2, "it must be in 1024 ... 65535"),
         (["view", "leg-b", "--host", "203.0.113.7"], 2, "Meshcat cannot listen at 203.0.113.7"),
-        (["view", "leg-b", "--still", "a.jpg"], 2, "a.jpg does not end in .png"),
+        (["view", "leg-b", "--host", "nowhere.invalid"], 2, "no machine of this name is known"),
+        (["teleop", "leg-b", "--host", "nowhere.invalid"], 2, "choose another --host"),
+        (["view", "leg-b", "--from", "left"], 2, "there is no view 'left'"),
+        (
+            ["view", "leg-b", "--still", "a.jpg"],
+            2,
+            "a.jpg does not end in .png: choose another --still",
+        ),
         (["view", "leg-b", "--still", "a.png", "--from", "left"], 2, "there is no view 'left'"),
         (["teleop", "scara"], 2, "takes exactly three"),
-        (["teleop", "leg-b", "--q", "90,0,0"], 3, "the Jacobian is singular"),
+        (["teleop", "leg-b", "--q", "90,0,0"], 3, "at --q 90,0,0 the leg is stretched"),
+        (["teleop", "leg-a", "--q", "90,0,180"], 3, "the leg is folded"),
     ],
 )
 def test_what_cannot_be_shown_is_one_sentence(words, status, said, tmp_path, monkeypatch, capsys):
@@ -80,6 +90,25 @@ def test_a_taken_port_is_one_sentence(capsys):
     status, out, err = run(capsys, "view", "leg-b", "--once", "--port", str(taken))
     assert (status, out) == (2, "")
     assert f"port {taken}: the port is taken" in err
+
+
+@pytest.mark.parametrize("command", ["view", "teleop"])
+def test_an_interruption_says_where_the_robot_was_left(command, monkeypatch, capsys):
+    def interrupted(seconds):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("drake_leg.scene.viewer.open_browser", lambda url: True)
+    for loop in (view_robot, drive_robot):
+        monkeypatch.setitem(loop.__kwdefaults__, "wait", interrupted)
+    status, out, err = run(capsys, command, "leg-b")
+    assert (status, err) == (0, "")
+    assert "left at --q 90,-50,-90" in out
+
+
+def test_teleop_says_its_keys_and_the_smallest_singular_value(capsys):
+    out = run(capsys, "teleop", "leg-b", "--once")[1]
+    assert "A D along x, S W along y, F R along z, space halts" in out
+    assert "sigma_min is " in out
 
 
 def test_a_missing_browser_is_said_and_the_robot_is_shown_all_the_same(monkeypatch, capsys):

@@ -150,3 +150,19 @@ def test_dark_pages_are_dark(browser, file):
         visit.page.close()
     assert shades["light"] > 200.0
     assert shades["dark"] < 100.0
+
+
+def test_names_stand_at_the_ends_of_the_axes_and_go_with_them(visit):
+    shown = visit.page.locator(".replay-name:visible")
+    assert {"x0", "y2", "z2"} <= {name.replace("\n", "") for name in shown.all_inner_texts()}
+    foot = visit.page.locator(".replay-name", has_text="x4")
+    before = foot.bounding_box()
+    visit.page.evaluate(
+        "viewer.handle_command({type: 'set_transform', path: '/drake/robot/frame_4',"
+        " matrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.05, 0, 0, 1]})"
+    )
+    visit.page.wait_for_timeout(300)
+    assert foot.bounding_box() != before
+    visit.click("Frames")
+    visit.page.wait_for_timeout(300)
+    assert shown.count() == 0

@@ -61,12 +61,21 @@ def test_the_guard_says_once_what_it_does_and_shows_it():
 
     driver = Driver(ahead, *[idle] * 150, look)
     step = driver.drive()
-    assert [sentence.partition(": ")[2] for sentence in driver.said] == [
+    assert [sentence.partition(": ")[2].partition(" (")[0] for sentence in driver.said] == [
         "the foot is slowed",
         "the foot is stopped; drive it another way",
     ]
     assert shown == [pytest.approx(1e3 * step.sigma_min, abs=0.01), 0.0, "Guard: stopped"]
     assert driver.meshcat.GetButtonNames() == []
+
+
+def test_the_guard_says_when_it_lets_go():
+    def back(driver):
+        driver.meshcat.SetSliderValue("vx [mm/s]", -60.0)
+
+    driver = Driver(ahead, *[idle] * 150, back, *[idle] * 10)
+    driver.drive()
+    assert driver.said[-1].startswith("nothing is in the way: the foot is free (sigma_min ")
 
 
 def test_halt_and_back_to_the_start():

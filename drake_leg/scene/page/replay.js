@@ -121,6 +121,52 @@
   new ResizeObserver(() => { if (view) look(view); else viewer.set_3d_pane_size(); })
     .observe(document.getElementById("meshcat-pane"));
 
+  // Names of the frames' axes, written over the picture; one that would lie on another is left out.
+  const pane = document.getElementById("meshcat-pane");
+  const names = data.axes.flatMap((length, frame) => ["x", "y", "z"].map((letter, axis) => {
+    const name = document.createElement("span");
+    name.className = "replay-name replay-" + letter;
+    name.append(letter);
+    name.append(Object.assign(document.createElement("sub"), { textContent: frame }));
+    name.setAttribute("aria-hidden", "true");
+    pane.append(name);
+    return { name, frame, axis, length };
+  }));
+  let named = true;
+
+  // Times a matrix, column by column.
+  function times(matrix, [x, y, z, w]) {
+    return [0, 1, 2, 3].map(
+      (i) => matrix[i] * x + matrix[i + 4] * y + matrix[i + 8] * z + matrix[i + 12] * w);
+  }
+
+  function seen(point) {
+    const { matrixWorldInverse, projectionMatrix } = viewer.camera;
+    const [x, y, , w] = times(projectionMatrix.elements, times(matrixWorldInverse.elements, point));
+    const canvas = viewer.renderer.domElement;
+    return [(1 + x / w) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight];
+  }
+
+  function writeNames() {
+    const taken = [];
+    for (const { name, frame, axis, length } of names) {
+      const path = data.shown.Frames[frame].split("/").slice(1);
+      const world = viewer.scene_tree.find(path).object.matrixWorld.elements;
+      const start = seen(times(world, [0, 0, 0, 1]));
+      const end = seen(times(world, [0, 1, 2].map((i) => (i === axis ? length : 0)).concat(1)));
+      const way = Math.hypot(end[0] - start[0], end[1] - start[1]);
+      const [x, y] = end.map((part, i) => part + 11 * (part - start[i]) / way);
+      const free = way > 14 && taken.every(([u, v]) => Math.abs(u - x) > 15 || Math.abs(v - y) > 13);
+      name.hidden = !named || !free;
+      if (!free) continue;
+      taken.push([x, y]);
+      name.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
+    }
+  }
+
+  const render = viewer.render.bind(viewer);
+  viewer.render = () => { render(); writeNames(); };
+
   // What can be hidden.
   for (const [label, paths] of Object.entries(data.shown)) {
     const button = document.createElement("button");
@@ -130,6 +176,7 @@
     button.addEventListener("click", () => {
       const on = button.getAttribute("aria-pressed") !== "true";
       button.setAttribute("aria-pressed", on);
+      if (label === "Frames") named = on;
       for (const path of paths) {
         viewer.handle_command({ type: "set_property", path: path, property: "visible", value: on });
       }
@@ -151,5 +198,5 @@
   viewer.gui.domElement.style.display = "none";
   paint();
   show(0);
-  look(data.views[0]);
+  look(data.views[data.first]);
 })();
