@@ -21,7 +21,8 @@ from drake_leg.kinematics.stroke import (
     leg_stroke,
     scara_stroke,
 )
-from drake_leg.robot import Robot, Segment, require_positive
+from drake_leg.quantities import require_positive
+from drake_leg.robot import Robot, Segment
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot import require_positive
+from drake_leg.quantities import require_positive
 
 # Not among them: velocity_implicit_euler, which loses the states of Integrator blocks.
 INTEGRATORS = (

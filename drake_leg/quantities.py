@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from numbers import Real
 
 from drake_leg.errors import InvalidValueError
@@ -63,6 +64,34 @@ def require_non_negative(what: str, value: float, unit: str) -> None:
         raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be zero or positive")
     if value:
         require_positive(what, value, unit)
+
+
+def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> float:
+    """Convert what was typed in one of several units.
+
+    Parameters
+    ----------
+    what : str
+        Of which quantity it is the unit, for the error's sentence.
+    value : float
+        In that unit.
+    unit : str
+        Its name.
+    units : mapping
+        Name -> value in SI.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InvalidValueError
+        If the unit is none of these.
+    """
+    if unit not in units:
+        raise InvalidValueError(f"the {what} unit is {unit!r}; it must be {' or '.join(units)}")
+    return value * units[unit]
 
 
 def require_angle(what: str, value: float) -> None:

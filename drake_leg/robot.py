@@ -19,24 +19,10 @@ from drake_leg.names import (
     require_name,
     require_unique,
 )
-from drake_leg.quantities import (
-    DAMPING_UNITS,
-    LARGEST_ANGLE,
-    LEAST,
-    MOST,
-    STANDARD_GRAVITY,
-    require_angle,
-    require_non_negative,
-    require_positive,
-)
+from drake_leg.quantities import LEAST, require_positive
 
 # What describes a robot is found here, whichever file it stands in.
 __all__ = [
-    "DAMPING_UNITS",
-    "LARGEST_ANGLE",
-    "LEAST",
-    "MOST",
-    "STANDARD_GRAVITY",
     "Brick",
     "Cylinder",
     "HardStop",
@@ -51,9 +37,6 @@ __all__ = [
     "Solid",
     "Sphere",
     "StateTarget",
-    "require_angle",
-    "require_non_negative",
-    "require_positive",
 ]
 
 JointType = Literal["revolute", "prismatic", "fixed"]

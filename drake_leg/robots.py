@@ -12,6 +12,7 @@ import math
 from typing import Literal
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.quantities import require_positive
 from drake_leg.robot import (
     Brick,
     Cylinder,
@@ -22,7 +23,6 @@ from drake_leg.robot import (
     Segment,
     Solid,
     Sphere,
-    require_positive,
 )
 
 LegVariant = Literal["A", "B"]

@@ -23,7 +23,8 @@ from drake_leg.errata.printed import (
     SCARA_RIGHT,
 )
 from drake_leg.kinematics.khalil import base_transforms, foot_pose, jacobian, row_transform
-from drake_leg.robot import STANDARD_GRAVITY, Row
+from drake_leg.quantities import STANDARD_GRAVITY
+from drake_leg.robot import Row
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 from drake_leg.runs.catalogue import RUNS
 

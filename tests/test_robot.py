@@ -8,9 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.quantities import LEAST, MOST, require_non_negative, require_positive
 from drake_leg.robot import (
-    LEAST,
-    MOST,
     Brick,
     Cylinder,
     Inertial,
@@ -21,8 +20,6 @@ from drake_leg.robot import (
     Segment,
     Solid,
     Sphere,
-    require_non_negative,
-    require_positive,
 )
 
 NOT_FINITE = (math.nan, math.inf, -math.inf)

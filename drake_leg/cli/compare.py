@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.common import Commands
-from drake_leg.cli.robot_source import robot_source
-from drake_leg.cli.run_options import add_run_options, kind_of, options_of
+from drake_leg.cli.run_options import add_run_options, kind_of, options_of, robot_of
 from drake_leg.errors import InvalidValueError
-from drake_leg.robots import ROBOTS
 from drake_leg.runs.catalogue import RUNS
 
 if TYPE_CHECKING:
@@ -60,7 +57,7 @@ def add(commands: Commands) -> None:
 def _compare(chosen: argparse.Namespace) -> int:
     kind = kind_of(chosen.name)
     options = options_of(kind, chosen)
-    from drake_leg.simulink.listing import printable
+    from drake_leg.simulink.listing import plain, printable
     from drake_leg.simulink.reader import read_model
 
     model = read_model(chosen.model)
@@ -69,14 +66,10 @@ def _compare(chosen: argparse.Namespace) -> int:
     diagram, start = kind.diagram(options)
     root = diagram.CreateDefaultContext()
     start(diagram, root)
-    if chosen.name.lower().endswith(".toml"):
-        robot = robot_source(chosen.name).robot()
-    else:
-        robot = next(r for r in ROBOTS if diagram.HasSubsystemNamed(r.name))
     live = LiveModel(
         diagram=diagram,
         root=root,
-        robot=robot,
+        robot=robot_of(chosen.name, diagram),
         duration=options.duration,
         scheme=options.integrator,
     )
@@ -85,7 +78,7 @@ def _compare(chosen: argparse.Namespace) -> int:
     except InvalidValueError as error:
         raise InvalidValueError(f"{chosen.model}: {error}") from None
     if chosen.json:
-        lists = _plain({"agrees": found.agrees, **found.as_json()})
+        lists = plain({"agrees": found.agrees, **found.as_json()})
         print(json.dumps(lists, indent=2, allow_nan=False))
     else:
         print("\n".join(map(printable, _lines(found, chosen))))
@@ -114,17 +107,6 @@ def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
             f"{len(found.missing)} missing, {len(found.different)} different: the diagram is not "
             "the model's."
         )
-
-
-def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever JSON can hold
-    """Write numbers that JSON has no form for as text."""
-    if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    return value
 
 
 def _place(item: dict[str, Any]) -> str:

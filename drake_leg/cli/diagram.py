@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.common import Commands
-from drake_leg.cli.robot_source import robot_source
+from drake_leg.cli.run_options import kind_of, robot_of
 from drake_leg.robot import Robot
-from drake_leg.robots import ROBOTS
-from drake_leg.runs.catalogue import RUNS, run_kind
+from drake_leg.runs.catalogue import RUNS
 
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
@@ -96,13 +95,6 @@ def _frames(name: str) -> str:
 
 def _subject(name: str) -> tuple[str, Diagram, Robot]:
     """Find a run's title, its diagram as it is by default, and its robot."""
-    if name.lower().endswith(".toml"):
-        from drake_leg.runs.leg_setup import straight_diagram
-        from drake_leg.runs.options import StraightOptions
-
-        robot = robot_source(name).robot()
-        return robot.title, straight_diagram(robot, StraightOptions())[0], robot
-    kind = run_kind(name)
+    kind = kind_of(name)
     diagram, _ = kind.diagram(kind.options())
-    robot = next(robot for robot in ROBOTS if diagram.HasSubsystemNamed(robot.name))
-    return kind.title, diagram, robot
+    return kind.title, diagram, robot_of(name, diagram)

@@ -30,7 +30,7 @@ from drake_leg.compare.plant_mechanism import read_plant
 from drake_leg.compare.sensed import senses_rotation
 from drake_leg.compare.simulink_mechanism import Network, read_network
 from drake_leg.compare.simulink_signals import SimulinkSignals
-from drake_leg.errors import InvalidValueError
+from drake_leg.diagrams.wiring import plant_of
 from drake_leg.robot import Robot
 from drake_leg.simulink.flatten import flatten
 from drake_leg.simulink.model import Model
@@ -79,7 +79,7 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     """
     flat = flatten(model)
     findings = Findings(strict=strict)
-    plant = _plant(live.diagram)
+    plant = plant_of(live.diagram)
     drake = _mechanism(live, plant)
     network, alignment = _aligned(flat, drake)
     ours = SimulinkSignals(flat, network)
@@ -88,9 +88,7 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
 
     match_mechanism(network, drake, alignment, ours.blocks, findings)
     match_sensor(network, drake, ours.blocks, findings, signals)
-    match_settings(
-        flat, drake, findings, plant=plant.get_name(), scheme=live.scheme, duration=live.duration
-    )
+    match_settings(flat, plant, findings, scheme=live.scheme, duration=live.duration)
     correspondence = Correspondence(flat, network, ours, signals, findings)
     match_motions(correspondence)
     match_inverse_jacobian(correspondence)
@@ -104,13 +102,6 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     match_nodes(flat, network, plant, findings)
     _add_extra(signals, findings)
     return findings.comparison
-
-
-def _plant(diagram: Diagram) -> MultibodyPlant:
-    plants = [s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant)]
-    if len(plants) != 1:
-        raise InvalidValueError(f"the diagram has {len(plants)} plants; it must have one")
-    return plants[0]
 
 
 def _mechanism(live: LiveModel, plant: MultibodyPlant) -> Mechanism:
@@ -137,10 +128,11 @@ def _aligned(flat: Model, drake: Mechanism) -> tuple[Network, Alignment]:
         return align(network.mechanism, drake, orientation=orientation)
 
     network = read_network(flat)
-    readings = [
+    turned = network.turned[:MOST_TURNED]
+    readings = [network] + [
         read_network(flat, taken_as_drawn=exchanged)
-        for count in range(len(network.turned[:MOST_TURNED]) + 1)
-        for exchanged in combinations(network.turned[:MOST_TURNED], count)
+        for count in range(1, len(turned) + 1)
+        for exchanged in combinations(turned, count)
     ]
     both = [(reading, beside(reading)) for reading in readings]
     return min(both, key=lambda pair: 2 * len(pair[1].misses) + len(pair[0].exchanged))

@@ -11,6 +11,7 @@ from drake_leg.compare.findings import Findings
 from drake_leg.compare.signals import Atom, Scalar, Signal, close
 from drake_leg.compare.simulink_mechanism import Network
 from drake_leg.compare.simulink_signals import SimulinkSignals
+from drake_leg.diagrams.wiring import Wire as LiveWire
 from drake_leg.simulink.model import Block, Model
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.prescribed_motion import PrescribedMotion
@@ -36,6 +37,8 @@ class Correspondence:
     live_names: dict[Atom, Atom] = field(default_factory=dict)  # the diagram's atoms -> roles
     counterparts: dict[str, set[str]] = field(default_factory=dict)  # SID -> live blocks
     wrong: set[str] = field(default_factory=set)  # the model's inputs that take another signal
+    shapes: dict[LiveWire, list[frozenset[Atom]]] = field(default_factory=dict)  # of live wires
+    scales: dict[Atom, float] = field(default_factory=dict)  # role -> unit of the model's, in SI
 
     def __post_init__(self) -> None:
         for name in self.live.of_type(PrescribedMotion):
@@ -46,6 +49,9 @@ class Correspondence:
                 for index in range(self.live.systems[name].GetOutputPort(port).size()):
                     own = Atom(kind="function", of=name, what=port, index=index)
                     self.live_names[own] = function_role(what, index)
+        for wire in self.live.wires:
+            signal = self.live_role(self.live.output(wire.source, wire.output))
+            self.shapes[wire] = [scalar.shape for scalar in signal]
 
     def role(self, signal: Signal | None) -> Signal:
         """Write a signal of the model in roles.
@@ -59,7 +65,7 @@ class Correspondence:
         -------
         Signal
         """
-        return tuple(scalar.renamed(self.names) for scalar in signal or ())
+        return tuple(scalar.renamed(self.names).per(self.scales) for scalar in signal or ())
 
     def live_role(self, signal: Signal | None) -> Signal:
         """Write a signal of the diagram in roles.

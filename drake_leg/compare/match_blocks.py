@@ -117,14 +117,8 @@ def _preferred(block: Block, names: list[str]) -> str:
 
 def _carriers_of(c: Correspondence, scalar: Scalar) -> list[str]:
     """Name the live blocks at whose outputs a signal of the same shape appears."""
-    return list(
-        dict.fromkeys(
-            wire.source
-            for wire in c.live.wires
-            for other in c.live_role(c.live.output(wire.source, wire.output))
-            if other.shape == scalar.shape
-        )
-    )
+    carrying = (wire.source for wire in c.live.wires if scalar.shape in c.shapes[wire])
+    return list(dict.fromkeys(carrying))
 
 
 def _match_sink(c: Correspondence, block: Block, logged: list[tuple[Scalar, str]]) -> None:

@@ -64,7 +64,7 @@ def match_integrators(c: Correspondence) -> None:
         if joint not in live:
             continue
         name, theirs = live[joint]
-        mine = None if scalar is None else scalar.renamed(c.names).scaled(1.0 / c.rate_unit())
+        mine = None if scalar is None else c.role((scalar,))[0]
         c.stands_for(sid, [name])
         _check_integrator(c, c.block(sid))
         if mine is None or mine.shape != theirs.shape or not same_factors(mine, theirs):

@@ -10,6 +10,7 @@ from drake_leg.compare.block_laws import vector
 from drake_leg.compare.diagram_signals import DiagramSignals
 from drake_leg.compare.findings import Findings
 from drake_leg.compare.mechanism import Mechanism
+from drake_leg.compare.plant_mechanism import Links
 from drake_leg.compare.simulink_mechanism import SENSORS, Network
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block, Model
@@ -71,13 +72,7 @@ def match_sensor(
 
 
 def match_settings(
-    model: Model,
-    drake: Mechanism,
-    findings: Findings,
-    *,
-    plant: str,
-    scheme: str,
-    duration: float,
+    model: Model, plant: MultibodyPlant, findings: Findings, *, scheme: str, duration: float
 ) -> None:
     """Compare gravity and the duration; name what stands for world and solver.
 
@@ -85,19 +80,21 @@ def match_settings(
     ----------
     model : Model
         Flattened.
-    drake : Mechanism
-        Of the plant.
+    plant : MultibodyPlant
+        Of the diagram.
     findings : Findings
         What is found is noted there.
-    plant, scheme : str
-        Names of the plant and of the integrator.
+    scheme : str
+        Name of the integrator.
     duration : float
         Of the run [s].
     """
+    live_gravity = tuple(plant.gravity_field().gravity_vector().tolist())
+    name = plant.get_name()
     has_gravity = has_solver = False
     for block in model.blocks:
         if block.kind == "World Frame":
-            findings.match(block, f"world frame of {plant!r}")
+            findings.match(block, f"world frame of {name!r}")
         elif block.kind == "Reference Frame":
             findings.match(block, "a frame of the plant")
         elif block.kind == "Mechanism Configuration":
@@ -109,15 +106,15 @@ def match_settings(
                 value = vector(block.parameters.get("GravityVector"))
                 gravity = (0.0, 0.0, 0.0) if uniform == "None" else value
                 checked = findings.check(
-                    block, "GravityVector", gravity, drake.gravity, unit="m/s^2"
+                    block, "GravityVector", gravity, live_gravity, unit="m/s^2"
                 )
-            findings.match(block, f"gravity of {plant!r}", parameters=[checked])
+            findings.match(block, f"gravity of {name!r}", parameters=[checked])
         elif block.kind == "Solver Configuration":
             has_solver = True
             findings.match(block, f"the Simulator's integrator, {scheme}")
-    if not has_gravity and any(drake.gravity):
+    if not has_gravity and any(live_gravity):
         zero = (0.0, 0.0, 0.0)
-        findings.differ("", "(model)", "GravityVector", zero, drake.gravity, unit="m/s^2")
+        findings.differ("", "(model)", "GravityVector", zero, live_gravity, unit="m/s^2")
     if not has_solver:
         findings.comparison.extra.append({"what": "solver", "name": scheme})
     stop = model.solver.get("StopTime")
@@ -209,17 +206,10 @@ def match_nodes(flat: Model, network: Network, plant: MultibodyPlant, findings: 
 
 def _frames(plant: MultibodyPlant) -> list[tuple[int, str, Array]]:
     """List the plant's frames: number of the joint that carries it, name, place in that link."""
-    context = plant.CreateDefaultContext()
-    plant.SetPositions(context, np.zeros(plant.num_positions()))
-    joints = [
-        joint for joint in map(plant.get_joint, plant.GetJointIndices()) if joint.num_velocities()
-    ]
-    roots = [plant.world_frame(), *(joint.frame_on_child() for joint in joints)]
-    welded = [set(plant.GetBodiesWeldedTo(root.body())) for root in roots]
+    links = Links(plant)
     found = []
     for index in range(plant.num_frames()):
         frame = plant.get_frame(FrameIndex(index))
-        for number, root in enumerate(roots):
-            if frame.body() in welded[number]:
-                found.append((number, frame.name(), frame.CalcPose(context, root).translation()))
+        number, X = links.locate(frame)
+        found.append((number, frame.name(), X[:3, 3]))
     return found

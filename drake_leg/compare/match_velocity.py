@@ -31,10 +31,10 @@ def match_inverse_jacobian(c: Correspondence) -> None:
     sid = _function(c)
     if sid is None or name is None:
         return
-    found = match_function(
-        c.ours, sid, c.live.systems[name], _commanded(c), rate_unit=c.rate_unit()
-    )
+    rate_unit = c.rate_unit()
+    found = match_function(c.ours, sid, c.live.systems[name], _commanded(c), rate_unit=rate_unit)
     c.names |= found.names
+    c.scales |= {role: rate_unit for role in found.names.values() if role.what == "qdot"}
     for parameter, ours, live in found.findings:
         c.findings.differ(sid, c.block(sid).name, parameter, ours, live)
     c.stands_for(sid, [name], unit_of_length_m=found.unit)

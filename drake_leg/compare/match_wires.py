@@ -88,11 +88,11 @@ def _carrying(c: Correspondence, shapes: list[Shape], source: str, target: str) 
     from_, into = c.counterparts.get(source, set()), c.counterparts.get(target, set())
     carrier = c.ours.is_carrier(c.block(target))
     if not shapes:
-        still = [wire for wire in c.live.wires if not any(_shapes(c, wire))]
+        still = [wire for wire in c.live.wires if not any(c.shapes[wire])]
         return [wire for wire in still if wire.source in from_ and wire.target in into]
     found: list[LiveWire] = []
     for shape in shapes:
-        wires = [wire for wire in c.live.wires if shape in _shapes(c, wire)]
+        wires = [wire for wire in c.live.wires if shape in c.shapes[wire]]
         if not wires:
             continue
         best = max(wires, key=lambda wire: _rank(c, wire, from_, into, carrier=carrier))
@@ -110,7 +110,3 @@ def _rank(
         first, second = second, first
     logs = isinstance(c.live.systems[wire.target], VectorLogSink)
     return 4 * first + 2 * second + (not logs)
-
-
-def _shapes(c: Correspondence, wire: LiveWire) -> list[Shape]:
-    return [scalar.shape for scalar in c.live_role(c.live.output(wire.source, wire.output))]

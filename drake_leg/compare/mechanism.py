@@ -65,8 +65,7 @@ class Joint:
 
 @dataclass(frozen=True, kw_only=True)
 class Mechanism:
-    """A serial chain under gravity."""
+    """A serial chain."""
 
-    gravity: tuple[float, ...]  # [m/s^2], in the world
     joints: tuple[Joint, ...]
     bodies: tuple[tuple[Place, ...], ...]  # one more than joints: the world's places come first

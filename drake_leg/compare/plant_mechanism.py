@@ -27,6 +27,41 @@ SHAPES = {Brick: "brick", Cylinder: "cylinder", Sphere: "sphere"}
 MOVING = {RevoluteJoint: "revolute", PrismaticJoint: "prismatic"}
 
 
+class Links:
+    """A plant's links: the world and what each moving joint carries, welded bodies together.
+
+    Parameters
+    ----------
+    plant : MultibodyPlant
+        A finalised serial chain.
+    """
+
+    def __init__(self, plant: MultibodyPlant) -> None:
+        self._context = plant.CreateDefaultContext()
+        plant.SetPositions(self._context, np.zeros(plant.num_positions()))
+        joints = map(plant.get_joint, plant.GetJointIndices())
+        self.joints: list[PlantJoint] = [joint for joint in joints if joint.num_velocities()]
+        self._frames = [plant.world_frame(), *(joint.frame_on_child() for joint in self.joints)]
+        self.bodies = [set(plant.GetBodiesWeldedTo(frame.body())) for frame in self._frames]
+
+    def locate(self, frame: Frame) -> tuple[int, Array]:
+        """Tell which link carries a frame, and where.
+
+        Parameters
+        ----------
+        frame : Frame
+            Of the plant.
+
+        Returns
+        -------
+        int, (4, 4) ndarray
+            0 for the world, else the joint's number; pose in the link's frame M.
+        """
+        index = next(i for i, members in enumerate(self.bodies) if frame.body() in members)
+        X: Array = frame.CalcPose(self._context, self._frames[index]).GetAsMatrix4()
+        return index, X
+
+
 def read_plant(
     plant: MultibodyPlant,
     foot: Frame | None,
@@ -36,7 +71,7 @@ def read_plant(
     solids: Mapping[str, Solid] | None = None,
     stops: Mapping[str, JointMechanics] | None = None,
 ) -> Mechanism:
-    """Read a plant's chain, gravity, joint mechanics and solids.
+    """Read a plant's chain, joint mechanics and solids.
 
     The joints move about or along the z axes of their frames, as in every plant built from a
     Khalil table.
@@ -60,30 +95,23 @@ def read_plant(
     -------
     Mechanism
     """
-    context = plant.CreateDefaultContext()
-    plant.SetPositions(context, np.zeros(plant.num_positions()))
-    moving = [
-        joint for joint in map(plant.get_joint, plant.GetJointIndices()) if joint.num_velocities()
-    ]
-    frames = [plant.world_frame(), *(joint.frame_on_child() for joint in moving)]
-    bodies = [set(plant.GetBodiesWeldedTo(frame.body())) for frame in frames]
-    places: list[list[Place]] = [[] for _ in frames]
+    links = Links(plant)
+    places: list[list[Place]] = [[] for _ in links.bodies]
 
     def add(frame: Frame, role: str, name: str, number: int = 0) -> None:
-        index = next(i for i, members in enumerate(bodies) if frame.body() in members)
-        X = frame.CalcPose(context, frames[index]).GetAsMatrix4()
+        index, X = links.locate(frame)
         places[index].append(Place(role=role, name=name, X_M=X, number=number))
 
-    for number, joint in enumerate(moving, start=1):
+    for number, joint in enumerate(links.joints, start=1):
         add(joint.frame_on_parent(), "joint", joint.name(), number)
-    for index, members in enumerate(bodies[1:], start=1):
+    for index, members in enumerate(links.bodies[1:], start=1):
         for body in sorted(members, key=lambda member: int(member.index())):
             if body.default_mass() > 0.0:
-                places[index].append(_solid(body, frames[index], context, solids or {}))
+                _, X = links.locate(body.body_frame())
+                places[index].append(_solid(body, X, solids or {}))
     if foot is not None:
         add(foot, "foot", foot.name())
     return Mechanism(
-        gravity=tuple(plant.gravity_field().gravity_vector().tolist()),
         joints=tuple(
             Joint(
                 number=number,
@@ -92,13 +120,13 @@ def read_plant(
                 parameters=_parameters(plant, joint, driven=driven, state=state)
                 | _stop_parameters((stops or {}).get(joint.name())),
             )
-            for number, joint in enumerate(moving, start=1)
+            for number, joint in enumerate(links.joints, start=1)
         ),
         bodies=tuple(tuple(body) for body in places),
     )
 
 
-def _solid(body: RigidBody, frame: Frame, context: Context, solids: Mapping[str, Solid]) -> Place:
+def _solid(body: RigidBody, X: Array, solids: Mapping[str, Solid]) -> Place:
     """Read the size and density of a body's solid off its mass and moments of inertia."""
     M = body.default_spatial_inertia()
     mass, centre = M.get_mass(), M.get_com()
@@ -106,7 +134,6 @@ def _solid(body: RigidBody, frame: Frame, context: Context, solids: Mapping[str,
     moments, axes = np.linalg.eigh(inertia)
     if np.allclose(inertia, np.diag(np.diag(inertia)), rtol=0.0, atol=1e-9 * moments.sum()):
         moments, axes = np.diag(inertia), np.eye(3)
-    X = body.body_frame().CalcPose(context, frame).GetAsMatrix4()
     placed = np.eye(4)
     placed[:3, :3] = axes * np.sign(np.linalg.det(axes))
     placed[:3, 3] = centre

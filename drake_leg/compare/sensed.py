@@ -52,7 +52,7 @@ def sensed_by_joint(joint: Block, number: int) -> list[Signal]:
     return [
         atoms([Atom(kind="sensed", of=str(number), what=what)])
         for what, switches in JOINT
-        if any(_on(joint, switch) for switch in switches)
+        if any(on(joint, switch) for switch in switches)
     ]
 
 
@@ -72,7 +72,7 @@ def sensed_by_sensor(sensor: Block) -> list[Signal]:
     if sensor.kind == "Transform Sensor":
         found = []
         for switch, what, index in TRANSFORM_SENSOR:
-            if _on(sensor, switch):
+            if on(sensor, switch):
                 indices = range(VECTORS[what]) if index is None else (index,)
                 found.append(_foot(what, indices))
         return found
@@ -80,10 +80,10 @@ def sensed_by_sensor(sensor: Block) -> list[Signal]:
         _foot(what, (index,))
         for index, axis in enumerate("xyz")
         for what in ("position", "velocity", "acceleration")
-        if _on(sensor, f"P{axis}Sense{what.title()}")
+        if on(sensor, f"P{axis}Sense{what.title()}")
     ]
     for what, switch in (("quaternion", "Position"), ("angular velocity", "Velocity")):
-        if _on(sensor, f"SphSense{switch}"):
+        if on(sensor, f"SphSense{switch}"):
             found.append(_foot(what, range(VECTORS[what])))
     return found
 
@@ -112,5 +112,18 @@ def _foot(what: str, indices: range | tuple[int, ...]) -> Signal:
     return atoms(Atom(kind="foot", what=what, index=index) for index in indices)
 
 
-def _on(block: Block, switch: str) -> bool:
+def on(block: Block, switch: str) -> bool:
+    """Tell whether a switch of a block is on.
+
+    Parameters
+    ----------
+    block : Block
+        The block.
+    switch : str
+        Name of the parameter.
+
+    Returns
+    -------
+    bool
+    """
     return block.parameters.get(switch) == "on"

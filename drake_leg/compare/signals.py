@@ -92,6 +92,21 @@ class Scalar:
         terms = {names.get(atom, atom): factor for atom, factor in self.terms.items()}
         return Scalar(self.constant, terms, self.origins)
 
+    def per(self, units: Mapping[Atom, float]) -> Scalar:
+        """Write atoms in other units.
+
+        Parameters
+        ----------
+        units : mapping
+            Atom -> its unit, of which the factors are multiples now.
+
+        Returns
+        -------
+        Scalar
+        """
+        terms = {atom: factor / units.get(atom, 1.0) for atom, factor in self.terms.items()}
+        return Scalar(self.constant, terms, self.origins)
+
     def through(self, sid: str) -> Scalar:
         """Note a block that the signal has passed.
 

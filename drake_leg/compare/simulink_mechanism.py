@@ -12,6 +12,7 @@ import numpy as np
 from drake_leg.compare.block_laws import number, vector
 from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape, Step
 from drake_leg.compare.poses import about, inverse, rigid_transform
+from drake_leg.compare.sensed import on
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block, Model
@@ -130,7 +131,6 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
     _add_solids(walk, places)
     sensor, sensor_turned = _add_sensor(walk, sensors, places)
     mechanism = Mechanism(
-        gravity=(),
         joints=tuple(joints),
         bodies=tuple(tuple(body) for body in places),
     )
@@ -248,23 +248,6 @@ def _add_sensor(
     walk.used.add(block.sid)
     places[body].append(Place(role="foot", name=block.name, sid=block.sid, X_M=X, way=way))
     return block.sid, turned
-
-
-def on(block: Block, name: str) -> bool:
-    """Tell whether a switch of a block is on.
-
-    Parameters
-    ----------
-    block : Block
-        The block.
-    name : str
-        Of the parameter.
-
-    Returns
-    -------
-    bool
-    """
-    return block.parameters.get(name) == "on"
 
 
 def _joint_parameters(block: Block) -> dict[str, Parameter]:

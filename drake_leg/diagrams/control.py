@@ -12,7 +12,8 @@ from pydrake.systems.framework import DiagramBuilder, OutputPort
 
 from drake_leg.kinematics.inverse import Inverse
 from drake_leg.kinematics.task import Task
-from drake_leg.robot import Robot, Segment, require_angle, require_non_negative
+from drake_leg.quantities import require_angle, require_non_negative
+from drake_leg.robot import Robot, Segment
 from drake_leg.systems.drift_correction import DriftCorrection
 from drake_leg.systems.speed_limit import SpeedLimit
 

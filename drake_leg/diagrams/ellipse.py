@@ -19,7 +19,7 @@ from drake_leg.diagrams.building import built
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, add_leg
 from drake_leg.diagrams.mechanism import add_scope
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot import require_non_negative
+from drake_leg.quantities import require_non_negative
 
 
 @dataclass(frozen=True, kw_only=True)

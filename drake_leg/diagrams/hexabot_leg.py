@@ -32,7 +32,8 @@ from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, ad
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.foot_task import foot_task
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.robot import LEAST, MOST, STANDARD_GRAVITY, Robot, require_angle, require_positive
+from drake_leg.quantities import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
+from drake_leg.robot import Robot
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 

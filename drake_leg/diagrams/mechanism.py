@@ -20,6 +20,7 @@ from drake_leg.diagrams.disturbance import (
     add_push,
     limited_torque,
 )
+from drake_leg.diagrams.wiring import plant_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.models.state_targets import initial_state
@@ -198,7 +199,7 @@ def start_at_targets(robot: Robot) -> Callable[[Diagram, Context], None]:
     state = initial_state(robot)
 
     def start(diagram: Diagram, context: Context) -> None:
-        plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+        plant = plant_of(diagram)
         plant_context = plant.GetMyMutableContextFromRoot(context)
         plant.SetPositions(plant_context, state.q)
         plant.SetVelocities(plant_context, state.qdot)
@@ -217,7 +218,7 @@ def start_on_motion(diagram: Diagram, context: Context) -> None:
         Its root context; the plant's state in it is set.
     """
     motion = diagram.GetSubsystemByName(MOTION)
-    plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+    plant = plant_of(diagram)
     for filter_ in (s for s in diagram.GetSystems() if isinstance(s, InputFilter)):
         if not filter_.has_initial:
             filter_.start_from_input(filter_.GetMyMutableContextFromRoot(context))

@@ -11,15 +11,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Adder, Demultiplexer
 
 from drake_leg.diagrams.building import built
 from drake_leg.diagrams.mechanism import add_scope, add_stops
+from drake_leg.diagrams.wiring import plant_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
-from drake_leg.robot import STANDARD_GRAVITY, Robot, require_angle
+from drake_leg.quantities import STANDARD_GRAVITY, require_angle
+from drake_leg.robot import Robot
 from drake_leg.systems.energy_sensor import EnergySensor
 
 
@@ -86,7 +87,7 @@ def start_at_target(diagram: Diagram, context: Context) -> None:
     context : Context
         Its root context; the plant's state in it is set.
     """
-    plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+    plant = plant_of(diagram)
     plant.SetDefaultState(
         plant.GetMyContextFromRoot(context),
         plant.GetMyMutableContextFromRoot(context).get_mutable_state(),

@@ -30,7 +30,8 @@ from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task, tool_position
 from drake_leg.kinematics.task import Task
-from drake_leg.robot import STANDARD_GRAVITY, Robot, require_angle, require_positive
+from drake_leg.quantities import STANDARD_GRAVITY, require_angle, require_positive
+from drake_leg.robot import Robot
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 

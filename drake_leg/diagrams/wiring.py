@@ -1,10 +1,13 @@
-"""The wires of a live diagram, read from the diagram itself."""
+"""The wires and the plant of a live diagram, read from the diagram itself."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram
+
+from drake_leg.errors import InvalidValueError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,6 +18,29 @@ class Wire:
     output: str  # its port
     target: str  # block
     input: str  # its port
+
+
+def plant_of(diagram: Diagram) -> MultibodyPlant:
+    """Find the plant of a diagram.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        Built.
+
+    Returns
+    -------
+    MultibodyPlant
+
+    Raises
+    ------
+    InvalidValueError
+        If there is none, or more than one.
+    """
+    plants = [s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant)]
+    if len(plants) != 1:
+        raise InvalidValueError(f"the diagram has {len(plants)} plants; it must have one")
+    return plants[0]
 
 
 def wires(diagram: Diagram) -> list[Wire]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram
 
+from drake_leg.diagrams.wiring import plant_of
 from drake_leg.drawings.of_diagram import diagram_picture
 from drake_leg.drawings.of_link import link_picture
 from drake_leg.drawings.of_plant import mechanism_picture
@@ -50,7 +50,7 @@ def run_pictures(
     InvalidValueError
         If there is no such part.
     """
-    plant = next(s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+    plant = plant_of(diagram)
     shapes = {
         segment.link.name: type(segment.link.solid.shape).__name__.lower()
         for segment in robot.segments

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.damped import damped_task, rate_box
 from drake_leg.kinematics.task import Task
-from drake_leg.robot import Segment, require_positive
+from drake_leg.quantities import require_positive
+from drake_leg.robot import Segment
 
 METHODS = ("exact", "damped", "limited")
 DAMPED_BELOW = 0.03  # of the arm's length: singular value at which damping begins

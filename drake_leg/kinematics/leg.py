@@ -22,7 +22,8 @@ from numpy.typing import ArrayLike
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array, assemble, finite_vectors, in_blocks, split
 from drake_leg.kinematics.task import Floats, Task, singular_posture
-from drake_leg.robot import Robot, require_positive
+from drake_leg.quantities import require_positive
+from drake_leg.robot import Robot
 
 # sin(q3), or the reach over the leg's length, below which the closed form no longer divides.
 SINGULAR_BELOW = 1e-12

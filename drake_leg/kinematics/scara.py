@@ -24,7 +24,8 @@ from drake_leg.kinematics.batches import (
     triangle_angle,
 )
 from drake_leg.kinematics.task import Task, task_from_jacobian
-from drake_leg.robot import Robot, require_positive
+from drake_leg.quantities import require_positive
+from drake_leg.robot import Robot
 from drake_leg.robots import SCARA_HEIGHT, SCARA_LOWEST
 
 

@@ -9,7 +9,8 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import sdf_text
-from drake_leg.robot import STANDARD_GRAVITY, Robot, require_non_negative
+from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative
+from drake_leg.robot import Robot
 
 
 def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:

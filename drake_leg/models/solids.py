@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from drake_leg.robot import Brick, Cylinder, Shape, Solid, require_positive
+from drake_leg.quantities import require_positive
+from drake_leg.robot import Brick, Cylinder, Shape, Solid
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.files import sdf_folder
 from drake_leg.models.thigh_sdf import thigh_leg_text
-from drake_leg.robot import STANDARD_GRAVITY, Robot, require_non_negative
+from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative
+from drake_leg.robot import Robot
 
 
 def thigh_leg(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:

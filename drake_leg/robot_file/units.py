@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from drake_leg.quantities import SPRING_UNITS
-from drake_leg.robot import DAMPING_UNITS, JointType
+from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS
+from drake_leg.robot import JointType
 
 AngleUnit = Literal["deg", "rad"]
 

@@ -11,8 +11,7 @@ from typing import Any
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
 from drake_leg.joint_mechanics import HardStop
-from drake_leg.quantities import SPRING_UNITS
-from drake_leg.robot import DAMPING_UNITS, STANDARD_GRAVITY
+from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
 from drake_leg.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
@@ -122,12 +121,7 @@ class DampingOptions(RunOptions):
         InvalidValueError
             If the unit is unknown.
         """
-        if self.damping_unit not in DAMPING_UNITS:
-            raise InvalidValueError(
-                f"the damping unit is {self.damping_unit!r}; it must be "
-                f"{' or '.join(DAMPING_UNITS)}"
-            )
-        return self.damping * DAMPING_UNITS[self.damping_unit]
+        return in_si("damping", self.damping, self.damping_unit, DAMPING_UNITS)
 
 
 @dataclass(kw_only=True)
@@ -412,8 +406,4 @@ class SpringPendulumOptions(PendulumOptions):
         InvalidValueError
             If the unit is unknown.
         """
-        if self.spring_unit not in SPRING_UNITS:
-            raise InvalidValueError(
-                f"the spring unit is {self.spring_unit!r}; it must be {' or '.join(SPRING_UNITS)}"
-            )
-        return self.spring_stiffness * SPRING_UNITS[self.spring_unit]
+        return in_si("spring", self.spring_stiffness, self.spring_unit, SPRING_UNITS)

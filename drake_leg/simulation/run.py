@@ -24,7 +24,7 @@ from drake_leg.errors import (
 )
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import require_positive
+from drake_leg.quantities import require_positive
 from drake_leg.simulation.guard import Guard
 
 STEP_BUDGET = 2_000_000  # steps that one run may take

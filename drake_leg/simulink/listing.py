@@ -38,7 +38,7 @@ def as_json(model: Model) -> dict[str, Any]:
                 "type": block.type,
                 "source": block.source,
                 "system": block.system,
-                "parameters": {key: _plain(value) for key, value in block.parameters.items()},
+                "parameters": plain(dict(block.parameters)),
             }
             for block in model.blocks
         ],
@@ -50,7 +50,7 @@ def as_json(model: Model) -> dict[str, Any]:
             {"sid": function.sid, "name": function.name, "script": function.script}
             for function in model.functions
         ],
-        "solver": {key: _plain(value) for key, value in model.solver.items()},
+        "solver": plain(dict(model.solver)),
     }
 
 
@@ -136,9 +136,22 @@ def _shown(value: Value) -> str:
     return f"[{separator.join(' '.join(f'{entry:.6g}' for entry in row) for row in rows)}]"
 
 
-def _plain(value: Value) -> object:
-    if isinstance(value, tuple):
-        return [_plain(entry) for entry in value]
+def plain(value: object) -> object:
+    """Return what JSON can hold: lists for tuples, text for numbers that are not finite.
+
+    Parameters
+    ----------
+    value : object
+        Of dictionaries, lists, tuples, numbers and texts.
+
+    Returns
+    -------
+    object
+    """
+    if isinstance(value, dict):
+        return {key: plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value

@@ -6,7 +6,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.kinematics.speed_limit import limited_speed
 from drake_leg.kinematics.task import Floats
-from drake_leg.robot import require_positive
+from drake_leg.quantities import require_positive
 
 
 class SpeedLimit(LeafSystem):

@@ -806,3 +806,14 @@ def test_numbers_that_make_no_sense_are_a_sentence(compared, block, changes):
 def test_counts_that_no_model_has(compared):
     assert not compared(published_leg().set("Demux", Outputs="1e9")).agrees
     compared(published_leg().set("Mux", Inputs="1e9"))
+
+
+def test_derivatives_of_a_leg_drawn_in_degrees(compared):
+    script = JACOB_INV.replace("y = [dq' det(J)];", "y = [dq'*180/pi det(J)];")
+    model = published_leg(script=script, initial=("90", "-50", "-90"), filtered=False)
+    demux = model.sid("Demux")
+    for place in (1, 2, 3):
+        name = f"Simulink-PS\nConverter{place}"
+        model.set(name, Unit="deg", FilteringAndDerivatives="provide", UdotUserProvided="1")
+        model.connect(f"{demux}#out:{place}", f"{model.sid(name)}#in:2")
+    assert compared(model).agrees

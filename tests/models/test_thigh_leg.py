@@ -18,7 +18,8 @@ from drake_leg.models.files import sdf_folder
 from drake_leg.models.plant import build_plant
 from drake_leg.models.thigh_leg import thigh_leg
 from drake_leg.models.thigh_sdf import thigh_leg_text, thigh_text
-from drake_leg.robot import STANDARD_GRAVITY, Inertial, JointMechanics, Row, Segment
+from drake_leg.quantities import STANDARD_GRAVITY
+from drake_leg.robot import Inertial, JointMechanics, Row, Segment
 from drake_leg.robots import LEG_A, LEG_B, SCARA, hexabot_leg
 
 
