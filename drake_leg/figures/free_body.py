@@ -123,7 +123,7 @@ def pendulum(robot: Robot, title: str) -> Figure:
 
 
 def leg(robot: Robot, title: str) -> Figure:
-    """Draw the leg in its own plane and from above.
+    """Draw the leg with what acts on it in its own plane, and from above.
 
     Parameters
     ----------
@@ -166,12 +166,17 @@ def _leg_side(robot: Robot, sign: int, sketch: Sketch) -> None:
     sketch.dashed(at[3], _along(at[3], along, 2.1 * sketch.unit))
     sketch.angle(at[3], along, direction(sketch, X_B[3]), "$q_3$", 1.75)
     lengths = [f"$l_{row}$ = {1e3 * robot.rows[row].d:g}" for row in (1, 2, 3)]
-    sketch.dimension(at[1], at[2], lengths[0], -1.2)
+    sketch.dimension(at[1], at[2], lengths[0], -2.2)
     sketch.dimension(at[2], at[3], lengths[1], 1.6 if sign > 0 else 1.3)
     sketch.dimension(at[3], at[4], lengths[2], -0.8 if sign > 0 else 2.4)
     sketch.text((at[1][0] - 0.6 * sketch.unit, at[1][1]), "hip")
     sketch.ground((at[4][0], at[4][1] - 0.3 * sketch.unit), 1.6 * sketch.unit)
-    sketch.gravity((at[1][0] + 0.3 * sketch.unit, at[3][1] + 0.8 * sketch.unit))
+    sketch.force(at[1], (-0.9, 0.8), "$R,\\ M$", (-0.3, 0.3))
+    sketch.force(at[4], (0.0, 1.5), "$N$", (0.3, 0.1))
+    for number, (start, end) in enumerate(((1, 2), (2, 3), (3, 4), (4, 4)), start=1):
+        centre = ((at[start][0] + at[end][0]) / 2.0, (at[start][1] + at[end][1]) / 2.0)
+        place = (-0.5, 0.5 if number == 3 else 0.0)
+        sketch.force(centre, (0.0, -1.5), f"$m_{number}\\,g$", place)
     sketch.heading(
         f"in the leg's own plane, here with $q_2$ = {knee:g}°, $q_3$ = {ankle:g}° [mm]".replace(
             "-", "−"
@@ -218,6 +223,8 @@ def scara(robot: Robot, title: str) -> Figure:
     arm = ScaraGeometry.from_robot(robot)
     unit = 1e3 * (arm.l1 + arm.l2) / 7
     figure, (side, top) = new_figure(title, columns=2, height=4.6)
+    for axes in (side, top):
+        axes.set_anchor("N")
     _scara_side(robot, arm, Sketch(side, RIGHT, UP, unit))
     _scara_top(robot, arm, Sketch(top, RIGHT, BACK, unit))
     return figure

@@ -14,6 +14,7 @@ from drake_leg.figures.style import (
     ORANGE,
     PLOT_WIDTH,
     claim,
+    inset,
     legend_above,
     new_figure,
     whole_ticks,
@@ -28,6 +29,8 @@ VERTICAL = np.pi / 2  # [rad], where the link hangs
 NEAR_REST = np.radians(1.0)
 SAME = 1e-6  # [rad], by which the extremes of a constant amplitude may differ
 SLOW = 0.05  # of the greatest rate, and of the greatest swing: what is less is not marked
+EARLY = 0.4  # of a run: motion that ends before is magnified
+CLEAR = 0.18  # of the axes' height: room for a line of text
 MOST = 24  # marks of a kind that can be told apart
 
 
@@ -69,6 +72,10 @@ def angle(
         _mark_rest(axes, recording, rest, equilibrium)
     if equilibrium is not None:
         _mark_equilibrium(axes, equilibrium)
+    until = _end_of_motion(recording)
+    if until is not None:
+        texts_above = equilibrium is not None and rest is not None and equilibrium <= rest
+        _magnified(axes, recording, "q", until, below=texts_above)
     return figure
 
 
@@ -96,34 +103,24 @@ def angle_and_rate(
     -------
     Figure
     """
-    figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.0)
-    time, q, rate = (recording[name] for name in ("time", "q", "qdot"))
-    top.plot(time, q, color=BLUE)
-    bottom.plot(time, rate, color=ORANGE)
-    fast = SLOW * np.abs(rate).max()
-    passages = _crossings(time, q - VERTICAL, q, rate)
-    passages = passages[np.abs(passages[:, 2]) > fast]
-    turns = _crossings(time, rate, q, rate)
-    swings = np.abs(np.diff(turns[:, 1], prepend=q[0]))
-    turns = turns[swings > SLOW * np.ptp(q)]
-    for places, marker, label in ((passages, "o", "link vertical"), (turns, "s", "turns back")):
-        if 0 < len(places) <= MOST:
-            style: dict[str, Any] = {
-                "color": GREY,
-                "linestyle": "none",
-                "markersize": 4.5,
-                "markerfacecolor": "w",
-            }
-            top.plot(places[:, 0], places[:, 1], marker, label=label, **style)
-            bottom.plot(places[:, 0], places[:, 2], marker, **style)
+    figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.6)
+    _curve(top, recording, "q")
+    _curve(bottom, recording, "qdot")
     top.set(ylabel="angle q [rad]")
     bottom.set(xlabel=TIME, ylabel="rate of q [rad/s]")
     whole_ticks(bottom)
     _show(top, span or ())
     _show(bottom, rates or ())
     add_degrees(top)
-    if top.get_legend_handles_labels()[0]:
-        legend_above(top)
+    until = _end_of_motion(recording)
+    if until is not None:
+        columns = ((top, "q"), (bottom, "qdot"))
+        marked = [_magnified(axes, recording, column, until) for axes, column in columns]
+    else:
+        marked = [top, bottom]
+    _mark_passages_and_turns(recording, *marked)
+    if marked[0].get_legend_handles_labels()[0]:
+        legend_above(top, *(axes for axes in marked[:1] if axes is not top))
     return figure
 
 
@@ -148,6 +145,63 @@ def energy(recording: Recording, title: str, scale: float) -> Figure:
     )
     widen_flat_axis(figure.axes[0], scale)
     return figure
+
+
+def _curve(axes: Axes, recording: Recording, column: str) -> None:
+    axes.plot(recording["time"], recording[column], color=BLUE if column == "q" else ORANGE)
+
+
+def _mark_passages_and_turns(recording: Recording, angles: Axes, rates: Axes) -> None:
+    """Mark where the link is vertical, and where it turns back, if they can be told apart."""
+    time, q, rate = (recording[name] for name in ("time", "q", "qdot"))
+    passages = _crossings(time, q - VERTICAL, q, rate)
+    passages = passages[np.abs(passages[:, 2]) > SLOW * np.abs(rate).max()]
+    turns = _crossings(time, rate, q, rate)
+    swings = np.abs(np.diff(turns[:, 1], prepend=q[0]))
+    turns = turns[swings > SLOW * np.ptp(q)]
+    for places, marker, label in ((passages, "o", "link vertical"), (turns, "s", "turns back")):
+        if 0 < len(places) <= MOST:
+            style: dict[str, Any] = {
+                "color": GREY,
+                "linestyle": "none",
+                "markersize": 4.5,
+                "markerfacecolor": "w",
+            }
+            angles.plot(places[:, 0], places[:, 1], marker, label=label, **style)
+            rates.plot(places[:, 0], places[:, 2], marker, **style)
+
+
+def _end_of_motion(recording: Recording) -> float | None:
+    """Find from when on the angle stays near where it ends [s], if it does so early."""
+    time, q = recording["time"], recording["q"]
+    away = np.flatnonzero(np.abs(q - q[-1]) > NEAR_REST)
+    if len(away) == 0 or time[away[-1]] > EARLY * time[-1]:
+        return None
+    return float(time[away[-1]])
+
+
+def _magnified(
+    axes: Axes, recording: Recording, column: str, until: float, *, below: bool = False
+) -> Axes:
+    """Show the beginning of a curve larger, in the gap above its end or in that below."""
+    low, high = axes.get_ylim()
+    end = (float(recording[column][-1]) - low) / (high - low)
+    bottom, top = (CLEAR / 2.0, end - CLEAR / 2.0) if below else (end + CLEAR, 1.0)
+    inner = inset(axes, (0.36, bottom, 0.62, top - bottom))
+    inner.margins(y=0.15)
+    _curve(inner, recording, column)
+    inner.set_xlim(0.0, 1.15 * until)
+    whole_ticks(inner)
+    inner.annotate(
+        "the beginning, magnified",
+        (0.99, 0.04 if below else 0.97),
+        xycoords="axes fraction",
+        ha="right",
+        va="bottom" if below else "top",
+        fontsize=8.5,
+        color=GREY,
+    )
+    return inner
 
 
 def _show(axes: Axes, values: Span | tuple[()]) -> None:

@@ -107,6 +107,26 @@ def claim(axes: Axes, text: str) -> None:
     )
 
 
+def inset(axes: Axes, bounds: tuple[float, float, float, float]) -> Axes:
+    """Make smaller axes inside others, for a part of what these show.
+
+    Parameters
+    ----------
+    axes : Axes
+        The larger ones.
+    bounds : (left, bottom, width, height)
+        Of the smaller ones, in shares of the larger.
+
+    Returns
+    -------
+    Axes
+    """
+    with mpl.rc_context(STYLE):
+        inner = axes.inset_axes(bounds)
+        inner.tick_params(labelsize=8.5)
+    return inner
+
+
 def whole_ticks(axes: Axes) -> None:
     """Put the ticks of a time axis at 1, 2 or 5 times a power of ten.
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 
 from drake_leg.errata import Erratum, errata
-from drake_leg.report.markup import prose
+from drake_leg.report.markup import grid, prose
+
+MATRIX = re.compile(r"\[([^][]*;[^][]*)\]")  # entries between commas, rows between semicolons
 
 
 def erratum_notes(numbers: Iterable[int]) -> str:
@@ -48,17 +51,52 @@ def _by_number() -> Mapping[int, Erratum]:
 
 
 def _note(erratum: Erratum) -> str:
+    printed, right = _beside(erratum)
     return (
-        f'<div class="erratum"><p><a href="#erratum-{erratum.number}">Erratum '
-        f"{erratum.number}</a>, {prose(erratum.where)}. In print: {prose(erratum.printed)}. "
-        f"<b>Right:</b> {prose(erratum.right)}.</p></div>"
+        f'<div class="erratum"><div><a href="#erratum-{erratum.number}">Erratum '
+        f"{erratum.number}</a>, {prose(erratum.where)}. In print: {_ended(printed)} "
+        f"<b>Right:</b> {_ended(right)}</div></div>"
     )
 
 
 def _entry(erratum: Erratum) -> str:
-    parts = {"printed": erratum.printed, "right": erratum.right, "effect": erratum.effect}
-    rows = "".join(f"<dt>{name}</dt><dd>{prose(text)}</dd>" for name, text in parts.items())
+    printed, right = _beside(erratum)
+    parts = {"printed": printed, "right": right, "effect": prose(erratum.effect)}
+    rows = "".join(f"<dt>{name}</dt><dd>{text}</dd>" for name, text in parts.items())
     return (
         f'<section id="erratum-{erratum.number}">\n<h3>{erratum.number}. '
         f"{prose(erratum.source)}, {prose(erratum.where)}</h3>\n<dl>{rows}</dl>\n</section>"
     )
+
+
+def _beside(erratum: Erratum) -> tuple[str, str]:
+    """Write what is printed and what is right; entries of matrices that differ are marked."""
+    printed, right = (MATRIX.split(text) for text in (erratum.printed, erratum.right))
+    return _marked(printed, right, "wrong"), _marked(right, printed, "mended")
+
+
+def _marked(pieces: list[str], others: list[str], mark: str) -> str:
+    """Write text and matrices in turn, as ``MATRIX.split`` gives them."""
+    html = [prose(pieces[0])]
+    for index in range(1, len(pieces), 2):
+        entries = _entries(pieces[index])
+        beside = _entries(others[index]) if index < len(others) else []
+        same_shape = [len(row) for row in entries] == [len(row) for row in beside]
+        cells = [[prose(entry) for entry in row] for row in entries]
+        differing = {
+            (i, j)
+            for i, row in enumerate(entries)
+            for j, entry in enumerate(row)
+            if same_shape and entry != beside[i][j]
+        }
+        matrix = grid(cells, dict.fromkeys(differing, mark))
+        html += [f'<div class="matrix">{matrix}</div>', prose(pieces[index + 1])]
+    return "".join(html)
+
+
+def _entries(matrix: str) -> list[list[str]]:
+    return [[entry.strip() for entry in row.split(",")] for row in matrix.split(";")]
+
+
+def _ended(sentence: str) -> str:
+    return sentence if sentence.endswith("</div>") else f"{sentence}."

@@ -21,6 +21,7 @@ from drake_leg.report.subjects import SUBJECTS
 from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.outcome import Outcome
 from drake_leg.scene.motion import recorded_motion
+from drake_leg.scene.paper import DARK, LIGHT
 from drake_leg.scene.replay import replay_page
 from drake_leg.scene.stills import still_png
 from drake_leg.scene.views import VIEWS
@@ -114,9 +115,14 @@ def _blocks(item: Item, workshop: Workshop) -> Exhibit:
 def _still(item: Item, workshop: Workshop) -> Exhibit:
     subject = SUBJECTS[item.subject]
     file = workshop.folder / f"{item.id}.png"
-    file.write_bytes(still_png(subject.robot, subject.q, view=VIEWS[item.show]))
+    light, dark = (
+        still_png(subject.robot, subject.q, view=VIEWS[item.show], paper=paper)
+        for paper in (LIGHT, DARK)
+    )
+    file.write_bytes(light)
+    image = picture(light, f"{item.title}. {item.caption}", dark=dark)
     return Exhibit(
-        body=_figure(item, file.read_bytes(), ' class="still"'),
+        body=f'<figure class="still">{image}{_caption(item)}</figure>',
         commands=(
             f"drake-leg view {subject.name} --q {subject.option} --from {item.show} "
             f"--still {item.id}.png",
@@ -130,11 +136,14 @@ def _replay(item: Item, workshop: Workshop) -> Exhibit:
     motion = recorded_motion(outcome.robot, outcome.recording)
     file = workshop.folder / f"{item.id}.html"
     file.write_text(replay_page(motion), encoding="utf-8")
-    poster = picture(still_png(outcome.robot, motion.q[0], motion=motion), item.caption)
+    light, dark = (
+        still_png(outcome.robot, motion.q[0], motion=motion, paper=paper) for paper in (LIGHT, DARK)
+    )
+    poster = picture(light, item.caption, dark=dark)
     body = (
         f'<figure class="still replay"><a href="{file.name}" title="{escape(item.title)}">{poster}'
         '<span class="play">Play in 3D</span></a>'
-        f"<figcaption>{prose(item.caption)}</figcaption></figure>"
+        f"{_caption(item)}</figure>"
     )
     return Exhibit(
         body=body,
@@ -146,12 +155,13 @@ def _replay(item: Item, workshop: Workshop) -> Exhibit:
     )
 
 
-def _figure(item: Item, data: bytes | str, attributes: str = "", more: str = "") -> str:
-    image = picture(data, f"{item.title}. {item.caption}")
-    return (
-        f"<figure><div{attributes}>{image}</div>"
-        f"<figcaption>{prose(item.caption)}{more}</figcaption></figure>"
-    )
+def _figure(item: Item, svg: str, attributes: str = "", more: str = "") -> str:
+    image = picture(svg, f"{item.title}. {item.caption}")
+    return f"<figure><div{attributes}>{image}</div>{_caption(item, more)}</figure>"
+
+
+def _caption(item: Item, more: str = "") -> str:
+    return f"<figcaption>{prose(item.caption)}{more}</figcaption>"
 
 
 def _text(item: Item, body: str, *commands: str) -> Exhibit:

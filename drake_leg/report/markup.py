@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 from drake_leg.errata.formulas import Formula
@@ -81,7 +81,7 @@ def formula_grid(formula: Formula) -> str:
     str
         HTML.
     """
-    return _grid([[as_html(entry) for entry in row] for row in formula])
+    return grid([[as_html(entry) for entry in row] for row in formula])
 
 
 def value_grid(value: Array) -> str:
@@ -97,13 +97,33 @@ def value_grid(value: Array) -> str:
     str
         HTML.
     """
-    return _grid([[number(entry) for entry in row] for row in value])
+    return grid([[number(entry) for entry in row] for row in value])
 
 
-def _grid(cells: list[list[str]]) -> str:
+def grid(cells: Sequence[Sequence[str]], marks: Mapping[tuple[int, int], str] | None = None) -> str:
+    """Set a matrix between brackets; a single entry stands without them.
+
+    Parameters
+    ----------
+    cells : sequence of sequence of str
+        HTML of the entries, row by row.
+    marks : mapping, optional
+        Row and column, from 0, of entries with a class of their own.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
     if len(cells) == len(cells[0]) == 1:
         return f"<span>{cells[0][0]}</span>"
-    rows = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in cells)
+    classes = {place: f' class="{mark}"' for place, mark in (marks or {}).items()}
+    rows = "".join(
+        "<tr>"
+        + "".join(f"<td{classes.get((i, j), '')}>{cell}</td>" for j, cell in enumerate(row))
+        + "</tr>"
+        for i, row in enumerate(cells)
+    )
     return f'<table class="grid">{rows}</table>'
 
 
@@ -130,7 +150,7 @@ def table(head: Iterable[str], rows: Iterable[Sequence[object]]) -> str:
     )
 
 
-def picture(data: bytes | str, description: str) -> str:
+def picture(data: bytes | str, description: str, *, dark: bytes | None = None) -> str:
     """Put a picture into the page.
 
     Parameters
@@ -139,6 +159,8 @@ def picture(data: bytes | str, description: str) -> str:
         A PNG, or the text of an SVG.
     description : str
         For who does not see it.
+    dark : bytes, optional
+        A PNG for dark screens.
 
     Returns
     -------
@@ -146,5 +168,14 @@ def picture(data: bytes | str, description: str) -> str:
         HTML.
     """
     kind, raw = ("svg+xml", data.encode()) if isinstance(data, str) else ("png", data)
-    source = f"data:image/{kind};base64,{base64.b64encode(raw).decode('ascii')}"
-    return f'<img src="{source}" alt="{escape(description)}">'
+    source = _embedded(kind, raw)
+    image = f'<img src="{source}" alt="{escape(description)}">'
+    if dark is None:
+        return image
+    media = "screen and (prefers-color-scheme: dark)"
+    other = f'<source media="{media}" srcset="{_embedded("png", dark)}">'
+    return f"<picture>{other}{image}</picture>"
+
+
+def _embedded(kind: str, raw: bytes) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(raw).decode('ascii')}"

@@ -13,10 +13,12 @@ from string import Template
 from drake_leg.report.contents import Chapter, Item, chapters
 from drake_leg.report.errata import errata_chapter, erratum_notes
 from drake_leg.report.exhibits import Exhibit, Workshop
+from drake_leg.report.highlights import highlights
 from drake_leg.report.markup import power, prose, table
 from drake_leg.report.runs import RUNS, command
 from drake_leg.runs.outcome import Outcome
 
+LEAD = "b07_replay"  # opens the page
 STAGES = len(RUNS) + sum(len(chapter.items) for chapter in chapters())
 
 
@@ -47,17 +49,17 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> None:
         outcomes[key] = run.carry_out()
         count()
     workshop = Workshop(folder=folder, outcomes=outcomes)
-    body = []
-    for chapter in chapters():
-        body.append(f"<h2>{escape(chapter.title)}</h2>\n<p>{prose(chapter.introduction)}</p>")
-        for item in chapter.items:
-            body.append(_section(item, workshop.make(item)))
-            count()
+    exhibits = {}
+    for item in (item for chapter in chapters() for item in chapter.items):
+        exhibits[item.id] = workshop.make(item)
+        count()
     page = Template(_resource("report.html")).substitute(
         style=_resource("report.css"),
         script=_resource("report.js"),
+        lead=exhibits[LEAD].body,
+        highlights=highlights(outcomes),
         contents="\n".join(map(_links, chapters())),
-        body="\n".join(body),
+        body="\n".join(_chapter(chapter, exhibits) for chapter in chapters()),
         runs=_overview(outcomes),
         errata=errata_chapter(),
         made_with=f"drake-leg {version('drake-leg')}, Drake {version('drake')}, Python "
@@ -72,10 +74,15 @@ def _resource(name: str) -> str:
 
 def _links(chapter: Chapter) -> str:
     links = "".join(
-        f'<li><a href="#{item.id}" title="{escape(item.title)}">{escape(item.label)}</a></li>'
+        f'<li><a href="#{item.id}">{escape(item.label)}<span> {prose(item.title)}</span></a></li>'
         for item in chapter.items
     )
     return f"<h3>{escape(chapter.title)}</h3>\n<ul>{links}</ul>"
+
+
+def _chapter(chapter: Chapter, exhibits: Mapping[str, Exhibit]) -> str:
+    sections = "\n".join(_section(item, exhibits[item.id]) for item in chapter.items)
+    return f"<h2>{escape(chapter.title)}</h2>\n<p>{prose(chapter.introduction)}</p>\n{sections}"
 
 
 def _section(item: Item, exhibit: Exhibit) -> str:

@@ -12,11 +12,10 @@ from matplotlib import get_data_path
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from drake_leg.scene.parts import PAPER
+from drake_leg.scene.paper import LIGHT, Colour, Paper
 
 Pixels = NDArray[np.uint8]  # (height, width, 3), red, green, blue
 
-INK = (0.16, 0.17, 0.20)
 HALO = 2  # [pixels] of paper around letters
 
 
@@ -28,10 +27,10 @@ class Words:
     x: float  # [pixels] from the left
     y: float  # [pixels] from the top
     size: int  # [pixels]
-    colour: tuple[float, float, float] = INK
+    colour: Colour = LIGHT.ink
 
 
-def write_on(image: Pixels, words: Sequence[Words]) -> Pixels:
+def write_on(image: Pixels, words: Sequence[Words], *, paper: Paper = LIGHT) -> Pixels:
     """Write on a picture.
 
     Parameters
@@ -40,6 +39,8 @@ def write_on(image: Pixels, words: Sequence[Words]) -> Pixels:
         Left as it is.
     words : sequence of Words
         Those that would lie on an earlier one are left out.
+    paper : Paper
+        Of whose colour a little surrounds each letter.
 
     Returns
     -------
@@ -47,7 +48,7 @@ def write_on(image: Pixels, words: Sequence[Words]) -> Pixels:
     """
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)
-    paper = tuple(round(255 * part) for part in PAPER)
+    halo = tuple(round(255 * part) for part in paper.background)
     taken: list[tuple[float, float, float, float]] = []
     for word in words:
         font = _font(word.size)
@@ -63,7 +64,7 @@ def write_on(image: Pixels, words: Sequence[Words]) -> Pixels:
             font=font,
             anchor="lm",
             stroke_width=HALO,
-            stroke_fill=paper,
+            stroke_fill=halo,
         )
     return np.asarray(picture)
 

@@ -146,9 +146,9 @@ def floor_parts(points: Array) -> tuple[Part, ...]:
     size = size_of(points)
     square = floor_square(size)
     line = FLOOR_LINE * size
-    height = float(points[:, 2].min()) - FLOOR_GAP * size
-    low = np.floor(points[:, :2].min(axis=0) / square)
-    high = np.ceil(points[:, :2].max(axis=0) / square)
+    corners = floor_corners(points)
+    height = float(corners[0, 2])
+    low, high = np.round(corners[:, :2] / square)
     middle, length = (low + high) * square / 2.0, (high - low) * square + line
     parts = []
     for axis in (0, 1):
@@ -166,6 +166,27 @@ def floor_parts(points: Array) -> tuple[Part, ...]:
                 )
             )
     return tuple(parts)
+
+
+def floor_corners(points: Array) -> Array:
+    """Opposite corners of the floor.
+
+    Parameters
+    ----------
+    points : (n, 3) ndarray
+        What stands on it [m].
+
+    Returns
+    -------
+    (2, 3) ndarray
+        Least x and y, greatest x and y, in one height [m].
+    """
+    size = size_of(points)
+    square = floor_square(size)
+    height = float(points[:, 2].min()) - FLOOR_GAP * size
+    low = square * np.floor(points[:, :2].min(axis=0) / square)
+    high = square * np.ceil(points[:, :2].max(axis=0) / square)
+    return np.array([[*low, height], [*high, height]])
 
 
 def floor_square(size: float) -> float:

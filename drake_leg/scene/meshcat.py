@@ -13,7 +13,8 @@ from pydrake.math import RigidTransform
 
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.batches import Array
-from drake_leg.scene.parts import PAPER, Part
+from drake_leg.scene.paper import LIGHT
+from drake_leg.scene.parts import Part
 from drake_leg.scene.scene import Scene
 from drake_leg.scene.shapes import drake_shape
 
@@ -90,7 +91,7 @@ def brighten(meshcat: Meshcat) -> None:
     meshcat : Meshcat
         Whose background it is.
     """
-    for edge, colour in (("top_color", PAPER), ("bottom_color", SHADE)):
+    for edge, colour in (("top_color", LIGHT.background), ("bottom_color", SHADE)):
         meshcat.SetProperty("/Background/<object>", edge, colour)
 
 

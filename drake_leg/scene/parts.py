@@ -11,11 +11,9 @@ import numpy as np
 
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Brick, Cylinder, Robot, Shape, Sphere
+from drake_leg.scene.paper import Colour
 
 PALE = (0.72, 0.73, 0.76)
-PAPER = (0.965, 0.968, 0.975)  # behind everything
-
-Colour = tuple[float, float, float]
 
 BASE_SIZE = 0.07  # of the scene's size
 LEAST_SIZE = 1e-3  # [m], of a scene

@@ -8,7 +8,14 @@ import numpy as np
 
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
-from drake_leg.scene.marks import floor_parts, floor_square, trace_parts, triad_parts, triad_tips
+from drake_leg.scene.marks import (
+    floor_corners,
+    floor_parts,
+    floor_square,
+    trace_parts,
+    triad_parts,
+    triad_tips,
+)
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.parts import Part, outline, size_of, solid_parts
 from drake_leg.scene.views import Framing, View, frame
@@ -23,6 +30,7 @@ class Scene:
     robot: Robot
     parts: tuple[Part, ...]
     points: Array  # (n, 3), what a picture must hold [m]
+    floor: Array  # (2, 3), opposite corners of the floor [m]
     size: float  # greatest edge of the box around the robot [m]
 
     @property
@@ -42,7 +50,9 @@ class Scene:
         -------
         Framing
         """
-        return frame(view, self.points)
+        (x, y, z), (u, v, _) = self.floor
+        corners = np.array([[x, y, z], [u, y, z], [x, v, z], [u, v, z]])
+        return frame(view, np.concatenate([self.points, corners]))
 
 
 def scene_of(motion: Motion, *, room: float = 0.0) -> Scene:
@@ -73,4 +83,5 @@ def scene_of(motion: Motion, *, room: float = 0.0) -> Scene:
         *trace_parts(motion.path(), size),
         *floor_parts(points),
     )
-    return Scene(robot=motion.robot, parts=parts, points=points, size=size)
+    floor = floor_corners(points)
+    return Scene(robot=motion.robot, parts=parts, points=points, floor=floor, size=size)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drake_leg.figures.style import STYLE
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Brick, Cylinder, Shape
-from drake_leg.scene.parts import PAPER
+from drake_leg.scene.paper import LIGHT, Paper
 from drake_leg.scene.scene import Scene
 from drake_leg.scene.views import MARGIN, View
 
@@ -23,7 +23,7 @@ Image = NDArray[np.uint8]  # (height, width, 3), red, green, blue
 
 DPI = 120
 SIDES = 12  # of a prism that stands for a cylinder
-LIGHT = np.array([-0.35, 0.6, 0.72])  # from the picture to the light: right, up, backwards
+LAMP = np.array([-0.35, 0.6, 0.72])  # from the picture to the light: right, up, backwards
 SHADOW = 0.55  # brightness of what the light does not reach
 
 
@@ -36,10 +36,12 @@ class Sketcher:
         What there is to see.
     width, height : int
         Of the pictures [pixels].
+    paper : Paper
+        Behind everything.
     """
 
-    def __init__(self, scene: Scene, *, width: int, height: int) -> None:
-        self._scene, self._width, self._height = scene, width, height
+    def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
+        self._scene, self._width, self._height, self._paper = scene, width, height, paper
 
     def image(self, X_WF: Array, view: View) -> Image:
         """Draw a picture.
@@ -96,7 +98,7 @@ class Sketcher:
     def _drawn(self, polygons: list[Array], colours: list[tuple[float, ...]]) -> Image:
         with mpl.rc_context(STYLE):
             figure = Figure(figsize=(self._width / DPI, self._height / DPI), dpi=DPI)
-            figure.set_facecolor(PAPER)
+            figure.set_facecolor(self._paper.background)
             FigureCanvasAgg(figure)
             axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
             axes.set_axis_off()
@@ -142,6 +144,6 @@ def _shaded(colour: tuple[float, float, float], face: Array) -> tuple[float, flo
     diagonals = face[len(face) // 2] - face[0], face[-1] - face[len(face) // 4]
     normal = np.cross(*diagonals)
     length = float(np.linalg.norm(normal))
-    lit = abs(float(normal @ LIGHT)) / (length * float(np.linalg.norm(LIGHT))) if length else 1.0
+    lit = abs(float(normal @ LAMP)) / (length * float(np.linalg.norm(LAMP))) if length else 1.0
     red, green, blue = (part * (SHADOW + (1.0 - SHADOW) * lit) for part in colour)
     return red, green, blue

@@ -14,7 +14,6 @@ from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.rendering import require_rendering
 from drake_leg.scene.scene import Scene, scene_of
-from drake_leg.scene.stills import frame_names
 from drake_leg.scene.views import VIEWS, View
 from drake_leg.text_file import whole_file
 
@@ -118,6 +117,7 @@ def write_video(
 def _images(
     frames: Motion, scene: Scene, view: View, progress: Progress | None, *, share: int
 ) -> Iterator[Image]:
+    from drake_leg.scene.frame_names import frame_names
     from drake_leg.scene.lettering import Words, reduced, write_on
     from drake_leg.scene.vtk import Renderer
 

@@ -24,7 +24,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.sensors import CameraInfo
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.scene.parts import PAPER
+from drake_leg.scene.paper import LIGHT, Paper
 from drake_leg.scene.scene import Scene
 from drake_leg.scene.shapes import drake_shape
 from drake_leg.scene.views import View
@@ -47,12 +47,14 @@ class Renderer:
         What there is to see.
     width, height : int
         Of the pictures [pixels].
+    paper : Paper
+        Behind everything.
     """
 
-    def __init__(self, scene: Scene, *, width: int, height: int) -> None:
+    def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
         self._scene, self._width, self._height = scene, width, height
         self._graph = SceneGraph()
-        self._graph.AddRenderer(_ENGINE, MakeRenderEngineVtk(_engine_parameters()))
+        self._graph.AddRenderer(_ENGINE, MakeRenderEngineVtk(_engine_parameters(paper)))
         self._source = self._graph.RegisterSource("robot")
         self._frames = [
             self._graph.RegisterFrame(self._source, GeometryFrame(f"frame_{index}"))
@@ -131,11 +133,11 @@ class Renderer:
         return RigidTransform(RotationMatrix(np.column_stack([right, -up, -back])), place)
 
 
-def _engine_parameters() -> RenderEngineVtkParams:
+def _engine_parameters(paper: Paper) -> RenderEngineVtkParams:
     lights = [
         LightParameter(
             type="directional", frame="camera", direction=-np.array(origin), intensity=strength
         )
         for origin, strength in _LIGHTS
     ]
-    return RenderEngineVtkParams(default_clear_color=np.array(PAPER), lights=lights)
+    return RenderEngineVtkParams(default_clear_color=np.array(paper.background), lights=lights)

@@ -286,6 +286,39 @@ def test_a_rest_line_far_from_a_flat_curve_can_be_drawn(tmp_path):
     save(pendulum_figures.angle(recording, "title", rest=np.pi / 2), tmp_path, "angle")
 
 
+def insets(figure):
+    return [inner for axes in figure.axes for inner in axes.child_axes if inner.lines]
+
+
+def marks(axes):
+    return [line for line in axes.lines if line.get_linestyle() == "None"]
+
+
+def test_motion_that_ends_early_is_magnified_and_marked_there():
+    figure = figures_of("pendulum-damped", duration=30.0)["angle_and_rate"]()
+    top, bottom = insets(figure)
+    assert marks(top)
+    assert marks(bottom)
+    assert not any(marks(axes) for axes in figure.axes)
+    assert top.get_xlim()[1] < 12.0
+
+
+def test_motion_that_goes_on_is_not_magnified():
+    figure = figures_of("pendulum")["angle_and_rate"]()
+    assert insets(figure) == []
+    assert all(marks(axes) for axes in figure.axes[:2])
+
+
+def test_nothing_written_on_a_figure_of_rest_lies_on_its_inset():
+    for name in ("pendulum-damped", "pendulum-spring"):
+        figure = figures_of(name, duration=30.0)["angle"]()
+        figure.draw_without_rendering()
+        (inner,) = insets(figure)
+        box = inner.get_tightbbox()
+        for text in figure.axes[0].texts:
+            assert not text.get_window_extent().overlaps(box), (name, text.get_text())
+
+
 def test_flat_curves_get_a_range_and_others_keep_theirs():
     _, (flat, hilly) = new_figure("title", columns=2)
     flat.plot([0.0, 1.0], [3.0, 3.0 + 1e-12])

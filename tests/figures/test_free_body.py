@@ -63,6 +63,27 @@ def test_the_leg_is_drawn_alike_in_both_conventions_but_for_the_knee_axes():
         assert f"$q_2$ = {q2:g}".replace("-", "−") in side._left_title.get_text()
 
 
+@pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=lambda robot: robot.name)
+def test_every_solid_of_the_leg_has_its_weight_in_the_drawing(robot):
+    side = free_body(robot).axes[0]
+    shown = {text.get_text() for text in side.texts}
+    solids = [segment for segment in robot.segments if segment.link.solid is not None]
+    assert {f"$m_{number}\\,g$" for number in range(1, len(solids) + 1)} <= shown
+    assert {"$R,\\ M$", "$N$"} <= shown
+    assert sum(abs(angle + 90.0) < 1e-6 for angle in arrows(side)) >= len(solids)
+
+
+def test_views_side_by_side_have_their_headings_at_one_height():
+    figure = free_body(SCARA)
+    heights = {round(axes._left_title.get_window_extent().y0) for axes in _laid_out(figure)}
+    assert len(heights) == 1
+
+
+def _laid_out(figure):
+    figure.draw_without_rendering()
+    return figure.axes
+
+
 def test_lengths_are_the_robots_own():
     shown = [t.get_text() for t in texts(free_body(hexabot_leg("B", l1=0.06, l3=0.125)))]
     assert "$l_1$ = 60" in shown

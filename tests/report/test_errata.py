@@ -23,7 +23,14 @@ class _Balance(HTMLParser):
 
 
 def text_of(html):
+    """Read a piece of the page; a matrix as it is written in one line."""
+    html = html.replace("</td></tr><tr><td", "</td>; <td").replace("</td><td", "</td>, <td")
+    html = re.sub(r'<table class="grid">(.*?)</table>', r"[\1]", html)
     return unescape(re.sub(r"<[^>]*>", "", html))
+
+
+def cells_of(html, mark):
+    return [text_of(cell) for cell in re.findall(rf'<td class="{mark}">(.*?)</td>', html)]
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +66,20 @@ def test_the_tags_are_balanced(chapter):
     assert balance.open == []
 
 
-def test_it_never_scrolls_sideways(chapter):
+def test_entries_that_differ_are_marked():
+    note = erratum_notes([19])
+    assert cells_of(note, "wrong") == ["1", "1"]
+    assert cells_of(note, "mended") == ["0", "0"]
+    assert cells_of(erratum_notes([13]), "wrong") == []
+    assert len(cells_of(erratum_notes([20]), "wrong")) == 4
+
+
+def test_an_unequal_number_of_matrices_marks_nothing():
+    note = erratum_notes([7])
+    assert '<table class="grid">' in note
+    assert cells_of(note, "wrong") == []
+
+
+def test_a_wide_matrix_scrolls_in_a_box_of_its_own(chapter):
     assert 'class="wide"' not in chapter
-    assert "<table" not in chapter
+    assert chapter.count('<div class="matrix"') == chapter.count("<table")

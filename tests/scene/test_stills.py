@@ -7,8 +7,13 @@ from PIL import Image
 from drake_leg.robots import LEG_B, PENDULUM
 from drake_leg.scene import stills
 from drake_leg.scene.lettering import Words, reduced, write_on
+from drake_leg.scene.motion import still
+from drake_leg.scene.paper import DARK, LIGHT
+from drake_leg.scene.scene import scene_of
+from drake_leg.scene.sketch import Sketcher
 from drake_leg.scene.stills import still_png, write_stills
 from drake_leg.scene.views import VIEWS
+from drake_leg.scene.vtk import Renderer
 
 
 def picture(png):
@@ -29,6 +34,26 @@ def test_where_nothing_can_be_rendered_matplotlib_draws(monkeypatch, step, tmp_p
     images = [picture(path.read_bytes()) for path in paths]
     assert all(image.shape == (720, 960, 3) and np.ptp(image) > 150.0 for image in images)
     assert np.abs(images[0] - images[1]).max() > 100.0
+
+
+@pytest.mark.usefixtures("rendering")
+def test_a_still_can_be_dark():
+    light, dark = (picture(still_png(PENDULUM, [0.5], paper=paper)) for paper in (LIGHT, DARK))
+    assert light[0, 0].min() > 240.0
+    assert dark[0, 0].max() < 60.0
+
+
+@pytest.mark.usefixtures("rendering")
+@pytest.mark.parametrize("view", VIEWS.values(), ids=lambda view: view.name)
+def test_the_whole_floor_is_in_the_picture(view):
+    motion = still(PENDULUM, [0.5])
+    scene = scene_of(motion)
+    (x, y, z), (u, v, _) = scene.floor
+    corners = np.array([[x, y, z], [u, y, z], [x, v, z], [u, v, z]])
+    for artist in (Sketcher, Renderer):
+        pixels = artist(scene, width=960, height=720).pixels(corners, view)
+        assert (pixels > 0.0).all()
+        assert (pixels < [960.0, 720.0]).all()
 
 
 def test_words_that_would_lie_on_others_are_left_out():
