@@ -66,7 +66,7 @@ def signal_names(systems: Mapping[str, System], shown: Sequence[Wire]) -> dict[E
     for wire in shown:
         if wire.output == "state" and isinstance(systems[wire.target], Demultiplexer):
             named.setdefault((wire.target, "y0"), "q")
-            named.setdefault((wire.target, "y1"), pretty("qdot"))
+            named.setdefault((wire.target, "y1"), "w")  # as a joint's port is named in Simscape
         elif isinstance(systems[wire.target], Demultiplexer):
             whole = pretty(wire.output) or named.get((wire.source, wire.output), "")
             outputs = systems[wire.target].num_output_ports()

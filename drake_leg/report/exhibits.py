@@ -26,6 +26,11 @@ from drake_leg.scene.replay import replay_page
 from drake_leg.scene.stills import still_png
 from drake_leg.scene.views import VIEWS
 
+LARGE = 'class="drawing large" tabindex="0" role="region" aria-label="block diagram"'
+FULL_SIZE = (
+    ' <span class="hint">It scrolls sideways.</span> '
+    '<a class="full" href="{}">Open it at full size</a>.'
+)
 NARROW = 600  # [px], a block diagram that can be read where it fills a phone's screen
 
 
@@ -103,8 +108,8 @@ def _blocks(item: Item, workshop: Workshop) -> Exhibit:
     found = re.search(r'width="([\d.]+)"', svg)
     width = round(float(found[1])) if found else 0
     narrow = width < NARROW
-    place = f'class="drawing{"" if narrow else " large"}"'
-    full = "" if narrow else f' <a class="full" href="{file.name}">Open it at full size</a>.'
+    place = 'class="drawing"' if narrow else LARGE
+    full = "" if narrow else FULL_SIZE.format(file.name)
     return Exhibit(
         body=_figure(item, svg, f' {place} style="--width: {width}px"', full),
         commands=(f"drake-leg diagram {item.subject}{part} --out {item.id}.svg",),
