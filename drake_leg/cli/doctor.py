@@ -5,15 +5,19 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.common import Commands, numbers
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
+from drake_leg.output import check_target, results_folder
 from drake_leg.robot import Robot
 
 if TYPE_CHECKING:
     from drake_leg.doctor import Diagnosis
+    from drake_leg.figures.of_postures import Maps
     from drake_leg.kinematics.stroke import Stroke
 
 
@@ -46,6 +50,16 @@ def add(commands: Commands) -> None:
         "--foot", metavar="X,Y,Z", help="point whose inverse kinematics is wanted [m]"
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder to make, for maps of where a leg or the SCARA is singular (PNG, SVG and PDF), "
+        "and summary.json",
+    )
+    parser.add_argument(
+        "--overwrite", action="store_true", help="replace DIR if it holds older results"
+    )
     parser.set_defaults(command=_doctor)
 
 
@@ -53,9 +67,13 @@ def _doctor(chosen: argparse.Namespace) -> int:
     from drake_leg.doctor import examine_posture
 
     robot = robot_source(chosen.robot).robot()
+    q = _positions(robot, numbers("--q", chosen.q))
+    if chosen.overwrite and not chosen.out:
+        raise InvalidValueError("--overwrite goes with --out: name the folder, too")
+    maps = _maps(chosen, robot, q) if chosen.out else {}
     diagnosis = examine_posture(
         robot,
-        _positions(robot, numbers("--q", chosen.q)),
+        q,
         direction=numbers("--direction", chosen.direction, 3),
         frequency=numbers("--frequency", chosen.frequency, 1)[0],
         foot=numbers("--foot", chosen.foot, 3) if chosen.foot else None,
@@ -64,7 +82,27 @@ def _doctor(chosen: argparse.Namespace) -> int:
         print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
     else:
         print("\n".join(_lines(diagnosis)))
+    if chosen.out:
+        _write_maps(chosen.out, maps, diagnosis)
+        print(f"wrote {chosen.out}", file=sys.stderr if chosen.json else sys.stdout)
     return 0
+
+
+def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> Maps:
+    from drake_leg.figures.of_postures import maps_of_posture
+
+    check_target(chosen.out, overwrite=chosen.overwrite)
+    return maps_of_posture(robot, q)
+
+
+def _write_maps(target: Path, maps: Maps, diagnosis: Diagnosis) -> None:
+    from drake_leg.figures.style import save
+
+    with results_folder(target) as folder:
+        summary = json.dumps(diagnosis.as_json(), indent=2, allow_nan=False)
+        (folder / "summary.json").write_text(f"{summary}\n", encoding="utf-8")
+        for name, draw in maps.items():
+            save(draw(), folder, name)
 
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:

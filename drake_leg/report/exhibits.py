@@ -11,6 +11,7 @@ from pathlib import Path
 from drake_leg.drawings.drawing import draw
 from drake_leg.drawings.of_runs import ALL, run_pictures
 from drake_leg.figures.free_body import free_body
+from drake_leg.figures.of_postures import maps_of_posture
 from drake_leg.figures.style import for_light_and_dark, save
 from drake_leg.report import mathematics
 from drake_leg.report.contents import Item
@@ -19,6 +20,7 @@ from drake_leg.report.plots import PLOTS, deviation
 from drake_leg.report.runs import RUNS, command
 from drake_leg.report.subjects import SUBJECTS
 from drake_leg.runs.catalogue import run_kind
+from drake_leg.runs.options import ScaraOptions
 from drake_leg.runs.outcome import Outcome
 from drake_leg.scene.motion import recorded_motion
 from drake_leg.scene.paper import DARK, LIGHT
@@ -81,6 +83,20 @@ def _plot(item: Item, workshop: Workshop) -> Exhibit:
         commands=(command(item.subject),),
         result=f"{item.subject}/{plot.file}.svg",
         proof=f"From the exact answer: at most {power(deviation(plot, outcome))} {plot.unit}.",
+        files=tuple(path.name for path in paths.values()),
+    )
+
+
+def _map(item: Item, workshop: Workshop) -> Exhibit:
+    subject, options = SUBJECTS[item.subject], ScaraOptions()
+    stroke = 2.0 * options.amplitude / options.frequency
+    draw = maps_of_posture(subject.robot, subject.q, stroke=stroke)[item.show]
+    paths = save(draw(), workshop.folder, item.id)
+    folder = f"{item.subject}-maps"
+    return Exhibit(
+        body=_figure(item, for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))),
+        commands=(f"drake-leg doctor {subject.name} --q {subject.option} --out {folder}",),
+        result=f"{folder}/{item.show}.svg",
         files=tuple(path.name for path in paths.values()),
     )
 
@@ -201,6 +217,7 @@ def _stroke(item: Item, _workshop: Workshop) -> Exhibit:
 
 KINDS: Mapping[str, Callable[[Item, Workshop], Exhibit]] = {
     "plot": _plot,
+    "map": _map,
     "frames": _frames,
     "blocks": _blocks,
     "still": _still,

@@ -6,10 +6,13 @@ import base64
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from urllib.parse import quote
 
 from drake_leg.errata.formulas import Formula
 from drake_leg.kinematics.batches import Array
 from drake_leg.report.formulas import as_html
+
+PLAIN = " !$'()*+,-./:;=?@[]_~"  # what stands as it is in an attribute's address
 
 
 def prose(text: str) -> str:
@@ -167,15 +170,19 @@ def picture(data: bytes | str, description: str, *, dark: bytes | None = None) -
     str
         HTML.
     """
-    kind, raw = ("svg+xml", data.encode()) if isinstance(data, str) else ("png", data)
-    source = _embedded(kind, raw)
+    source = _svg(data) if isinstance(data, str) else _png(data)
     image = f'<img src="{source}" alt="{escape(description)}">'
     if dark is None:
         return image
     media = "screen and (prefers-color-scheme: dark)"
-    other = f'<source media="{media}" srcset="{_embedded("png", dark)}">'
+    other = f'<source media="{media}" srcset="{_png(dark)}">'
     return f"<picture>{other}{image}</picture>"
 
 
-def _embedded(kind: str, raw: bytes) -> str:
-    return f"data:image/{kind};base64,{base64.b64encode(raw).decode('ascii')}"
+def _png(raw: bytes) -> str:
+    return f"data:image/png;base64,{base64.b64encode(raw).decode('ascii')}"
+
+
+def _svg(text: str) -> str:
+    """Percent-encoded, a fifth shorter than base64."""
+    return f"data:image/svg+xml,{quote(text.replace(chr(10), ' '), safe=PLAIN)}"

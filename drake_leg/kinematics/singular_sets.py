@@ -1,0 +1,128 @@
+"""The singular postures of the leg and the feet that belong to them, as curves and surfaces.
+
+Two families: sin q3 = 0, the leg stretched or folded, and rho = 0, the foot on the hip axis,
+rho = l1 + l2 c2 + l3 c23. The hip angle is free in both.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.leg import LegGeometry, foot_position
+
+
+def hip_axis_arcs(leg: LegGeometry, samples: int = 181) -> tuple[Array, ...]:
+    """Knee and ankle angles with which the foot is on the hip axis.
+
+    ``l1 + l2 cos q2 + l3 cos(q2 + q3) == 0`` for each of them.
+
+    Parameters
+    ----------
+    leg : LegGeometry
+        Lengths and variant.
+    samples : int
+        Points of an arc, at least 2.
+
+    Returns
+    -------
+    tuple of (samples, 2) ndarray
+        q2 and q3 [rad], continuous along an arc and not wrapped: both signs of q2, both of
+        q2 + q3; empty where the leg is too short to reach its hip axis.
+
+    Raises
+    ------
+    InvalidValueError
+        If there are fewer than 2 samples.
+
+    References
+    ----------
+    Report A, appendix: the solutions that MATLAB lists after the first.
+    """
+    if samples < 2:
+        raise InvalidValueError(f"there are {samples} samples of an arc; it takes at least 2")
+    least, greatest = (-leg.l3 - leg.l1) / leg.l2, (leg.l3 - leg.l1) / leg.l2
+    if greatest < -1.0:
+        return ()
+    from_, to = math.acos(min(greatest, 1.0)), math.acos(max(least, -1.0))
+    knee = np.linspace(from_, to, samples)
+    across = np.arccos(np.clip(-(leg.l1 + leg.l2 * np.cos(knee)) / leg.l3, -1.0, 1.0))
+    signs = [(a, b) for a in (1.0, -1.0) for b in (1.0, -1.0)]
+    return tuple(np.column_stack([a * knee, b * across - a * knee]) for a, b in signs)
+
+
+def stretched_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
+    """Feet of the stretched leg: a torus about the hip axis, of radii l1 and l2 + l3.
+
+    Parameters
+    ----------
+    leg : LegGeometry
+        Lengths and variant.
+    turns : (m,) ndarray
+        Hip angles [rad].
+    lean : (n,) ndarray
+        Knee angles [rad].
+
+    Returns
+    -------
+    p_BF : (n, m, 3) ndarray
+        Foot positions in the base frame [m].
+    """
+    hip, knee = np.meshgrid(turns, lean)
+    return foot_position(leg, np.stack([hip, knee, np.zeros_like(hip)], axis=-1))
+
+
+def folded_feet(leg: LegGeometry, turns: Array, knee: float = 0.0) -> Array:
+    """Feet of the folded leg: with l2 = l3 they are the circle that the knee goes round.
+
+    Parameters
+    ----------
+    leg : LegGeometry
+        Lengths and variant.
+    turns : (n,) ndarray
+        Hip angles [rad].
+    knee : float
+        Knee angle [rad].
+
+    Returns
+    -------
+    p_BF : (n, 3) ndarray
+        Foot positions in the base frame [m].
+    """
+    still = np.ones_like(turns)
+    return foot_position(leg, np.stack([turns, knee * still, math.pi * still], axis=-1))
+
+
+def leaning_over(leg: LegGeometry) -> float:
+    """Greatest knee angle at which the stretched leg has its foot in front of the hip.
+
+    Parameters
+    ----------
+    leg : LegGeometry
+        Lengths and variant.
+
+    Returns
+    -------
+    float
+        [rad]; there both families meet, and the rank is 1. pi where the foot never is behind.
+    """
+    return math.acos(max(-leg.l1 / (leg.l2 + leg.l3), -1.0))
+
+
+def axis_reach(leg: LegGeometry) -> float:
+    """How far up and down the hip axis the foot reaches.
+
+    Parameters
+    ----------
+    leg : LegGeometry
+        Lengths and variant.
+
+    Returns
+    -------
+    float
+        [m]; 0 where the leg is too short to reach its hip axis.
+    """
+    return math.sqrt(max((leg.l2 + leg.l3) ** 2 - leg.l1**2, 0.0))
