@@ -65,7 +65,7 @@ def test_every_map_is_drawn_and_nothing_leaves_the_figure(robot, q, names):
 
 
 def test_other_robots_have_none_and_are_told_what_to_do():
-    with pytest.raises(InvalidValueError, match="'pendulum'.*leave --out away"):
+    with pytest.raises(InvalidValueError, match=r"'pendulum'.*leave --out away"):
         maps_of_posture(PENDULUM, [0.5])
 
 
