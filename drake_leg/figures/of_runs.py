@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drake_leg.figures import pendulum, tip
+from drake_leg.figures.stroboscope import stroboscope
 from drake_leg.kinematics.leg import is_hexabot_leg
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.recording import Recording
@@ -74,7 +75,7 @@ def _leg(title: str, robot: Robot, recording: Recording) -> Named:
         for number, segment in enumerate(robot.moving, start=1)
         if segment.row.joint == "revolute"
     }
-    yield "step", lambda: tip.stroboscope(robot, recording, f"{title}: the first stroke")
+    yield "step", lambda: stroboscope(robot, recording, f"{title}: the first stroke")
     yield "foot_position", lambda: tip.position(recording, f"{title}: foot position")
     yield "foot_velocity", lambda: tip.velocity(recording, f"{title}: foot velocity")
     if _goes_along_x(recording):
@@ -117,7 +118,7 @@ def _goes_along_x(recording: Recording) -> bool:
 
 def _scara(title: str, robot: Robot, recording: Recording) -> Named:
     angles, torques = f"{title}: joint angles", f"{title}: joint torques"
-    yield "step", lambda: tip.stroboscope(robot, recording, f"{title}: the first stroke")
+    yield "step", lambda: stroboscope(robot, recording, f"{title}: the first stroke")
     yield "tool_position", lambda: tip.position(recording, f"{title}: tool position", "tool")
     yield "tool_velocity", lambda: tip.velocity(recording, f"{title}: tool velocity", "tool")
     yield "joint_angles", lambda: tip.joint_angles(recording, angles, SCARA_JOINTS)

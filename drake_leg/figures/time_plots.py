@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import Locator, MaxNLocator
 
 from drake_leg.figures.style import LINES, PLOT_WIDTH, legend_above, new_figure, whole_ticks
 from drake_leg.kinematics.batches import Array
 from drake_leg.recording import Recording
 
 TIME = "time t [s]"
+DEGREE_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)
+MOST_TICKS = 5
 
 
 def time_plot(
@@ -86,8 +91,22 @@ def add_degrees(axes: Axes) -> None:
     """
     right = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
     right.set_ylabel("[deg]")
-    right.yaxis.set_major_locator(MaxNLocator("auto", steps=[1, 3, 6, 10]))
+    right.yaxis.set_major_locator(_DegreeLocator())
     right.spines["right"].set_visible(True)
+
+
+class _DegreeLocator(Locator):
+    """Ticks at the steps in which angles are counted."""
+
+    def __call__(self) -> Sequence[float]:
+        return self.tick_values(*self.axis.get_view_interval()) if self.axis else []
+
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        low, high = sorted((vmin, vmax))
+        step = next((step for step in DEGREE_STEPS if high - low < MOST_TICKS * step), None)
+        if step is None or high - low < DEGREE_STEPS[0]:
+            return MaxNLocator(MOST_TICKS).tick_values(low, high)
+        return [step * n for n in range(math.ceil(low / step), math.floor(high / step) + 1)]
 
 
 def widen_flat_axis(axes: Axes, least: float = 1e-6) -> None:

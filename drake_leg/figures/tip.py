@@ -6,11 +6,9 @@ import math
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from drake_leg.figures.style import (
     BLUE,
-    GREEN,
     GREY,
     ORANGE,
     PLOT_WIDTH,
@@ -26,13 +24,11 @@ from drake_leg.figures.time_plots import (
     time_plot,
     widen_flat_axis,
 )
-from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.kinematics.leg import LegGeometry, foot_rotation_angles
 from drake_leg.kinematics.rotation import rotation_matrices
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 
-GHOSTS = 9  # postures drawn over the run's first stroke
 STILL = 1e-6  # [m or m/s], a coordinate that changes less is said to be constant
 INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gaps of the other
 
@@ -336,45 +332,3 @@ def step_frequency(recording: Recording) -> float | None:
         return None
     i = turns[0]
     return float(np.pi / (time[i] + (time[i + 1] - time[i]) * v[i] / (v[i] - v[i + 1])))
-
-
-def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
-    """Draw the links at instants of the first stroke, from the side and from the top (B 6, 7).
-
-    Parameters
-    ----------
-    robot : Robot
-        Its table places the joints.
-    recording : Recording
-        With joint positions and x, y, z.
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
-    """
-    tip = recording.stack("x", "y", "z")
-    distance = np.linalg.norm(tip - tip[0], axis=1)
-    last = int(np.argmax(distance))
-    instants = np.searchsorted(distance[: last + 1], np.linspace(0.0, distance[last], GHOSTS))
-    rows = np.unique(np.minimum(instants, last))
-    q = recording.stack(*(f"q{i + 1}" for i in range(len(robot.moving))))
-    X_B = base_transforms(robot.rows, q[rows])
-    joints = np.concatenate([np.zeros((len(rows), 1, 3)), X_B[:, :, :3, 3]], axis=1)
-
-    figure, (side, top) = new_figure(title, columns=2, width=PLOT_WIDTH, height=3.8)
-    for axes, (across, up) in ((side, (0, 2)), (top, (0, 1))):
-        for shade, points in zip(np.linspace(0.2, 1.0, len(rows)), joints, strict=True):
-            x, y = points[:, across], points[:, up]
-            axes.plot(x, y, "-", color=BLUE, alpha=float(shade), linewidth=2.0)
-            axes.plot(x, y, "o", color=BLUE, alpha=float(shade), markersize=3.5)
-        axes.plot(tip[:, across], tip[:, up], color=ORANGE, linewidth=2.4, label="path of the tip")
-        axes.plot(tip[0, across], tip[0, up], "s", color=GREEN, markersize=6, label="start")
-        axes.set(xlabel="xyz"[across] + " [m]", ylabel="xyz"[up] + " [m]")
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.xaxis.set_major_locator(MaxNLocator(5))
-    side.set_xlabel("x [m]   (seen from the side)")
-    top.set_xlabel("x [m]   (seen from the top)")
-    legend_above(top)
-    return figure

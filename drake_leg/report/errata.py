@@ -36,13 +36,28 @@ def errata_chapter() -> str:
     str
         HTML.
     """
-    entries = "\n".join(_entry(erratum) for erratum in _by_number().values())
     return (
         '<h2 id="errata">Errata</h2>\n<p>What the reports print, what is right, and what the '
         "error does. The numbers are computed for this page, at the default postures and "
         'steps. Listed by <code>drake-leg errata</code>.</p>\n<div class="errata">\n'
-        f"{entries}\n</div>"
+        f"{errata_entries(_by_number())}\n</div>"
     )
+
+
+def errata_entries(numbers: Iterable[int]) -> str:
+    """Write what is printed, what is right, and what the error does.
+
+    Parameters
+    ----------
+    numbers : iterable of int
+        Of the errata, from 1.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    return "\n".join(_entry(_by_number()[number]) for number in numbers)
 
 
 @cache

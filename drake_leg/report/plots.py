@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from drake_leg.figures import pendulum, tip
 from drake_leg.figures.of_runs import LEG_JOINTS
+from drake_leg.figures.stroboscope import stroboscope
 from drake_leg.kinematics.leg import LegGeometry, foot_rotation_angles
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.kinematics.rotation import rotation_matrices
@@ -100,7 +101,7 @@ def _rotation(outcome: Outcome, title: str) -> Figure:
 
 
 def _stroboscope(outcome: Outcome, title: str) -> Figure:
-    return tip.stroboscope(outcome.robot, outcome.recording, title)
+    return stroboscope(outcome.robot, outcome.recording, title)
 
 
 def _input_and_velocity(outcome: Outcome, title: str) -> Figure:

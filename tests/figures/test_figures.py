@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from drake_leg.figures import pendulum as pendulum_figures
-from drake_leg.figures import style, tip
+from drake_leg.figures import stroboscope, style, tip
 from drake_leg.figures.of_runs import figures_of_run
 from drake_leg.figures.style import DARK, STYLE, for_light_and_dark, new_figure, save
-from drake_leg.figures.time_plots import curves_plot, time_plot, widen_flat_axis
+from drake_leg.figures.time_plots import add_degrees, curves_plot, time_plot, widen_flat_axis
 from drake_leg.recording import Recording
 from drake_leg.runs.catalogue import RUNS
 
@@ -169,7 +169,7 @@ def test_the_stroboscope_draws_links_of_their_true_length(name, lengths):
          and len(line.get_xdata()) == 5]
         for axes in (side, top)
     ]  # fmt: skip
-    assert 5 <= len(shadows[0]) == len(shadows[1]) <= tip.GHOSTS
+    assert 5 <= len(shadows[0]) == len(shadows[1]) <= stroboscope.GHOSTS
     for from_the_side, from_the_top in zip(*shadows, strict=True):
         x, z = from_the_side.get_data()
         x_again, y = from_the_top.get_data()
@@ -317,6 +317,26 @@ def test_nothing_written_on_a_figure_of_rest_lies_on_its_inset():
         box = inner.get_tightbbox()
         for text in figure.axes[0].texts:
             assert not text.get_window_extent().overlaps(box), (name, text.get_text())
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "step"),
+    [(0, 180, 45), (-10, 85, 30), (15, 33, 5), (0.0, 2.5, 1), (0, 720, 180)],
+)
+def test_degrees_are_ticked_as_angles_are_counted(low, high, step):
+    _, (axes,) = new_figure("title")
+    axes.set_ylim(*np.radians([low, high]))
+    add_degrees(axes)
+    ticks = axes.child_axes[0].yaxis.get_major_locator()()
+    assert set(np.diff(ticks)) == {step}
+    assert low <= ticks[0] < ticks[-1] <= high
+
+
+def test_the_stroboscope_has_the_same_ticks_on_all_its_axes():
+    side, top = figures_of("scara")["step"]().axes[:2]
+    axis = [side.xaxis, side.yaxis, top.xaxis, top.yaxis]
+    steps = [round(float(np.diff(one.get_major_locator()())[0]), 9) for one in axis]
+    assert len(set(steps)) == 1
 
 
 def test_flat_curves_get_a_range_and_others_keep_theirs():

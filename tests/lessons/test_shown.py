@@ -1,0 +1,84 @@
+"""What the notebooks show: whole pieces of HTML, formulas with the reports' numbers."""
+
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.lessons.shown import equations, errata, replay, table
+from drake_leg.recording import Recording
+from drake_leg.robots import LEG_A, LEG_B, SCARA
+
+
+class _Reader(HTMLParser):
+    """Collects cells; fails where a tag is not closed in order."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.cells, self.classes = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.open.append(tag)
+        self.classes.append(dict(attrs).get("class"))
+        if tag == "td":
+            self.cells.append("")
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if "td" in self.open:
+            self.cells[-1] += data
+
+
+def read(shown):
+    reader = _Reader()
+    reader.feed(shown._repr_html_())
+    assert reader.open == []
+    return reader
+
+
+def test_tables_hold_every_row_of_every_robot():
+    cells = read(table(LEG_A, SCARA)).cells
+    assert len(cells) == 6 * (len(LEG_A.rows) + len(SCARA.rows))
+    assert cells[6:12] == ["2", "0", "0.05", "−π/2", "0", "q2"]
+
+
+@pytest.mark.parametrize(
+    ("robot", "wanted", "numbers"),
+    [
+        ("leg-a", ("1", "15"), ["A 1", "A 15"]),
+        ("leg-b", ("2.3",), ["B 2.3"] * 4),
+        ("scara", ("1.5",), ["B 1.5"]),
+        ("leg-a", ("determinant, factored",), [""]),
+    ],
+)
+def test_equations_have_the_reports_numbers(robot, wanted, numbers):
+    found = equations(robot, *wanted)
+    assert [equation.number for equation in found] == numbers
+    for equation in found:
+        shown = equation._repr_latex_()
+        assert shown.startswith("$$")
+        assert shown.endswith("$$")
+        assert (rf"\tag{{{equation.number}}}" in shown) == bool(equation.number)
+
+
+def test_equations_of_an_unknown_robot_are_refused():
+    with pytest.raises(InvalidValueError):
+        equations("crane", "1")
+
+
+def test_errata_are_whole_and_wrong_entries_are_marked():
+    reader = read(errata(18, 19))
+    assert "wrong" in reader.classes
+    assert "mended" in reader.classes
+
+
+def test_a_replay_is_a_page_in_a_frame_that_asks_for_nothing():
+    time = np.linspace(0.0, 1.0, 5)
+    columns = {"time[s]": time} | {f"q{i}[rad]": 0.3 * i + 0.1 * time for i in (1, 2, 3)}
+    html = replay(LEG_B, Recording(columns)).html
+    assert html.count("<iframe") == html.count("</iframe>") == 1
+    assert " src=" not in html.partition("srcdoc=")[0]
+    assert len(html) < 4e6
