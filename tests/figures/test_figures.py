@@ -324,9 +324,10 @@ def test_nothing_written_on_a_figure_of_rest_lies_on_its_inset():
     [(0, 180, 45), (-10, 85, 30), (15, 33, 5), (0.0, 2.5, 1), (0, 720, 180)],
 )
 def test_degrees_are_ticked_as_angles_are_counted(low, high, step):
-    _, (axes,) = new_figure("title")
+    figure, (axes,) = new_figure("title")
     axes.set_ylim(*np.radians([low, high]))
     add_degrees(axes)
+    figure.draw_without_rendering()
     ticks = axes.child_axes[0].yaxis.get_major_locator()()
     assert set(np.diff(ticks)) == {step}
     assert low <= ticks[0] < ticks[-1] <= high
