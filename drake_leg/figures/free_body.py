@@ -15,7 +15,7 @@ from matplotlib.patches import Rectangle
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.figures.sketch import BODY, Sketch, direction
-from drake_leg.figures.style import GREY, STYLE, new_figure
+from drake_leg.figures.style import GREY, PURPLE, STYLE, new_figure
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
@@ -104,7 +104,8 @@ def pendulum(robot: Robot, title: str) -> Figure:
     figure, (axes,) = new_figure(title, height=4.2)
     length = 1e3 * model.length
     sketch = Sketch(axes, RIGHT, UP, unit=length / 5)
-    X_B = _frames(robot, [math.radians(32)])
+    drawn_at = 46.0 if model.spring_stiffness else 32.0  # [deg], away from the spring's rest
+    X_B = _frames(robot, [math.radians(drawn_at)])
     pivot, centre = sketch.at(X_B[1][:3, 3]), sketch.at(X_B[2][:3, 3])
     end = (2 * centre[0], 2 * centre[1])
     sketch.link(pivot, end, width=18.0)
@@ -115,6 +116,15 @@ def pendulum(robot: Robot, title: str) -> Figure:
     sketch.angle(pivot, 0.0, direction(sketch, X_B[1]), "$q$", 1.9)
     sketch.force(centre, (0.0, -1.5), "$m\\,g$", (0.35, 0.1))
     sketch.force(pivot, (-1.0, 1.1), "$R$", (-0.15, 0.2))
+    if model.damping:
+        sketch.torque(pivot, 15.0, 75.0, "$c\\,\\dot{q}$", 1.0)
+    if model.spring_stiffness:
+        rest = -math.degrees(model.equilibrium_position)
+        sketch.dashed(pivot, _along(pivot, rest, 0.9 * length))
+        sketch.text(_along(pivot, rest, 0.97 * length), "$q_\\mathrm{ref}$")
+        sketch.torque(pivot, direction(sketch, X_B[1]), rest, "", 4.0)
+        pull = _along(pivot, rest - 5.0, 1.06 * length)
+        sketch.text(pull, "$k\\,(q - q_\\mathrm{ref})$", PURPLE)
     sketch.dimension(pivot, centre, "$L/2$", -1.5)
     sketch.dimension(pivot, end, f"$L$ = {length:g} mm", -2.1)
     sketch.gravity((0.95 * length, 0.25 * length))

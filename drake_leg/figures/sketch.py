@@ -209,7 +209,16 @@ class Sketch:
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
         )
 
-    def angle(self, at: Point, first: float, second: float, label: str, size: float) -> None:
+    def angle(
+        self,
+        at: Point,
+        first: float,
+        second: float,
+        label: str,
+        size: float,
+        *,
+        colour: str = INK,
+    ) -> None:
         """Draw the arc from one direction to another [deg], with an arrow at its end.
 
         Parameters
@@ -222,16 +231,22 @@ class Sketch:
             In the middle of the arc, outside.
         size : float
             Radius, in units.
+        colour : str
+            Of arc and label.
         """
         radius = size * self.unit
         low, high = sorted((first, second))
         self.axes.add_patch(
-            Arc(at, 2 * radius, 2 * radius, theta1=low, theta2=high, color=INK, linewidth=1.1)
+            Arc(at, 2 * radius, 2 * radius, theta1=low, theta2=high, color=colour, linewidth=1.1)
         )
         sense = math.copysign(min(10.0, abs(second - first) / 2), second - first)
         ends = [_around(at, radius, angle) for angle in (second - sense, second)]
-        self._arrow(ends[0], ends[1], INK, "-|>", 1.1)
-        self.text(_around(at, radius + 0.28 * self.unit, (first + second) / 2), label)
+        self._arrow(ends[0], ends[1], colour, "-|>", 1.1)
+        self.text(_around(at, radius + 0.28 * self.unit, (first + second) / 2), label, colour)
+
+    def torque(self, at: Point, first: float, second: float, label: str, size: float) -> None:
+        """Draw a torque about an axis seen end on, as ``angle`` draws an angle."""
+        self.angle(at, first, second, label, size, colour=PURPLE)
 
     def dashed(self, start: Point, end: Point) -> None:
         """Draw a line from which an angle is counted."""

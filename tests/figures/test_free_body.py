@@ -13,8 +13,9 @@ from matplotlib.patches import FancyArrowPatch
 from drake_leg.errors import InvalidValueError
 from drake_leg.figures.free_body import free_body, svg_text
 from drake_leg.figures.sketch import Sketch, direction
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import row_transform
-from drake_leg.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg
+from drake_leg.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA, hexabot_leg
 
 
 def texts(figure):
@@ -27,7 +28,18 @@ def texts(figure):
     ]
 
 
-@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
+def held(damping=0.01, stiffness=0.0):
+    joint = JointMechanics(
+        damping=damping, spring_stiffness=stiffness, equilibrium_position=math.radians(30.0)
+    )
+    (only, *rest) = PENDULUM.segments
+    return replace(PENDULUM, segments=(replace(only, mechanics=joint), *rest))
+
+
+DRAWN = {robot.name: robot for robot in ROBOTS} | {"damped": held(), "sprung": held(0.01, 5.0)}
+
+
+@pytest.mark.parametrize("robot", DRAWN.values(), ids=DRAWN)
 def test_no_label_hides_another_or_leaves_the_figure(robot):
     figure = free_body(robot)
     boxes = [(t.get_text(), t.get_window_extent()) for t in texts(figure)]
@@ -61,6 +73,22 @@ def test_the_leg_is_drawn_alike_in_both_conventions_but_for_the_knee_axes():
         side = free_body(robot).axes[0]
         assert any(abs(angle - 40.0) < 1e-6 for angle in arrows(side))
         assert f"$q_2$ = {q2:g}".replace("-", "−") in side._left_title.get_text()
+
+
+@pytest.mark.parametrize(
+    ("robot", "torques"),
+    [
+        (PENDULUM, set()),
+        (held(), {r"$c\,\dot{q}$"}),
+        (held(0.0, 5.0), {r"$k\,(q - q_\mathrm{ref})$", r"$q_\mathrm{ref}$"}),
+        (held(0.01, 5.0), {r"$c\,\dot{q}$", r"$k\,(q - q_\mathrm{ref})$", r"$q_\mathrm{ref}$"}),
+    ],
+    ids=["free", "damped", "sprung", "both"],
+)
+def test_what_acts_at_the_pendulums_joint_is_drawn(robot, torques):
+    shown = {text.get_text() for text in free_body(robot).axes[0].texts}
+    possible = {r"$c\,\dot{q}$", r"$k\,(q - q_\mathrm{ref})$", r"$q_\mathrm{ref}$"}
+    assert shown & possible == torques
 
 
 @pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=lambda robot: robot.name)
