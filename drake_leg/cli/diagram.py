@@ -64,7 +64,7 @@ def add(commands: Commands) -> None:
 def _diagram(chosen: argparse.Namespace) -> int:
     from drake_leg.text_file import write_text
 
-    text = _frames(chosen.name) if chosen.part == "frames" else _blocks(chosen)
+    text = _frames(chosen) if chosen.part == "frames" else _blocks(chosen)
     write_text(chosen.out, text, ending=".svg", overwrite=chosen.overwrite)
     print(f"wrote {chosen.out}")
     return 0
@@ -86,11 +86,12 @@ def _blocks(chosen: argparse.Namespace) -> str:
     return draw(*pictures, background=chosen.background).svg
 
 
-def _frames(name: str) -> str:
-    from drake_leg.figures.free_body import free_body, svg_text
+def _frames(chosen: argparse.Namespace) -> str:
+    from drake_leg.figures.free_body import free_body
+    from drake_leg.figures.style import svg_text
 
-    title, _, robot = _subject(name)
-    return svg_text(free_body(robot, title=title))
+    title, _, robot = _subject(chosen.name)
+    return svg_text(free_body(robot, title=title), background=chosen.background)
 
 
 def _subject(name: str) -> tuple[str, Diagram, Robot]:

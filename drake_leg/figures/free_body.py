@@ -5,17 +5,15 @@ Everything is placed by the Khalil table of the robot that is drawn.
 
 from __future__ import annotations
 
-import io
 import math
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.figures.sketch import BODY, Sketch, direction
-from drake_leg.figures.style import GREY, PURPLE, STYLE, new_figure
+from drake_leg.figures.style import GREY, PURPLE, new_figure
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
@@ -57,24 +55,6 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     raise InvalidValueError(
         f"the robot is {robot.name!r}; frames are drawn of a pendulum, a hexabot leg or the SCARA"
     )
-
-
-def svg_text(figure: Figure) -> str:
-    """Write a figure as SVG, the same every time.
-
-    Parameters
-    ----------
-    figure : Figure
-        To be written.
-
-    Returns
-    -------
-    str
-    """
-    file = io.StringIO()
-    with mpl.rc_context(STYLE):
-        figure.savefig(file, format="svg", metadata={"Date": None})
-    return file.getvalue()
 
 
 def _frames(robot: Robot, q: list[float]) -> Array:

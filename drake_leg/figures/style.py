@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+
+Background = Literal["auto", "white", "none"]
 
 FORMATS = ("png", "svg", "pdf")
 
@@ -190,6 +193,28 @@ def save(figure: Figure, folder: Path, name: str) -> dict[str, Path]:
         for ending, path in paths.items():
             figure.savefig(path, metadata=NO_DATE[ending])
     return paths
+
+
+def svg_text(figure: Figure, *, background: Background = "white") -> str:
+    """Write a figure as SVG that shrinks to fit its place, the same bytes every time.
+
+    Parameters
+    ----------
+    figure : Figure
+        To be written.
+    background : {"auto", "white", "none"}
+        White or dark as the reader's system is, always white, or none.
+
+    Returns
+    -------
+    str
+    """
+    file = io.StringIO()
+    paper = "none" if background == "none" else "auto"
+    with mpl.rc_context(STYLE):
+        figure.savefig(file, format="svg", metadata=NO_DATE["svg"], facecolor=paper)
+    svg = file.getvalue().replace("<svg ", '<svg style="max-width:100%;height:auto" ', 1)
+    return for_light_and_dark(svg) if background == "auto" else svg
 
 
 def for_light_and_dark(svg: str) -> str:

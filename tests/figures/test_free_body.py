@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.figures.free_body import free_body, svg_text
+from drake_leg.figures.free_body import free_body
 from drake_leg.figures.sketch import Sketch, direction
+from drake_leg.figures.style import svg_text
 from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA, hexabot_leg
@@ -131,6 +132,19 @@ def test_another_robot_is_refused():
     assert free_body(SCARA).axes
     with pytest.raises(InvalidValueError, match="'arm'"):
         free_body(replace(other, segments=other.segments[:2]))
+
+
+def test_backgrounds_are_as_wanted_and_the_picture_fits_its_place():
+    auto, white, none = (
+        svg_text(free_body(LEG_B), background=b) for b in ("auto", "white", "none")
+    )
+    dark = "prefers-color-scheme: dark"
+    assert dark in auto
+    assert dark not in white + none
+    paper = 'fill: #ffffff"'
+    assert paper in white.partition('id="axes_1"')[0]
+    assert paper not in none.partition('id="axes_1"')[0]
+    assert all("max-width:100%" in svg for svg in (auto, white, none))
 
 
 def test_the_svg_is_the_same_every_time():
