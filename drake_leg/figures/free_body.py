@@ -146,7 +146,8 @@ def _leg_side(robot: Robot, sign: int, sketch: Sketch) -> None:
         sketch.link(at[start], at[end])
     sketch.hinge(at[1], (0.0, 1.0))
     sketch.frame(X_B[1], 1, "xz", moved={"z": (0.3, 0.0)})
-    sketch.frame(X_B[2], 2, moved={"z": (-0.35, -0.35)})
+    beside = {"y": (-0.35, -0.15)} if sign > 0 else {}  # off the line of a dimension
+    sketch.frame(X_B[2], 2, moved={"z": (-0.35, -0.35), **beside})
     sketch.frame(X_B[3], 3, moved={"x": (-0.3, 0.0), "z": (-0.2, 0.4)})
     moved = {"x": (0.3, 0.0), "z": (0.5, -0.15)}
     sketch.frame(X_B[4], 4, moved=moved if sign > 0 else {**moved, "y": (-0.1, 0.35)})
