@@ -56,7 +56,7 @@ def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
     side.set_xlabel("x [m]   (seen from the side)")
     top.set_xlabel("x [m]   (seen from the top)")
     figure.legend(
-        *top.get_legend_handles_labels(), loc="outside upper right", ncols=3, frameon=False
+        *top.get_legend_handles_labels(), loc="outside lower left", ncols=3, frameon=False
     )
     _equal_ticks(figure, (side, top))
     return figure
