@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from drake_leg.cli.common import Commands
 from drake_leg.cli.run_options import kind_of, robot_of
+from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Robot
 from drake_leg.runs.catalogue import RUNS
 
@@ -25,28 +26,33 @@ def add(commands: Commands) -> None:
     """
     parser = commands.add_parser(
         "diagram",
-        help="draw a run's block diagram, its mechanism, its robot's frames",
+        help="draw a run's block diagram, its mechanism, its robot's frames; or a Simulink model",
         description="Draw what a run simulates as an SVG picture, read from the live diagram: "
         "the signal blocks and the mechanism inside the plant, as in Simulink and Simscape; one "
-        "link with its frames; or the robot with the frames of its table.",
+        "link with its frames; or the robot with the frames of its table. A Simulink model is "
+        "drawn in the same style, its subsystems opened, without MATLAB.",
     )
     parser.add_argument(
         "name",
-        metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot with three joints",
+        metavar="NAME|FILE.slx",
+        help=f"one of {', '.join(RUNS)}, a TOML file of a robot with three joints, or a file that "
+        "Simulink saved",
     )
     parser.add_argument(
         "--part",
         default="all",
         metavar="PART",
         help="signals; mechanism; all, which is both; frames, the robot with its frames, angles "
-        "and lengths; or the name of a link, as femur (the reports' thigh) (default all)",
+        "and lengths; or the name of a link, as femur (the reports' thigh); of a Simulink "
+        "model signals, mechanism or all (default all)",
     )
-    parser.add_argument("--without-scopes", action="store_true", help="leave the scopes out")
+    parser.add_argument(
+        "--without-scopes", action="store_true", help="leave the scopes of a run out"
+    )
     parser.add_argument(
         "--without-accelerations",
         action="store_true",
-        help="leave out what only the accelerations of the motion need",
+        help="leave out what only the accelerations of a run's motion need",
     )
     parser.add_argument(
         "--background",
@@ -64,10 +70,36 @@ def add(commands: Commands) -> None:
 def _diagram(chosen: argparse.Namespace) -> int:
     from drake_leg.text_file import write_text
 
-    text = _frames(chosen) if chosen.part == "frames" else _blocks(chosen)
-    write_text(chosen.out, text, ending=".svg", overwrite=chosen.overwrite)
+write_text(chosen.out, _picture(chosen), ending=".svg", overwrite=chosen.overwrite)
     print(f"wrote {chosen.out}")
     return 0
+
+
+def _picture(chosen: argparse.Namespace) -> str:
+    if chosen.name.lower().endswith(".slx"):
+        return _model(chosen)
+    return _frames(chosen) if chosen.part == "frames" else _blocks(chosen)
+
+
+def _model(chosen: argparse.Namespace) -> str:
+    """Draw a Simulink model."""
+    from drake_leg.drawings.drawing import draw
+    from drake_leg.drawings.of_simulink import model_pictures
+    from drake_leg.simulink.listing import printable
+    from drake_leg.simulink.reader import read_model
+
+    for option in ("without_scopes", "without_accelerations"):
+        if getattr(chosen, option):
+            raise InvalidValueError(
+                f"--{option.replace('_', '-')} is for runs and means nothing to a Simulink "
+                f"model: draw {chosen.name} without it"
+            )
+    model = read_model(Path(chosen.name))
+    try:
+        pictures = model_pictures(model, title=printable(model.name), part=chosen.part)
+    except InvalidValueError as error:
+        raise InvalidValueError(f"{chosen.name}: {error}") from None
+    return draw(*pictures, background=chosen.background).svg
 
 
 def _blocks(chosen: argparse.Namespace) -> str:

@@ -14,9 +14,9 @@ import numpy as np
 
 from drake_leg.compare.findings import Findings
 from drake_leg.compare.mechanism import Mechanism, Place, Step
-from drake_leg.compare.poses import inverse, rotation_text
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block
+from drake_leg.simulink.poses import inverse, rotation_text
 
 NEAR = 1e-9  # [m] or of a rotation's entries
 GOALS = {"joint": "the next joint", "foot": "the sensed frame", "solid": "the solid"}

@@ -11,11 +11,11 @@ import numpy as np
 
 from drake_leg.compare.block_laws import number, vector
 from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape, Step
-from drake_leg.compare.poses import about, inverse, rigid_transform
 from drake_leg.compare.sensed import on
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.poses import about, inverse, rigid_transform
 
 MOVING = {"Revolute Joint": "revolute", "Prismatic Joint": "prismatic"}
 SENSORS = ("6-DOF Joint", "Transform Sensor")

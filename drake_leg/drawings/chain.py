@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import RigidBody
 
+from drake_leg.drawings.captions import mass_words, transform_words
 from drake_leg.drawings.picture import Block, Net, Picture
 
-SAME = 1e-12  # [m], and of a rotation matrix: what is nearer coincides
+SHAPES = {"brick": "Brick Solid", "cylinder": "Cylindrical Solid", "sphere": "Spherical Solid"}
 
 Output = tuple[int, int]  # block, and its output
 
@@ -25,7 +24,7 @@ class Chain:
         self.labels: dict[Output, list[str]] = {}
 
     def add(self, block: Block, *frames: Output) -> Output:
-        """Hang a block on frames; return its own frame."""
+        """Hang a block on frames; return its own frame, the first one if it has several."""
         index = len(self.blocks)
         self.blocks.append(replace(block, inputs=("",) * len(frames), physical=True))
         for port, frame in enumerate(frames):
@@ -38,7 +37,7 @@ class Chain:
 
     def transform(self, frame: Output, X_AB: RigidTransform, what: str) -> Output:
         """Hang a transform on a frame, where it is one."""
-        words = words_of(X_AB)
+        words = transform_words(X_AB)
         if not words:
             return frame
         name = f"Rigid Transform of {what}"
@@ -47,7 +46,7 @@ class Chain:
     def picture(self, title: str) -> Picture:
         """Return what was hung together."""
         blocks = [
-            replace(block, outputs=("",) if (index, 0) in self.hung else ())
+            replace(block, outputs=("",) * sum(frame[0] == index for frame in self.hung))
             for index, block in enumerate(self.blocks)
         ]
         nets = [
@@ -78,13 +77,32 @@ def solid_of(body: RigidBody, shape: str) -> Block:
     -------
     Block
     """
-    kind = {"brick": "Brick Solid", "cylinder": "Cylindrical Solid", "sphere": "Spherical Solid"}
-    mass = f"{1e3 * body.default_mass():.4g} g"
+    caption = (body.name(), SHAPES.get(shape, "Solid"), mass_words(body.default_mass()))
+    return solid_block(f"Solid of {body.name()}", caption, shape)
+
+
+def solid_block(name: str, caption: tuple[str, ...], shape: str) -> Block:
+    """Draw a solid.
+
+    Parameters
+    ----------
+    name : str
+        Unique in its picture.
+    caption : tuple of str
+        Line by line.
+    shape : str
+        As of ``solid_of``.
+
+    Returns
+    -------
+    Block
+    """
+    known = shape in SHAPES
     return Block(
-        name=f"Solid of {body.name()}",
-        caption=(body.name(), kind.get(shape, "Solid"), mass),
-        glyph=shape if shape in kind else "solid",
-        text=() if shape in kind else ("m, I",),
+        name=name,
+        caption=caption,
+        glyph=shape if known else "solid",
+        text=() if known else ("m, I",),
     )
 
 
@@ -101,35 +119,3 @@ def connection_of(name: str) -> Block:
     Block
     """
     return Block(name=name, glyph="connection", text=(name,))
-
-
-def words_of(X_AB: RigidTransform) -> list[str]:
-    """Say what a transform does: translation in the old axes, then rotation.
-
-    Parameters
-    ----------
-    X_AB : RigidTransform
-        From the new frame B to the old frame A.
-
-    Returns
-    -------
-    list of str
-        Line by line; empty where it does nothing.
-    """
-    words: list[str] = []
-    for axis, value in zip("xyz", X_AB.translation(), strict=True):
-        if abs(value) > SAME:
-            words += [f"{1e3 * value:.4g} mm".replace("-", "−"), f"along {axis}"]
-    R_AB = X_AB.rotation()
-    if not RigidTransform(R_AB).IsNearlyEqualTo(RigidTransform(), SAME):
-        turn = R_AB.ToAngleAxis()
-        words.append(f"{math.degrees(turn.angle()):.4g}° about {_axis(turn.axis())}")
-    return words
-
-
-def _axis(axis: Sequence[float]) -> str:
-    """Name a unit vector: x, −x, or its numbers."""
-    for letter, part in zip("xyz", axis, strict=True):
-        if abs(abs(part) - 1.0) < 1e-9:
-            return letter if part > 0.0 else f"−{letter}"
-    return f"({', '.join(f'{part:.3g}' for part in axis)})"

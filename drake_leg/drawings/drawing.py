@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from xml.sax.saxutils import escape
 
 from drake_leg.drawings.glyphs import draw_block
-from drake_leg.drawings.layout import Layout, lay_out
+from drake_leg.drawings.layout import Layout
+from drake_leg.drawings.parts import lay_out_parts
 from drake_leg.drawings.paths import rounded
 from drake_leg.drawings.picture import Block, Picture
 from drake_leg.drawings.sizes import LABELLED
@@ -53,7 +54,7 @@ def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
     Drawing
         The same bytes for the same pictures.
     """
-    layouts = tuple(map(lay_out, pictures))
+    layouts = tuple(map(lay_out_parts, pictures))
     parts = []
     y = MARGIN
     for layout in layouts:

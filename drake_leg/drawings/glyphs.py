@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from drake_leg.drawings.picture import Block
 from drake_leg.drawings.sizes import Box
-from drake_leg.drawings.svg import element, line, polyline, text_at
+from drake_leg.drawings.svg import SMALL, element, line, polyline, text_at
 from drake_leg.drawings.text import LINE
 
 Glyph = Callable[[Block, Box], str]
@@ -46,8 +46,13 @@ def _plant(block: Block, box: Box) -> str:
 
 
 def _converter(block: Block, box: Box) -> str:
+    """Draw a slope, what comes in above it and what goes out below it."""
     slope = polyline([(box.x, box.bottom), (box.right, box.y)], "thin")
-    return _frame(box) + slope + _inside(block, box)
+    texts = [
+        text_at(text, box.x + share * box.width, box.y + share * box.height, 3.5, size=SMALL)
+        for text, share in zip(block.text, (0.27, 0.73), strict=False)
+    ]
+    return _frame(box) + slope + "".join(texts)
 
 
 def _inside(block: Block, box: Box) -> str:
@@ -203,5 +208,6 @@ GLYPHS: dict[str, Glyph] = {
     "cylinder": _cylinder,
     "sphere": _sphere,
     "solid": _box,
+    "sum": _box,
     "connection": _connection,
 }

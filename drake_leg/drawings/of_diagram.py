@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -20,11 +19,12 @@ from pydrake.systems.primitives import (
 )
 
 from drake_leg.diagrams.wiring import Wire, wires
+from drake_leg.drawings.captions import values_text
 from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Block, Net, Picture
 from drake_leg.drawings.signals import pretty, signal_names
 from drake_leg.drawings.svg import Background
-from drake_leg.drawings.text import wrapped
+from drake_leg.drawings.text import spaced, wrapped
 
 CAPTION_WIDTH = 88.0  # [px]
 TO_PHYSICAL, TO_SIGNAL = "Simulink-PS", "PS-Simulink"  # how converters' names begin
@@ -164,16 +164,16 @@ def _start(system: System, glyph: str) -> tuple[str, ...]:
     if glyph != "integrator":
         return ()
     context = system.CreateDefaultContext()
-    return (f"from {_values(context.get_continuous_state_vector().CopyToVector())}",)
+    return (f"from {values_text(context.get_continuous_state_vector().CopyToVector())}",)
 
 
 def _text(system: System, glyph: str, kind: str) -> tuple[str, ...]:
     """Return what stands inside: a value, or what the block computes."""
     if glyph == "constant":
         context = system.CreateDefaultContext()
-        return (_values(system.get_source_value(context).value()),)
+        return (values_text(system.get_source_value(context).value()),)
     if isinstance(system, Gain):
-        return (_values(_response(system)),)
+        return (values_text(_response(system)),)
     if glyph == "gain":
         return ("K·u",)
     if isinstance(system, Adder):
@@ -181,9 +181,7 @@ def _text(system: System, glyph: str, kind: str) -> tuple[str, ...]:
     if glyph == "plant":
         return ("Multibody", "Plant")
     if glyph == "box":
-        return _INSIDE.get(kind) or wrapped(
-            re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind), CAPTION_WIDTH
-        )
+        return _INSIDE.get(kind) or wrapped(spaced(kind), CAPTION_WIDTH)
     return ()
 
 
@@ -194,12 +192,6 @@ def _response(system: Gain) -> Sequence[float]:
     port.FixValue(context, [1.0] * port.size())
     values: Sequence[float] = system.get_output_port().Eval(context)
     return values
-
-
-def _values(values: Sequence[float]) -> str:
-    """Write one number; many different ones only by how many they are."""
-    shown = {f"{value:.4g}".replace("-", "−") for value in values}
-    return shown.pop() if len(shown) == 1 else f"[{len(values)}]"
 
 
 def _nets(

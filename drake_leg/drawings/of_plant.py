@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from pydrake.math import RigidTransform
@@ -15,14 +14,19 @@ from pydrake.multibody.tree import (
     RigidBody,
 )
 
-from drake_leg.drawings.chain import SAME, Chain, Output, solid_of
+from drake_leg.drawings.captions import (
+    CAPTION_WIDTH,
+    SAME,
+    damping_words,
+    gravity_words,
+    spring_words,
+)
+from drake_leg.drawings.chain import Chain, Output, solid_of
 from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Block, Picture
 from drake_leg.drawings.svg import Background
 from drake_leg.drawings.text import wrapped
 from drake_leg.names import frame_name
-
-CAPTION_WIDTH = 84.0  # [px]
 
 
 def mechanism_diagram(
@@ -96,13 +100,11 @@ class _Mechanism:
 
     def picture(self, title: str) -> Picture:
         world = self.chain.add(Block(name="World Frame", caption=("World Frame",), glyph="world"))
-        gx, gy, gz = self.plant.gravity_field().gravity_vector()
-        gravity = f"gravity {gx:g}, {gy:g}, {gz:.7g} m/s²".replace("-", "−")
         self.chain.add(
             Block(
                 name="Mechanism Configuration",
                 caption=wrapped("Mechanism Configuration", CAPTION_WIDTH)
-                + wrapped(gravity, CAPTION_WIDTH + 10.0),
+                + gravity_words(self.plant.gravity_field().gravity_vector()),
                 glyph="configuration",
                 text=("g ↓",),
             ),
@@ -161,9 +163,9 @@ class _Mechanism:
         caption = [joint.name(), kind.get(joint.type_name(), f"{joint.type_name()} joint")]
         if joint.name() in self.driven:
             caption.append("motion by input")
-        if joint.num_velocities() == 1 and joint.default_damping_vector()[0] > 0.0:
-            unit = "N·m·s/rad" if joint.type_name() == "revolute" else "N·s/m"
-            caption += [f"damping {joint.default_damping_vector()[0]:.4g}", unit]
+        if joint.num_velocities() == 1:
+            turning = joint.type_name() == "revolute"
+            caption += damping_words(joint.default_damping_vector()[0], turning=turning)
         caption += self.springs.get(joint.name(), ())
         glyph = joint.type_name() if joint.type_name() in kind else "solid"
         return Block(name=joint.name(), caption=tuple(caption), glyph=glyph)
@@ -175,14 +177,13 @@ def _springs(plant: MultibodyPlant) -> dict[str, tuple[str, ...]]:
     for index in range(plant.num_force_elements()):
         element = plant.get_force_element(ForceElementIndex(index))
         if isinstance(element, RevoluteSpring):
-            rest = f"at rest at {math.degrees(element.default_nominal_angle()):.4g}°"
-            springs[element.joint().name()] = (
-                f"spring {element.default_stiffness():.4g} N·m/rad",
-                rest,
+            springs[element.joint().name()] = spring_words(
+                element.default_stiffness(), element.default_nominal_angle(), turning=True
             )
         elif isinstance(element, PrismaticSpring):
-            rest = f"at rest at {1e3 * element.nominal_position():.4g} mm"
-            springs[element.joint().name()] = (f"spring {element.stiffness():.4g} N/m", rest)
+            springs[element.joint().name()] = spring_words(
+                element.stiffness(), element.nominal_position(), turning=False
+            )
     return springs
 
 

@@ -8,12 +8,10 @@ from drake_leg.diagrams.wiring import plant_of
 from drake_leg.drawings.of_diagram import diagram_picture
 from drake_leg.drawings.of_link import link_picture
 from drake_leg.drawings.of_plant import mechanism_picture
-from drake_leg.drawings.picture import Picture
+from drake_leg.drawings.picture import ALL, MECHANISM, SIGNALS, Picture
 from drake_leg.names import frame_name
 from drake_leg.robot import Robot
 from drake_leg.systems.frame_sensor import FrameSensor
-
-SIGNALS, MECHANISM, ALL = "signals", "mechanism", "all"
 
 
 def run_pictures(

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
 
+SIGNALS, MECHANISM, ALL = "signals", "mechanism", "all"  # what can be asked for
+
 
 @dataclass(frozen=True, kw_only=True)
 class Block:

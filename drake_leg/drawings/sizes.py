@@ -9,7 +9,7 @@ from drake_leg.drawings.svg import SMALL
 from drake_leg.drawings.text import LINE, text_width
 
 PORT_PITCH = 17.0  # [px], between ports of one side
-LABELLED = ("box", "plant", "converter")  # whose ports' labels stand inside
+LABELLED = ("box", "plant", "sum")  # whose ports' labels stand inside
 PORT_PAD = 12.0  # [px], from the first and last port to the block's edge
 
 
@@ -20,6 +20,7 @@ _FIXED = {
     "integrator": (40.0, 40.0),
     "scope": (36.0, 36.0),
     "connection": (30.0, 18.0),
+    "converter": (40.0, 34.0),
     "transform": (52.0, 40.0),
 }
 
@@ -96,6 +97,10 @@ def size_of(block: Block) -> Size:
     ports = 2 * PORT_PAD + PORT_PITCH * (max(map(len, sides), default=1) - 1)
     if block.glyph in ("mux", "demux"):
         return Size(7.0, max(36.0, ports), elastic=True)
+    if block.glyph == "sum":
+        return Size(44.0, max(40.0, ports))
+    if block.glyph == "converter":
+        return Size(*_FIXED["converter"])
     if block.glyph not in LABELLED:
         width, height = _FIXED.get(block.glyph, (44.0, 40.0))
         inside = max((text_width(text) for text in block.text), default=0.0)
@@ -106,7 +111,7 @@ def size_of(block: Block) -> Size:
     right = max((text_width(label, SMALL) for label in block.outputs), default=0.0)
     middle = max((text_width(text) for text in block.text), default=0.0)
     beside = 2 * max(left, right) if middle else left + right  # the text stays in the middle
-    least = {"plant": 96.0, "converter": 34.0}.get(block.glyph, 60.0)
+    least = 96.0 if block.glyph == "plant" else 60.0
     width = max(least, beside + middle + 24.0)
     height = max(40.0, ports, LINE * len(block.text) + 14.0)
     return Size(width, max(height, 74.0 if block.glyph == "plant" else 0.0), True, False)

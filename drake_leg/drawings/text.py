@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 
 SIZE = 11.0  # [px], of captions, labels, and what stands inside blocks
@@ -59,3 +60,19 @@ def wrapped(text: str, width: float) -> tuple[str, ...]:
         else:
             lines.append(word)
     return tuple(lines)
+
+
+def spaced(name: str) -> str:
+    """Put spaces between the words of a name in capitals.
+
+    Parameters
+    ----------
+    name : str
+        ``ZeroOrderHold``.
+
+    Returns
+    -------
+    str
+        ``Zero Order Hold``.
+    """
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)

@@ -9,7 +9,8 @@ from html import escape
 from pathlib import Path
 
 from drake_leg.drawings.drawing import draw
-from drake_leg.drawings.of_runs import ALL, run_pictures
+from drake_leg.drawings.of_runs import run_pictures
+from drake_leg.drawings.picture import ALL
 from drake_leg.figures.free_body import free_body
 from drake_leg.figures.of_postures import maps_of_posture
 from drake_leg.figures.style import for_light_and_dark, save

@@ -68,7 +68,7 @@ def as_lines(model: Model) -> list[str]:
         Blocks with the settings that are not their defaults, wires, physical connections,
         functions, solver.
     """
-    names = _names(model)
+    names = block_paths(model)
     blocks = [
         (block.sid, names[block.sid], printable(block.kind), ", ".join(_settings(block)))
         for block in model.blocks
@@ -91,8 +91,19 @@ def as_lines(model: Model) -> list[str]:
     return [*lines, "", *_wrapped("solver  ", ", ".join(solver), 8)]
 
 
-def _names(model: Model) -> dict[str, str]:
-    """Name each block by its path."""
+def block_paths(model: Model) -> dict[str, str]:
+    """Name each block by its path.
+
+    Parameters
+    ----------
+    model : Model
+        With its subsystems.
+
+    Returns
+    -------
+    dict
+        SID to the names of the subsystems that hold the block and its own, a slash between.
+    """
     blocks = {block.sid: block for block in model.blocks}
     names: dict[str, str] = {}
     for block in model.blocks:

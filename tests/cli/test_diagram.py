@@ -1,12 +1,16 @@
 """``drake-leg diagram``."""
 
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import pytest
+from slx_writer import ModelBuilder
 
 from drake_leg.cli import main
 from drake_leg.robot_file import robot_toml
 from drake_leg.robots import LEG_B
+
+MODEL = str(Path(__file__).parents[2] / "notebooks" / "leg.slx")
 
 
 def draw(path, *words):
@@ -90,3 +94,53 @@ def test_a_file_is_replaced_only_on_request(tmp_path, capsys):
 def test_another_ending_is_refused(tmp_path, capsys):
     assert draw(tmp_path / "leg.png", "pendulum") == 2
     assert ".svg" in capsys.readouterr().err
+
+
+def test_a_simulink_model_is_drawn(tmp_path, capsys):
+    path = tmp_path / "model.svg"
+    assert draw(path, MODEL) == 0
+    assert capsys.readouterr().out == f"wrote {path}\n"
+    assert title_of(path) == "leg: signals"
+    assert "leg: mechanism" in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("part", ["signals", "mechanism"])
+def test_a_part_of_a_simulink_model_is_drawn(tmp_path, part):
+    path = tmp_path / "part.svg"
+    assert draw(path, MODEL, "--part", part, "--background", "white") == 0
+    assert title_of(path) == f"leg: {part}"
+    assert "prefers-color-scheme" not in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("--without-scopes",), "--without-scopes is for runs and means nothing to a Simulink"),
+        (("--without-accelerations",), f"draw {MODEL} without it"),
+        (("--part", "frames"), f"{MODEL}: there is no part 'frames' of a Simulink model"),
+        (("--part", "femur"), "its parts are signals and mechanism"),
+    ],
+)
+def test_what_only_runs_have_is_refused_of_a_model(tmp_path, capsys, words, sentence):
+    assert draw(tmp_path / "no.svg", MODEL, *words) == 2
+    error = capsys.readouterr().err
+    assert sentence in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_model_that_cannot_be_drawn_is_refused_in_a_sentence(tmp_path, capsys):
+    empty, none = tmp_path / "empty.slx", tmp_path / "none.slx"
+    ModelBuilder().write(empty)
+    for file, sentence in ((empty, "has no blocks to draw"), (none, "cannot be read")):
+        assert draw(tmp_path / "no.svg", str(file)) == 2
+        error = capsys.readouterr().err
+        assert sentence in error
+        assert str(file) in error
+        assert error.count("\n") == 1
+
+
+def test_help_tells_of_simulink_models(capsys):
+    with pytest.raises(SystemExit):
+        main(["diagram", "--help"])
+    assert "FILE.slx" in capsys.readouterr().out

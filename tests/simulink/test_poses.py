@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from drake_leg.compare.poses import about, inverse, pose, rigid_transform, rotation_text
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block
+from drake_leg.simulink.poses import about, inverse, pose, rigid_transform, rotation_text
 
 
 def transform(**parameters):

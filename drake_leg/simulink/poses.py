@@ -6,11 +6,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block
+
+Array = NDArray[np.float64]
 
 AXES = {
     sign + name: factor * np.eye(3)[index]
@@ -226,8 +228,8 @@ def _vector(block: Block, name: str, size: int) -> Array:
 
 def _unknown(block: Block, name: str, value: object) -> InvalidValueError:
     return InvalidValueError(
-        f"the block {block.name!r} (SID {block.sid}) has {name} {value!r}, which this comparison "
-        "does not know: choose another setting that says the same"
+        f"the block {block.name!r} (SID {block.sid}) has {name} {value!r}, which is not "
+        "known here: choose another setting that says the same"
     )
 
 

@@ -1,0 +1,156 @@
+"""What is written under mechanical blocks, of a plant as of a Simulink model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from pydrake.math import RigidTransform
+
+from drake_leg.drawings.text import wrapped
+
+CAPTION_WIDTH = 84.0  # [px], of a mechanical block
+SAME = 1e-12  # [m], and of a rotation matrix: what is nearer coincides
+
+
+def number_text(value: float) -> str:
+    """Write a number with four digits.
+
+    Parameters
+    ----------
+    value : float
+        In whatever unit.
+
+    Returns
+    -------
+    str
+        With a true minus sign.
+    """
+    return f"{value:.4g}".replace("-", "−")
+
+
+def values_text(values: Iterable[float]) -> str:
+    """Write one number; many different ones only by how many they are.
+
+    Parameters
+    ----------
+    values : iterable of float
+        At least one.
+
+    Returns
+    -------
+    str
+        ``0.5``, ``[3]``.
+    """
+    shown = [number_text(value) for value in values]
+    return shown[0] if len(set(shown)) == 1 else f"[{len(shown)}]"
+
+
+def gravity_words(gravity: Sequence[float]) -> tuple[str, ...]:
+    """Write a vector of gravity.
+
+    Parameters
+    ----------
+    gravity : (3,)
+        [m/s^2].
+
+    Returns
+    -------
+    tuple of str
+        Line by line.
+    """
+    gx, gy, gz = gravity
+    text = f"gravity {gx:g}, {gy:g}, {gz:.7g} m/s²".replace("-", "−")
+    return wrapped(text, CAPTION_WIDTH + 10.0)
+
+
+def mass_words(mass: float) -> str:
+    """Write a mass.
+
+    Parameters
+    ----------
+    mass : float
+        [kg].
+
+    Returns
+    -------
+    str
+        In grams, from 1 kg on in kilograms.
+    """
+    return f"{mass:.4g} kg" if mass >= 1.0 else f"{1e3 * mass:.4g} g"
+
+
+def damping_words(damping: float, *, turning: bool) -> tuple[str, ...]:
+    """Say how a joint is damped.
+
+    Parameters
+    ----------
+    damping : float
+        [N*m*s/rad] of a turning joint, [N*s/m] of a sliding one.
+    turning : bool
+        Which of them it is.
+
+    Returns
+    -------
+    tuple of str
+        Line by line; none without damping.
+    """
+    if damping <= 0.0:
+        return ()
+    return f"damping {damping:.4g}", "N·m·s/rad" if turning else "N·s/m"
+
+
+def spring_words(stiffness: float, rest: float, *, turning: bool) -> tuple[str, ...]:
+    """Say what spring a joint has.
+
+    Parameters
+    ----------
+    stiffness : float
+        [N*m/rad] of a turning joint, [N/m] of a sliding one.
+    rest : float
+        Where it does not pull: [rad] or [m].
+    turning : bool
+        Which of them it is.
+
+    Returns
+    -------
+    tuple of str
+        Line by line; none without a spring.
+    """
+    if stiffness <= 0.0:
+        return ()
+    if turning:
+        return f"spring {stiffness:.4g} N·m/rad", f"at rest at {number_text(math.degrees(rest))}°"
+    return f"spring {stiffness:.4g} N/m", f"at rest at {number_text(1e3 * rest)} mm"
+
+
+def transform_words(X_AB: RigidTransform) -> list[str]:
+    """Say what a transform does: translation in the old axes, then rotation.
+
+    Parameters
+    ----------
+    X_AB : RigidTransform
+        From the new frame B to the old frame A.
+
+    Returns
+    -------
+    list of str
+        Line by line; empty where it does nothing.
+    """
+    words: list[str] = []
+    for axis, value in zip("xyz", X_AB.translation(), strict=True):
+        if abs(value) > SAME:
+            words += [f"{number_text(1e3 * value)} mm", f"along {axis}"]
+    R_AB = X_AB.rotation()
+    if not RigidTransform(R_AB).IsNearlyEqualTo(RigidTransform(), SAME):
+        turn = R_AB.ToAngleAxis()
+        words.append(f"{math.degrees(turn.angle()):.4g}° about {_axis(turn.axis())}")
+    return words
+
+
+def _axis(axis: Sequence[float]) -> str:
+    """Name a unit vector: x, −x, or its numbers."""
+    for letter, part in zip("xyz", axis, strict=True):
+        if abs(abs(part) - 1.0) < 1e-9:
+            return letter if part > 0.0 else f"−{letter}"
+    return f"({', '.join(f'{part:.3g}' for part in axis)})"
