@@ -70,7 +70,7 @@ def add(commands: Commands) -> None:
 def _diagram(chosen: argparse.Namespace) -> int:
     from drake_leg.text_file import write_text
 
-write_text(chosen.out, _picture(chosen), ending=".svg", overwrite=chosen.overwrite)
+    write_text(chosen.out, _picture(chosen), ending=".svg", overwrite=chosen.overwrite)
     print(f"wrote {chosen.out}")
     return 0
 
