@@ -42,9 +42,9 @@ def add(commands: Commands) -> None:
         "--part",
         default="all",
         metavar="PART",
-        help="signals; mechanism; all, which is both; frames, the robot with its frames, angles "
-        "and lengths; or the name of a link, as femur (the reports' thigh); of a Simulink "
-        "model signals, mechanism or all (default all)",
+        help="signals; mechanism; all, which is both; frames, a reports' robot with its frames, "
+        "angles, lengths and forces; or the name of a link, as femur (the reports' thigh); of a "
+        "Simulink model signals, mechanism or all (default all)",
     )
     parser.add_argument(
         "--without-scopes", action="store_true", help="leave the scopes of a run out"
@@ -58,7 +58,8 @@ def add(commands: Commands) -> None:
         "--background",
         default="auto",
         choices=("auto", "white", "none"),
-        help="auto is white or dark, as the reader's system is (default auto)",
+        help="auto is white or dark, as the reader's system is; none is for light places "
+        "(default auto)",
     )
     parser.add_argument(
         "--out", required=True, type=Path, metavar="FILE", help="file to write, .svg"
@@ -88,12 +89,7 @@ def _model(chosen: argparse.Namespace) -> str:
     from drake_leg.simulink.listing import printable
     from drake_leg.simulink.reader import read_model
 
-    for option in ("without_scopes", "without_accelerations"):
-        if getattr(chosen, option):
-            raise InvalidValueError(
-                f"--{option.replace('_', '-')} is for runs and means nothing to a Simulink "
-                f"model: draw {chosen.name} without it"
-            )
+    _refuse_signal_options(chosen, "is for runs and means nothing to a Simulink model")
     model = read_model(Path(chosen.name))
     try:
         pictures = model_pictures(model, title=printable(model.name), part=chosen.part)
@@ -105,16 +101,24 @@ def _model(chosen: argparse.Namespace) -> str:
 def _blocks(chosen: argparse.Namespace) -> str:
     from drake_leg.drawings.drawing import draw
     from drake_leg.drawings.of_runs import run_pictures
+    from drake_leg.drawings.picture import ALL, SIGNALS
 
+    if chosen.part not in (ALL, SIGNALS):
+        _refuse_signal_options(chosen, f"is for signals and means nothing to {chosen.part}")
     title, diagram, robot = _subject(chosen.name)
-    pictures = run_pictures(
-        diagram,
-        robot,
-        title=title,
-        part=chosen.part,
-        scopes=not chosen.without_scopes,
-        accelerations=not chosen.without_accelerations,
-    )
+    try:
+        pictures = run_pictures(
+            diagram,
+            robot,
+            title=title,
+            part=chosen.part,
+            scopes=not chosen.without_scopes,
+            accelerations=not chosen.without_accelerations,
+        )
+    except InvalidValueError as error:
+        raise InvalidValueError(
+            f"{error}; the other parts are signals, mechanism, all, frames"
+        ) from None
     return draw(*pictures, background=chosen.background).svg
 
 
@@ -122,8 +126,16 @@ def _frames(chosen: argparse.Namespace) -> str:
     from drake_leg.figures.free_body import free_body
     from drake_leg.figures.style import svg_text
 
+    _refuse_signal_options(chosen, "is for signals and means nothing to frames")
     title, _, robot = _subject(chosen.name)
     return svg_text(free_body(robot, title=title), background=chosen.background)
+
+
+def _refuse_signal_options(chosen: argparse.Namespace, why: str) -> None:
+    for option in ("without_scopes", "without_accelerations"):
+        if getattr(chosen, option):
+            name = f"--{option.replace('_', '-')}"
+            raise InvalidValueError(f"{name} {why}: draw {chosen.name} without it")
 
 
 def _subject(name: str) -> tuple[str, Diagram, Robot]:

@@ -45,9 +45,9 @@ def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
     Parameters
     ----------
     *pictures : Picture
-        At least one; the first one's title is the drawing's.
+        At least one.
     background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none.
+        White or dark as the reader's system is, always white, or none, for light places.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
     return Drawing(
         svg=document(
             "\n".join(parts),
-            title=pictures[0].title,
+            title="; ".join(picture.title for picture in pictures),
             description=" ".join(map(_description, pictures)),
             width=max([layout.width for layout in layouts] + titles) + 2 * MARGIN,
             height=y - BETWEEN + MARGIN,

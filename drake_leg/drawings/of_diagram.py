@@ -74,7 +74,7 @@ def block_diagram(
     accelerations : bool
         Whether the wires to inputs ``a`` and ``qddot`` are drawn, and what only they need.
     background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none.
+        White or dark as the reader's system is, always white, or none, for light places.
 
     Returns
     -------

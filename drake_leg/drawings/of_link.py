@@ -34,7 +34,7 @@ def link_diagram(
     shape : {"brick", "cylinder", "sphere", "solid"}
         Of the solid.
     background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none.
+        White or dark as the reader's system is, always white, or none, for light places.
 
     Returns
     -------

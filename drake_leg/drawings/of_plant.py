@@ -50,7 +50,7 @@ def mechanism_diagram(
     sensed : str, optional
         A frame that a 6-DOF joint watches from the world.
     background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none.
+        White or dark as the reader's system is, always white, or none, for light places.
 
     Returns
     -------
@@ -117,7 +117,10 @@ class _Mechanism:
         """Hang on a frame of a body its solid, and everything that its joints carry."""
         chain = self.chain
         self._label(body, frame, X_BF)
-        self._sense(body, frame)
+        X_BS = self._sensed_place(body)
+        if X_BS is not None and X_BS.IsNearlyEqualTo(X_BF, SAME):
+            self._sense(frame)
+            X_BS = None
         if not fixed and body.default_mass() > 0.0:
             X_BC = RigidTransform(body.default_com())
             frame = chain.transform(frame, X_BF.inverse() @ X_BC, f"{body.name()} to its centre")
@@ -125,6 +128,10 @@ class _Mechanism:
                 self._label(body, frame, X_BC)
             X_BF = X_BC
             chain.add(solid_of(body, self.shapes.get(body.name(), "solid")), frame)
+        if X_BS is not None:
+            apart = chain.transform(frame, X_BF.inverse() @ X_BS, f"{body.name()} to the sensor")
+            self._label(body, apart, X_BS)
+            self._sense(apart)
         for joint in self.joints:
             if joint.parent_body().index() == body.index():
                 X_BP = joint.frame_on_parent().GetFixedPoseInBodyFrame()
@@ -143,20 +150,23 @@ class _Mechanism:
                 self.chain.label(frame, f"frame {index}")
             index += 1
 
-    def _sense(self, body: RigidBody, frame: Output) -> None:
-        if self.sensed is not None and self.sensed.body().index() == body.index():
-            base = self.chain.add(
-                Block(name="World Frame of the sensor", caption=("World Frame",), glyph="world")
-            )
-            self.chain.add(
-                Block(
-                    name="6-DOF Joint",
-                    caption=("6-DOF Joint", "senses the motion"),
-                    glyph="six_dof",
-                ),
-                frame,
-                base,
-            )
+    def _sensed_place(self, body: RigidBody) -> RigidTransform | None:
+        """Return the pose of the sensed frame in its body; None in others."""
+        if self.sensed is None or self.sensed.body().index() != body.index():
+            return None
+        return self.sensed.GetFixedPoseInBodyFrame()
+
+    def _sense(self, frame: Output) -> None:
+        base = self.chain.add(
+            Block(name="World Frame of the sensor", caption=("World Frame",), glyph="world")
+        )
+        self.chain.add(
+            Block(
+                name="6-DOF Joint", caption=("6-DOF Joint", "senses the motion"), glyph="six_dof"
+            ),
+            frame,
+            base,
+        )
 
     def _joint(self, joint: Joint) -> Block:
         kind = {"revolute": "Revolute Joint", "prismatic": "Prismatic Joint"}

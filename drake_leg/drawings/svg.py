@@ -139,19 +139,19 @@ def document(
     width, height : float
         [px].
     background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none.
+        White or dark as the reader's system is, always white, or none, for light places.
 
     Returns
     -------
     str
         An SVG document.
     """
-    root = "drake-leg-drawing" if background != "white" else "drake-leg-drawing-light"
+    root = "drake-leg-drawing" if background == "auto" else "drake-leg-drawing-light"
     paper = element("rect", classes="paper", width=width, height=height)
     parts = [
         element("title", escape(title)),
         element("desc", escape(description)),
-        element("style", _style(root, dark=background != "white")),
+        element("style", _style(root, dark=background == "auto")),
         paper if background != "none" else "",
         content,
     ]

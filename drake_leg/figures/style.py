@@ -203,7 +203,7 @@ def svg_text(figure: Figure, *, background: Background = "white") -> str:
     figure : Figure
         To be written.
     background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none.
+        White or dark as the reader's system is, always white, or none, for light places.
 
     Returns
     -------

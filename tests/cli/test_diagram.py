@@ -25,7 +25,7 @@ def test_a_run_is_drawn_with_its_mechanism(tmp_path, capsys):
     path = tmp_path / "leg.svg"
     assert draw(path, "leg-b") == 0
     assert capsys.readouterr().out == f"wrote {path}\n"
-    assert title_of(path) == "Hexabot leg B: signals"
+    assert title_of(path) == "Hexabot leg B: signals; Hexabot leg B: mechanism, inside the plant"
     assert "6-DOF Joint" in path.read_text()
     assert "mechanism, inside the plant" in path.read_text()
 
@@ -65,7 +65,7 @@ def test_a_robot_of_ones_own_is_drawn(tmp_path):
     file.write_text(robot_toml(LEG_B), encoding="utf-8")
     path = tmp_path / "mine.svg"
     assert draw(path, str(file)) == 0
-    assert title_of(path) == f"{LEG_B.title}: signals"
+    assert title_of(path).startswith(f"{LEG_B.title}: signals; ")
 
 
 @pytest.mark.parametrize(
@@ -73,6 +73,10 @@ def test_a_robot_of_ones_own_is_drawn(tmp_path):
     [
         (("leg-c",), "there is no run 'leg-c'"),
         (("leg-b", "--part", "thigh"), "leg_b has no link 'thigh'; its links are coxa, femur"),
+        (("leg-b", "--part", "Femur"), "the other parts are signals, mechanism, all, frames"),
+        (("leg-b", "--part", "femur", "--without-scopes"), "means nothing to femur: draw leg-b"),
+        (("scara", "--part", "frames", "--without-accelerations"), "means nothing to frames"),
+        (("leg-b", "--part", "mechanism", "--without-scopes"), "means nothing to mechanism"),
     ],
 )
 def test_what_there_is_not_is_refused(tmp_path, capsys, words, sentence):
@@ -100,7 +104,7 @@ def test_a_simulink_model_is_drawn(tmp_path, capsys):
     path = tmp_path / "model.svg"
     assert draw(path, MODEL) == 0
     assert capsys.readouterr().out == f"wrote {path}\n"
-    assert title_of(path) == "leg: signals"
+    assert title_of(path) == "leg: signals; leg: mechanism"
     assert "leg: mechanism" in path.read_text(encoding="utf-8")
 
 

@@ -133,7 +133,7 @@ def test_backgrounds(run_diagram):
     picture = diagram_picture(run_diagram("pendulum"), title="pendulum")
     auto, white, none = (draw(picture, background=b).svg for b in ("auto", "white", "none"))
     assert "prefers-color-scheme: dark" in auto
-    assert "prefers-color-scheme" not in white
+    assert "prefers-color-scheme" not in white + none
     assert 'class="paper"' in white
     assert 'class="paper"' not in none
 

@@ -1,6 +1,7 @@
 """The mechanism inside a plant, read from the plant."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -43,6 +44,17 @@ def test_the_leg_is_the_chain_of_the_reports(require_clean):
     assert len(captions(picture, "six_dof")) == 1
     labels = [net.label for net in picture.nets if net.label]
     assert labels == [f"frame {index}" for index in range(5)]
+    require_clean(lay_out(picture))
+
+
+def test_a_tool_frame_without_a_body_is_where_the_sensor_hangs(require_clean):
+    end = replace(LEG_B.segments[3], joint=None, link=None)
+    bare = replace(LEG_B, name="bare", segments=(*LEG_B.segments[:3], end))
+    picture = mechanism_picture(build_plant(bare), title="bare", sensed="frame_4")
+    (sensor,) = (i for i, block in enumerate(picture.blocks) if block.glyph == "six_dof")
+    (net,) = (net for net in picture.nets if (sensor, 0) in net.targets)
+    assert net.label == "frame 4"
+    assert captions(picture, "transform")[-1] == ("50 mm", "along x")
     require_clean(lay_out(picture))
 
 
