@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +54,7 @@ class Renderer:
 
     def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
         self._scene, self._width, self._height = scene, width, height
+        self._framing = cache(scene.framing)
         self._graph = SceneGraph()
         self._graph.AddRenderer(_ENGINE, MakeRenderEngineVtk(_engine_parameters(paper)))
         self._source = self._graph.RegisterSource("robot")
@@ -117,7 +119,7 @@ class Renderer:
         return np.asarray(middle + focus * in_camera[:, :2] / in_camera[:, 2:])
 
     def _camera(self, view: View) -> ColorRenderCamera:
-        far = self._scene.framing(view).distance(self._width / self._height) + self._scene.size
+        far = self._framing(view).distance(self._width / self._height) + self._scene.size
         core = RenderCameraCore(
             _ENGINE,
             CameraInfo(self._width, self._height, view.field),
@@ -129,7 +131,7 @@ class Renderer:
     def _camera_pose(self, view: View) -> RigidTransform:
         """Pose of the camera, whose axes point right, down and forwards."""
         right, up, back = view.axes.T
-        place = self._scene.framing(view).camera(self._width / self._height)
+        place = self._framing(view).camera(self._width / self._height)
         return RigidTransform(RotationMatrix(np.column_stack([right, -up, -back])), place)
 
 
