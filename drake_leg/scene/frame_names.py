@@ -134,11 +134,12 @@ def spread_frame_names(
 def _seen_axes(
     artist: Renderer | Sketcher, scene: Scene, X_WF: Array, view: View, share: int, paper: Paper
 ) -> Iterator[_Axis]:
-    tips = triad_tips(scene.robot, X_WF, scene.size)
-    towards = (tips - X_WF[:, np.newaxis, :3, 3]) @ view.axes[:, 2] > 0.0
-    for frame, (origin, ends) in enumerate(zip(X_WF[:, :3, 3], tips, strict=True)):
-        *seen_ends, start = artist.pixels(np.vstack([ends, origin]), view) / share
-        for axis, (letter, end) in enumerate(zip("xyz", seen_ends, strict=True)):
+    tips, origins = triad_tips(scene.robot, X_WF, scene.size), X_WF[:, np.newaxis, :3, 3]
+    towards = (tips - origins) @ view.axes[:, 2] > 0.0
+    points = np.concatenate([tips, origins], axis=1)
+    seen = artist.pixels(points.reshape(-1, 3), view).reshape(-1, 4, 2) / share
+    for frame, (*ends, start) in enumerate(seen):
+        for axis, (letter, end) in enumerate(zip("xyz", ends, strict=True)):
             yield _Axis(
                 name=f"{letter}{frame}".translate(SUBSCRIPTS),
                 colour=paper.axes[axis],
