@@ -100,7 +100,7 @@ def spread_frame_names(
     others: Sequence[Words] = (),
     paper: Paper = LIGHT,
 ) -> list[Words]:
-    """Name the axes of all frames where the names lie neither on each other nor on an axis.
+    """Name the axes of all frames where the names lie on no name, no axis and not on the trace.
 
     For single pictures: in a video such names would jump. An axis that points at the camera or away
     from it is named beside its origin, as ⊙z₀ or ⊗z₀, where there is room.
@@ -118,15 +118,16 @@ def spread_frame_names(
     """
     axes = list(_seen_axes(artist, scene, X_WF, view, share, paper))
     marks = np.linspace(0.0, 1.0, SAMPLES)[:, np.newaxis]
-    rods = np.concatenate([axis.start + marks * (axis.end - axis.start) for axis in axes])
+    rods = [axis.start + marks * (axis.end - axis.start) for axis in axes]
+    seen = np.concatenate([*rods, artist.pixels(_trace_points(scene), view) / share])
     words = list(others)
     for axis in axes:
         if axis.length >= size:
-            words.append(_best(_names_beyond(axis, size), words, rods))
+            words.append(_best(_names_beyond(axis, size), words, seen))
     for axis in axes:
         if axis.length < size:
-            word = _best(_names_around(axis, size), words, rods)
-            if _cost(word, words, rods) < MOST_HIDDEN:
+            word = _best(_names_around(axis, size), words, seen)
+            if _cost(word, words, seen) < MOST_HIDDEN:
                 words.append(word)
     return words[len(others) :]
 
@@ -149,6 +150,12 @@ def _seen_axes(
             )
 
 
+def _trace_points(scene: Scene) -> Array:
+    """Middles of the trace's dashes, (k, 3) [m]."""
+    middles = [part.X_FP[:3, 3] for part in scene.parts if part.path.startswith("trace/")]
+    return np.array(middles).reshape(-1, 3)
+
+
 def _names_beyond(axis: _Axis, size: int) -> Iterator[tuple[Words, float]]:
     """List names around an axis' end, and how far from the best place each is."""
     for reach in REACHES:
@@ -166,17 +173,17 @@ def _names_around(axis: _Axis, size: int) -> Iterator[tuple[Words, float]]:
             yield _word(axis, middle, size, mark=mark), distance
 
 
-def _best(options: Iterable[tuple[Words, float]], others: Sequence[Words], rods: Array) -> Words:
-    return min(options, key=lambda option: _cost(option[0], others, rods) + option[1])[0]
+def _best(options: Iterable[tuple[Words, float]], others: Sequence[Words], seen: Array) -> Words:
+    return min(options, key=lambda option: _cost(option[0], others, seen) + option[1])[0]
 
 
-def _cost(word: Words, others: Sequence[Words], rods: Array) -> float:
-    """Say how much a name hides."""
+def _cost(word: Words, others: Sequence[Words], seen: Array) -> float:
+    """Say how much a name hides of other names and of points that ought to be seen."""
     middle, half = _box(word)
     boxes = [_box(other) for other in others]
     on_names = sum(bool((np.abs(middle - m) < half + h).all()) for m, h in boxes)
-    on_rods = int((np.abs(rods - middle) < half).all(axis=1).sum())
-    return 100.0 * on_names + 0.5 * on_rods
+    on_points = int((np.abs(seen - middle) < half).all(axis=1).sum())
+    return 100.0 * on_names + 0.5 * on_points
 
 
 def _box(word: Words) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ PURPLE = (0.608, 0.310, 0.588)
 
 # Of the scene's size:
 TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
-TRACE_RADIUS, TRACE_SPACING = 0.009, 1.0 / 60.0
+TRACE_RADIUS, TRACE_SPACING = 0.011, 1.0 / 60.0
 FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
 
 BASE_TRIAD = 1.5  # of the others: length of the base's axes

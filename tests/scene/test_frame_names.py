@@ -8,7 +8,7 @@ from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.scene.frame_names import HIGH, frame_names, spread_frame_names
 from drake_leg.scene.lettering import width_of
 from drake_leg.scene.marks import triad_tips
-from drake_leg.scene.motion import still
+from drake_leg.scene.motion import Motion, still
 from drake_leg.scene.paper import DARK
 from drake_leg.scene.scene import scene_of
 from drake_leg.scene.sketch import Sketcher
@@ -94,6 +94,21 @@ def test_an_axis_seen_from_its_end_is_named_with_where_it_points(posture, view, 
     words, _ = names(*posture, VIEWS[view], spread_frame_names)
     assert seen <= {word.text for word in words}
     assert {name[1:] for name in seen}.isdisjoint(word.text for word in words)
+
+
+def test_names_keep_off_the_trace():
+    robot, q = POSTURES[3]
+    time = np.array([0.0, 1.0])
+    turned = np.array([q, q]) + np.outer(time, [-0.6, 0.0, 0.6, 0.0])
+    motion = Motion(robot=robot, time=time, q=turned).sampled(50.0)
+    scene = scene_of(motion)
+    artist = Sketcher(scene, width=960, height=720)
+    words = spread_frame_names(artist, scene, motion.poses()[0], VIEWS["top"], share=1, size=SIZE)
+    way = artist.pixels(motion.path(), VIEWS["top"])
+    for word in words:
+        middle, width = across(word)
+        hidden = (np.abs(way - [middle, word.y]) < [width / 2.0, HIGH * SIZE / 2.0]).all(axis=1)
+        assert hidden.mean() < 0.1
 
 
 def test_names_keep_off_what_is_written_already():
