@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drake_leg.errors import OutputError
+from drake_leg.folders import scratch_prefix, try_writing
 
 ENDINGS = (".csv", ".html", ".json", ".pdf", ".png", ".svg")
 MARKS = ("summary.json", "report.html")
@@ -43,9 +44,7 @@ def check_target(target: Path, *, overwrite: bool) -> None:
             )
         if exists and Path.cwd().is_relative_to(target.resolve()):
             raise OutputError(f"{target} is the folder that you are in: choose another --out")
-        existing = next(folder for folder in target.absolute().parents if folder.exists())
-        with tempfile.TemporaryDirectory(prefix=_scratch_prefix(target), dir=existing):
-            pass
+        try_writing(target)
     except (OSError, ValueError) as error:
         raise _cannot_write(target, error) from error
 
@@ -74,7 +73,7 @@ def results_folder(target: Path) -> Iterator[Path]:
     try:
         for folder in reversed(target.parents):  # mkdir(parents=True) recurses
             folder.mkdir(exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=_scratch_prefix(target), dir=target.parent))
+        scratch = Path(tempfile.mkdtemp(prefix=scratch_prefix(target), dir=target.parent))
     except OSError as error:
         raise _cannot_write(target, error) from error
     try:
@@ -104,7 +103,7 @@ def _put_in_place(scratch: Path, target: Path) -> None:
     if not target.exists():
         scratch.rename(target)
         return
-    old = Path(tempfile.mkdtemp(prefix=_scratch_prefix(target), dir=target.parent))
+    old = Path(tempfile.mkdtemp(prefix=scratch_prefix(target), dir=target.parent))
     try:
         target.rename(old / "results")
         _exchange(scratch, target, old / "results")
@@ -120,10 +119,6 @@ def _exchange(scratch: Path, target: Path, old: Path) -> None:
     except OSError:
         old.rename(target)
         raise
-
-
-def _scratch_prefix(target: Path) -> str:
-    return f".{target.name[:40]}."
 
 
 def _umask() -> int:

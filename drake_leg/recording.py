@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 from drake_leg.errors import InvalidValueError, OutputError
 from drake_leg.kinematics.batches import Array
 
+MOST_NAMES = 6  # of columns that an error's sentence lists
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -46,8 +48,11 @@ class Recording:
         for header, values in self.columns.items():
             if name in (header, header.partition("[")[0]):
                 return values
+        shown = ", ".join(list(self.columns)[:MOST_NAMES])
+        others = len(self.columns) - MOST_NAMES
         raise InvalidValueError(
-            f"there is no column {name!r}; the recording has {', '.join(self.columns)}"
+            f"there is no column {name!r}; the recording has {shown}"
+            + (f" and {others} more" if others > 0 else "")
         )
 
     def stack(self, *names: str) -> Array:
@@ -123,16 +128,27 @@ def read_csv(path: Path) -> Recording:
             raise OutputError(
                 f"{path} has {header.count(name)} columns {name!r}; names must differ"
             )
-    for number, row in enumerate(body, start=2):
-        if len(row) != len(header):
-            raise OutputError(
-                f"{path}, line {number}, has {len(row)} values for {len(header)} columns"
-            )
-    try:
-        values = np.array(body, dtype=np.float64).reshape(-1, len(header))
-    except ValueError as error:
-        raise OutputError(f"{path} holds something that is no number: {error}") from error
+    rows_of_numbers = [
+        _numbers(f"{path}, line {number}", header, row) for number, row in enumerate(body, start=2)
+    ]
+    values = np.array(rows_of_numbers, dtype=np.float64).reshape(-1, len(header))
     return Recording(dict(zip(header, values.T, strict=True)))
+
+
+def _numbers(where: str, header: Sequence[str], row: Sequence[str]) -> list[float]:
+    """Read a row, or say which of its values is no number."""
+    if len(row) != len(header):
+        raise OutputError(f"{where}, has {len(row)} values for {len(header)} columns")
+    numbers = []
+    for name, text in zip(header, row, strict=True):
+        try:
+            numbers.append(float(text))
+        except ValueError:
+            raise OutputError(
+                f"{where}, has {text!r} in the column {name}, which is no number: mend the file, "
+                "or carry out the run again"
+            ) from None
+    return numbers
 
 
 def numbered(name: str, units: Sequence[str], values: Array) -> dict[str, Array]:

@@ -48,6 +48,17 @@ _MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
 
 NO_MECHANICS = JointMechanics()
 
+# Okabe and Ito's colours, told apart by colour-blind eyes, in the order of a chain's rows.
+LINK_COLOURS = (
+    (0.0, 0.447, 0.698),  # blue
+    (0.902, 0.624, 0.0),  # orange
+    (0.0, 0.62, 0.451),  # bluish green
+    (0.337, 0.706, 0.914),  # sky blue
+    (0.941, 0.894, 0.259),  # yellow
+    (0.835, 0.369, 0.0),  # vermillion
+    (0.8, 0.475, 0.655),  # reddish purple
+)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
@@ -222,6 +233,22 @@ class Segment:
             raise InvalidValueError(
                 "a fixed row has joint mechanics or limits; only a row that moves may"
             )
+
+
+def link_colour(row: int) -> tuple[float, float, float]:
+    """Colour of a link that has none of its own.
+
+    Parameters
+    ----------
+    row : int
+        Of the link in the table, from 1.
+
+    Returns
+    -------
+    (3,) tuple of float
+        Red, green, blue in 0...1; they come again after ``len(LINK_COLOURS)`` rows.
+    """
+    return LINK_COLOURS[(row - 1) % len(LINK_COLOURS)]
 
 
 @dataclass(frozen=True, kw_only=True)

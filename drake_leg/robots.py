@@ -14,6 +14,7 @@ from typing import Literal
 from drake_leg.errors import InvalidValueError
 from drake_leg.quantities import require_positive
 from drake_leg.robot import (
+    LINK_COLOURS,
     Brick,
     Cylinder,
     JointMechanics,
@@ -30,9 +31,7 @@ LegVariant = Literal["A", "B"]
 WATER = 1000.0  # [kg/m^3], the public Simulink model's density
 ALUMINIUM = 2700.0  # [kg/m^3]
 
-BLUE = (0.0, 0.447, 0.698)
-ORANGE = (0.902, 0.624, 0.0)
-GREEN = (0.0, 0.62, 0.451)
+BLUE, ORANGE, GREEN = LINK_COLOURS[:3]
 GREY = (0.35, 0.35, 0.35)
 
 HEXABOT_LENGTHS = (0.050, 0.100, 0.100)  # [m], report B, section 2.2

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drake_leg.errors import DrakeLegError, OutputError
+from drake_leg.folders import try_writing
 
 
 def write_text(target: Path, text: str, *, ending: str, overwrite: bool) -> None:
@@ -90,7 +91,8 @@ def check_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> No
     Raises
     ------
     OutputError
-        If the name ends differently, or the file exists and may not be replaced.
+        If the name ends differently, the file exists and may not be replaced, or nothing can be
+        made in its folder.
     """
     if target.suffix.lower() not in endings:
         raise OutputError(f"{target} does not end in {' or '.join(endings)}: choose another --out")
@@ -99,6 +101,7 @@ def check_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> No
             raise OutputError(f"{target} is a folder: choose another --out")
         if not overwrite and (target.exists() or target.is_symlink()):
             raise OutputError(f"{target} exists: choose another --out, or add --overwrite")
+        try_writing(target)
     except (OSError, ValueError) as error:
         raise _cannot_write(target, error) from error
 

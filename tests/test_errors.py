@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import pkgutil
+import sys
 from dataclasses import replace
 
 import pytest
@@ -19,6 +20,7 @@ from drake_leg.errors import (
     StepBudgetError,
     UnstableRunError,
 )
+from drake_leg.imports import BrokenPackageError
 from drake_leg.kinematics.rates import exact_rates
 from drake_leg.output import check_target
 from drake_leg.robot import JointMechanics
@@ -29,15 +31,16 @@ from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
 from drake_leg.runs.pendulum import run_pendulum
 from drake_leg.scene import rendering, video
 from drake_leg.scene.meshcat import MeshcatError
+from drake_leg.scene.motion import OtherRobotError
 from drake_leg.scene.rendering import NoRenderingError
 from drake_leg.scene.replay import ReplayError
-from drake_leg.scene.video import MissingEncoderError
 from drake_leg.simulation import run as simulation_run
 from drake_leg.symbolic.optional import MissingSymPyError
 
 PROVOKED_ELSEWHERE = {
     MeshcatError: "tests/scene/test_viewer.py",
     ReplayError: "tests/scene/test_replay.py",
+    OtherRobotError: "tests/scene/test_motion.py",
     MissingSymPyError: "tests/symbolic/test_catalogue.py",
 }
 
@@ -105,7 +108,7 @@ def no_rendering(monkeypatch, tmp_path):
 
 
 def no_encoder(monkeypatch, tmp_path):
-    monkeypatch.setattr(video, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "av", None)
     video.require_video(tmp_path / "a.mp4")
 
 
@@ -119,7 +122,7 @@ PROVOKED = {
     UnstableRunError: unstable,
     JointLimitError: limit,
     NoRenderingError: no_rendering,
-    MissingEncoderError: no_encoder,
+    BrokenPackageError: no_encoder,
 }
 
 

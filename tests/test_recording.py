@@ -96,8 +96,11 @@ def test_a_recording_without_rows_comes_back(tmp_path):
         ("", "is empty"),
         ("time[s],q[rad]\n0.0,1.0\n0.1\n", "line 3, has 1 values for 2 columns"),
         ("time[s],q[rad]\n0.0,1.0,2.0\n", "line 2, has 3 values for 2 columns"),
-        ("time[s],q[rad]\n0.0,one\n", "no number: .*'one'"),
-        ("time[s],q[rad]\n0.0,\n", "no number"),
+        (
+            "time[s],q[rad]\n0.0,one\n",
+            r"line 2, has 'one' in the column q\[rad\], which is no number: mend",
+        ),
+        ("time[s],q[rad]\n0.0,1.0\n0.1,\n", "line 3, has '' in the column q.*no number"),
     ],
 )
 def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, text, said):
@@ -169,3 +172,9 @@ def test_the_first_row_keeps_its_sign_and_every_row_its_rotation(rng):
 def test_one_row_or_none_stays_as_it_is(count):
     rows = turning_about_x(np.ones(count))
     np.testing.assert_array_equal(without_sign_jumps(rows), rows)
+
+
+def test_a_missing_column_is_said_with_a_few_that_there_are():
+    recording = Recording({f"c{index}[m]": np.zeros(1) for index in range(32)})
+    with pytest.raises(InvalidValueError, match=r"'q'; the recording has c0\[m\], .* and 26 more$"):
+        recording["q"]

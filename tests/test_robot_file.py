@@ -15,6 +15,7 @@ from drake_leg.check.table import lint_table
 from drake_leg.errors import InvalidValueError
 from drake_leg.joint_mechanics import HardStop, StateTarget
 from drake_leg.robot import (
+    LINK_COLOURS,
     Brick,
     Cylinder,
     Inertial,
@@ -145,6 +146,20 @@ def test_a_fixed_row_that_carries_a_solid_is_welded():
     welded = ARM + '\n[row.solid]\nshape = "sphere"\nradius = 0.02\ndensity = 1000\n'
     tip = read_robot(welded, "arm.toml").segments[2]
     assert (tip.joint, tip.link.name) == ("link_3_weld", "link_3")
+
+
+def test_solids_without_a_colour_are_told_apart():
+    row = """[[row]]
+sigma = 0
+d = 0.1
+alpha = 0
+r = 0
+theta = 0
+solid = { shape = "sphere", radius = 0.01, density = 1000 %s }
+"""
+    text = 'name = "balls"\nangles = "deg"\n' + row % "" + row % ", colour = [1, 0, 0]" + row % ""
+    colours = [segment.link.solid.colour for segment in read_robot(text, "balls").segments]
+    assert colours == [LINK_COLOURS[0], (1.0, 0.0, 0.0), LINK_COLOURS[2]]
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)

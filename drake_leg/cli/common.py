@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, OutputError
 from drake_leg.robots import ROBOTS
 
 BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 2, 3, 130
@@ -33,8 +35,39 @@ def fail(error: object, status: int) -> int:
     int
         The same status.
     """
-    print(f"drake-leg: {error}", file=sys.stderr)
+    remark(error)
     return status
+
+
+def remark(sentence: object) -> None:
+    """Say something on the standard error.
+
+    Parameters
+    ----------
+    sentence : object
+        Its text is one sentence.
+    """
+    print(f"drake-leg: {sentence}", file=sys.stderr)
+
+
+@contextmanager
+def naming_option(option: str) -> Iterator[None]:
+    """Name the option that was given where an error about a file says ``--out``.
+
+    Parameters
+    ----------
+    option : str
+        ``--still``.
+
+    Raises
+    ------
+    OutputError
+        In place of one that names ``--out``.
+    """
+    try:
+        yield
+    except OutputError as error:
+        raise OutputError(str(error).replace("another --out", f"another {option}")) from None
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:

@@ -6,13 +6,17 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import Commands
+from drake_leg.cli.common import ROBOT_NAMES, Commands
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.cli.view import add_view
-from drake_leg.errors import OutputError
+from drake_leg.errors import DrakeLegError, OutputError
 from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
+
+if TYPE_CHECKING:
+    from drake_leg.scene.motion import Motion, OtherRobotError
 
 
 def add(commands: Commands) -> None:
@@ -49,22 +53,19 @@ def add(commands: Commands) -> None:
 
 
 def _replay(chosen: argparse.Namespace) -> int:
-    from drake_leg.recording import read_csv
     from drake_leg.scene.files import check_show, write_show
-    from drake_leg.scene.motion import recorded_motion
     from drake_leg.scene.views import view_named
 
     view = view_named(chosen.view)
     check_show(chosen.out, overwrite=chosen.overwrite)
     _require_run(chosen.run)
-    robot = _robot(chosen)
-    motion = recorded_motion(robot, read_csv(chosen.run / "recording.csv"))
+    motion = _motion(chosen)
     bar = ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s")
     try:
         write_show(chosen.out, motion, view=view, overwrite=chosen.overwrite, progress=bar)
     finally:
         bar.close()
-    print(f"wrote {chosen.out}: {motion.duration:g} s of {robot.title}")
+    print(f"wrote {chosen.out}: {motion.duration:g} s of {motion.robot.title}")
     return 0
 
 
@@ -78,15 +79,63 @@ def _require_run(folder: Path) -> None:
         raise OutputError(f"{folder} is no folder of a run: give one that 'drake-leg run' has made")
 
 
-def _robot(chosen: argparse.Namespace) -> Robot:
-    """Find what moved: as told, or as the run's summary names it."""
-    if chosen.robot:
-        return robot_source(chosen.robot).robot()
-    file = chosen.run / "summary.json"
+def _motion(chosen: argparse.Namespace) -> Motion:
+    """Read what moved, and how."""
+    from drake_leg.recording import read_csv
+    from drake_leg.scene.motion import OtherRobotError, recorded_motion
+
+    robot = robot_source(chosen.robot).robot() if chosen.robot else _recorded_robot(chosen.run)
+    recording = read_csv(chosen.run / "recording.csv")
     try:
-        name = json.loads(file.read_text(encoding="utf-8"))["robot"]
-        return robot_source(str(name).replace("_", "-")).robot()
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        return recorded_motion(robot, recording)
+    except OtherRobotError as error:
+        raise _clearer(error, chosen.run, robot) from None
+
+
+def _clearer(error: OtherRobotError, folder: Path, robot: Robot) -> DrakeLegError:
+    """Name the robot that moved, where the summary tells that it was another one."""
+    try:
+        name = _recorded_name(folder)
+    except OutputError:
+        return error
+    if name == robot.name:
+        return error
+    remedy = "leave --robot out" if _known(name) else f"give its TOML file, --robot {name}.toml"
+    return OutputError(f"{folder} is a run of {name!r}, not of {robot.name!r}: {remedy}")
+
+
+def _recorded_robot(folder: Path) -> Robot:
+    """Find the robot of the reports that moved."""
+    name = _recorded_name(folder)
+    robot = _known(name)
+    if robot is None:
         raise OutputError(
-            f"{file} does not tell which robot moved ({error}): name it with --robot"
-        ) from None
+            f"{folder} is a run of {name!r}, a robot of your own: give its TOML file with --robot, "
+            f"as in --robot {name}.toml"
+        )
+    return robot
+
+
+def _known(name: str) -> Robot | None:
+    return ROBOT_NAMES.get(name.replace("_", "-"))
+
+
+def _recorded_name(folder: Path) -> str:
+    """Read off a run's summary which robot moved."""
+    file = folder / "summary.json"
+    try:
+        summary = json.loads(file.read_text(encoding="utf-8"))
+    except json.JSONDecodeError as error:
+        raise _untold(f"{file} is damaged in line {error.lineno}, column {error.colno}") from None
+    except (UnicodeDecodeError, RecursionError):
+        raise _untold(f"{file} is damaged: it is no JSON") from None
+    except OSError as error:
+        raise _untold(f"{file} cannot be read ({error.strerror})") from None
+    name = summary.get("robot") if isinstance(summary, dict) else None
+    if not isinstance(name, str):
+        raise _untold(f"{file} has no entry 'robot' with a name")
+    return name
+
+
+def _untold(why: str) -> OutputError:
+    return OutputError(f"{why}: tell which robot moved with --robot")

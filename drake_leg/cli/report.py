@@ -6,6 +6,8 @@ import argparse
 import sys
 
 from drake_leg.cli.common import Commands, add_output
+from drake_leg.cli.shows import say_if_sketched
+from drake_leg.imports import require_pillow
 from drake_leg.output import check_target, results_folder
 from drake_leg.progress import ProgressBar
 
@@ -31,6 +33,7 @@ def add(commands: Commands) -> None:
 
 def _report(chosen: argparse.Namespace) -> int:
     check_target(chosen.out, overwrite=chosen.overwrite)
+    require_pillow()
     from drake_leg.report.page import STAGES, write_report
 
     bar = ProgressBar(sys.stderr, "report", STAGES, "stages")
@@ -40,4 +43,5 @@ def _report(chosen: argparse.Namespace) -> int:
     finally:
         bar.close()
     print(f"wrote {chosen.out / 'report.html'} and its figures and replays")
+    say_if_sketched()
     return 0

@@ -7,9 +7,10 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail
+from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail, remark
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
-from drake_leg.cli.shows import Shows, add_shows
+from drake_leg.cli.shows import Shows, add_shows, say_if_sketched
+from drake_leg.imports import require_pillow
 from drake_leg.output import check_target, results_folder
 from drake_leg.progress import ProgressBar
 from drake_leg.runs.catalogue import RUNS
@@ -49,6 +50,7 @@ def _run(chosen: argparse.Namespace) -> int:
     check_target(chosen.out, overwrite=chosen.overwrite)
     shows = Shows.of(chosen)
     shows.check()
+    require_pillow()
     bar = ProgressBar(sys.stderr, chosen.name, max(options.duration, 1e-300), "s")
     try:
         outcome = kind.run(options, bar)
@@ -66,7 +68,9 @@ def _run(chosen: argparse.Namespace) -> int:
         print(f"wrote {path}")
     remarks = [*summary.get("limits_exceeded", ()), summary.get("grazing")]
     for sentence in filter(None, remarks):
-        print(f"drake-leg: {sentence}", file=sys.stderr)
+        remark(sentence)
+    if shows.stills:
+        say_if_sketched()
     if summary["stop_reason"] is None:
         return 0
     interrupted = summary["stop_reason"] == "interrupted"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from drake_leg.cli.common import naming_option, remark
 from drake_leg.errors import OutputError
 
 if TYPE_CHECKING:
@@ -33,6 +34,15 @@ def add_shows(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--stills", action="store_true", help="add pictures from every side to DIR, at the start"
     )
+
+
+def say_if_sketched() -> None:
+    """Say on the standard error why matplotlib drew what VTK could not render."""
+    from drake_leg.scene.stills import sketching
+
+    sentence = sketching()
+    if sentence is not None:
+        remark(sentence)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +88,8 @@ class Shows:
             if path.suffix.lower() not in ENDINGS[option]:
                 endings = " or ".join(ENDINGS[option])
                 raise OutputError(f"--{option} is {path}; its name must end in {endings}")
-            check_show(path, overwrite=self.overwrite)
+            with naming_option(f"--{option}"):
+                check_show(path, overwrite=self.overwrite)
 
     def write_into(self, folder: Path, outcome: Outcome) -> None:
         """Write what belongs into the folder of results.

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from drake_leg.cli.common import Commands
+from drake_leg.cli.common import Commands, naming_option
 from drake_leg.cli.meshcat import LEAVING, add_meshcat, start_meshcat
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
-from drake_leg.errors import OutputError
+from drake_leg.cli.shows import say_if_sketched
+from drake_leg.imports import require_pillow
 
 
 def add(commands: Commands) -> None:
@@ -84,10 +85,12 @@ def _still(chosen: argparse.Namespace) -> int:
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
     view = view_named(chosen.view)
-    try:
-        with whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch:
-            scratch.write_bytes(still_png(robot, q, view=view))
-    except OutputError as error:
-        raise OutputError(str(error).replace("another --out", "another --still")) from None
+    require_pillow()
+    with (
+        naming_option("--still"),
+        whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch,
+    ):
+        scratch.write_bytes(still_png(robot, q, view=view))
     print(f"wrote {chosen.still}")
+    say_if_sketched()
     return 0

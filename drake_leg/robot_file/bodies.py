@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from drake_leg.models.solids import mass_properties, volume
-from drake_leg.robot import Brick, Cylinder, Inertial, Shape, Solid, Sphere
+from drake_leg.robot import Brick, Cylinder, Inertial, Shape, Solid, Sphere, link_colour
 from drake_leg.robot_file.keys import Keys
 
 # Of each shape: its class, and its dimensions in the order in which they are written.
@@ -14,7 +14,6 @@ SHAPES: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
     "cylinder": (Cylinder, ("radius", "length")),
     "sphere": (Sphere, ("radius",)),
 }
-GREY = (0.5, 0.5, 0.5)
 ORIGIN = (0.0, 0.0, 0.0)
 
 _SOLID_KEYS = ("density", "centre", "colour")
@@ -26,7 +25,7 @@ _INSTEAD_OF_SOLID = {
 }
 
 
-def read_solid(table: object, where: str, inertial: Inertial | None) -> Solid:
+def read_solid(table: object, where: str, inertial: Inertial | None, row: int) -> Solid:
     """Read the solid of a row.
 
     Parameters
@@ -37,6 +36,8 @@ def read_solid(table: object, where: str, inertial: Inertial | None) -> Solid:
         File and row, the beginning of every error's sentence.
     inertial : Inertial, optional
         The link's mass, where it is given: then the density may be left out.
+    row : int
+        Of the link in the table, from 1: it chooses a colour where none is given.
 
     Returns
     -------
@@ -54,7 +55,7 @@ def read_solid(table: object, where: str, inertial: Inertial | None) -> Solid:
     keys = Keys(table, f"{where} ({kind})", ("shape", *names, *_SOLID_KEYS))
     shape = keys.make(make, **{name: keys.positive(name, "m") for name in names})
     of_mass = {} if inertial is None else {"default": inertial.mass / volume(shape)}
-    colour = keys.three("colour", "0 to 1", GREY)
+    colour = keys.three("colour", "0 to 1", link_colour(row))
     if not all(0.0 <= part <= 1.0 for part in colour):
         raise keys.error(f"colour is {list(colour)}; red, green and blue go from 0 to 1")
     solid = keys.make(

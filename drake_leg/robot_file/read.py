@@ -144,7 +144,7 @@ def _segment(keys: Keys, row: Row, index: int, angles: AngleUnit) -> Segment:
         Segment,
         row=row,
         joint=joint,
-        link=_link(keys, link),
+        link=_link(keys, link, index),
         mechanics=read_mechanics(
             keys.value("mechanics", {}),
             keys.value("limits", {}),
@@ -154,10 +154,10 @@ def _segment(keys: Keys, row: Row, index: int, angles: AngleUnit) -> Segment:
     )
 
 
-def _link(keys: Keys, name: str) -> Link:
+def _link(keys: Keys, name: str, index: int) -> Link:
     inertial = solid = None
     if keys.has("inertial"):
         inertial = read_inertial(keys.value("inertial"), f"{keys.where}, inertial")
     if keys.has("solid"):
-        solid = read_solid(keys.value("solid"), f"{keys.where}, solid", inertial)
+        solid = read_solid(keys.value("solid"), f"{keys.where}, solid", inertial, index)
     return Link(name=name, solid=solid, inertial=inertial, end=keys.three("end", "m", ORIGIN))

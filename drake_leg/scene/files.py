@@ -24,12 +24,13 @@ def check_show(target: Path, *, overwrite: bool) -> None:
 
     Raises
     ------
-    MissingEncoderError
-        If it is an MP4 and PyAV is not installed.
+    BrokenPackageError
+        If it is a video and Pillow cannot be imported, or an MP4 and PyAV cannot.
     NoRenderingError
         If it is a video and nothing can be rendered here.
     OutputError
-        If the name ends otherwise, or the file exists and may not be replaced.
+        If the name ends otherwise, the file exists and may not be replaced, or nothing can be made
+        in its folder.
     """
     check_file(target, endings=(*PAGE, *VIDEOS), overwrite=overwrite)
     if target.suffix.lower() in VIDEOS:

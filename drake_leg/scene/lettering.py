@@ -69,6 +69,25 @@ def write_on(image: Pixels, words: Sequence[Words], *, paper: Paper = LIGHT) -> 
     return np.asarray(picture)
 
 
+@cache
+def width_of(text: str, size: int) -> float:
+    """Say how much room a text takes.
+
+    Parameters
+    ----------
+    text : str
+        In one line.
+    size : int
+        Of its letters [pixels].
+
+    Returns
+    -------
+    float
+        With what surrounds the letters [pixels].
+    """
+    return _font(size).getlength(text) + 2.0 * HALO
+
+
 def reduced(image: Pixels, share: int) -> Pixels:
     """Make a picture smaller, which smooths its edges.
 

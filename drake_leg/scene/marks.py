@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import Brick, Cylinder, Robot
-from drake_leg.scene.parts import Part, placed, size_of
+from drake_leg.robot import Brick, Robot
+from drake_leg.scene.parts import Part, placed, rod, size_of
 
 RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
 LINE = (0.66, 0.67, 0.70)
@@ -16,10 +16,11 @@ PURPLE = (0.608, 0.310, 0.588)
 
 # Of the scene's size:
 TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
-TRACE_RADIUS, TRACE_SPACING = 0.006, 1.0 / 60.0
+TRACE_RADIUS, TRACE_SPACING = 0.011, 1.0 / 60.0
 FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
 
 BASE_TRIAD = 1.5  # of the others: length of the base's axes
+DASH = 3  # pieces of a trace from one dash to the next; the last of them is the gap
 MOST_PIECES = 5000  # of a trace before those that lie on others are left out
 
 
@@ -42,9 +43,9 @@ def triad_parts(robot: Robot, size: float) -> tuple[Part, ...]:
     for index, length in enumerate(triad_lengths(robot, size)):
         radius = (0.8 if index == 0 else 1.0) * TRIAD_RADIUS * size
         for axis, (letter, colour) in enumerate(zip("xyz", (RED, GREEN, BLUE), strict=True)):
-            rod = _rod(np.zeros(3), length * np.eye(3)[axis], radius)
+            shape, pose = rod(np.zeros(3), length * np.eye(3)[axis], radius)
             parts.append(
-                Part(path=f"triad/{letter}", frame=index, shape=rod[0], X_FP=rod[1], colour=colour)
+                Part(path=f"triad/{letter}", frame=index, shape=shape, X_FP=pose, colour=colour)
             )
     return tuple(parts)
 
@@ -90,7 +91,9 @@ def triad_lengths(robot: Robot, size: float) -> list[float]:
 
 
 def trace_parts(path: Array, size: float) -> tuple[Part, ...]:
-    """A rod along the way of the tip; what lies on earlier pieces is left out.
+    """Dashes along the way of the tip; what lies on earlier pieces is left out.
+
+    They are thicker than the axes of frames: an axis that lies along the way is seen in the gaps.
 
     Parameters
     ----------
@@ -106,7 +109,9 @@ def trace_parts(path: Array, size: float) -> tuple[Part, ...]:
     """
     pieces = _pieces(path, TRACE_SPACING * size)
     return tuple(
-        trace_piece(number, start, end, size) for number, (start, end) in enumerate(pieces)
+        trace_piece(number, start, end, size)
+        for number, (start, end) in enumerate(pieces)
+        if number % DASH < DASH - 1
     )
 
 
@@ -126,8 +131,8 @@ def trace_piece(number: int, start: Array, end: Array, size: float) -> Part:
     -------
     Part
     """
-    rod, pose = _rod(start, end, TRACE_RADIUS * size)
-    return Part(path=f"trace/{number}", frame=0, shape=rod, X_FP=pose, colour=PURPLE)
+    shape, pose = rod(start, end, TRACE_RADIUS * size)
+    return Part(path=f"trace/{number}", frame=0, shape=shape, X_FP=pose, colour=PURPLE)
 
 
 def floor_parts(points: Array) -> tuple[Part, ...]:
@@ -205,19 +210,6 @@ def floor_square(size: float) -> float:
     wanted = size / FLOOR_SQUARES
     power = 10.0 ** math.floor(math.log10(wanted))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1.0 + 1e-9))
-
-
-def _rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
-    """Make a cylinder from one point to another, and its pose."""
-    way = end - start
-    length = float(np.linalg.norm(way))
-    z = way / length
-    x = np.cross(np.eye(3)[int(np.abs(z).argmin())], z)
-    x /= np.linalg.norm(x)
-    X = np.eye(4)
-    X[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    X[:3, 3] = (start + end) / 2.0
-    return Cylinder(radius=radius, length=length), X
 
 
 def _pieces(path: Array, spacing: float) -> list[tuple[Array, Array]]:

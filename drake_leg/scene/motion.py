@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass
 from typing import Self
 
@@ -15,6 +17,10 @@ from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 
 LARGEST_MISS = 1e-6  # [m], of a recorded tip from the tip of the robot that is said to have moved
+
+
+class OtherRobotError(InvalidValueError):
+    """A recording that another robot has left than the one that is said to have moved."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,15 +77,14 @@ class Motion:
         return frame_poses(self.robot, self.q)
 
     def path(self) -> Array:
-        """Way of the tip, the origin of the last frame.
+        """Way of the tip, as ``tip`` finds it.
 
         Returns
         -------
         p_BT : (rows, 3) ndarray
             In the base frame [m].
         """
-        tip: Array = self.poses()[:, -1, :3, 3]
-        return tip
+        return tip(self.robot, self.poses())
 
 
 def frame_poses(robot: Robot, q: ArrayLike) -> Array:
@@ -105,6 +110,31 @@ def frame_poses(robot: Robot, q: ArrayLike) -> Array:
     X_B = base_transforms(robot.rows, finite_vectors("q", q, len(robot.moving)))
     base = np.broadcast_to(np.eye(4), (*X_B.shape[:-3], 1, 4, 4))
     return np.concatenate([base, X_B], axis=-3)
+
+
+def tip(robot: Robot, X_BF: Array) -> Array:
+    """Where the tip is: the end of the last link, or the last frame where that is farther out.
+
+    The last frame may lie inside the last link, as the pendulum's centre of gravity does, or beyond
+    it, as a tool does.
+
+    Parameters
+    ----------
+    robot : Robot
+        n rows.
+    X_BF : (..., n + 1, 4, 4) ndarray
+        Poses of its frames, as ``frame_poses``.
+
+    Returns
+    -------
+    p_BT : (..., 3) ndarray
+        [m].
+    """
+    index, link = [(i, s.link) for i, s in enumerate(robot.segments, 1) if s.link is not None][-1]
+    link_end = X_BF[..., index, :3, :] @ [*link.end, 1.0]
+    last_origin = X_BF[..., -1, :3, 3]
+    reach = np.linalg.norm(last_origin - X_BF[..., index, :3, 3], axis=-1, keepdims=True)
+    return np.where(reach > math.hypot(*link.end), last_origin, link_end)
 
 
 def still(robot: Robot, q: ArrayLike) -> Motion:
@@ -149,17 +179,24 @@ def recorded_motion(robot: Robot, recording: Recording) -> Motion:
     Raises
     ------
     InvalidValueError
-        If a column is missing, or the recorded tip is not where this robot has it.
+        If there is no column ``time``, or a value makes no sense.
+    OtherRobotError
+        If the count of joint positions is another, or the recorded tip is not where this robot has
+        it.
     """
-    names = {header.partition("[")[0] for header in recording.columns}
-    count = len(robot.moving)
-    joints = ["q"] if count == 1 and "q" in names else [f"q{i + 1}" for i in range(count)]
+    names = [header.partition("[")[0] for header in recording.columns]
+    joints = [name for name in names if re.fullmatch(r"q\d*", name)]
+    if len(joints) != len(robot.moving):
+        raise OtherRobotError(
+            f"the recording has joint positions of {len(joints)} joints and {robot.name!r} has "
+            f"{len(robot.moving)}: give the one that moved, --robot"
+        )
     motion = Motion(robot=robot, time=recording["time"], q=recording.stack(*joints))
-    if names.issuperset("xyz"):
-        miss = float(np.abs(motion.path() - recording.stack("x", "y", "z")).max())
+    if set("xyz") <= set(names):
+        miss = float(np.abs(motion.poses()[:, -1, :3, 3] - recording.stack("x", "y", "z")).max())
         if miss > LARGEST_MISS:
-            raise InvalidValueError(
+            raise OtherRobotError(
                 f"the recording's tip is up to {miss:.3g} m away from where {robot.name!r} has it: "
-                "the run was made with other lengths; give the robot that moved"
+                "another robot moved, or one with other lengths; give the one that moved, --robot"
             )
     return motion

@@ -5,17 +5,19 @@ Every way of showing a robot, in a browser, by VTK or by matplotlib, shows these
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import Brick, Cylinder, Robot, Shape, Sphere
+from drake_leg.kinematics.khalil import row_transform
+from drake_leg.robot import Brick, Cylinder, Robot, Row, Shape, Solid, Sphere, link_colour
 from drake_leg.scene.paper import Colour
 
 PALE = (0.72, 0.73, 0.76)
 
-BASE_SIZE = 0.07  # of the scene's size
+BASE_SIZE, ROD_RADIUS = 0.07, 0.009  # of the scene's size
 LEAST_SIZE = 1e-3  # [m], of a scene
 SOLID_OPACITY = 0.45  # so that the frames inside can be seen
 
@@ -49,7 +51,7 @@ def size_of(points: Array) -> float:
 
 
 def solid_parts(robot: Robot, size: float) -> tuple[Part, ...]:
-    """Solids of the links, a block where the base is, and a post under a raised first joint.
+    """Solids of the links, thin rods where no solid leads on, and a block where the base is.
 
     Parameters
     ----------
@@ -62,38 +64,75 @@ def solid_parts(robot: Robot, size: float) -> tuple[Part, ...]:
     -------
     tuple of Part
     """
+    return (*_base_parts(robot, size), *_link_solids(robot), *_link_rods(robot, size))
+
+
+def _base_parts(robot: Robot, size: float) -> Iterator[Part]:
+    """Make the base's block, and a post from there to a first joint that is somewhere else."""
     edge = BASE_SIZE * size
     block = Brick(length=edge, width=edge, height=edge / 2.0)
-    parts = [Part(path="block", frame=0, shape=block, colour=PALE, opacity=SOLID_OPACITY)]
-    rise = robot.rows[0].r
-    if rise > edge:
-        post = Cylinder(radius=edge / 4.0, length=rise)
-        middle = placed(0.0, 0.0, rise / 2.0)
-        parts.append(
-            Part(
-                path="post",
-                frame=0,
-                shape=post,
-                X_FP=middle,
-                colour=PALE,
-                opacity=SOLID_OPACITY,
-            )
-        )
+    yield Part(path="block", frame=0, shape=block, colour=PALE, opacity=SOLID_OPACITY)
+    joint = _origin(robot.rows[0])
+    if np.linalg.norm(joint) > edge:
+        post, pose = rod(np.zeros(3), joint, edge / 4.0)
+        yield Part(path="post", frame=0, shape=post, X_FP=pose, colour=PALE, opacity=SOLID_OPACITY)
+
+
+def _link_solids(robot: Robot) -> Iterator[Part]:
     for index, segment in enumerate(robot.segments, start=1):
         if segment.link is not None and segment.link.solid is not None:
             solid = segment.link.solid
             ball = isinstance(solid.shape, Sphere)
-            parts.append(
-                Part(
-                    path="solid",
-                    frame=index,
-                    shape=solid.shape,
-                    X_FP=placed(*solid.centre),
-                    colour=solid.colour,
-                    opacity=1.0 if ball else SOLID_OPACITY,
-                )
+            yield Part(
+                path="solid",
+                frame=index,
+                shape=solid.shape,
+                X_FP=placed(*solid.centre),
+                colour=solid.colour,
+                opacity=1.0 if ball else SOLID_OPACITY,
             )
-    return tuple(parts)
+
+
+def _link_rods(robot: Robot, size: float) -> Iterator[Part]:
+    radius = ROD_RADIUS * size
+    for index, segment in enumerate(robot.segments, start=1):
+        solid = segment.link.solid if segment.link is not None else None
+        colour = link_colour(index) if solid is None else solid.colour
+        for number, end in enumerate(_bare_ends(robot, index, radius)):
+            shape, pose = rod(np.zeros(3), end, radius)
+            yield Part(
+                path=f"rod/{number}",
+                frame=index,
+                shape=shape,
+                X_FP=pose,
+                colour=colour,
+                opacity=SOLID_OPACITY,
+            )
+
+
+def _bare_ends(robot: Robot, index: int, near: float) -> Iterator[Array]:
+    """List where a frame's link goes without a solid: its end, and the origin of the next frame."""
+    link = robot.segments[index - 1].link
+    solid = link.solid if link is not None else None
+    ends = [np.array(link.end)] if link is not None and solid is None else []
+    ends += [_origin(row) for row in robot.rows[index : index + 1]]
+    seen = [np.zeros(3)]
+    for end in ends:
+        held = solid is not None and _holds(solid, end, near)
+        if not held and min(np.linalg.norm(end - other) for other in seen) > near:
+            seen.append(end)
+            yield end
+
+
+def _holds(solid: Solid, point: Array, near: float) -> bool:
+    """Tell whether a point of a link's frame lies in the box around its solid, or near it."""
+    half = _corners(solid.shape).max(axis=0) + near
+    return bool((np.abs(point - solid.centre) <= half).all())
+
+
+def _origin(row: Row) -> Array:
+    """Origin of a row's frame in the frame before, p_PC, where its joint stands at zero [m]."""
+    return np.asarray(row_transform(row)[:3, 3])
 
 
 def outline(robot: Robot, X_BF: Array) -> Array:
@@ -150,3 +189,30 @@ def placed(x: float, y: float, z: float) -> Array:
     X = np.eye(4)
     X[:3, 3] = x, y, z
     return X
+
+
+def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
+    """Make a cylinder from one point to another.
+
+    Parameters
+    ----------
+    start, end : (3,) ndarray
+        In a frame F, apart from each other [m].
+    radius : float
+        [m].
+
+    Returns
+    -------
+    Cylinder
+    X_FC : (4, 4) ndarray
+        Its pose [-, m].
+    """
+    way = end - start
+    length = float(np.linalg.norm(way))
+    z = way / length
+    x = np.cross(np.eye(3)[int(np.abs(z).argmin())], z)
+    x /= np.linalg.norm(x)
+    X = np.eye(4)
+    X[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    X[:3, 3] = (start + end) / 2.0
+    return Cylinder(radius=radius, length=length), X

@@ -20,6 +20,7 @@ image = Renderer(scene_of(motion), width=64, height=48).image(motion.poses()[0],
 assert np.ptp(image) > 0, "the picture is empty"
 """
 PATIENCE = 60.0  # [s]
+REMEDY = "install Mesa (Debian: libegl1 libgl1-mesa-dri)"
 
 
 class NoRenderingError(DrakeLegError):
@@ -35,8 +36,7 @@ class NoRenderingError(DrakeLegError):
         self.reason = reason
         super().__init__(
             "no picture can be rendered here, OpenGL is missing or broken "
-            f"({reason}): install Mesa (Debian: libegl1 libgl1-mesa-dri), or use a replay page, "
-            "which the browser renders"
+            f"({reason}): {REMEDY}, or use a replay page, which the browser renders"
         )
 
 

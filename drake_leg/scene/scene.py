@@ -29,7 +29,7 @@ class Scene:
 
     robot: Robot
     parts: tuple[Part, ...]
-    points: Array  # (n, 3), what a picture must hold [m]
+    points: Array  # (n, 3), what a picture of the robot must hold [m]
     floor: Array  # (2, 3), opposite corners of the floor [m]
     size: float  # greatest edge of the box around the robot [m]
 
@@ -37,6 +37,13 @@ class Scene:
     def floor_square(self) -> float:
         """Edge of the floor's squares [m]."""
         return floor_square(size_of(self.points))
+
+    @property
+    def held(self) -> Array:
+        """Points that a picture must hold, with the floor's corners, (n + 4, 3) [m]."""
+        (x, y, z), (u, v, _) = self.floor
+        corners = np.array([[x, y, z], [u, y, z], [x, v, z], [u, v, z]])
+        return np.concatenate([self.points, corners])
 
     def framing(self, view: View) -> Framing:
         """Find how a view sees the whole scene.
@@ -50,9 +57,7 @@ class Scene:
         -------
         Framing
         """
-        (x, y, z), (u, v, _) = self.floor
-        corners = np.array([[x, y, z], [u, y, z], [x, v, z], [u, v, z]])
-        return frame(view, np.concatenate([self.points, corners]))
+        return frame(view, self.held)
 
 
 def scene_of(motion: Motion, *, room: float = 0.0) -> Scene:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from functools import cache
 from itertools import pairwise
 
 import matplotlib as mpl
@@ -42,6 +43,7 @@ class Sketcher:
 
     def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
         self._scene, self._width, self._height, self._paper = scene, width, height, paper
+        self._framing = cache(scene.framing)
 
     def image(self, X_WF: Array, view: View) -> Image:
         """Draw a picture.
@@ -88,7 +90,7 @@ class Sketcher:
         return self._pixels(points @ view.axes, view)
 
     def _pixels(self, seen: Array, view: View) -> Array:
-        framing = self._scene.framing(view)
+        framing = self._framing(view)
         aspect = self._width / self._height
         half = MARGIN * max(framing.half_height, framing.half_width / aspect)
         scale = self._height / (2.0 * half)

@@ -13,7 +13,7 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 from drake_leg.scene.motion import Motion, still
 from drake_leg.scene.paper import LIGHT, Paper
-from drake_leg.scene.rendering import rendering_fault
+from drake_leg.scene.rendering import REMEDY, rendering_fault
 from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS, View
 
@@ -109,6 +109,23 @@ def write_stills(
     return paths
 
 
+def sketching() -> str | None:
+    """Say why pictures are drawn by matplotlib, where nothing can be rendered.
+
+    Returns
+    -------
+    str or None
+        A sentence; None where VTK renders them.
+    """
+    fault = rendering_fault()
+    if fault is None:
+        return None
+    return (
+        f"OpenGL is missing or broken ({fault}), so matplotlib drew the robot, in parallel "
+        f"projection; to have it rendered, {REMEDY}"
+    )
+
+
 def _picture(scene: Scene, X_WF: Array, view: View, paper: Paper) -> bytes:
     from PIL import Image
 
@@ -116,9 +133,10 @@ def _picture(scene: Scene, X_WF: Array, view: View, paper: Paper) -> bytes:
     from drake_leg.scene.lettering import Words, reduced, write_on
 
     artist = _artist(scene, paper)
-    title = Words(text=scene.robot.title, x=28, y=38, size=TITLE, colour=paper.ink)
+    text = view.titled(scene.robot.title)
+    title = Words(text=text, x=28, y=38, size=TITLE, colour=paper.ink)
     names = spread_frame_names(
-        artist, scene, X_WF, view, share=SMOOTHING, size=LETTERS, paper=paper
+        artist, scene, X_WF, view, share=SMOOTHING, size=LETTERS, others=[title], paper=paper
     )
     smooth = reduced(artist.image(X_WF, view), SMOOTHING)
     buffer = io.BytesIO()

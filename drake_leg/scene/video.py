@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.errors import InvalidValueError
+from drake_leg.imports import require_import, require_pillow
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.rendering import require_rendering
 from drake_leg.scene.scene import Scene, scene_of
@@ -30,15 +30,6 @@ GIF_COLOURS = 128
 SMALLEST_LETTERS = 12  # [pixels], of the frames' names
 
 
-class MissingEncoderError(DrakeLegError):
-    """PyAV is wanted and not installed."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            "an MP4 needs PyAV: pip install 'drake-leg[video]', or choose a name that ends in .gif"
-        )
-
-
 def require_video(target: Path) -> None:
     """Refuse to go on where this video cannot be made.
 
@@ -49,13 +40,19 @@ def require_video(target: Path) -> None:
 
     Raises
     ------
-    MissingEncoderError
-        If it is an MP4 and PyAV is not installed.
+    BrokenPackageError
+        If Pillow cannot be imported, or PyAV for an MP4.
     NoRenderingError
         If nothing can be rendered here.
     """
-    if target.suffix.lower() == ".mp4" and find_spec("av") is None:
-        raise MissingEncoderError
+    require_pillow()
+    if target.suffix.lower() == ".mp4":
+        require_import(
+            "av",
+            purpose="an MP4",
+            package="PyAV",
+            remedy="pip install 'drake-leg[video]', or choose a name that ends in .gif",
+        )
     require_rendering()
 
 
@@ -91,8 +88,8 @@ def write_video(
     ------
     InvalidValueError
         If the motion is longer than ``LONGEST``.
-    MissingEncoderError
-        If an MP4 is wanted and PyAV is not installed.
+    BrokenPackageError
+        If Pillow cannot be imported, or PyAV for an MP4.
     NoRenderingError
         If nothing can be rendered here.
     OutputError

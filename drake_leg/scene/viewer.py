@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot, Segment
 from drake_leg.scene.marks import TRACE_SPACING, trace_piece
-from drake_leg.scene.motion import frame_poses, still
+from drake_leg.scene.motion import frame_poses, still, tip
 from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS, View
 
@@ -214,7 +214,7 @@ def view_robot(
             posture = np.array([meshcat.GetSliderValue(s.name) * s.unit for s in sliders])
             poses = frame_poses(robot, posture)
             move(meshcat, poses)
-            trace.add(poses[-1, :3, 3])
+            trace.add(tip(robot, poses))
             clicked = clicks.new()
             for label in clicked:
                 if label in views:

@@ -20,8 +20,24 @@ class View:
 
     name: str  # as on the command line
     label: str  # as on a button
+    whence: str = ""  # as in a sentence: "from the right"
     towards: tuple[float, float, float]  # from the scene to the camera, not along z exactly
     field: float = FLAT  # of view [rad]; a narrow one shows parallels as parallels
+
+    def titled(self, title: str) -> str:
+        """Say what is seen, and from where.
+
+        Parameters
+        ----------
+        title : str
+            Of the robot.
+
+        Returns
+        -------
+        str
+            ``Hexabot leg B, from the right``; the title alone where the view shows it in 3D.
+        """
+        return f"{title}, {self.whence}" if self.whence else title
 
     @property
     def axes(self) -> Array:
@@ -38,9 +54,9 @@ VIEWS = {
     view.name: view
     for view in (
         View(name="3d", label="3D", towards=(0.62, -0.66, 0.42), field=NATURAL),
-        View(name="right", label="Right", towards=(1.0, 0.0, 0.0)),
-        View(name="front", label="Front", towards=(0.0, -1.0, 0.0)),
-        View(name="top", label="Top", towards=_FROM_ABOVE),
+        View(name="right", label="Right", whence="from the right", towards=(1.0, 0.0, 0.0)),
+        View(name="front", label="Front", whence="from the front", towards=(0.0, -1.0, 0.0)),
+        View(name="top", label="Top", whence="from the top", towards=_FROM_ABOVE),
     )
 }
 

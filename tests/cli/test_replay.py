@@ -1,6 +1,7 @@
 """``drake-leg replay``, in process."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from drake_leg.cli import main
 from drake_leg.recording import Recording
-from drake_leg.robots import hexabot_leg
+from drake_leg.robots import LEG_B, hexabot_leg
 from drake_leg.scene.motion import Motion
 
 
@@ -77,7 +78,47 @@ def test_what_cannot_be_replayed_is_one_sentence(words, said, capsys):
     assert said in refused(capsys, *words)
 
 
-def test_a_summary_without_a_robot_asks_for_one(capsys):
-    for text in ("{}", "[]", "no json", '{"robot": "arm"}'):
-        Path("leg/summary.json").write_text(text)
-        assert "name it with --robot" in refused(capsys, "leg", "--out", "a.html")
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{}", "has no entry 'robot' with a name"),
+        ("[]", "has no entry 'robot' with a name"),
+        ('{"robot":\n', "is damaged in line 2, column 1"),
+        ("[" * 100_000, "is damaged: it is no JSON"),
+        ("\udcff", "is damaged: it is no JSON"),
+        (None, "cannot be read (No such file or directory)"),
+    ],
+    ids=["empty", "list", "cut", "deep", "bytes", "gone"],
+)
+def test_a_summary_without_a_robot_asks_for_one(text, said, capsys):
+    if text is None:
+        Path("leg/summary.json").unlink()
+    else:
+        Path("leg/summary.json").write_text(text, errors="surrogateescape")
+    err = refused(capsys, "leg", "--out", "a.html")
+    assert err == f"drake-leg: leg/summary.json {said}: tell which robot moved with --robot\n"
+
+
+def test_a_run_of_a_robot_of_ones_own_needs_its_file(capsys):
+    write_run("desk", replace(LEG_B, name="desk_arm"))
+    said = refused(capsys, "desk", "--out", "a.html")
+    assert "desk is a run of 'desk_arm', a robot of your own: give its TOML file" in said
+    said = refused(capsys, "desk", "--robot", "leg-a", "--out", "a.html")
+    assert "not of 'leg_a': give its TOML file, --robot desk_arm.toml" in said
+
+
+@pytest.mark.parametrize("other", ["leg-a", "scara", "pendulum"])
+def test_another_robot_than_the_one_that_moved_is_named(other, capsys):
+    said = refused(capsys, "leg", "--robot", other, "--out", "a.html")
+    name = other.replace("-", "_")
+    assert said == f"drake-leg: leg is a run of 'leg_b', not of {name!r}: leave --robot out\n"
+    Path("leg/summary.json").unlink()
+    said = refused(capsys, "leg", "--robot", other, "--out", "a.html")
+    assert "give the one that moved, --robot" in said
+
+
+def test_a_value_that_is_no_number_is_found(capsys):
+    file = Path("leg/recording.csv")
+    file.write_text(file.read_text().replace("\n0.1,", "\nzero,"))
+    said = refused(capsys, "leg", "--out", "a.html")
+    assert "leg/recording.csv, line 3, has 'zero' in the column time[s], which is no number" in said

@@ -99,13 +99,44 @@ def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkey
     monkeypatch.setattr(stills, "rendering_fault", lambda: "to be quick")
     words = ("leg-b", "--out", "out", "--duration", "0.2", "--replay", "leg.html", "--stills")
     status, out, err = run(capsys, *words)
-    assert (status, err) == (0, "")
+    assert status == 0
+    assert err.startswith(
+        "drake-leg: OpenGL is missing or broken (to be quick), so matplotlib drew"
+    )
+    assert err.count("\n") == 1
     assert out.splitlines()[1:] == ["wrote leg.html"]
     assert (here / "leg.html").stat().st_size > 100_000
     assert (here / "out" / "still_3d.png").stat().st_size > 1000
     assert "leg.html exists" in run(capsys, *words[:1], "--out", "new", *words[3:])[2]
     assert not (here / "new").exists()
     assert run(capsys, *words, "--overwrite")[0] == 0
+
+
+@pytest.mark.parametrize("file", ["file/leg.html", "/proc/leg.html", "/proc/new/leg.html"])
+def test_a_show_that_cannot_be_written_is_refused_before_the_run(here, capsys, monkeypatch, file):
+    monkeypatch.setattr("drake_leg.runs.leg.simulate", None)
+    (here / "file").touch()
+    status, out, err = run(capsys, "leg-b", "--out", "out", "--replay", file)
+    assert (status, out) == (2, "")
+    assert err.startswith(f"drake-leg: {file} cannot be written (")
+    assert err.endswith("choose another --replay\n")
+    assert [path.name for path in here.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize(("module", "said"), [("av", "PyAV"), ("PIL.Image", "Pillow")])
+def test_what_no_video_can_be_made_with_is_said_before_the_run(
+    here, capsys, monkeypatch, module, said
+):
+    monkeypatch.setattr("drake_leg.runs.leg.simulate", None)
+    monkeypatch.setitem(sys.modules, module, None)
+    err = refused(capsys, here, "leg-b", "--out", "out", "--video", "leg.mp4")
+    assert f"needs {said}, which cannot be imported (import of {module} halted" in err
+
+
+def test_figures_without_pillow_are_refused_before_the_run(here, capsys, monkeypatch):
+    monkeypatch.setattr("drake_leg.runs.leg.simulate", None)
+    monkeypatch.setitem(sys.modules, "PIL.Image", None)
+    assert "pip install --force-reinstall pillow" in refused(capsys, here, "leg-b", "--out", "out")
 
 
 def test_a_video_is_asked_of_what_can_write_it(no_figures, here, capsys, monkeypatch):

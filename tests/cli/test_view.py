@@ -127,8 +127,21 @@ def test_a_still_is_written_once(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(stills, "rendering_fault", lambda: "to be quick")
     words = ("view", "leg-b", "--still", "leg.png", "--from", "right")
-    assert run(capsys, *words) == (0, "wrote leg.png\n", "")
+    status, out, err = run(capsys, *words)
+    assert (status, out) == (0, "wrote leg.png\n")
+    assert err.startswith(
+        "drake-leg: OpenGL is missing or broken (to be quick), so matplotlib drew"
+    )
+    assert "in parallel projection; to have it rendered, install Mesa (Debian: " in err
+    assert err.count("\n") == 1
     with Image.open("leg.png") as image:
         assert image.size == (960, 720)
     assert "leg.png exists" in run(capsys, *words)[2]
     assert run(capsys, *words, "--overwrite")[0] == 0
+
+
+def test_a_rendered_still_needs_no_words(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(stills, "rendering_fault", lambda: None)
+    monkeypatch.setattr(stills, "still_png", lambda robot, q, view: b"a picture")
+    assert run(capsys, "view", "leg-b", "--still", "leg.png") == (0, "wrote leg.png\n", "")

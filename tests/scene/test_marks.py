@@ -6,6 +6,7 @@ import pytest
 from drake_leg.robots import LEG_B
 from drake_leg.scene.marks import (
     BLUE,
+    DASH,
     GREEN,
     RED,
     TRACE_SPACING,
@@ -51,9 +52,20 @@ def test_a_trace_follows_its_way():
     circle = np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
     pieces = trace_parts(circle, 2.0)
     length = sum(part.shape.length for part in pieces)
-    assert length == pytest.approx(2.0 * math.pi, rel=1e-3)
+    assert length == pytest.approx(2.0 * math.pi * (DASH - 1) / DASH, rel=0.01)
     middles = np.array([part.X_FP[:3, 3] for part in pieces])
     np.testing.assert_allclose(np.linalg.norm(middles, axis=1), 1.0, atol=1e-3)
+
+
+def test_an_axis_inside_the_trace_is_seen_in_its_gaps():
+    radii = {part.shape.radius for part in triad_parts(LEG_B, 2.0)}
+    way = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 50)
+    dashes = trace_parts(way, 2.0)
+    assert min(part.shape.radius for part in dashes) > max(radii)
+    starts, ends = np.array([ends_of(part) for part in dashes])[:, :, 0].T
+    gaps = starts[1:] - ends[:-1]
+    assert gaps.max() == pytest.approx(TRACE_SPACING * 2.0, rel=0.05)
+    assert (gaps > 0.5 * TRACE_SPACING).sum() >= 8
 
 
 def test_a_way_gone_many_times_is_traced_once():

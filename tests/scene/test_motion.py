@@ -1,10 +1,14 @@
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.recording import Recording
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, ROBOTS
-from drake_leg.scene.motion import Motion, recorded_motion, still
+from drake_leg.robot import Row
+from drake_leg.robots import LEG_A, LEG_B, PENDULUM, PENDULUM_SIZE, ROBOTS, SCARA
+from drake_leg.scene.motion import Motion, OtherRobotError, recorded_motion, still
 
 TIME = np.array([1.0, 1.5, 3.0])
 Q = np.array([[1.5, -0.9, -1.6], [1.6, -0.8, -1.5], [1.1, -0.5, -1.2]])
@@ -23,6 +27,24 @@ def test_the_frames_are_where_drake_has_them(robot, rng, drake_frames):
     X_WF = still(robot, q).poses()[0]
     assert np.array_equal(X_WF[0], np.eye(4))
     np.testing.assert_allclose(X_WF[1:], drake_frames(robot, q), atol=1e-14)
+
+
+def test_the_pendulums_tip_is_the_end_of_its_bar():
+    ((x, y, z),) = still(PENDULUM, [math.pi / 2]).path()
+    np.testing.assert_allclose([x, y, z], [0.0, 0.0, -PENDULUM_SIZE[0]], atol=1e-15)
+
+
+@pytest.mark.parametrize("robot", [LEG_A, LEG_B, SCARA], ids=lambda robot: robot.name)
+def test_the_tip_of_the_others_is_their_last_frame(robot, rng):
+    motion = still(robot, rng.uniform(-1.0, 1.0, len(robot.moving)))
+    np.testing.assert_allclose(motion.path(), motion.poses()[:, -1, :3, 3], atol=1e-15)
+
+
+def test_the_tip_is_a_tool_that_is_farther_out_than_the_links_end():
+    bar, centre = PENDULUM.segments
+    tool = replace(centre, row=Row(joint="fixed", d=1.5 * PENDULUM_SIZE[0]))
+    robot = replace(PENDULUM, segments=(bar, tool))
+    np.testing.assert_allclose(still(robot, [0.0]).path()[0, 0], 1.5 * PENDULUM_SIZE[0])
 
 
 def test_samples_are_equally_apart_from_the_first_row_and_lie_between_the_rows():
@@ -44,8 +66,12 @@ def test_a_recording_gives_its_joint_positions():
 
 
 def test_a_recording_of_another_robot_is_refused():
-    with pytest.raises(InvalidValueError, match=r"tip is up to 0\.\d+ m away .*'leg_a'"):
+    with pytest.raises(OtherRobotError, match=r"tip is up to 0\.\d+ m away .*'leg_a'"):
         recorded_motion(LEG_A, recording())
+    with pytest.raises(OtherRobotError, match="positions of 3 joints and 'scara' has 4: give"):
+        recorded_motion(SCARA, recording())
+    with pytest.raises(OtherRobotError, match="positions of 3 joints and 'pendulum' has 1: give"):
+        recorded_motion(PENDULUM, recording())
 
 
 @pytest.mark.parametrize(

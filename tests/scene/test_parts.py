@@ -5,8 +5,8 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.models.sdf import sdf_text
-from drake_leg.robot import Robot, Row, Segment
-from drake_leg.robots import LEG_B, ROBOTS
+from drake_leg.robot import LINK_COLOURS, Brick, Link, Robot, Row, Segment, Solid
+from drake_leg.robots import LEG_B, ROBOTS, SCARA, SCARA_HEIGHT
 from drake_leg.scene.motion import Motion, still
 from drake_leg.scene.parts import LEAST_SIZE, outline, size_of, solid_parts
 from drake_leg.scene.scene import scene_of
@@ -44,6 +44,68 @@ def test_the_solids_are_those_that_drake_reads_from_the_sdf(robot):
         np.testing.assert_allclose(ours[frame].X_FP, pose.GetAsMatrix4(), atol=1e-15)
 
 
+def arm(*rows):
+    """A robot of rows that are given as (Row, Link or None)."""
+    return Robot(
+        name="arm",
+        title="Arm",
+        source="none",
+        segments=tuple(
+            Segment(row=row, joint=None if link is None else f"joint_{link.name}", link=link)
+            for row, link in rows
+        ),
+    )
+
+
+def rods(robot):
+    """Frame, end and colour of every rod."""
+    for part in solid_parts(robot, 0.2):
+        if part.path.startswith("rod"):
+            end = part.X_FP[:3, 3] + part.X_FP[:3, 2] * part.shape.length / 2.0
+            yield part.frame, tuple(np.round(end, 9).tolist()), part.colour
+
+
+def test_the_reports_robots_have_no_rods():
+    assert not [rod for robot in ROBOTS for rod in rods(robot)]
+
+
+def test_a_link_without_a_solid_is_a_rod_to_its_end_or_to_the_next_joint():
+    turn = Row(joint="revolute", d=0.1)
+    ending = arm((turn, Link(name="a", end=(0.1, 0.0, 0.0))), (turn, Link(name="b")))
+    assert list(rods(ending)) == [(1, (0.1, 0.0, 0.0), LINK_COLOURS[0])]
+    endless = arm((turn, Link(name="a")), (Row(joint="revolute", r=0.2), Link(name="b")))
+    assert list(rods(endless)) == [(1, (0.0, 0.0, 0.2), LINK_COLOURS[0])]
+
+
+def test_a_tool_row_is_a_rod_where_no_solid_leads_to_it():
+    turn, tool = Row(joint="revolute"), Row(joint="fixed", d=0.2)
+    long, short = (
+        Link(
+            name="bar",
+            solid=Solid(
+                shape=Brick(length=length, width=0.01, height=0.01),
+                density=1e3,
+                centre=(length / 2.0, 0.0, 0.0),
+                colour=(1.0, 0.0, 0.0),
+            ),
+        )
+        for length in (0.2, 0.1)
+    )
+    assert not list(rods(arm((turn, long), (tool, None))))
+    assert list(rods(arm((turn, short), (tool, None)))) == [(1, (0.2, 0.0, 0.0), (1.0, 0.0, 0.0))]
+    two = arm((turn, Link(name="bare")), (tool, None), (tool, None))
+    assert [frame for frame, *_ in rods(two)] == [1, 2]
+
+
+def test_a_post_leads_to_a_first_joint_wherever_it_is():
+    (post,) = (part for part in solid_parts(SCARA, 0.5) if part.path == "post")
+    assert post.shape.length == pytest.approx(SCARA_HEIGHT)
+    aside = arm((Row(joint="revolute", d=0.3, r=0.4), Link(name="a")))
+    (post,) = (part for part in solid_parts(aside, 0.5) if part.path == "post")
+    assert post.shape.length == pytest.approx(0.5)
+    np.testing.assert_allclose(post.X_FP[:3, 3], [0.15, 0.0, 0.2])
+
+
 def test_a_ball_stays_a_ball():
     foot = next(part for part in solid_parts(LEG_B, 0.2) if part.frame == 4)
     assert isinstance(drake_shape(foot.shape), Sphere)
@@ -61,11 +123,7 @@ def test_a_robot_without_any_size_has_a_scene():
         name="bare",
         title="Bare",
         source="none",
-        segments=(
-            Segment(
-                row=Row(joint="revolute"), joint="turn", link=type(LEG_B.segments[0].link)(name="l")
-            ),
-        ),
+        segments=(Segment(row=Row(joint="revolute"), joint="turn", link=Link(name="l")),),
     )
     assert scene_of(still(wheel, [0.3])).size > 0.04
     scene = scene_of(still(bare, [0.0]))

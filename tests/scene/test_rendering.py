@@ -52,6 +52,19 @@ def test_both_artists_put_points_at_the_same_place():
         np.testing.assert_allclose(rendered, drawn, atol=6.0)  # one of them has a perspective
 
 
+@pytest.mark.parametrize("view", VIEWS.values(), ids=lambda view: view.name)
+@pytest.mark.usefixtures("rendering")
+def test_nothing_is_lost_where_the_renderer_leaves_out_the_edges(view, monkeypatch):
+    from drake_leg.scene import vtk
+
+    motion = still(LEG_B, POSTURE)
+    part = artist("vtk", scene_of(motion)).image(motion.poses()[0], view).astype(float)
+    monkeypatch.setattr(vtk, "EDGE", 1.0)
+    whole = artist("vtk", scene_of(motion)).image(motion.poses()[0], view).astype(float)
+    assert np.array_equal(part[0], whole[0])
+    assert (np.abs(part - whole).max(axis=-1) > 64.0).sum() <= 2  # edges are smoothed otherwise
+
+
 def test_a_renderer_that_ends_its_process_ends_in_a_sentence():
     said = subprocess.run(
         [sys.executable, "-c", "from drake_leg.cli import main; raise SystemExit(main())",

@@ -1,12 +1,14 @@
+import sys
+
 import numpy as np
 import pytest
 from PIL import Image
 
 from drake_leg.errors import InvalidValueError, OutputError
+from drake_leg.imports import BrokenPackageError
 from drake_leg.robots import PENDULUM
-from drake_leg.scene import video
 from drake_leg.scene.motion import Motion
-from drake_leg.scene.video import MissingEncoderError, write_video
+from drake_leg.scene.video import require_video, write_video
 from drake_leg.scene.views import VIEWS
 
 
@@ -38,10 +40,23 @@ def test_an_mp4_has_thirty_frames_a_second(step, tmp_path):
 
 
 def test_an_mp4_without_pyav_is_refused_in_a_sentence(step, tmp_path, monkeypatch):
-    monkeypatch.setattr(video, "find_spec", lambda name: None)
-    with pytest.raises(MissingEncoderError, match=r"pip install 'drake-leg\[video\]'"):
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(BrokenPackageError, match=r"pip install 'drake-leg\[video\]'"):
         write_video(tmp_path / "step.mp4", step)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_broken_pyav_or_pillow_is_found_before_any_work(tmp_path, monkeypatch):
+    package = tmp_path / "av"
+    package.mkdir()
+    (package / "__init__.py").write_text("raise OSError('libavcodec.so.61: no such file\\nmore')")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "av", raising=False)
+    with pytest.raises(BrokenPackageError, match=r"PyAV.* \(libavcodec.so.61: no such file\): pip"):
+        require_video(tmp_path / "step.mp4")
+    monkeypatch.setitem(sys.modules, "PIL.Image", None)
+    with pytest.raises(BrokenPackageError, match="needs Pillow, which cannot be imported"):
+        require_video(tmp_path / "step.gif")
 
 
 def test_a_video_of_an_hour_is_refused(tmp_path):

@@ -37,3 +37,16 @@ def test_every_point_is_inside_the_picture(view, aspect, rng):
 def test_another_view_is_refused():
     with pytest.raises(InvalidValueError, match="no view 'left'; the views are 3d, right"):
         view_named("left")
+
+
+@pytest.mark.parametrize(
+    ("view", "title"),
+    [
+        ("3d", "Hexabot leg B"),
+        ("right", "Hexabot leg B, from the right"),
+        ("front", "Hexabot leg B, from the front"),
+        ("top", "Hexabot leg B, from the top"),
+    ],
+)
+def test_a_title_says_from_where(view, title):
+    assert VIEWS[view].titled("Hexabot leg B") == title
