@@ -19,8 +19,10 @@ def test_maps_are_left_in_a_folder(tmp_path, capsys):
     assert f"wrote {target}" in capsys.readouterr().out
     assert main([*LEG, "--out", str(target)]) == 2
     assert "exists" in capsys.readouterr().err
-    assert main([*LEG, "--out", str(target), "--overwrite", "--json"]) == 0
+    scara = ["doctor", "scara", "--q", "30,90,-120", "--json"]
+    assert main([*scara, "--out", str(target), "--overwrite"]) == 0
     json.loads(capsys.readouterr().out)
+    assert not (target / "determinant.png").exists()
 
 
 @pytest.mark.parametrize(
