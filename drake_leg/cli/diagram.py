@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from drake_leg.cli.common import Commands
 from drake_leg.cli.run_options import kind_of, robot_of
 from drake_leg.errors import InvalidValueError
+from drake_leg.imports import require_pillow
 from drake_leg.robot import Robot
 from drake_leg.runs.catalogue import RUNS
 
@@ -123,6 +124,7 @@ def _blocks(chosen: argparse.Namespace) -> str:
 
 
 def _frames(chosen: argparse.Namespace) -> str:
+    require_pillow()
     from drake_leg.figures.free_body import free_body
     from drake_leg.figures.style import svg_text
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from drake_leg.cli.common import Commands, numbers
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
+from drake_leg.imports import require_pillow
 from drake_leg.output import check_target, results_folder
 from drake_leg.robot import Robot
 
@@ -91,6 +92,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
 def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> Maps:
     from drake_leg.figures.of_postures import maps_of_posture
 
+    require_pillow()
     check_target(chosen.out, overwrite=chosen.overwrite)
     return maps_of_posture(robot, q)
 

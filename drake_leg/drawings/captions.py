@@ -10,6 +10,7 @@ from pydrake.math import RigidTransform
 from drake_leg.drawings.text import wrapped
 
 CAPTION_WIDTH = 84.0  # [px], of a mechanical block
+SIGNAL_WIDTH = 88.0  # [px], of a signal block
 SAME = 1e-12  # [m], and of a rotation matrix: what is nearer coincides
 
 

@@ -19,14 +19,13 @@ from pydrake.systems.primitives import (
 )
 
 from drake_leg.diagrams.wiring import Wire, wires
-from drake_leg.drawings.captions import values_text
+from drake_leg.drawings.captions import SIGNAL_WIDTH, values_text
 from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Block, Net, Picture
 from drake_leg.drawings.signals import pretty, signal_names
 from drake_leg.drawings.svg import Background
 from drake_leg.drawings.text import spaced, wrapped
 
-CAPTION_WIDTH = 88.0  # [px]
 TO_PHYSICAL, TO_SIGNAL = "Simulink-PS", "PS-Simulink"  # how converters' names begin
 ACCELERATIONS = ("a", "qddot")  # inputs that only a motion's acceleration feeds
 
@@ -149,7 +148,7 @@ def _block(system: System, inputs: list[str], outputs: list[str]) -> Block:
     sign = "+" if isinstance(system, Adder) else ""
     return Block(
         name=name,
-        caption=wrapped(name, CAPTION_WIDTH) + _start(system, glyph),
+        caption=wrapped(name, SIGNAL_WIDTH) + _start(system, glyph),
         glyph=glyph,
         text=_text(system, glyph, kind),
         inputs=tuple((pretty(port) if boxed else "") or sign for port in inputs),
@@ -181,7 +180,7 @@ def _text(system: System, glyph: str, kind: str) -> tuple[str, ...]:
     if glyph == "plant":
         return ("Multibody", "Plant")
     if glyph == "box":
-        return _INSIDE.get(kind) or wrapped(spaced(kind), CAPTION_WIDTH)
+        return _INSIDE.get(kind) or wrapped(spaced(kind), SIGNAL_WIDTH)
     return ()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 
-from drake_leg.drawings.captions import number_text, values_text
+from drake_leg.drawings.captions import SIGNAL_WIDTH, number_text, values_text
 from drake_leg.drawings.picture import Block as Drawn
 from drake_leg.drawings.simulink_bodies import JOINT_GLYPHS
 from drake_leg.drawings.simulink_names import cut, name_lines
@@ -15,8 +15,6 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.lines import split_port
 from drake_leg.simulink.matlab import Program, program
 from drake_leg.simulink.model import Block, Value
-
-CAPTION_WIDTH = 88.0  # [px]
 
 GLYPHS = JOINT_GLYPHS | {
     "BusCreator": "mux",
@@ -84,7 +82,7 @@ def signal_block(
     words = details(block) if details else ()
     return Drawn(
         name=name,
-        caption=name_lines(block.name, CAPTION_WIDTH) + tuple(map(cut, words)),
+        caption=name_lines(block.name, SIGNAL_WIDTH) + tuple(map(cut, words)),
         glyph=glyph,
         text=_text(block, glyph, function),
         inputs=tuple(_label(port, labels_in) for port in inputs),
@@ -144,7 +142,7 @@ def _text(block: Block, glyph: str, function: Program | None) -> tuple[str, ...]
         return _INSIDE[block.kind]
     if glyph != "box":
         return ()
-    return wrapped(spaced(block.kind), CAPTION_WIDTH)
+    return wrapped(spaced(block.kind), SIGNAL_WIDTH)
 
 
 def _sine(block: Block) -> Iterator[str]:

@@ -84,7 +84,8 @@ def pendulum(robot: Robot, title: str) -> Figure:
     figure, (axes,) = new_figure(title, height=4.2)
     length = 1e3 * model.length
     sketch = Sketch(axes, RIGHT, UP, unit=length / 5)
-    drawn_at = 46.0 if model.spring_stiffness else 32.0  # [deg], away from the spring's rest
+    rest = math.degrees(model.equilibrium_position)
+    drawn_at = rest + 16.0 if model.spring_stiffness else 32.0
     X_B = _frames(robot, [math.radians(drawn_at)])
     pivot, centre = sketch.at(X_B[1][:3, 3]), sketch.at(X_B[2][:3, 3])
     end = (2 * centre[0], 2 * centre[1])
@@ -99,11 +100,10 @@ def pendulum(robot: Robot, title: str) -> Figure:
     if model.damping:
         sketch.torque(pivot, 15.0, 75.0, "$c\\,\\dot{q}$", 1.0)
     if model.spring_stiffness:
-        rest = -math.degrees(model.equilibrium_position)
-        sketch.dashed(pivot, _along(pivot, rest, 0.9 * length))
-        sketch.text(_along(pivot, rest, 0.97 * length), "$q_\\mathrm{ref}$")
-        sketch.torque(pivot, direction(sketch, X_B[1]), rest, "", 4.0)
-        pull = _along(pivot, rest - 5.0, 1.06 * length)
+        sketch.dashed(pivot, _along(pivot, -rest, 0.9 * length))
+        sketch.text(_along(pivot, -rest, 0.97 * length), "$q_\\mathrm{ref}$")
+        sketch.torque(pivot, -drawn_at, -rest, "", 4.0)
+        pull = _along(pivot, -rest - 5.0, 1.06 * length)
         sketch.text(pull, "$k\\,(q - q_\\mathrm{ref})$", PURPLE)
     sketch.dimension(pivot, centre, "$L/2$", -1.5)
     sketch.dimension(pivot, end, f"$L$ = {length:g} mm", -2.1)
@@ -164,10 +164,11 @@ def _leg_side(robot: Robot, sign: int, sketch: Sketch) -> None:
     sketch.ground((at[4][0], at[4][1] - 0.3 * sketch.unit), 1.6 * sketch.unit)
     sketch.force(at[1], (-0.9, 0.8), "$R,\\ M$", (-0.3, 0.3))
     sketch.force(at[4], (0.0, 1.5), "$N$", (0.3, 0.1))
-    for number, (start, end) in enumerate(((1, 2), (2, 3), (3, 4), (4, 4)), start=1):
-        centre = ((at[start][0] + at[end][0]) / 2.0, (at[start][1] + at[end][1]) / 2.0)
-        place = (-0.5, 0.5 if number == 3 else 0.0)
-        sketch.force(centre, (0.0, -1.5), f"$m_{number}\\,g$", place)
+    for number, segment in enumerate(robot.segments, start=1):
+        if segment.link is not None and (segment.link.solid or segment.link.inertial):
+            centre = sketch.at((X_B[number] @ [*segment.link.centre_of_mass, 1.0])[:3])
+            place = (-0.5, 0.5 if number == 3 else 0.0)
+            sketch.force(centre, (0.0, -1.5), f"$m_{number}\\,g$", place)
     sketch.heading(
         f"in the leg's own plane, here with $q_2$ = {knee:g}°, $q_3$ = {ankle:g}° [mm]".replace(
             "-", "−"

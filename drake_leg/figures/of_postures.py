@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from matplotlib.figure import Figure
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.figures import singularities
+from drake_leg.figures import dexterity, singularities
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.robot import Robot
@@ -15,7 +15,7 @@ from drake_leg.robot import Robot
 Maps = dict[str, Callable[[], Figure]]
 
 
-def maps_of_posture(robot: Robot, q: Sequence[float], *, stroke: float = 0.0) -> Maps:
+def maps_of_posture(robot: Robot, q: Sequence[float]) -> Maps:
     """Name the maps of a posture and tell how each is drawn.
 
     Parameters
@@ -24,8 +24,6 @@ def maps_of_posture(robot: Robot, q: Sequence[float], *, stroke: float = 0.0) ->
         A hexabot leg or the SCARA.
     q : (m,) sequence of float
         The posture that is marked [rad or m]; the SCARA's lift may be left out.
-    stroke : float
-        Of the SCARA's tool along x from there, to be marked [m].
 
     Returns
     -------
@@ -40,7 +38,7 @@ def maps_of_posture(robot: Robot, q: Sequence[float], *, stroke: float = 0.0) ->
     if is_hexabot_leg(robot):
         return _of_leg(robot, q)
     if robot.name == "scara":
-        return _of_scara(robot, q, stroke)
+        return _of_scara(robot, q)
     raise InvalidValueError(
         f"the robot is {robot.name!r}; maps are drawn of a hexabot leg or the SCARA: leave --out "
         "away to be told of the posture in words"
@@ -59,16 +57,16 @@ def _of_leg(robot: Robot, q: Sequence[float]) -> Maps:
         "singular_feet": lambda: singularities.foot_space(
             leg, f"{title}: where the foot is at singular postures"
         ),
-        "sigma_min": lambda: singularities.dexterity(
+        "sigma_min": lambda: dexterity.dexterity(
             leg, q, f"{title}: how well the foot moves in the leg's own plane"
         ),
     }
 
 
-def _of_scara(robot: Robot, q: Sequence[float], stroke: float) -> Maps:
+def _of_scara(robot: Robot, q: Sequence[float]) -> Maps:
     arm = ScaraGeometry.from_robot(robot)
     posture = q if len(q) == 4 else (*q, lift_position(arm, 0.0))
     title = f"{robot.title}: how well the tool moves, from above"
     return {
-        "sigma_min": lambda: singularities.arm_dexterity(arm, posture, stroke, title),
+        "sigma_min": lambda: dexterity.arm_dexterity(arm, posture, title),
     }

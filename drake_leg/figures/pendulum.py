@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,8 @@ NEAR_REST = np.radians(1.0)
 SAME = 1e-6  # [rad], by which the extremes of a constant amplitude may differ
 SLOW = 0.05  # of the greatest rate, and of the greatest swing: what is less is not marked
 EARLY = 0.4  # of a run: motion that ends before is magnified
-CLEAR = 0.18  # of the axes' height: room for a line of text
+# Of the axes' height: a margin, a line of text, the ticks under an inset, the least inset.
+EDGE, LINE, TICKS, LEAST_GAP = 0.05, 0.08, 0.1, 0.25
 MOST = 24  # marks of a kind that can be told apart
 
 
@@ -74,8 +76,8 @@ def angle(
         _mark_equilibrium(axes, equilibrium)
     until = _end_of_motion(recording)
     if until is not None:
-        texts_above = equilibrium is not None and rest is not None and equilibrium <= rest
-        _magnified(axes, recording, "q", until, below=texts_above)
+        levels = [level for level in (rest, equilibrium) if level is not None]
+        _magnified(axes, recording, "q", until, levels=levels, texts=_texts(rest, equilibrium))
     return figure
 
 
@@ -114,8 +116,10 @@ def angle_and_rate(
     add_degrees(top)
     until = _end_of_motion(recording)
     if until is not None:
-        columns = ((top, "q"), (bottom, "qdot"))
-        marked = [_magnified(axes, recording, column, until) for axes, column in columns]
+        marked = [
+            _magnified(axes, recording, column, until, levels=[recording[column][-1]])
+            for axes, column in ((top, "q"), (bottom, "qdot"))
+        ]
     else:
         marked = [top, bottom]
     _mark_passages_and_turns(recording, *marked)
@@ -181,27 +185,51 @@ def _end_of_motion(recording: Recording) -> float | None:
 
 
 def _magnified(
-    axes: Axes, recording: Recording, column: str, until: float, *, below: bool = False
+    axes: Axes,
+    recording: Recording,
+    column: str,
+    until: float,
+    *,
+    levels: Sequence[float],
+    texts: tuple[int, int] = (0, 0),
 ) -> Axes:
-    """Show the beginning of a curve larger, in the gap above its end or in that below."""
+    """Show the beginning of a curve larger, in the gap above all levels or in that below.
+
+    ``texts`` counts the lines of text above and below the levels. Where neither gap has room the
+    axes are returned as they are.
+    """
     low, high = axes.get_ylim()
-    end = (float(recording[column][-1]) - low) / (high - low)
-    bottom, top = (CLEAR / 2.0, end - CLEAR / 2.0) if below else (end + CLEAR, 1.0)
+    shares = [(level - low) / (high - low) for level in levels]
+    above = max(shares) + EDGE + LINE * texts[0] + TICKS, 1.0
+    below = TICKS, min(shares) - EDGE - LINE * texts[1]
+    bottom, top = max(above, below, key=lambda gap: gap[1] - gap[0])
+    if top - bottom < LEAST_GAP:
+        return axes
     inner = inset(axes, (0.36, bottom, 0.62, top - bottom))
-    inner.margins(y=0.15)
+    inner.margins(y=0.2)
     _curve(inner, recording, column)
     inner.set_xlim(0.0, 1.15 * until)
     whole_ticks(inner)
+    upper = recording[column].max() - levels[0] <= levels[0] - recording[column].min()
     inner.annotate(
         "the beginning, magnified",
-        (0.99, 0.04 if below else 0.97),
+        (0.99, 0.97 if upper else 0.03),
         xycoords="axes fraction",
         ha="right",
-        va="bottom" if below else "top",
+        va="top" if upper else "bottom",
         fontsize=8.5,
         color=GREY,
     )
     return inner
+
+
+def _texts(rest: float | None, equilibrium: float | None) -> tuple[int, int]:
+    """Count the lines that ``_mark_rest`` writes above and below the levels."""
+    if rest is None:
+        return 0, 0
+    if equilibrium is None:
+        return 1, 1
+    return (2, 0) if equilibrium <= rest else (0, 2)
 
 
 def _show(axes: Axes, values: Span | tuple[()]) -> None:

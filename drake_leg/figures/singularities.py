@@ -1,14 +1,13 @@
-"""Where the leg and the SCARA are singular, and how well they move elsewhere."""
+"""Where the leg is singular: over its joints, and where its foot is then."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -16,12 +15,8 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import ArrayLike
 
 from drake_leg.figures.style import BLUE, INK, ORANGE, PURPLE, STYLE, legend_above, new_figure
-from drake_leg.kinematics import scara
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian, foot_position
-from drake_leg.kinematics.leg_inverse import BRANCHES, branch_angles
-from drake_leg.kinematics.rates import smallest_singular_value
-from drake_leg.kinematics.scara import ScaraGeometry, task_jacobian, tool_position
+from drake_leg.kinematics.batches import Array, finite_vectors
+from drake_leg.kinematics.leg import LegGeometry, determinant
 from drake_leg.kinematics.singular_sets import (
     axis_reach,
     folded_feet,
@@ -41,6 +36,7 @@ STAR: dict[str, Any] = {
 }
 SHEET: dict[str, Any] = {"linewidth": 0, "rasterized": True}  # thousands of faces
 STRETCHED, ON_AXIS = "sin $q_3$ = 0", "$\\rho$ = 0"
+MARKED = "this posture"
 
 
 def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
@@ -63,6 +59,7 @@ def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     ----------
     Report A, eq. 17.
     """
+    q = finite_vectors("start", start, 3).reshape(1, 3)
     angles = np.linspace(-180.0, 180.0, 181)
     knee, ankle = np.meshgrid(angles, angles)
     grid = np.radians(np.stack([np.zeros_like(knee), knee, ankle], axis=-1))
@@ -78,7 +75,7 @@ def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     for number, arc in enumerate(hip_axis_arcs(leg)):
         label = "" if number else ON_AXIS
         axes.plot(*_wrapped_degrees(arc).T, color=ORANGE, linewidth=3, label=label)
-    axes.plot(*np.degrees(np.asarray(start)[1:]), "*", label="start of the step", **STAR)
+    axes.plot(*_wrapped_degrees(q)[:, 1:].T, "*", label=MARKED, **STAR)
     axes.set(xlabel="knee $q_2$ [deg]", ylabel="ankle $q_3$ [deg]", xticks=TURN, yticks=TURN)
     legend_above(axes)
     return figure
@@ -100,6 +97,7 @@ def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     -------
     Figure
     """
+    q = finite_vectors("start", start, 3).reshape(1, 3)
     figure, axes = _space(title)
     hip = np.linspace(-180.0, 180.0, 25)
     q1, q2 = np.meshgrid(hip, np.linspace(-180.0, 180.0, 25))
@@ -114,7 +112,7 @@ def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
             axes.plot_surface(along, knee, ankle, color=ORANGE, alpha=0.35, **SHEET)
             for end in (-180.0, 180.0):
                 axes.plot(np.full(len(piece), end), *piece.T, color=ORANGE)
-    axes.plot(*np.degrees(start).reshape(3, 1), "*", **STAR)
+    axes.plot(*_wrapped_degrees(q).T, "*", label=MARKED, **STAR)
     _legend(figure, axes, (BLUE, STRETCHED), (ORANGE, ON_AXIS))
     axes.set(xlabel="hip $q_1$ [deg]", ylabel="knee $q_2$ [deg]", zlabel="ankle $q_3$ [deg]")
     axes.set(xticks=TURN, yticks=TURN, zticks=TURN)
@@ -145,9 +143,10 @@ def foot_space(leg: LegGeometry, title: str) -> Figure:
         sheet = np.moveaxis(feet, -1, 0)
         axes.plot_surface(*sheet, color=colour, alpha=opacity, **SHEET)
         axes.plot_wireframe(*sheet, rstride=6, cstride=5, color=colour, linewidth=0.5)
-    axes.plot(*(MM * folded_feet(leg, np.linspace(-np.pi, np.pi, 181))).T, color=INK, linewidth=2.5)
-    end = MM * axis_reach(leg)
-    axes.plot([0, 0], [0, 0], [-end, end], color=ORANGE, linewidth=4)
+    _draw_folded(axes, leg)
+    near, far = axis_reach(leg)
+    for low, high in ((-far, -near), (near, far)):
+        axes.plot([0, 0], [0, 0], [MM * low, MM * high], color=ORANGE, linewidth=4)
     _legend(
         figure,
         axes,
@@ -163,96 +162,15 @@ def foot_space(leg: LegGeometry, title: str) -> Figure:
     return figure
 
 
-def dexterity(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
-    """Draw the smallest singular value over the leg's own plane, for both ways of facing the foot.
-
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths and variant.
-    start : (3,) array_like
-        A posture to be marked [rad].
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
-    """
-    reach, far = leg.l2 + leg.l3, leg.l1 + leg.l2 + leg.l3
-    x, z = np.meshgrid(np.linspace(0.0, 1.02 * far, 221), np.linspace(-reach, reach, 361))
-    angles = branch_angles(leg, np.stack([x, np.zeros_like(x), z], axis=-1))
-    bend = 1 if math.sin(float(np.asarray(start)[2])) > 0.0 else -1
-    sigmas = [_foot_sigma(leg, angles[..., BRANCHES.index((side, bend)), :]) for side in (1, -1)]
-    most = float(np.nanmax(sigmas))
-    figure, panels = new_figure(title, columns=2, width=6.8, height=5.2)
-    for axes, side, sigma in zip(panels, (1, -1), sigmas, strict=True):
-        colours = axes.pcolormesh(
-            MM * x, MM * z, sigma, cmap="viridis", vmin=0.0, vmax=most, rasterized=True
-        )
-        _edges_in_plane(axes, leg, side)
-        axes.set_title(f"the foot {'in front of' if side > 0 else 'behind'} the hip", fontsize=10)
-        axes.set(xlabel="from the hip axis [mm]", aspect="equal")
-        axes.set(
-            xlim=(-0.03 * MM * far, 1.03 * MM * far), ylim=(-1.05 * MM * reach, 1.05 * MM * reach)
-        )
-    foot = MM * foot_position(leg, start)
-    panels[0].plot(np.hypot(*foot[:2]), foot[2], "*", label="start of the step", **STAR)
-    panels[0].set(ylabel="z [mm]")
-    figure.legend(
-        *panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=4, frameon=False
-    )
-    figure.colorbar(colours, ax=panels, label="$\\sigma_{\\min}$ [mm/rad]")
-    return figure
-
-
-def arm_dexterity(arm: ScaraGeometry, start: ArrayLike, stroke: float, title: str) -> Figure:
-    """Draw the smallest singular value of the tool's (x, y) from above, and both singular circles.
-
-    Parameters
-    ----------
-    arm : ScaraGeometry
-        Lengths.
-    start : (4,) array_like
-        The posture of the arm that is drawn [rad, the last one m].
-    stroke : float
-        Of the tool along x from there [m]; 0: none is drawn.
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
-
-    References
-    ----------
-    Report B, section 1.6.
-    """
-    far = arm.l1 + arm.l2
-    side = np.linspace(-1.04 * far, 1.04 * far, 361)
-    x, y = np.meshgrid(side, side)
-    q = scara.branch_angles(arm, np.stack([x, y, np.zeros_like(x)], axis=-1))[..., 0, :]
-    sigma = _where_reached(q, lambda inside: task_jacobian(arm, inside)[..., :2, :2])
-    figure, (axes,) = new_figure(title, width=6.4, height=5.6)
-    colours = axes.pcolormesh(MM * x, MM * y, sigma, cmap="viridis", rasterized=True)
-    turn = np.linspace(-np.pi, np.pi, 361)
-    circle = MM * np.stack([np.cos(turn), np.sin(turn)])
-    axes.plot(*(far * circle), color=BLUE, linewidth=3, label="stretched")
-    axes.plot(*(abs(arm.l1 - arm.l2) * circle), color=ORANGE, linewidth=3, label="folded")
-    shoulder = float(np.asarray(start)[0])
-    tool = MM * tool_position(arm, start)
-    elbow = MM * arm.l1 * np.array([math.cos(shoulder), math.sin(shoulder)])
-    links = np.stack([np.zeros(2), elbow, tool[:2]]).T
-    axes.plot(*links, color="black", linewidth=5.0)
-    axes.plot(*links, "o-", color="white", linewidth=2.8, markeredgecolor="black", label="the arm")
-    if stroke:
-        ends = [tool[0], tool[0] + MM * stroke], [tool[1], tool[1]]
-        axes.plot(*ends, color="white", linewidth=5.0)
-        axes.plot(*ends, color="black", linewidth=2.8, label="path of the tool")
-    axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
-    figure.legend(loc="outside lower left", ncols=4, frameon=False)
-    figure.colorbar(colours, label="$\\sigma_{\\min}$ [mm/rad]")
-    return figure
+def _draw_folded(axes: Axes3D, leg: LegGeometry) -> None:
+    """Draw the folded leg's feet: a circle, or a torus where femur and tibia differ."""
+    turns = np.radians(np.linspace(-40.0, 220.0, 66))
+    if math.isclose(leg.l2, leg.l3):
+        feet = MM * folded_feet(leg, np.linspace(-np.pi, np.pi, 181), np.zeros(1))
+        axes.plot(*feet[0].T, color=INK, linewidth=2.5)
+        return
+    sheet = np.moveaxis(MM * folded_feet(leg, turns, np.linspace(-np.pi, np.pi, 61)), -1, 0)
+    axes.plot_wireframe(*sheet, rstride=6, cstride=5, color=INK, linewidth=0.5)
 
 
 def _space(title: str) -> tuple[Figure, Axes3D]:
@@ -276,35 +194,6 @@ def _legend(figure: Figure, axes: Axes3D, *entries: tuple[str, str]) -> None:
         frameon=False,
         fontsize=9.5,
     )
-
-
-def _edges_in_plane(axes: Axes, leg: LegGeometry, side: int) -> None:
-    """Draw the singular feet of one way of facing the foot; ``side`` as in ``BRANCHES``."""
-    lean = leaning_over(leg)
-    arc = np.linspace(-1.0, 1.0, 200) * (lean if side > 0 else math.pi - lean)
-    for radius, colour, label in (
-        (leg.l2 + leg.l3, BLUE, "stretched"),
-        (abs(leg.l2 - leg.l3), INK, "folded"),
-    ):
-        circle = side * leg.l1 + radius * np.cos(arc), radius * np.sin(arc)
-        seen = circle[0] >= -1e-9
-        edge = np.where(seen, MM * np.stack(circle), np.nan)
-        marker = "-" if radius > 0.0 else "o"
-        axes.plot(*edge, marker, color=colour, linewidth=3, label=label)
-    end = MM * axis_reach(leg)
-    axes.plot([0.0, 0.0], [-end, end], color=ORANGE, linewidth=3, label=ON_AXIS)
-
-
-def _foot_sigma(leg: LegGeometry, q: Array) -> Array:
-    return _where_reached(q, lambda inside: foot_jacobian(leg, inside))
-
-
-def _where_reached(q: Array, jacobian: Callable[[Array], Array]) -> Array:
-    """Return smallest singular values [mm/rad], NaN where a point is out of reach."""
-    inside = np.isfinite(q).all(axis=-1)
-    sigma = np.full(inside.shape, np.nan)
-    sigma[inside] = MM * smallest_singular_value(jacobian(q[inside]))
-    return sigma
 
 
 def _wrapped_degrees(arc: Array) -> Array:

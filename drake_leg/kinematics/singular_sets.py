@@ -75,25 +75,25 @@ def stretched_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
     return foot_position(leg, np.stack([hip, knee, np.zeros_like(hip)], axis=-1))
 
 
-def folded_feet(leg: LegGeometry, turns: Array, knee: float = 0.0) -> Array:
-    """Feet of the folded leg: with l2 = l3 they are the circle that the knee goes round.
+def folded_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
+    """Feet of the folded leg: a torus of radii l1 and ``|l2 - l3|``, a circle where that is 0.
 
     Parameters
     ----------
     leg : LegGeometry
         Lengths and variant.
-    turns : (n,) ndarray
+    turns : (m,) ndarray
         Hip angles [rad].
-    knee : float
-        Knee angle [rad].
+    lean : (n,) ndarray
+        Knee angles [rad].
 
     Returns
     -------
-    p_BF : (n, 3) ndarray
+    p_BF : (n, m, 3) ndarray
         Foot positions in the base frame [m].
     """
-    still = np.ones_like(turns)
-    return foot_position(leg, np.stack([turns, knee * still, math.pi * still], axis=-1))
+    hip, knee = np.meshgrid(turns, lean)
+    return foot_position(leg, np.stack([hip, knee, np.full_like(hip, math.pi)], axis=-1))
 
 
 def leaning_over(leg: LegGeometry) -> float:
@@ -112,8 +112,8 @@ def leaning_over(leg: LegGeometry) -> float:
     return math.acos(max(-leg.l1 / (leg.l2 + leg.l3), -1.0))
 
 
-def axis_reach(leg: LegGeometry) -> float:
-    """How far up and down the hip axis the foot reaches.
+def axis_reach(leg: LegGeometry) -> tuple[float, float]:
+    """From where to where the foot reaches the hip axis, above the hip and below alike.
 
     Parameters
     ----------
@@ -122,7 +122,10 @@ def axis_reach(leg: LegGeometry) -> float:
 
     Returns
     -------
-    float
-        [m]; 0 where the leg is too short to reach its hip axis.
+    tuple of float
+        Least and greatest distance from the hip [m]; the least is 0 but for legs whose foot cannot
+        come near the knee, both are where the leg is too short to reach its hip axis.
     """
-    return math.sqrt(max((leg.l2 + leg.l3) ** 2 - leg.l1**2, 0.0))
+    reaches = (abs(leg.l2 - leg.l3), leg.l2 + leg.l3)
+    near, far = (math.sqrt(max(reach**2 - leg.l1**2, 0.0)) for reach in reaches)
+    return near, far

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.recording import Recording
 from drake_leg.report.errata import errata_entries
 from drake_leg.report.mathematics import khalil_table
@@ -71,10 +72,14 @@ def equations(robot: str, *wanted: str) -> list[Equation]:
     Raises
     ------
     InvalidValueError
-        If there is no such robot.
+        If there is no such robot, or it has no such equation.
     """
     report = {"leg-a": "A", "leg-b": "B", "scara": "B"}.get(robot, "")
     derived = derived_equations(robot)
+    for name in wanted:
+        if not any(name in (equation.label, equation.title) for equation in derived):
+            numbers = ", ".join(dict.fromkeys(e.label for e in derived if e.label))
+            raise InvalidValueError(f"{robot} has no equation {name!r}; there are {numbers}")
     return [
         Equation(equation.latex(), f"{report} {equation.label}" if equation.label else "")
         for name in wanted
@@ -94,6 +99,11 @@ def errata(*numbers: int) -> Shown:
     Returns
     -------
     Shown
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no erratum of such a number.
     """
     return Shown(errata_entries(numbers))
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 
 from drake_leg.errata import Erratum, errata
+from drake_leg.errors import InvalidValueError
 from drake_leg.report.markup import grid, prose
 
 MATRIX = re.compile(r"\[([^][]*;[^][]*)\]")  # entries between commas, rows between semicolons
@@ -56,8 +57,21 @@ def errata_entries(numbers: Iterable[int]) -> str:
     -------
     str
         HTML.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no erratum of such a number.
     """
-    return "\n".join(_entry(_by_number()[number]) for number in numbers)
+    return "\n".join(_entry(_numbered(number)) for number in numbers)
+
+
+def _numbered(number: int) -> Erratum:
+    if number not in _by_number():
+        raise InvalidValueError(
+            f"there is no erratum {number}; they are numbered from 1 to {len(_by_number())}"
+        )
+    return _by_number()[number]
 
 
 @cache

@@ -21,7 +21,6 @@ from drake_leg.report.plots import PLOTS, deviation
 from drake_leg.report.runs import RUNS, command
 from drake_leg.report.subjects import SUBJECTS
 from drake_leg.runs.catalogue import run_kind
-from drake_leg.runs.options import ScaraOptions
 from drake_leg.runs.outcome import Outcome
 from drake_leg.scene.motion import recorded_motion
 from drake_leg.scene.paper import DARK, LIGHT
@@ -89,9 +88,8 @@ def _plot(item: Item, workshop: Workshop) -> Exhibit:
 
 
 def _map(item: Item, workshop: Workshop) -> Exhibit:
-    subject, options = SUBJECTS[item.subject], ScaraOptions()
-    stroke = 2.0 * options.amplitude / options.frequency
-    draw = maps_of_posture(subject.robot, subject.q, stroke=stroke)[item.show]
+    subject = SUBJECTS[item.subject]
+    draw = maps_of_posture(subject.robot, subject.q)[item.show]
     paths = save(draw(), workshop.folder, item.id)
     folder = f"{item.subject}-maps"
     return Exhibit(

@@ -185,7 +185,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Motion:
         it.
     """
     names = [header.partition("[")[0] for header in recording.columns]
-    joints = [name for name in names if re.fullmatch(r"q\d*", name)]
+    joints = sorted((name for name in names if re.fullmatch(r"q\d*", name)), key=_number)
     if len(joints) != len(robot.moving):
         raise OtherRobotError(
             f"the recording has joint positions of {len(joints)} joints and {robot.name!r} has "
@@ -200,3 +200,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Motion:
                 "another robot moved, or one with other lengths; give the one that moved, --robot"
             )
     return motion
+
+
+def _number(name: str) -> int:
+    return int(name[1:] or 1)

@@ -340,6 +340,24 @@ def test_the_stroboscope_has_the_same_ticks_on_all_its_axes():
     assert len(set(steps)) == 1
 
 
+@pytest.mark.parametrize("rest", [0.2, 1.2, np.pi / 2, 2.9, -0.4])
+@pytest.mark.parametrize("start", [-1.0, 0.1, 1.5, 3.0])
+@pytest.mark.parametrize("rate", [0.5, 3.0])
+def test_any_motion_that_dies_away_can_be_drawn_and_nothing_lies_on_the_inset(rest, start, rate):
+    time = np.linspace(0.0, 30.0, 3001)
+    q = rest + (start - rest) * np.exp(-rate * time) * np.cos(4.0 * rate * time)
+    recording = Recording({"time[s]": time, "q[rad]": q, "qdot[rad/s]": np.gradient(q, time)})
+    pendulum_figures.angle_and_rate(recording, "title").draw_without_rendering()
+    for equilibrium in (None, rest - 0.3, rest + 0.3):
+        figure = pendulum_figures.angle(recording, "title", rest, equilibrium=equilibrium)
+        figure.draw_without_rendering()
+        for inner in insets(figure):
+            box = inner.get_tightbbox()
+            assert box.height > 0.2 * figure.axes[0].bbox.height
+            for text in figure.axes[0].texts:
+                assert not text.get_window_extent().overlaps(box), (equilibrium, text.get_text())
+
+
 def test_flat_curves_get_a_range_and_others_keep_theirs():
     _, (flat, hilly) = new_figure("title", columns=2)
     flat.plot([0.0, 1.0], [3.0, 3.0 + 1e-12])

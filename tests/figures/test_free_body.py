@@ -29,15 +29,19 @@ def texts(figure):
     ]
 
 
-def held(damping=0.01, stiffness=0.0):
+def held(damping=0.01, stiffness=0.0, rest=30.0):
     joint = JointMechanics(
-        damping=damping, spring_stiffness=stiffness, equilibrium_position=math.radians(30.0)
+        damping=damping, spring_stiffness=stiffness, equilibrium_position=math.radians(rest)
     )
     (only, *rest) = PENDULUM.segments
     return replace(PENDULUM, segments=(replace(only, mechanics=joint), *rest))
 
 
-DRAWN = {robot.name: robot for robot in ROBOTS} | {"damped": held(), "sprung": held(0.01, 5.0)}
+DRAWN = (
+    {robot.name: robot for robot in ROBOTS}
+    | {"damped": held(), "sprung": held(0.01, 5.0)}
+    | {f"sprung to {rest}": held(0.01, 5.0, rest) for rest in (45.0, 60.0)}
+)
 
 
 @pytest.mark.parametrize("robot", DRAWN.values(), ids=DRAWN)
@@ -97,9 +101,16 @@ def test_every_solid_of_the_leg_has_its_weight_in_the_drawing(robot):
     side = free_body(robot).axes[0]
     shown = {text.get_text() for text in side.texts}
     solids = [segment for segment in robot.segments if segment.link.solid is not None]
-    assert {f"$m_{number}\\,g$" for number in range(1, len(solids) + 1)} <= shown
+    weights = {text for text in shown if text.startswith("$m_")}
+    assert weights == {f"$m_{number}\\,g$" for number in range(1, len(solids) + 1)}
     assert {"$R,\\ M$", "$N$"} <= shown
     assert sum(abs(angle + 90.0) < 1e-6 for angle in arrows(side)) >= len(solids)
+
+
+def test_a_leg_without_a_foot_has_no_weight_there():
+    bare = replace(LEG_B.segments[3], joint=None, link=None)
+    side = free_body(replace(LEG_B, segments=(*LEG_B.segments[:3], bare))).axes[0]
+    assert "$m_4\\,g$" not in {text.get_text() for text in side.texts}
 
 
 def test_views_side_by_side_have_their_headings_at_one_height():

@@ -18,7 +18,13 @@ from drake_leg.robots import hexabot_leg
 LEGS = [
     LegGeometry.from_robot(hexabot_leg(variant, **lengths))
     for variant in ("A", "B")
-    for lengths in ({}, {"l1": 0.02}, {"l2": 0.06, "l3": 0.13}, {"l1": 0.12, "l2": 0.1, "l3": 0.07})
+    for lengths in (
+        {},
+        {"l1": 0.02},
+        {"l2": 0.06, "l3": 0.13},
+        {"l1": 0.12, "l2": 0.1, "l3": 0.07},
+        {"l1": 0.02, "l2": 0.15, "l3": 0.05},
+    )
 ]
 each_leg = pytest.mark.parametrize("leg", LEGS)
 
@@ -50,7 +56,7 @@ def test_the_arcs_hold_every_posture_with_the_foot_on_the_hip_axis(leg):
 def test_a_leg_too_short_to_reach_its_hip_axis_has_no_arcs():
     leg = LegGeometry.from_robot(hexabot_leg("B", l1=0.3))
     assert hip_axis_arcs(leg) == ()
-    assert axis_reach(leg) == 0.0
+    assert axis_reach(leg) == (0.0, 0.0)
     assert leaning_over(leg) == math.pi
 
 
@@ -70,14 +76,26 @@ def test_stretched_feet_lie_on_a_torus(leg):
 
 @each_leg
 def test_folded_feet_are_at_the_difference_of_femur_and_tibia_from_the_knee(leg):
-    for knee in (0.0, 0.7):
-        feet = folded_feet(leg, np.linspace(-3, 3, 20), knee)
-        across = np.abs(leg.l1 + (leg.l2 - leg.l3) * math.cos(knee))
-        np.testing.assert_allclose(np.hypot(feet[:, 0], feet[:, 1]), across, atol=1e-15)
+    turns, lean = np.linspace(-3, 3, 20), np.array([0.0, 0.7, 2.0])
+    feet = folded_feet(leg, turns, lean)
+    knees = leg.l1 * np.stack([np.cos(turns), np.sin(turns), 0.0 * turns], axis=-1)
+    away = np.linalg.norm(feet - knees + 0.0, axis=-1)
+    np.testing.assert_allclose(away, abs(leg.l2 - leg.l3), atol=1e-15)
 
 
 @each_leg
 def test_where_both_families_meet_the_rank_is_one_and_the_axis_ends(leg):
     q = np.array([0.4, leaning_over(leg), 0.0])
     assert examine(foot_jacobian(leg, q)).rank == 1
-    assert abs(foot_position(leg, q)[2]) == pytest.approx(axis_reach(leg), rel=1e-12)
+    assert abs(foot_position(leg, q)[2]) == pytest.approx(axis_reach(leg)[1], rel=1e-12)
+
+
+@each_leg
+def test_the_foot_reaches_the_axis_between_both_ends_and_nowhere_else(leg):
+    near, far = axis_reach(leg)
+    heights = np.concatenate(
+        [np.abs(foot_position(leg, np.column_stack([arc[:, 0] * 0, arc]))[:, 2])
+         for arc in hip_axis_arcs(leg, 2000)]
+    )  # fmt: skip
+    assert far - 1e-6 < heights.max() < far + 1e-12
+    assert near - 1e-12 < heights.min() < near + 2e-4

@@ -69,6 +69,13 @@ def test_equations_of_an_unknown_robot_are_refused():
         equations("crane", "1")
 
 
+def test_what_there_is_not_is_said():
+    with pytest.raises(InvalidValueError, match="no erratum 26; they are numbered from 1 to 25"):
+        errata(26)
+    with pytest.raises(InvalidValueError, match=r"leg-b has no equation '99'; there are 2\.3"):
+        equations("leg-b", "99")
+
+
 def test_errata_are_whole_and_wrong_entries_are_marked():
     reader = read(errata(18, 19))
     assert "wrong" in reader.classes

@@ -124,4 +124,5 @@ def test_names_keep_off_what_is_written_already():
 def test_names_take_the_papers_colours():
     robot, q = POSTURES[2]
     words, _ = names(robot, q, VIEWS["front"], spread_frame_names, paper=DARK)
+    assert words
     assert {word.colour for word in words} <= set(DARK.axes)
