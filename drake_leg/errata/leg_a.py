@@ -57,8 +57,8 @@ def leg_a_errata() -> tuple[Erratum, ...]:
             number=8,
             source=SOURCE,
             where="eq. 9–13",
-            printed="Vi = qj · zj × OjOn+1, and the same qj in V1, V2, V3; V = [V1 V2 V3]",
-            right="q̇j · zj × OjOn+1; V = V1 + V2 + V3 = [J1 J2 J3] q̇",
+            printed="Vᵢ = qⱼ · zⱼ × OⱼOₙ₊₁, and the same qⱼ in V1, V2, V3; V = [V1 V2 V3]",
+            right="Vⱼ = q̇ⱼ · zⱼ × OⱼOₙ₊₁; V = V1 + V2 + V3 = [J1 J2 J3] q̇",
             effect=_missing_rates(),
         ),
         Erratum(

@@ -147,7 +147,8 @@ def _rows(name: str, formulas: Mapping[str, Formula], sigmas: Mapping[str, str])
     """Show the rows in which a matrix is wrong, and the abbreviations in them."""
     rows = shown(formulas[name][:2])
     used = {sigma: shown(((text,),))[1:-1] for sigma, text in sigmas.items() if sigma in rows}
-    return f"first rows {rows}, {', '.join(f'{sigma} = {text}' for sigma, text in used.items())}"
+    where = ", ".join(f"{sigma} = {text}" for sigma, text in used.items())
+    return f"first rows {rows} where {where}"
 
 
 def _values(q: Array) -> Values:

@@ -145,12 +145,13 @@ def _leg_side(robot: Robot, sign: int, sketch: Sketch) -> None:
     for start, end in ((1, 2), (2, 3), (3, 4)):
         sketch.link(at[start], at[end])
     sketch.hinge(at[1], (0.0, 1.0))
-    sketch.frame(X_B[1], 1, "xz", moved={"z": (0.3, 0.0)})
+    sketch.frame(X_B[1], 1, "xz", moved={"x": (0.0, 0.32), "z": (0.3, 0.0)})
     beside = {"y": (-0.35, -0.15)} if sign > 0 else {}  # off the line of a dimension
     sketch.frame(X_B[2], 2, moved={"z": (-0.35, -0.35), **beside})
-    sketch.frame(X_B[3], 3, moved={"x": (-0.3, 0.0), "z": (-0.2, 0.4)})
-    moved = {"x": (0.3, 0.0), "z": (0.5, -0.15)}
-    sketch.frame(X_B[4], 4, moved=moved if sign > 0 else {**moved, "y": (-0.1, 0.35)})
+    above = {"y": (-0.1, 0.35)}
+    moved = {"x": (-0.3, 0.0), "z": (-0.2, 0.4)}
+    sketch.frame(X_B[3], 3, moved=moved | above if sign > 0 else moved)
+    sketch.frame(X_B[4], 4, moved={"x": (0.3, 0.0), "z": (0.5, -0.15)} | above)
     across, along = direction(sketch, X_B[1]), direction(sketch, X_B[2])
     sketch.dashed(at[2], _along(at[2], across, 2.2 * sketch.unit))
     sketch.angle(at[2], across, along, "$q_2$", 1.6)
@@ -159,10 +160,11 @@ def _leg_side(robot: Robot, sign: int, sketch: Sketch) -> None:
     lengths = [f"$l_{row}$ = {1e3 * robot.rows[row].d:g}" for row in (1, 2, 3)]
     sketch.dimension(at[1], at[2], lengths[0], -2.2)
     sketch.dimension(at[2], at[3], lengths[1], 1.6 if sign > 0 else 1.3)
-    sketch.dimension(at[3], at[4], lengths[2], -0.8 if sign > 0 else 2.4)
+    sketch.dimension(at[3], at[4], lengths[2], 2.6)
     sketch.text((at[1][0] - 0.6 * sketch.unit, at[1][1]), "hip")
     sketch.ground((at[4][0], at[4][1] - 0.3 * sketch.unit), 1.6 * sketch.unit)
-    sketch.force(at[1], (-0.9, 0.8), "$R,\\ M$", (-0.3, 0.3))
+    sketch.force(at[1], (-0.9, 0.8), "$R$", (-0.2, 0.25))
+    sketch.torque(at[1], 205.0, 262.0, "$M$", 0.8)
     sketch.force(at[4], (0.0, 1.5), "$N$", (0.3, 0.1))
     for number, segment in enumerate(robot.segments, start=1):
         if segment.link is not None and (segment.link.solid or segment.link.inertial):

@@ -69,7 +69,7 @@ def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     figure, (axes,) = new_figure(title, width=6.4, height=5.0)
     filled = axes.contourf(knee, ankle, values, levels=levels, cmap="RdBu_r", alpha=0.8)
     filled.set_rasterized(True)
-    figure.colorbar(filled, label="det J [cm³/rad³]", format="%.0f")
+    figure.colorbar(filled, label="det J [cm³/rad³]")
     for place, label in zip((-180, 0, 180), ("", STRETCHED, ""), strict=True):
         axes.axhline(place, color=BLUE, linewidth=3, clip_on=False, label=label)
     for number, arc in enumerate(hip_axis_arcs(leg)):

@@ -119,8 +119,20 @@ def _marked(pieces: list[str], others: list[str], mark: str) -> str:
             if same_shape and entry != beside[i][j]
         }
         matrix = grid(cells, dict.fromkeys(differing, mark))
-        html += [f'<div class="matrix">{matrix}</div>', prose(pieces[index + 1])]
+        beside_text = others[index + 1] if index + 1 < len(others) else ""
+        html += [f'<div class="matrix">{matrix}</div>', _text(pieces[index + 1], beside_text, mark)]
     return "".join(html)
+
+
+def _text(text: str, other: str, mark: str) -> str:
+    """Write text behind a matrix; signs that differ from the other text's are marked."""
+    words, others = (re.split(r"( [+−] )", one) for one in (text, other))
+    if len(words) != len(others):
+        return prose(text)
+    return "".join(
+        prose(word) if word == beside else f'<span class="{mark}">{prose(word)}</span>'
+        for word, beside in zip(words, others, strict=True)
+    )
 
 
 def _entries(matrix: str) -> list[list[str]]:

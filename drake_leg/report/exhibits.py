@@ -31,7 +31,7 @@ from drake_leg.scene.views import VIEWS
 LARGE = 'class="drawing large" tabindex="0" role="region" aria-label="block diagram"'
 FULL_SIZE = (
     ' <span class="hint">It scrolls sideways.</span> '
-    '<a class="full" href="{}">Open it at full size</a>.'
+    '<span class="full"><a href="{}">Open it at full size</a>.</span>'
 )
 NARROW = 600  # [px], a block diagram that can be read where it fills a phone's screen
 

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 import numpy as np
 
 from drake_leg.doctor import examine_posture
-from drake_leg.kinematics.khalil import jacobian
+from drake_leg.kinematics.khalil import base_transforms, jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
 from drake_leg.kinematics.singularity import examine
 from drake_leg.kinematics.stroke import greatest_amplitude, leg_stroke
@@ -22,6 +22,10 @@ from drake_leg.robot import Robot
 from drake_leg.runs.options import LegBOptions
 
 NAMES = {"det J expanded": "det J"}
+FAMILIES: dict[str | None, str] = {
+    "stretch": "where the leg is stretched",
+    "hip-axis": "where the foot is on the hip axis",
+}
 RATES = {"V1": "q̇_1", "V2": "q̇_2", "V3": "q̇_3"}  # what a contribution is multiplied by
 
 
@@ -77,30 +81,61 @@ def equations(item: Item) -> str:
     str
         HTML.
     """
-    found = _compared(item.subject)
+    found, subject = _compared(item.subject), SUBJECTS[item.subject]
     lines = [
-        _matrix(label, name, found[name]) if name in found else _statement(label, name)
+        _matrix(label, name, found[name], subject) if name in found else _statement(label, name)
         for label, name in item.equations
     ]
-    subject = SUBJECTS[item.subject]
-    return f"<p>Evaluated at q = ({subject.posture}), lengths in m.</p>\n" + "\n".join(lines)
+    said = f"Evaluated at q = ({subject.posture}), lengths in m."
+    if any(name in found for _, name in item.equations):
+        said += (
+            " Below each, how far its entries are at most from the product of the table's "
+            "transforms, the chain, and from Drake's plant."
+        )
+    return f"<p>{said}</p>\n" + "\n".join(lines)
 
 
 def _statement(label: str, text: str) -> str:
     return f'<div class="equation"><span>{prose(text)}</span>{_label(label)}</div>'
 
 
-def _matrix(label: str, name: str, comparison: Comparison) -> str:
+def _matrix(label: str, name: str, comparison: Comparison, subject: Subject) -> str:
     rate = f"<span>{prose(RATES[name])}</span>" if name in RATES else ""
     value = (
         "" if comparison.value is None else f"<span>=</span> {value_grid(comparison.value)}{rate}"
     )
     return (
         f'{_SCROLLING}<span class="name">{prose(NAMES.get(name, name))}'
-        f"</span> <span>=</span> {formula_grid(comparison.formula)}{rate} {value}{_label(label)}"
-        f'<span class="proof">from the chain {power(comparison.from_chain)}, from Drake '
-        f"{power(comparison.from_drake)}</span></div>"
+        f"</span> <span>=</span> {formula_grid(comparison.formula)}{rate} {value}"
+        f"{_unit(name, comparison, subject)}{_label(label)}"
+        f'<span class="proof">{_product(name, subject)}from the chain '
+        f"{power(comparison.from_chain)}, from Drake {power(comparison.from_drake)}</span></div>"
     )
+
+
+def _unit(name: str, comparison: Comparison, subject: Subject) -> str:
+    """Write the unit of a determinant, and its value in the reports' millimetres."""
+    if not name.startswith("det J") or comparison.value is None:
+        return ""
+    power = _length_power(subject)
+    in_mm = f"{comparison.value.item() * 1e3**power:,.0f}".replace(",", "&#8239;")
+    return f"<span>m<sup>{power}</sup> = {in_mm} mm<sup>{power}</sup></span>".replace("-", "−")
+
+
+def _length_power(subject: Subject) -> int:
+    """Count the rows of the task that are lengths: those of translation."""
+    return sum(row >= 3 for row in subject.task)
+
+
+def _product(name: str, subject: Subject) -> str:
+    """Write what the direct method multiplies: the joint's axis and the way to the foot."""
+    if name not in RATES:
+        return ""
+    joint = int(name[1:])
+    X_B = base_transforms(subject.robot.rows, subject.q)
+    axis, way = X_B[joint - 1][:3, 2], X_B[-1][:3, 3] - X_B[joint - 1][:3, 3]
+    z, p = (f"({', '.join(number(part) for part in vector)})" for vector in (axis, way))
+    return prose(f"z_{joint} × O_{joint}O_E = {z} × {p} m; ")
 
 
 def _label(label: str) -> str:
@@ -168,7 +203,15 @@ def singular_postures(item: Item) -> str:
                 lost,
             )
         )
-    head = ("posture", "q", "|det J|", "rank", "σ<sub>min</sub> [m]", "lost: no motion along")
+    unit = f"[m<sup>{_length_power(subject)}</sup>]"
+    head = (
+        "posture",
+        "q",
+        f"|det J| {unit}",
+        "rank",
+        "σ<sub>min</sub> [m]",
+        "lost: no motion along",
+    )
     return table(head, rows)
 
 
@@ -218,8 +261,8 @@ def stroke(item: Item) -> str:
     return (
         f"<p><b>{'Yes' if wanted < room.length else 'No'}.</b> Commanded with A sin ωt along x the "
         f"foot goes 2A/ω = {1e3 * wanted:.0f} mm to one side of where it starts. From q = "
-        f"({subject.posture}) it has {1e3 * room.length:.1f} mm to the first singular posture, of "
-        f"the family “{room.family}”; at {options.frequency:g} rad/s every amplitude below "
+        f"({subject.posture}) it has {1e3 * room.length:.1f} mm to the first singular posture, "
+        f"{FAMILIES[room.family]}; at {options.frequency:g} rad/s every amplitude below "
         f"{1e3 * below:.1f} mm/s stays inside. Where it starts the Jacobian's smallest singular "
         f"value is {1e3 * sigma_min:.1f} mm.</p>"
     )

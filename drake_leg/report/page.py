@@ -15,6 +15,7 @@ from drake_leg.report.errata import errata_chapter, erratum_notes
 from drake_leg.report.exhibits import Exhibit, Workshop
 from drake_leg.report.highlights import highlights
 from drake_leg.report.markup import power, prose, table
+from drake_leg.report.replays import packed
 from drake_leg.report.runs import RUNS, command
 from drake_leg.runs.outcome import Outcome
 
@@ -56,6 +57,7 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> None:
     page = Template(_resource("report.html")).substitute(
         style=_resource("report.css"),
         script=_resource("report.js"),
+        replays=packed(_replays(folder)),
         lead=exhibits[LEAD].body,
         highlights=highlights(outcomes),
         contents="\n".join(map(_links, chapters())),
@@ -66,6 +68,12 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> None:
         f"{platform.python_version()}",
     )
     (folder / "report.html").write_text(page, encoding="utf-8")
+
+
+def _replays(folder: Path) -> dict[str, str]:
+    items = (item for chapter in chapters() for item in chapter.items if item.kind == "replay")
+    files = [folder / f"{item.id}.html" for item in items]
+    return {file.stem: file.read_text(encoding="utf-8") for file in files}
 
 
 def _resource(name: str) -> str:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from drake_leg.figures import pendulum, tip
 from drake_leg.figures.of_runs import LEG_JOINTS
 from drake_leg.figures.stroboscope import stroboscope
-from drake_leg.kinematics.leg import LegGeometry, foot_rotation_angles
+from drake_leg.kinematics.leg import LegGeometry, determinant, foot_rotation_angles
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.kinematics.rotation import rotation_matrices
 from drake_leg.report.runs import GAIN
@@ -51,8 +51,16 @@ def deviation(plot: Plot, outcome: Outcome) -> float:
     recording, exact = outcome.recording, outcome.exact
     if plot.columns == ("rotation",):
         return _rotation_deviation(outcome)
+    if plot.columns == ("det_j",):
+        return _determinant_deviation(outcome)
     columns = [name for name in plot.columns if name in exact]
     return max(float(np.abs(recording[name] - exact[name]).max()) for name in columns)
+
+
+def _determinant_deviation(outcome: Outcome) -> float:
+    q = np.column_stack([outcome.exact[name] for name in ("q1", "q2", "q3")])
+    right = determinant(LegGeometry.from_robot(outcome.robot), q)
+    return float(np.abs(outcome.recording["det_j"] - right).max())
 
 
 def _rotation_deviation(outcome: Outcome) -> float:
@@ -116,6 +124,10 @@ def _input_velocity_and_position(outcome: Outcome, title: str) -> Figure:
     return tip.velocity_and_position(outcome.recording, title, with_input=True)
 
 
+def _singularity(outcome: Outcome, title: str) -> Figure:
+    return tip.singularity(outcome.recording, title)
+
+
 PLOTS = {
     "angle": Plot(file="angle", columns=("q",), unit="rad", draw=_angle),
     "swing": Plot(file="angle", columns=("q",), unit="rad", draw=_swing),
@@ -125,6 +137,7 @@ PLOTS = {
     "position": Plot(file="foot_position", columns=("x", "y", "z"), unit="m", draw=_position),
     "velocity": Plot(file="foot_velocity", columns=("vx", "vy", "vz"), unit="m/s", draw=_velocity),
     "joints": Plot(file="joint_angles", columns=("q1", "q2", "q3"), unit="rad", draw=_joints),
+    "singularity": Plot(file="singularity", columns=("det_j",), unit="m³", draw=_singularity),
     "rotation": Plot(file="foot_rotation", columns=("rotation",), unit="rad", draw=_rotation),
     "stroboscope": Plot(
         file="step", columns=("x", "y", "z", "yaw"), unit="m, rad", draw=_stroboscope

@@ -103,7 +103,7 @@ def test_every_solid_of_the_leg_has_its_weight_in_the_drawing(robot):
     solids = [segment for segment in robot.segments if segment.link.solid is not None]
     weights = {text for text in shown if text.startswith("$m_")}
     assert weights == {f"$m_{number}\\,g$" for number in range(1, len(solids) + 1)}
-    assert {"$R,\\ M$", "$N$"} <= shown
+    assert {"$R$", "$M$", "$N$"} <= shown
     assert sum(abs(angle + 90.0) < 1e-6 for angle in arrows(side)) >= len(solids)
 
 
