@@ -5,14 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from drake_leg.cli.common import Commands
 from drake_leg.cli.robot_source import robot_source
+from drake_leg.cli.shows import stop_note
 from drake_leg.cli.view import add_view
 from drake_leg.errors import OutputError
 from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
+from drake_leg.runs.catalogue import RUNS, STEP
 
 
 def add(commands: Commands) -> None:
@@ -57,11 +61,20 @@ def _replay(chosen: argparse.Namespace) -> int:
     view = view_named(chosen.view)
     check_show(chosen.out, overwrite=chosen.overwrite)
     _require_run(chosen.run)
-    robot = _robot(chosen)
+    summary = _summary(chosen.run)
+    robot = _robot(chosen, summary)
     motion = recorded_motion(robot, read_csv(chosen.run / "recording.csv"))
     bar = ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s")
     try:
-        write_show(chosen.out, motion, view=view, overwrite=chosen.overwrite, progress=bar)
+        write_show(
+            chosen.out,
+            motion,
+            title=_title(summary, robot),
+            note=stop_note(summary),
+            view=view,
+            overwrite=chosen.overwrite,
+            progress=bar,
+        )
     finally:
         bar.close()
     print(f"wrote {chosen.out}: {motion.duration:g} s of {robot.title}")
@@ -78,15 +91,31 @@ def _require_run(folder: Path) -> None:
         raise OutputError(f"{folder} is no folder of a run: give one that 'drake-leg run' has made")
 
 
-def _robot(chosen: argparse.Namespace) -> Robot:
+def _summary(folder: Path) -> dict[str, Any]:
+    """Read what the run's summary tells, or nothing."""
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return summary if isinstance(summary, dict) else {}
+
+
+def _robot(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Robot:
     """Find what moved: as told, or as the run's summary names it."""
     if chosen.robot:
         return robot_source(chosen.robot).robot()
-    file = chosen.run / "summary.json"
     try:
-        name = json.loads(file.read_text(encoding="utf-8"))["robot"]
-        return robot_source(str(name).replace("_", "-")).robot()
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        return robot_source(str(summary["robot"]).replace("_", "-")).robot()
+    except (ValueError, KeyError) as error:
         raise OutputError(
-            f"{file} does not tell which robot moved ({error}): name it with --robot"
+            f"{chosen.run / 'summary.json'} does not tell which robot moved ({error}): "
+            "name it with --robot"
         ) from None
+
+
+def _title(summary: Mapping[str, Any], robot: Robot) -> str:
+    """Find what the run is called: a robot from a file makes the straight step."""
+    name = str(summary.get("run"))
+    if name in RUNS:
+        return RUNS[name].heading
+    return f"{robot.title}: {STEP}" if name.lower().endswith(".toml") else robot.title

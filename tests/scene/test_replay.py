@@ -9,9 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError, OutputError
 from drake_leg.robots import LEG_B, ROBOTS
-from drake_leg.scene import replay
 from drake_leg.scene.motion import Motion, still
-from drake_leg.scene.replay import ReplayError, replay_page, write_replay
+from drake_leg.scene.replay import replay_page, write_replay
 
 
 class Addresses(html.parser.HTMLParser):
@@ -26,7 +25,7 @@ class Addresses(html.parser.HTMLParser):
 
 
 def data_of(page):
-    return json.loads(re.search(r'id="replay-data">(.*?)</script>', page, re.DOTALL)[1])
+    return json.loads(re.search(r'id="page-data">(.*?)</script>', page, re.DOTALL)[1])
 
 
 @pytest.fixture(scope="module")
@@ -69,9 +68,11 @@ def test_a_replay_of_an_hour_is_refused():
         replay_page(motion)
 
 
-def test_a_page_of_meshcat_that_is_not_known_is_refused():
-    with pytest.raises(ReplayError, match="has no </body>"):
-        replay._replaced("<html>", "</body>", "")
+def test_a_page_is_named_after_its_run(step):
+    page = replay_page(step, title="Leg <B>: the step", note="stopped at 1 s: & so on")
+    assert "<title>Leg &lt;B&gt;: the step: replay</title>" in page
+    assert "<h1>Leg &lt;B&gt;: the step</h1>" in page
+    assert "stopped at 1 s: &amp; so on</p>" in page
 
 
 def test_a_page_that_is_there_stays(step, tmp_path):
