@@ -11,7 +11,7 @@ from typing import Any
 from drake_leg.scene.live.command import Command, deed, numbers_of, tab_of
 
 FASTEST = 100.0  # [mm/s] along each axis
-SILENCE = 0.6  # [s] without a word of the driving page, after which the foot halts
+SILENCE = 1.0  # [s] without a word of the driving page, after which the foot halts
 DEEDS = ("drive", "alive", "halt", "start", "clear", "quit")
 REST = [0.0, 0.0, 0.0]
 

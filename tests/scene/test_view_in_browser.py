@@ -17,19 +17,24 @@ Q = np.radians([90.0, -50.0, -90.0])
 SIZES = {"desk": (1280, 800), "tablet": (820, 1180), "phone": (390, 844)}
 
 
+def run(server):
+    with server:
+        view_robot(LEG_B, Q, server)
+
+
 @pytest.fixture
 def session():
-    with Server() as server:
-        loop = Thread(target=view_robot, args=(LEG_B, Q, server), daemon=True)
-        loop.start()
-        yield server
-        if loop.is_alive():
-            command = urllib.request.Request(
-                f"{server.url}/command", b'{"do": "quit"}', {"Content-Type": "application/json"}
-            )
-            urllib.request.urlopen(command).read()
-        loop.join(5.0)
-        assert not loop.is_alive()
+    server = Server()
+    loop = Thread(target=run, args=(server,), daemon=True)
+    loop.start()
+    yield server
+    if loop.is_alive():
+        command = urllib.request.Request(
+            f"{server.url}/command", b'{"do": "quit"}', {"Content-Type": "application/json"}
+        )
+        urllib.request.urlopen(command).read()
+    loop.join(5.0)
+    assert not loop.is_alive()
 
 
 @pytest.fixture
@@ -145,6 +150,6 @@ def test_two_tabs_show_the_same_and_both_hear_the_end(session, open_page):
     late = opened(open_page, session)
     assert pieces(late) == pieces(one) > 0
     one.page.keyboard.press("Escape")
-    settle(one)
     for tab in (one, other, late):
+        tab.page.wait_for_selector("#page-over", state="visible")
         assert "The session has ended. This tab can be closed." in tab.page.inner_text("#page-over")

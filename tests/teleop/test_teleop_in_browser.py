@@ -16,19 +16,24 @@ Q = np.radians([90.0, -50.0, -90.0])
 SIZES = {"desk": (1280, 800), "tablet": (820, 1180), "phone": (390, 844)}
 
 
+def run(server):
+    with server:
+        drive_robot(LEG_B, Q, server, say=str)
+
+
 @pytest.fixture
 def session():
-    with Server() as server:
-        loop = Thread(target=drive_robot, args=(LEG_B, Q, server), kwargs={"say": str}, daemon=True)
-        loop.start()
-        yield server
-        if loop.is_alive():
-            command = urllib.request.Request(
-                f"{server.url}/command", b'{"do": "quit"}', {"Content-Type": "application/json"}
-            )
-            urllib.request.urlopen(command).read()
-        loop.join(5.0)
-        assert not loop.is_alive()
+    server = Server()
+    loop = Thread(target=run, args=(server,), daemon=True)
+    loop.start()
+    yield server
+    if loop.is_alive():
+        command = urllib.request.Request(
+            f"{server.url}/command", b'{"do": "quit"}', {"Content-Type": "application/json"}
+        )
+        urllib.request.urlopen(command).read()
+    loop.join(5.0)
+    assert not loop.is_alive()
 
 
 @pytest.fixture

@@ -28,11 +28,12 @@ class Board:
         self.session = token_hex(4)  # tells a page whether it belongs to this board
         self._changed = Condition()
         self._state: Mapping[str, Any] | None = None
+        self._mark = trace.mark
         self._number = self._readers = 0
         self._ended = False
 
     def show(self, state: Mapping[str, Any]) -> None:
-        """Tell a new state.
+        """Tell a new state, or a new trace.
 
         Parameters
         ----------
@@ -40,8 +41,9 @@ class Board:
             Of numbers, words and lists, for JSON.
         """
         with self._changed:
-            if state != self._state:
-                self._state, self._number = state, self._number + 1
+            if (state, self.trace.mark) != (self._state, self._mark):
+                self._state, self._mark = state, self.trace.mark
+                self._number += 1
                 self._changed.notify_all()
 
     def end(self, patience: float = QUIET) -> None:

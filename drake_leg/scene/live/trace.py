@@ -30,6 +30,11 @@ class Trace:
         self._count = self._cleared = 0
         self._lock = Lock()
 
+    @property
+    def mark(self) -> tuple[int, int]:
+        """How often it was cleared, and how many pieces have come since."""
+        return self._cleared, self._count
+
     def add(self, point: Array) -> None:
         """Go on to a point, unless it is near the last one.
 

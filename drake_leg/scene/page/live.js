@@ -112,7 +112,7 @@ const live = stage && (() => {
     const symbol = Object.assign(document.createElement("span"), { className: "unit" });
     symbol.textContent = unit;
     row.append(slider, box, symbol);
-    return { show(value) { shown = value; draw(); }, row };
+    return { show(value) { shown = value; draw(); } };
   }
 
   function makeRow(parent, text, name) {
@@ -132,7 +132,7 @@ const live = stage && (() => {
   });
 
   return {
-    send, sendAtOnce, makeDial, makeRow, write,
+    send, sendAtOnce, makeDial, makeRow,
     onNews: (listener) => listeners.news.push(listener),
     onLost: (listener) => listeners.lost.push(listener),
   };

@@ -178,5 +178,5 @@ const stage = (() => {
   viewer.gui.domElement.style.display = "none";
   paint();
   look(data.first);
-  return { data, element, place, look, makeButton, makeShown, isTyped };
+  return { data, element, place, makeButton, makeShown, isTyped };
 })();

@@ -17,7 +17,6 @@ if (live) (() => {
 
   function wanted() {
     const velocity = [...set];
-    for (const [axis, sign] of held.values()) velocity[axis] = 0;
     for (const [axis, sign] of held.values()) velocity[axis] += sign * speed();
     return velocity;
   }

@@ -33,6 +33,9 @@ def test_what_does_not_change_is_told_once():
     assert next(news)["n"] == 1
     told.show({"n": 1})
     assert next(news) is None
+    told.trace.clear()
+    told.show({"n": 1})
+    assert next(news)["trace"]["cleared"] == 1
 
 
 def test_every_page_hears_that_the_session_has_ended():
