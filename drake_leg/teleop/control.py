@@ -24,6 +24,7 @@ State = Literal["free", "near", "slowed", "stopped"]
 STOP, SLOW = 0.01, 0.04  # of the robot's length: smallest singular values of the guard
 GREATEST_RATE = 4.0  # [rad/s or m/s] of a joint
 LARGEST_TURN = 0.02  # [rad or m] of a joint in one substep
+AT_LIMIT = {"revolute": 0.02, "prismatic": 0.004}  # [rad], [m]: nearer a joint is at its limit
 FREE = 0.995  # share of the commanded way above which nothing is said
 
 
@@ -292,16 +293,29 @@ def _step(drive: Drive, q: Array, share: float, obstacle: str) -> Step:
 
 
 def _rest(drive: Drive, q: Array) -> Step:
-    """Describe a posture at rest by what the guard would do on the way to the singularity."""
+    """Describe a posture at rest by what the guard would do on the way to what is near."""
     room = drive.room(drive.sigma_min(q))
-    if room >= 1.0:
-        return _described(drive, q, None, "free", "")
     near = singular_words(drive, q)
-    if room > 1.0 - FREE:
+    if room <= 1.0 - FREE:
+        stop = f"{near}: the foot can only be driven away from it"
+        return _described(drive, q, None, "stopped", stop)
+    if room < 1.0:
         return _described(drive, q, None, "near", f"{near}: nearer to it the foot will be slowed")
-    return _described(
-        drive, q, None, "stopped", f"{near}: the foot can only be driven away from it"
-    )
+    joint = _joint_at_limit(drive.robot, q)
+    if joint:
+        return _described(drive, q, None, "near", f"the joint {joint} is at its limit")
+    return _described(drive, q, None, "free", "")
+
+
+def _joint_at_limit(robot: Robot, q: Array) -> str | None:
+    """Name a joint that is as near to a limit as one that was stopped there."""
+    for segment, now in zip(robot.moving, q, strict=True):
+        mechanics = segment.mechanics
+        near = AT_LIMIT[segment.row.joint]
+        below = mechanics.lower is not None and now < mechanics.lower + near
+        if below or (mechanics.upper is not None and now > mechanics.upper - near):
+            return segment.joint
+    return None
 
 
 def _described(drive: Drive, q: Array, share: float | None, state: State, sentence: str) -> Step:

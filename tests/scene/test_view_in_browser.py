@@ -114,6 +114,16 @@ def test_typing_in_a_box_changes_nothing_but_the_box(visit):
     assert visit.page.evaluate(pressed) == "Top"
 
 
+def test_a_view_holds_the_whole_trace(visit):
+    far = foot([0.0, -50.0, -90.0])
+    slide(visit, "hip in deg", 0.0)
+    slide(visit, "hip in deg", 90.0)
+    for view in ("Right", "Front", "Top", "3D"):
+        visit.click(view)
+        settle(visit)
+        assert max(np.abs(visit.seen(far))) < 1.0
+
+
 def test_views_go_back_as_far_as_the_robot_needs(visit):
     for value in (-179.0, 0.0, 90.0):
         slide(visit, "hip in deg", value)

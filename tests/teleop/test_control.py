@@ -143,6 +143,14 @@ def test_a_joint_stays_inside_its_limits_and_comes_back():
     assert control_step(drive, steps[-1].q, [0.0, 0.0, 0.1], DT).share > 0.5
 
 
+def test_a_foot_halted_where_a_joint_is_at_its_limit_is_told_so():
+    drive = drive_of(read_robot(DESK, "desk"))
+    stopped = driven(drive, np.radians([0.0, 0.0, -90.0]), [0.0, 0.0, -0.1], 400)[-1]
+    assert stopped.sentence.startswith("the joint joint_2 is at its limit")
+    halted = control_step(drive, stopped.q, [0.0, 0.0, 0.0], DT)
+    assert (halted.state, halted.sentence) == ("near", "the joint joint_2 is at its limit")
+
+
 def test_a_singular_start_is_refused():
     with pytest.raises(SingularConfigurationError, match="the Jacobian is singular") as refused:
         at_rest(drive_of(LEG_B), [0.5, 0.3, 0.0])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 from collections.abc import Callable
 from http.server import ThreadingHTTPServer
+from ipaddress import ip_address
 from threading import Thread
 from typing import Any, Self
 
@@ -169,9 +170,10 @@ def _bindable(family: socket.AddressFamily, address: str) -> bool:
 
 def _names(host: str, addresses: list[Address]) -> tuple[str, ...]:
     """Names by which browsers may know this machine, as in a URL."""
-    if host == ANYWHERE:
+    if host == ANYWHERE or any(ip_address(name).is_unspecified for _, name in addresses):
         own = socket.gethostname()
         return (LOCALHOST, own, f"{own}.local", ANYWHERE)
     numbers = [f"[{name}]" if ":" in name else name for _, name in addresses]
-    first = host if host == LOCALHOST or ":" not in host else numbers[0]
-    return tuple(dict.fromkeys([first, *numbers]))
+    loops = any(ip_address(name).is_loopback for _, name in addresses)
+    first = numbers[0] if ":" in host else host
+    return tuple(dict.fromkeys([first, *numbers, *[LOCALHOST] * loops]))

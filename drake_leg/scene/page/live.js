@@ -39,8 +39,7 @@ const live = stage && (() => {
     const news = JSON.parse(event.data);
     if (news.session !== data.session) { location.reload(); return; }
     element("page-lost").hidden = true;
-    stage.place(news.poses);
-    drawTrace(news.trace);
+    stage.place(news.poses, drawTrace(news.trace));
     element("page-tip").textContent = news.tip.map(write).join(", ");
     for (const listener of listeners.news) listener(news);
   });

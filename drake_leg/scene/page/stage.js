@@ -31,14 +31,14 @@ const stage = (() => {
       (i) => matrix[i] * x + matrix[i + 4] * y + matrix[i + 8] * z + matrix[i + 12] * w);
   }
 
-  let present = []; // points of the robot as it is
-  function place(poses) {
+  let present = []; // points of the robot as it is, and what else there is to hold
+  function place(poses, more = []) {
     const matrices = poses.map(matrix);
     data.paths.forEach((path, i) => {
       viewer.handle_command({ type: "set_transform", path: path, matrix: matrices[i] });
     });
     present = data.held.flatMap((corners, i) =>
-      corners.map((corner) => times(matrices[i], [...corner, 1])));
+      corners.map((corner) => times(matrices[i], [...corner, 1]))).concat(more);
     if (view && distance(view, present) > away * (1 + 1e-9)) look(data.views.indexOf(view));
   }
 

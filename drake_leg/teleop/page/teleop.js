@@ -4,7 +4,7 @@ if (live) (() => {
   const { data, element } = stage;
   const tab = Math.random().toString(36).slice(2);
   const KEEP_UP = 150; // [ms] between words to the program while the foot is driven
-  const WORDS = { free: "Free", near: "Near the edge", slowed: "Slowed", stopped: "Stopped" };
+  const WORDS = { free: "Free", near: "Careful", slowed: "Slowed", stopped: "Stopped" };
   const guard = element("guard"), hold = element("box-hold");
   let set = [0, 0, 0]; // [mm/s], by sliders and boxes
   const held = new Map(); // key or pointer → [axis, sign]

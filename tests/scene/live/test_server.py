@@ -42,10 +42,18 @@ def test_by_default_only_this_machine_is_served():
         assert addresses <= {"127.0.0.1", "::1"}
 
 
-def test_the_star_serves_all_addresses():
-    with Server("*") as server:
+@pytest.mark.parametrize("host", ["*", "0.0.0.0"])
+def test_all_addresses_are_served_under_any_number(host):
+    with Server(host) as server:
         assert "0.0.0.0" in {listener.server_address[0] for listener in server._listeners}
         assert server.url == f"http://localhost:{server.port}"
+        assert "*" in server.names
+
+
+def test_a_number_of_this_machine_is_its_name_too():
+    with Server("127.0.0.1") as server:
+        assert server.url == f"http://127.0.0.1:{server.port}"
+        assert server.names == ("127.0.0.1", "localhost")
 
 
 def test_a_port_is_free_again_when_the_server_is_closed(service):
