@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 from html import escape
 from pathlib import Path
 from string import Template
@@ -16,8 +17,9 @@ from drake_leg.scene.views import VIEWS, View
 from drake_leg.scene.web_page import Sheet, page_text, pose_rows, stage_data, web_page
 from drake_leg.text_file import write_text
 
-RATE = 30.0  # poses a second; the page interpolates between them
+RATE = 30.0  # poses a second, at least; the page interpolates between them
 LONGEST = 600.0  # [s]
+NOTE = '<details id="replay-note"><summary>{}</summary></details>\n'  # one line, until it is opened
 
 
 def write_replay(
@@ -95,12 +97,13 @@ def replay_page(
         raise InvalidValueError(
             f"the motion is {motion.duration:g} s long; a replay is at most {LONGEST:g} s"
         )
-    frames = motion.sampled(RATE)
+    rate = math.ceil(motion.duration * RATE) / motion.duration if motion.duration else RATE
+    frames = motion.sampled(rate)
     scene = scene_of(motion)
     heading = title or motion.robot.title
     body = Template(page_text("replay.html")).substitute(
         title=escape(heading),
-        note=escape(note or ""),
+        note="" if note is None else NOTE.format(escape(note)),
         duration=frames.duration,
         seconds=f"{frames.duration:.2f}",
         square=f"{1000.0 * scene.floor_square:g}",
@@ -110,15 +113,15 @@ def replay_page(
         body=body,
         styles=(page_text("replay.css"),),
         scripts=(page_text("replay.js"),),
-        data=_data(frames, scene, view),
+        data=_data(frames, rate, scene, view),
     )
     return web_page(scene, sheet)
 
 
-def _data(frames: Motion, scene: Scene, first: View) -> dict[str, Any]:
+def _data(frames: Motion, rate: float, scene: Scene, first: View) -> dict[str, Any]:
     return {
         **stage_data(scene, first),
-        "rate": RATE,
+        "rate": rate,
         "duration": frames.duration,
         "poses": _packed(frames.poses()[:, 1:]),
     }

@@ -7,11 +7,13 @@ from drake_leg.scene.replay import write_replay
 
 pytestmark = pytest.mark.slow
 
+NOTE = "stopped at 1 s: the leg is stretched; " + 8 * "choose a smaller amplitude, or "
+
 
 @pytest.fixture(scope="module")
 def file(step, tmp_path_factory):
     path = tmp_path_factory.mktemp("replay") / "step.html"
-    write_replay(path, step, title="Leg B: a step", note="stopped at 1 s: the leg is stretched")
+    write_replay(path, step, title="Leg B: a step", note=NOTE)
     return path.as_uri()
 
 
@@ -116,7 +118,10 @@ def test_keys_choose_views_and_moments(visit):
 def test_the_page_says_what_it_shows_and_why_it_stops(visit):
     head = visit.page.inner_text("#page-head")
     assert head.startswith("Leg B: a step")
-    assert "stopped at 1 s: the leg is stretched" in head
+    assert NOTE.strip() in head
+    line = visit.page.locator("#replay-note").bounding_box()["height"]
+    visit.page.click("#replay-note summary")
+    assert visit.page.locator("#replay-note").bounding_box()["height"] > 1.5 * line
     assert "1.00 s; squares of the floor 20 mm" in head
     assert visit.page.title() == "Leg B: a step: replay"
 

@@ -68,7 +68,7 @@ if (stage) (() => {
       Home: () => scrubTo(0),
       End: () => scrubTo(data.duration),
     };
-    if (!event.target.closest("button")) actions[" "] = () => setPlaying(!playing);
+    if (!event.target.closest("button, summary")) actions[" "] = () => setPlaying(!playing);
     if (!(event.key in actions)) return;
     event.preventDefault();
     actions[event.key]();
