@@ -4,12 +4,14 @@ import base64
 import io
 import shutil
 from functools import cache
+from threading import Event, Thread
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
 from drake_leg.models.plant import build_plant
+from drake_leg.scene.live.server import Server
 
 settings.register_profile("drake_leg", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("drake_leg")
@@ -153,3 +155,29 @@ def open_page(browser):
     yield visit
     for one in visits:
         one.close()
+
+
+@pytest.fixture
+def served():
+    """Carry out a session with a server of its own, interrupted when the test ends."""
+    over, loops = Event(), []
+
+    def pause(seconds):
+        if over.wait(seconds):
+            raise KeyboardInterrupt
+
+    def run(server, session, *arguments, **keywords):
+        with server:
+            session(*arguments, server, **keywords, wait=pause)
+
+    def start(*arguments, **keywords):
+        server = Server()
+        loops.append(Thread(target=run, args=(server, *arguments), kwargs=keywords, daemon=True))
+        loops[-1].start()
+        return server
+
+    yield start
+    over.set()
+    for loop in loops:
+        loop.join(5.0)
+        assert not loop.is_alive()

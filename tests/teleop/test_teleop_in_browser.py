@@ -1,13 +1,9 @@
 """The page of ``drake-leg teleop`` in a browser."""
 
-import urllib.request
-from threading import Thread
-
 import numpy as np
 import pytest
 
 from drake_leg.robots import LEG_B
-from drake_leg.scene.live.server import Server
 from drake_leg.teleop.session import drive_robot
 
 pytestmark = pytest.mark.slow
@@ -16,24 +12,9 @@ Q = np.radians([90.0, -50.0, -90.0])
 SIZES = {"desk": (1280, 800), "tablet": (820, 1180), "phone": (390, 844)}
 
 
-def run(server):
-    with server:
-        drive_robot(LEG_B, Q, server, say=str)
-
-
 @pytest.fixture
-def session():
-    server = Server()
-    loop = Thread(target=run, args=(server,), daemon=True)
-    loop.start()
-    yield server
-    if loop.is_alive():
-        command = urllib.request.Request(
-            f"{server.url}/command", b'{"do": "quit"}', {"Content-Type": "application/json"}
-        )
-        urllib.request.urlopen(command).read()
-    loop.join(5.0)
-    assert not loop.is_alive()
+def session(served):
+    return served(drive_robot, LEG_B, Q, say=str)
 
 
 @pytest.fixture
