@@ -61,9 +61,9 @@ def _replay(chosen: argparse.Namespace) -> int:
     view = view_named(chosen.view)
     check_show(chosen.out, overwrite=chosen.overwrite)
     _require_run(chosen.run)
-    summary = _summary(chosen.run)
-    robot = _robot(chosen, summary)
+    robot = _robot(chosen)
     motion = recorded_motion(robot, read_csv(chosen.run / "recording.csv"))
+    summary = _summary(chosen.run)
     bar = ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s")
     try:
         write_show(
@@ -91,26 +91,27 @@ def _require_run(folder: Path) -> None:
         raise OutputError(f"{folder} is no folder of a run: give one that 'drake-leg run' has made")
 
 
-def _summary(folder: Path) -> dict[str, Any]:
-    """Read what the run's summary tells, or nothing."""
-    try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return summary if isinstance(summary, dict) else {}
-
-
-def _robot(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Robot:
+def _robot(chosen: argparse.Namespace) -> Robot:
     """Find what moved: as told, or as the run's summary names it."""
     if chosen.robot:
         return robot_source(chosen.robot).robot()
+    file = chosen.run / "summary.json"
     try:
-        return robot_source(str(summary["robot"]).replace("_", "-")).robot()
-    except (ValueError, KeyError) as error:
+        name = json.loads(file.read_text(encoding="utf-8"))["robot"]
+        return robot_source(str(name).replace("_", "-")).robot()
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise OutputError(
-            f"{chosen.run / 'summary.json'} does not tell which robot moved ({error}): "
-            "name it with --robot"
+            f"{file} does not tell which robot moved ({error}): name it with --robot"
         ) from None
+
+
+def _summary(folder: Path) -> Mapping[str, Any]:
+    """Read what the run's summary tells, or nothing."""
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return summary if isinstance(summary, dict) else {}
 
 
 def _title(summary: Mapping[str, Any], robot: Robot) -> str:

@@ -8,14 +8,14 @@ import numpy as np
 
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Brick, Cylinder, Robot
-from drake_leg.scene.parts import PALE, Part, placed, size_of
+from drake_leg.scene.parts import Part, placed, size_of
 
 RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
 LINE = (0.66, 0.67, 0.70)
 PURPLE = (0.608, 0.310, 0.588)
 
 # Of the scene's size:
-TRIAD_LENGTH, TRIAD_RADIUS, BONE_RADIUS = 0.14, 0.006, 0.012
+TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
 TRACE_RADIUS, TRACE_SPACING = 0.006, 1.0 / 60.0
 FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
 
@@ -48,29 +48,6 @@ def triad_parts(robot: Robot, size: float) -> tuple[Part, ...]:
             parts.append(
                 Part(path=f"triad/{letter}", frame=index, shape=rod[0], X_FP=rod[1], colour=colour)
             )
-    return tuple(parts)
-
-
-def bone_parts(robot: Robot, size: float) -> tuple[Part, ...]:
-    """Thin rods from frame to end of those links that have no solid to be seen.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any.
-    size : float
-        Of the scene [m].
-
-    Returns
-    -------
-    tuple of Part
-    """
-    parts = []
-    for index, segment in enumerate(robot.segments, start=1):
-        link = segment.link
-        if link is not None and link.solid is None and any(link.end):
-            rod, pose = _rod(np.zeros(3), np.array(link.end), BONE_RADIUS * size)
-            parts.append(Part(path="bone", frame=index, shape=rod, X_FP=pose, colour=PALE))
     return tuple(parts)
 
 

@@ -10,7 +10,6 @@ from scipy.spatial import ConvexHull
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 from drake_leg.scene.marks import (
-    bone_parts,
     floor_corners,
     floor_parts,
     floor_square,
@@ -95,7 +94,6 @@ def scene_of(motion: Motion, *, room: float = 0.0, around: Array | None = None) 
     points = points if around is None else np.concatenate([points, around])
     parts = (
         *solid_parts(motion.robot, size),
-        *bone_parts(motion.robot, size),
         *triad_parts(motion.robot, size),
         *trace_parts(motion.path(), size),
         *floor_parts(points, square),

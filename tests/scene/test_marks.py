@@ -1,5 +1,4 @@
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from drake_leg.scene.marks import (
     GREEN,
     RED,
     TRACE_SPACING,
-    bone_parts,
     floor_parts,
     floor_square,
     trace_parts,
@@ -91,12 +89,3 @@ def test_the_floor_lies_under_everything():
     np.testing.assert_allclose(gaps, 0.05)
     assert along_x[0].X_FP[1, 3] <= 0.0
     assert along_x[-1].X_FP[1, 3] >= 0.25 - 1e-12
-
-
-def test_a_link_without_a_solid_is_a_rod_to_its_end():
-    hip, knee, *rest = LEG_B.segments
-    bare = replace(LEG_B, segments=(hip, replace(knee, link=replace(knee.link, solid=None)), *rest))
-    assert bone_parts(LEG_B, 0.2) == ()
-    (bone,) = bone_parts(bare, 0.2)
-    assert bone.frame == 2
-    np.testing.assert_allclose(ends_of(bone), [[0, 0, 0], knee.link.end], atol=1e-15)
