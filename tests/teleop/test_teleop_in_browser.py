@@ -206,6 +206,8 @@ def test_one_tab_drives_and_the_other_may_halt_or_take_over(session, open_page):
     one.page.keyboard.down("a")
     one.page.wait_for_timeout(500)
     assert "driven from another page" in guard(other)[1]
+    other.page.evaluate("window.dispatchEvent(new Event('blur'))")
+    assert not is_at_rest(one)
     other.page.evaluate("document.getElementById('do-halt').click()")
     assert is_at_rest(one)
     one.page.keyboard.up("a")

@@ -39,6 +39,11 @@ if (live) (() => {
     live.sendAtOnce({ do: "halt" });
   }
 
+  // A page that does not drive leaves the foot to the one that does.
+  function leave() {
+    if (driving) halt();
+  }
+
   // The program halts the foot when it hears nothing.
   setInterval(() => { if (driving) live.send({ do: "alive", tab }); }, KEEP_UP);
 
@@ -115,9 +120,9 @@ if (live) (() => {
 
   element("do-halt").addEventListener("click", halt);
   element("do-start").addEventListener("click", forget);
-  window.addEventListener("blur", halt);
-  window.addEventListener("pagehide", halt);
-  document.addEventListener("visibilitychange", () => { if (document.hidden) halt(); });
+  window.addEventListener("blur", leave);
+  window.addEventListener("pagehide", leave);
+  document.addEventListener("visibilitychange", () => { if (document.hidden) leave(); });
   live.onLost(() => {
     forget();
     say("lost", "No connection", "the foot halts");
