@@ -1,12 +1,17 @@
-"""What the rooms' tests share: seeded chance, numerical derivatives, Drake as a witness."""
+"""What the rooms' tests share: seeded chance, numerical derivatives, Drake, a browser."""
 
+import base64
+import io
+import shutil
 from functools import cache
+from threading import Event, Thread
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
 from drake_leg.models.plant import build_plant
+from drake_leg.scene.live.server import Server
 
 settings.register_profile("drake_leg", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("drake_leg")
@@ -58,3 +63,121 @@ def drake_frames(posed):
         return np.array([frame.CalcPoseInWorld(context).GetAsMatrix4() for frame in frames])
 
     return poses
+
+
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+LOCAL = ("file:", "data:", "blob:")
+
+
+@pytest.fixture(scope="session")
+def browser():
+    api = pytest.importorskip(
+        "playwright.sync_api", reason="Playwright, of the extra browser, is not installed"
+    )
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("no Chromium is installed (Debian: apt-get install chromium)")
+    with api.sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=program, args=FLAGS)
+        yield running
+        running.close()
+
+
+class Visit:
+    """A page in 3D that is open, with what it asked for and what it complained of."""
+
+    def __init__(self, browser, url, size=(800, 600), **settings):
+        width, height = size
+        self.page = browser.new_page(viewport={"width": width, "height": height}, **settings)
+        self.errors, self.requests, self.url = [], [], url
+        self.page.on("console", self._note)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto(url)
+        self.page.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
+        self.page.wait_for_timeout(500)
+
+    def _note(self, message):
+        if message.type == "error":
+            self.errors.append(message.text)
+
+    def frame(self, index):
+        """Where the origin of a frame of the table is shown [m]."""
+        node = f"viewer.scene_tree.find(['drake', 'robot', 'frame_{index}']).object"
+        return np.array(self.page.evaluate(f"{node}.position.toArray()"))
+
+    def seen(self, point):
+        """Where a point of the world is in the picture: right and up, -1 ... 1."""
+        x, y, z = point
+        return self.page.evaluate(
+            f"(v => [v.x, v.y])(new MeshCat.THREE.Vector3({x}, {z}, {-y})"
+            ".project((viewer.camera.updateMatrixWorld(), viewer.camera)))"
+        )
+
+    def picture(self):
+        from PIL import Image
+
+        pixels = self.page.evaluate(
+            "(viewer.render(), viewer.renderer.domElement.toDataURL('image/png'))"
+        )
+        image = Image.open(io.BytesIO(base64.b64decode(pixels.partition(",")[2])))
+        return np.asarray(image.convert("RGB")).astype(float)
+
+    def click(self, name):
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def overflow(self):
+        """How much wider than its window the page is, and what stands outside it [px]."""
+        return self.page.evaluate(
+            "[document.documentElement.scrollWidth - innerWidth,"
+            " document.documentElement.scrollHeight - innerHeight,"
+            " ...[...document.querySelectorAll('#page-panel button, #page-panel input,"
+            " #page-panel output, #page-head')].map(e => e.getBoundingClientRect())"
+            ".filter(r => r.left < 0 || r.right > innerWidth + 1 || r.bottom > innerHeight + 1)"
+            ".map(r => [r.left, r.right, r.bottom])]"
+        )
+
+    def close(self):
+        self.page.close()
+        assert self.errors == []
+        assert [url for url in self.requests if not url.startswith((*LOCAL, self.url))] == []
+
+
+@pytest.fixture
+def open_page(browser):
+    """Open pages; they are closed at the end, without an error and without a request elsewhere."""
+    visits = []
+
+    def visit(url, **settings):
+        visits.append(Visit(browser, url, **settings))
+        return visits[-1]
+
+    yield visit
+    for one in visits:
+        one.close()
+
+
+@pytest.fixture
+def served():
+    """Carry out a session with a server of its own, interrupted when the test ends."""
+    over, loops = Event(), []
+
+    def pause(seconds):
+        if over.wait(seconds):
+            raise KeyboardInterrupt
+
+    def run(server, session, *arguments, **keywords):
+        with server:
+            session(*arguments, server, **keywords, wait=pause)
+
+    def start(*arguments, **keywords):
+        server = Server()
+        loops.append(Thread(target=run, args=(server, *arguments), kwargs=keywords, daemon=True))
+        loops[-1].start()
+        return server
+
+    yield start
+    over.set()
+    for loop in loops:
+        loop.join(5.0)
+        assert not loop.is_alive()

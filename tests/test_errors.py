@@ -23,6 +23,7 @@ from drake_leg.errors import (
 from drake_leg.imports import BrokenPackageError
 from drake_leg.kinematics.rates import exact_rates
 from drake_leg.output import check_target
+from drake_leg.report.replays import UnlikeReplaysError
 from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B
 from drake_leg.runs import leg, pendulum
@@ -30,16 +31,21 @@ from drake_leg.runs.leg import run_robot, run_straight
 from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
 from drake_leg.runs.pendulum import run_pendulum
 from drake_leg.scene import rendering, video
+from drake_leg.scene.live.requests import RefusedError
+from drake_leg.scene.live.server import ServerError
 from drake_leg.scene.meshcat import MeshcatError
 from drake_leg.scene.motion import OtherRobotError
 from drake_leg.scene.rendering import NoRenderingError
-from drake_leg.scene.replay import ReplayError
+from drake_leg.scene.web_page import PageError
 from drake_leg.simulation import run as simulation_run
 from drake_leg.symbolic.optional import MissingSymPyError
 
 PROVOKED_ELSEWHERE = {
-    MeshcatError: "tests/scene/test_viewer.py",
-    ReplayError: "tests/scene/test_replay.py",
+    MeshcatError: "tests/scene/test_web_page.py",
+    PageError: "tests/scene/test_web_page.py",
+    RefusedError: "tests/scene/live/test_requests.py",
+    UnlikeReplaysError: "tests/report/test_replays.py",
+    ServerError: "tests/scene/live/test_server.py",
     OtherRobotError: "tests/scene/test_motion.py",
     MissingSymPyError: "tests/symbolic/test_catalogue.py",
 }

@@ -5,15 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.common import ROBOT_NAMES, Commands
 from drake_leg.cli.robot_source import robot_source
+from drake_leg.cli.shows import stop_note
 from drake_leg.cli.view import add_view
 from drake_leg.errors import DrakeLegError, OutputError
 from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
+from drake_leg.runs.catalogue import RUNS, STEP
 
 if TYPE_CHECKING:
     from drake_leg.scene.motion import Motion, OtherRobotError
@@ -60,9 +63,18 @@ def _replay(chosen: argparse.Namespace) -> int:
     check_show(chosen.out, overwrite=chosen.overwrite)
     _require_run(chosen.run)
     motion = _motion(chosen)
+    summary = _summary(chosen.run)
     bar = ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s")
     try:
-        write_show(chosen.out, motion, view=view, overwrite=chosen.overwrite, progress=bar)
+        write_show(
+            chosen.out,
+            motion,
+            title=_title(summary, motion.robot),
+            note=stop_note(summary),
+            view=view,
+            overwrite=chosen.overwrite,
+            progress=bar,
+        )
     finally:
         bar.close()
     print(f"wrote {chosen.out}: {motion.duration:g} s of {motion.robot.title}")
@@ -139,3 +151,20 @@ def _recorded_name(folder: Path) -> str:
 
 def _untold(why: str) -> OutputError:
     return OutputError(f"{why}: tell which robot moved with --robot")
+
+
+def _summary(folder: Path) -> Mapping[str, Any]:
+    """Read what the run's summary tells, or nothing."""
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return summary if isinstance(summary, dict) else {}
+
+
+def _title(summary: Mapping[str, Any], robot: Robot) -> str:
+    """Find what the run is called: a robot from a file makes the straight step."""
+    name = str(summary.get("run"))
+    if name in RUNS:
+        return RUNS[name].heading
+    return f"{robot.title}: {STEP}" if name.lower().endswith(".toml") else robot.title

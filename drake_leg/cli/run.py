@@ -64,7 +64,7 @@ def _run(chosen: argparse.Namespace) -> int:
     summary = outcome.summary
     rows = f"{summary['rows']} rows, {summary['real_time_factor']:.0f} x real time"
     print(f"wrote {chosen.out}: {rows}{_quality(summary)}")
-    for path in shows.write(outcome):
+    for path in shows.write(kind.heading, outcome):
         print(f"wrote {path}")
     remarks = [*summary.get("limits_exceeded", ()), summary.get("grazing")]
     for sentence in filter(None, remarks):

@@ -14,7 +14,7 @@ from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Robot
 from drake_leg.robots import ROBOTS
-from drake_leg.runs.catalogue import RUNS, Progress, RunKind, Start, run_kind
+from drake_leg.runs.catalogue import RUNS, STEP, Progress, RunKind, Start, run_kind
 from drake_leg.runs.options import RunOptions, StraightOptions
 
 if typing.TYPE_CHECKING:
@@ -85,7 +85,14 @@ def kind_of(name: str) -> RunKind:
 
         return straight_diagram(robot, options)
 
-    return RunKind(title=robot.title, shows="", options=StraightOptions, run=step, diagram=diagram)
+    return RunKind(
+        title=robot.title,
+        motion=STEP,
+        shows="",
+        options=StraightOptions,
+        run=step,
+        diagram=diagram,
+    )
 
 
 def robot_of(name: str, diagram: Diagram) -> Robot:

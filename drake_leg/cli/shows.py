@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from drake_leg.cli.common import naming_option, remark
 from drake_leg.errors import OutputError
@@ -15,6 +15,25 @@ if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
 
 ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}
+
+
+def stop_note(summary: Mapping[str, Any]) -> str | None:
+    """Say why a run stopped before its end.
+
+    Parameters
+    ----------
+    summary : mapping
+        As in ``summary.json``, or less.
+
+    Returns
+    -------
+    str or None
+        None where it did not, or nothing is known of it.
+    """
+    reason, at = summary.get("stop_reason"), summary.get("stopped_at_s")
+    if not isinstance(reason, str):
+        return None
+    return f"stopped at {at:.4g} s: {reason}" if isinstance(at, float) else f"stopped: {reason}"
 
 
 def add_shows(parser: argparse.ArgumentParser) -> None:
@@ -108,11 +127,13 @@ class Shows:
             motion = recorded_motion(outcome.robot, outcome.recording)
             write_stills(folder, motion.robot, motion.q[0], motion=motion)
 
-    def write(self, outcome: Outcome) -> Iterator[Path]:
+    def write(self, title: str, outcome: Outcome) -> Iterator[Path]:
         """Write page and video.
 
         Parameters
         ----------
+        title : str
+            Of the motion.
         outcome : Outcome
             Of the run.
 
@@ -131,7 +152,8 @@ class Shows:
             from drake_leg.scene.motion import recorded_motion
 
             motion = recorded_motion(outcome.robot, outcome.recording)
-            write_show(path, motion, overwrite=self.overwrite)
+            note = stop_note(outcome.summary)
+            write_show(path, motion, title=title, note=note, overwrite=self.overwrite)
             yield path
 
     def _files(self) -> dict[str, Path]:

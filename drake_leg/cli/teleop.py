@@ -6,9 +6,9 @@ import argparse
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.common import Commands
-from drake_leg.cli.meshcat import LEAVING, add_meshcat, start_meshcat
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
+from drake_leg.cli.server import LEAVING, add_server, start_server
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.robot import Robot
 
@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from drake_leg.teleop.control import Step
 
 KEYS = (
-    "keys in the browser: A D along x, S W along y, F R along z, space halts, "
+    "keys in the page, held: A D along x, S W along y, F R along z; space halts, "
     "1 to 4 are the views, Escape quits"
 )
+IDLE = "the guard is idle"
 
 
 def add(commands: Commands) -> None:
@@ -32,16 +33,17 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser(
         "teleop",
         help="drive a leg's foot by hand, in real time",
-        description="Open a robot of three joints in Meshcat and drive its foot: sliders or the "
-        "keys A D, S W, F R set the velocity along x, y, z, the space bar halts. A leg's section "
-        "of reach is shown, the smallest singular value too; near a singularity a guard slows "
-        "the foot and stops it (green, orange, red), and lets it go back. What "
-        "it does is said in the terminal, too.",
+        description="Open a robot of three joints in the browser, in Meshcat, and drive its foot: "
+        "sliders set its velocity along x, y, z, buttons or the keys A D, S W, F R drive it while "
+        "they are held, the space bar halts. It halts, too, when the page is left or not heard. "
+        "A leg's section of reach is shown, the smallest singular value too; near a singularity a "
+        "guard slows the foot and stops it (green, orange, red), and lets it go back. What it does "
+        "is said in the terminal, too.",
         epilog=LEAVING,
     )
     add_robot_source(parser)
     add_posture(parser)
-    add_meshcat(parser)
+    add_server(parser)
     parser.set_defaults(command=_teleop)
 
 
@@ -51,10 +53,10 @@ def _teleop(chosen: argparse.Namespace) -> int:
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
     start = _start(robot, q)
-    meshcat = start_meshcat(chosen, f"{robot.title}, driven by A D, S W, F R")
-    _say(f"{KEYS}\nat the start sigma_min is {1e3 * start.sigma_min:.2f} mm, the guard is idle")
     try:
-        step = drive_robot(robot, q, meshcat, say=_say, once=chosen.once)
+        with start_server(chosen, f"{robot.title}, driven by A D, S W, F R") as server:
+            _say(f"{KEYS}\nat the start sigma_min is {_mm(start)}, {start.sentence or IDLE}")
+            step = drive_robot(robot, q, server, say=_say, once=chosen.once)
     except KeyboardInterrupt:
         return 0
     print(f"the robot was left at --q {as_option(robot, step.q.tolist())}")
@@ -74,6 +76,10 @@ def _start(robot: Robot, q: list[float]) -> Step:
             "posture the foot cannot be driven; choose another --q",
         )
         raise
+
+
+def _mm(step: Step) -> str:
+    return f"{1e3 * step.sigma_min:.2f} mm"
 
 
 def _say(sentence: str) -> None:

@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 
 from drake_leg.cli.common import Commands, naming_option
-from drake_leg.cli.meshcat import LEAVING, add_meshcat, start_meshcat
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
+from drake_leg.cli.server import LEAVING, add_server, start_server
 from drake_leg.cli.shows import say_if_sketched
 from drake_leg.imports import require_pillow
 
@@ -24,14 +24,14 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser(
         "view",
         help="look at a robot in 3D, its joints on sliders",
-        description="Open a robot in Meshcat, in the browser: the frames of its table (x red, y "
-        "green, z blue), a slider for every joint, the trace of its tip, and buttons for the "
+        description="Open a robot in the browser, in Meshcat: the frames of its table (x red, y "
+        "green, z blue), a slider and a box for every joint, the trace of its tip, and the "
         "reports' views. Or write one picture, without a browser, with --still.",
         epilog=LEAVING,
     )
     add_robot_source(parser)
     add_posture(parser)
-    add_meshcat(parser)
+    add_server(parser)
     parser.add_argument(
         "--still", type=Path, metavar="FILE.png", help="write one picture instead, and end"
     )
@@ -68,9 +68,9 @@ def _view(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.views import view_named
 
     view = view_named(chosen.view)
-    meshcat = start_meshcat(chosen, robot.title)
     try:
-        left_at = view_robot(robot, q, meshcat, view=view, once=chosen.once)
+        with start_server(chosen, robot.title) as server:
+            left_at = view_robot(robot, q, server, view=view, once=chosen.once)
     except KeyboardInterrupt:
         return 0
     print(f"the sliders were left at --q {as_option(robot, left_at.tolist())}")

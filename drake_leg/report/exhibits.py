@@ -155,7 +155,8 @@ def _replay(item: Item, workshop: Workshop) -> Exhibit:
     outcome = workshop.outcomes[item.subject]
     motion = recorded_motion(outcome.robot, outcome.recording)
     file = workshop.folder / f"{item.id}.html"
-    file.write_text(replay_page(motion), encoding="utf-8")
+    page = replay_page(motion, title=run_kind(RUNS[item.subject].name).heading)
+    file.write_text(page, encoding="utf-8")
     light, dark = (
         still_png(outcome.robot, motion.q[0], motion=motion, paper=paper) for paper in (LIGHT, DARK)
     )

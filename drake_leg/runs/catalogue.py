@@ -30,15 +30,24 @@ Progress = Callable[[float], None]
 Start = Callable[["Diagram", "Context"], None]
 
 
+STEP = "the step"
+
+
 @dataclass(frozen=True, kw_only=True)
 class RunKind:
     """One name on the command line."""
 
     title: str
+    motion: str = ""  # what is moved along, where the title does not say it
     shows: str  # figures of the reports that it reproduces
     options: type[RunOptions]
     run: Callable[[Any, Progress | None], Outcome]
     diagram: Callable[[Any], tuple[Diagram, Start]]  # what it simulates, and how that starts
+
+    @property
+    def heading(self) -> str:
+        """The title with the motion."""
+        return f"{self.title}: {self.motion}" if self.motion else self.title
 
 
 def _pendulum(options: Any, progress: Progress | None = None) -> Outcome:  # noqa: ANN401
@@ -132,6 +141,7 @@ RUNS = {
     ),
     "leg-a": RunKind(
         title="Hexabot leg A",
+        motion=STEP,
         shows="A 11-16",
         options=LegAOptions,
         run=_leg_a,
@@ -139,6 +149,7 @@ RUNS = {
     ),
     "leg-b": RunKind(
         title="Hexabot leg B",
+        motion=STEP,
         shows="B 8-12",
         options=LegBOptions,
         run=_leg_b,
@@ -153,6 +164,7 @@ RUNS = {
     ),
     "scara": RunKind(
         title="SCARA arm",
+        motion="the straight line",
         shows="B 1",
         options=ScaraOptions,
         run=_scara,

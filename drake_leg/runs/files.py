@@ -32,7 +32,7 @@ def write_outcome(folder: Path, name: str, title: str, outcome: Outcome) -> None
         If the summary or a figure cannot be written.
     """
     outcome.recording.write_csv(folder / "recording.csv")
-    summary = json.dumps(outcome.summary, indent=2, allow_nan=False)
+    summary = json.dumps({"run": name, **outcome.summary}, indent=2, allow_nan=False)
     (folder / "summary.json").write_text(summary + "\n", encoding="utf-8")
     for file_name, draw in figures_of_run(
         name, title, outcome.robot, outcome.recording, outcome.summary

@@ -43,6 +43,8 @@ def write_show(
     target: Path,
     motion: Motion,
     *,
+    title: str | None = None,
+    note: str | None = None,
     view: View = VIEWS["3d"],
     overwrite: bool = False,
     progress: Callable[[float], None] | None = None,
@@ -55,6 +57,8 @@ def write_show(
         Ends in ``.html``, ``.mp4`` or ``.gif``.
     motion : Motion
         What moves.
+    title, note : str, optional
+        Of a page, as ``replay_page`` has them.
     view : View
         From where a video sees it, or a page first; a page has all views.
     overwrite : bool
@@ -74,4 +78,4 @@ def write_show(
         return
     from drake_leg.scene.replay import write_replay
 
-    write_replay(target, motion, view=view, overwrite=overwrite)
+    write_replay(target, motion, title=title, note=note, view=view, overwrite=overwrite)

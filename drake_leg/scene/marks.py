@@ -19,6 +19,8 @@ TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
 TRACE_RADIUS, TRACE_SPACING = 0.011, 1.0 / 60.0
 FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
 
+SLACK = 1e-9  # of a square of the floor: what stands on its edge needs no other square
+
 BASE_TRIAD = 1.5  # of the others: length of the base's axes
 DASH = 3  # pieces of a trace from one dash to the next; the last of them is the gap
 MOST_PIECES = 5000  # of a trace before those that lie on others are left out
@@ -135,13 +137,15 @@ def trace_piece(number: int, start: Array, end: Array, size: float) -> Part:
     return Part(path=f"trace/{number}", frame=0, shape=shape, X_FP=pose, colour=PURPLE)
 
 
-def floor_parts(points: Array) -> tuple[Part, ...]:
+def floor_parts(points: Array, square: float | None = None) -> tuple[Part, ...]:
     """A grid just under the scene; its squares measure 1, 2 or 5 times a power of ten.
 
     Parameters
     ----------
     points : (n, 3) ndarray
         What stands on it [m].
+    square : float, optional
+        Edge of its squares; by default as ``floor_square`` has it [m].
 
     Returns
     -------
@@ -149,9 +153,9 @@ def floor_parts(points: Array) -> tuple[Part, ...]:
         Lines along x and along y.
     """
     size = size_of(points)
-    square = floor_square(size)
+    square = floor_square(size) if square is None else square
     line = FLOOR_LINE * size
-    corners = floor_corners(points)
+    corners = floor_corners(points, square)
     height = float(corners[0, 2])
     low, high = np.round(corners[:, :2] / square)
     middle, length = (low + high) * square / 2.0, (high - low) * square + line
@@ -173,13 +177,15 @@ def floor_parts(points: Array) -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def floor_corners(points: Array) -> Array:
+def floor_corners(points: Array, square: float | None = None) -> Array:
     """Opposite corners of the floor.
 
     Parameters
     ----------
     points : (n, 3) ndarray
         What stands on it [m].
+    square : float, optional
+        Edge of its squares; by default as ``floor_square`` has it [m].
 
     Returns
     -------
@@ -187,10 +193,10 @@ def floor_corners(points: Array) -> Array:
         Least x and y, greatest x and y, in one height [m].
     """
     size = size_of(points)
-    square = floor_square(size)
+    square = floor_square(size) if square is None else square
     height = float(points[:, 2].min()) - FLOOR_GAP * size
-    low = square * np.floor(points[:, :2].min(axis=0) / square)
-    high = square * np.ceil(points[:, :2].max(axis=0) / square)
+    low = square * np.floor(points[:, :2].min(axis=0) / square + SLACK)
+    high = square * np.ceil(points[:, :2].max(axis=0) / square - SLACK)
     return np.array([[*low, height], [*high, height]])
 
 

@@ -151,15 +151,34 @@ def outline(robot: Robot, X_BF: Array) -> Array:
         In the base frame [m].
     """
     points = [X_BF[:, :, :3, 3].reshape(-1, 3)]
-    for index, segment in enumerate(robot.segments, start=1):
-        if segment.link is None:
-            continue
-        corners = [np.array(segment.link.end)]
-        if segment.link.solid is not None:
-            corners.extend(_corners(segment.link.solid.shape) + np.array(segment.link.solid.centre))
+    for index in range(1, len(robot.rows) + 1):
         R, p = X_BF[:, index, :3, :3], X_BF[:, index, :3, 3]
-        points.extend(p + R @ corner for corner in corners)
+        points.extend(p + R @ corner for corner in corners(robot, index))
     return np.concatenate(points)
+
+
+def corners(robot: Robot, index: int) -> Array:
+    """Points of a link that a picture must hold: its end, and the corners of its solid.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any.
+    index : int
+        Of the link's frame in the table, from 1 on.
+
+    Returns
+    -------
+    (k, 3) ndarray
+        In the link's frame [m]; none where the frame has no link.
+    """
+    link = robot.segments[index - 1].link
+    if link is None:
+        return np.zeros((0, 3))
+    points = np.array([link.end], dtype=np.float64)
+    if link.solid is None:
+        return points
+    return np.concatenate([points, _corners(link.solid.shape) + np.array(link.solid.centre)])
 
 
 def _corners(shape: Shape) -> Array:

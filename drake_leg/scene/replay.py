@@ -3,34 +3,33 @@
 from __future__ import annotations
 
 import base64
-import json
+import math
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Any
 
-import numpy as np
-from scipy.spatial.transform import Rotation
-
-from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.scene.marks import triad_lengths
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.scene import Scene, scene_of
-from drake_leg.scene.views import MARGIN, VIEWS, View
+from drake_leg.scene.views import VIEWS, View
+from drake_leg.scene.web_page import Sheet, page_text, pose_rows, stage_data, web_page
 from drake_leg.text_file import write_text
 
-RATE = 30.0  # poses a second; the page interpolates between them
+RATE = 30.0  # poses a second, at least; the page interpolates between them
 LONGEST = 600.0  # [s]
-
-
-class ReplayError(DrakeLegError):
-    """Meshcat's page is not as this program knows it."""
+NOTE = '<details id="replay-note"><summary>{}</summary></details>\n'  # one line, until it is opened
 
 
 def write_replay(
-    target: Path, motion: Motion, *, view: View = VIEWS["3d"], overwrite: bool = False
+    target: Path,
+    motion: Motion,
+    *,
+    title: str | None = None,
+    note: str | None = None,
+    view: View = VIEWS["3d"],
+    overwrite: bool = False,
 ) -> None:
     """Write the page of a motion.
 
@@ -40,6 +39,10 @@ def write_replay(
         Ends in ``.html``.
     motion : Motion
         What moves.
+    title : str, optional
+        Of the motion; by default the robot's.
+    note : str, optional
+        What has to be known of it, such as why it stopped.
     view : View
         From where the page sees it first.
     overwrite : bool
@@ -54,16 +57,27 @@ def write_replay(
     OutputError
         If the file cannot be written.
     """
-    write_text(target, replay_page(motion, view=view), ending=".html", overwrite=overwrite)
+    page = replay_page(motion, title=title, note=note, view=view)
+    write_text(target, page, ending=".html", overwrite=overwrite)
 
 
-def replay_page(motion: Motion, *, view: View = VIEWS["3d"]) -> str:
+def replay_page(
+    motion: Motion,
+    *,
+    title: str | None = None,
+    note: str | None = None,
+    view: View = VIEWS["3d"],
+) -> str:
     """Make the page of a motion: play, scrub, speed, the reports' views.
 
     Parameters
     ----------
     motion : Motion
         What moves.
+    title : str, optional
+        Of the motion; by default the robot's.
+    note : str, optional
+        What has to be known of it, such as why it stopped.
     view : View
         From where the page sees it first.
 
@@ -83,89 +97,36 @@ def replay_page(motion: Motion, *, view: View = VIEWS["3d"]) -> str:
         raise InvalidValueError(
             f"the motion is {motion.duration:g} s long; a replay is at most {LONGEST:g} s"
         )
-    from drake_leg.scene.meshcat import draw, open_meshcat
-
-    frames = motion.sampled(RATE)
+    rate = math.ceil(motion.duration * RATE) / motion.duration if motion.duration else RATE
+    frames = motion.sampled(rate)
     scene = scene_of(motion)
-    meshcat = open_meshcat()
-    draw(meshcat, scene)
-    title = motion.robot.title
-    bar = Template(_resource("replay.html")).substitute(
-        title=escape(title),
-        caption=_caption(motion, scene),
+    heading = title or motion.robot.title
+    body = Template(page_text("replay.html")).substitute(
+        title=escape(heading),
+        note="" if note is None else NOTE.format(escape(note)),
         duration=frames.duration,
-        data=json.dumps(_data(frames, scene, view)).replace("</", "<\\/"),
+        seconds=f"{frames.duration:.2f}",
+        square=f"{1000.0 * scene.floor_square:g}",
     )
-    page: str = meshcat.StaticHtml()
-    page = _replaced(page, "<html>", '<html lang="en">')
-    page = _replaced(
-        page,
-        "<title>Drake MeshCat</title>",
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)}: replay</title>",
+    sheet = Sheet(
+        title=f"{heading}: replay",
+        body=body,
+        styles=(page_text("replay.css"),),
+        scripts=(page_text("replay.js"),),
+        data=_data(frames, rate, scene, view),
     )
-    return _replaced(
-        page,
-        "</body>",
-        f"<style>\n{_resource('replay.css')}</style>\n{bar}"
-        f"<script>\n{_resource('replay.js')}</script>\n</body>",
-    )
+    return web_page(scene, sheet)
 
 
-def _replaced(page: str, old: str, new: str) -> str:
-    """Replace what stands once on Meshcat's page; at its end, where it stands in a script too."""
-    before, found, after = page.rpartition(old)
-    if not found:
-        raise ReplayError(f"Meshcat's page has no {old}: this version of Drake is not known")
-    return before + new + after
-
-
-def _resource(name: str) -> str:
-    return (files("drake_leg.scene") / "page" / name).read_text(encoding="utf-8")
-
-
-def _caption(motion: Motion, scene: Scene) -> str:
-    return (
-        f"{motion.duration:g} s; squares of the floor {1000.0 * scene.floor_square:g} mm; "
-        "<b>x</b> red, <b>y</b> green, <b>z</b> blue; the tip's trace purple"
-    )
-
-
-def _data(frames: Motion, scene: Scene, first: View) -> dict[str, Any]:
-    from drake_leg.scene.meshcat import frame_path
-
-    moving = range(1, len(frames.robot.rows) + 1)
-    triads = [f"/drake/{frame_path(index)}/triad" for index in (0, *moving)]
-    views = []
-    for view in VIEWS.values():
-        framing = scene.framing(view)
-        views.append(
-            {
-                "label": view.label,
-                "field": view.field,
-                "towards": view.axes[:, 2].tolist(),
-                "target": framing.target.tolist(),
-                "half_width": framing.half_width,
-                "half_height": framing.half_height,
-                "half_depth": framing.half_depth,
-            }
-        )
+def _data(frames: Motion, rate: float, scene: Scene, first: View) -> dict[str, Any]:
     return {
-        "rate": RATE,
+        **stage_data(scene, first),
+        "rate": rate,
         "duration": frames.duration,
-        "margin": MARGIN,
-        "paths": [f"/drake/{frame_path(index)}" for index in moving],
         "poses": _packed(frames.poses()[:, 1:]),
-        "views": views,
-        "first": list(VIEWS).index(first.name),
-        "axes": triad_lengths(frames.robot, scene.size),
-        "shown": {"Frames": triads, "Trace": [f"/drake/{frame_path(0)}/trace"]},
     }
 
 
 def _packed(X_WF: Array) -> str:
-    """Write poses as 7 little-endian single floats each, in base64: x, y, z and w, x, y, z."""
-    rotations = Rotation.from_matrix(X_WF[..., :3, :3].reshape(-1, 3, 3))
-    quaternions = rotations.as_quat()[:, [3, 0, 1, 2]]
-    rows = np.hstack([X_WF[..., :3, 3].reshape(-1, 3), quaternions])
-    return base64.b64encode(rows.astype("<f4").tobytes()).decode("ascii")
+    """Write poses as 7 little-endian single floats each, in base64."""
+    return base64.b64encode(pose_rows(X_WF).astype("<f4").tobytes()).decode("ascii")

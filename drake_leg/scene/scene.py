@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
@@ -31,12 +32,8 @@ class Scene:
     parts: tuple[Part, ...]
     points: Array  # (n, 3), what a picture of the robot must hold [m]
     floor: Array  # (2, 3), opposite corners of the floor [m]
+    floor_square: float  # edge of the floor's squares [m]
     size: float  # greatest edge of the box around the robot [m]
-
-    @property
-    def floor_square(self) -> float:
-        """Edge of the floor's squares [m]."""
-        return floor_square(size_of(self.points))
 
     @property
     def held(self) -> Array:
@@ -59,8 +56,19 @@ class Scene:
         """
         return frame(view, self.held)
 
+    def hull(self) -> Array:
+        """Corners of the least convex body that holds the whole scene.
 
-def scene_of(motion: Motion, *, room: float = 0.0) -> Scene:
+        Returns
+        -------
+        (k, 3) ndarray
+            [m].
+        """
+        points = self.held
+        return np.asarray(points[ConvexHull(points, qhull_options="QJ").vertices])
+
+
+def scene_of(motion: Motion, *, room: float = 0.0, around: Array | None = None) -> Scene:
     """Put a scene together that holds a whole motion.
 
     Parameters
@@ -69,6 +77,8 @@ def scene_of(motion: Motion, *, room: float = 0.0) -> Scene:
         Of one row or many.
     room : float
         How much larger than the motion the scene is on every side, of its size.
+    around : (n, 3) ndarray, optional
+        More points that the scene must hold, on the same floor [m].
 
     Returns
     -------
@@ -82,11 +92,19 @@ def scene_of(motion: Motion, *, room: float = 0.0) -> Scene:
     points = np.concatenate([seen, tips])
     low, high = points.min(axis=0) - room * size, points.max(axis=0) + room * size
     points = np.concatenate([points, [low, high]]) if room else points
+    square = floor_square(size_of(points))
+    points = points if around is None else np.concatenate([points, around])
     parts = (
         *solid_parts(motion.robot, size),
         *triad_parts(motion.robot, size),
         *trace_parts(motion.path(), size),
-        *floor_parts(points),
+        *floor_parts(points, square),
     )
-    floor = floor_corners(points)
-    return Scene(robot=motion.robot, parts=parts, points=points, floor=floor, size=size)
+    return Scene(
+        robot=motion.robot,
+        parts=parts,
+        points=points,
+        floor=floor_corners(points, square),
+        floor_square=square,
+        size=size,
+    )

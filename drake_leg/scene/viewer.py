@@ -3,40 +3,43 @@
 from __future__ import annotations
 
 import math
-import os
-import sys
 import time
-import webbrowser
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from html import escape
+from string import Template
+from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot, Segment
-from drake_leg.scene.marks import TRACE_SPACING, trace_piece
+from drake_leg.scene.live.board import Board
+from drake_leg.scene.live.command import Command, deed, numbers_of
+from drake_leg.scene.live.page import AXES, key_line, live_sheet
+from drake_leg.scene.live.server import Server
+from drake_leg.scene.live.trace import Trace
+from drake_leg.scene.marks import PURPLE
 from drake_leg.scene.motion import frame_poses, still, tip
 from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS, View
+from drake_leg.scene.web_page import page_text, pose_rows, web_page
 
-if TYPE_CHECKING:
-    from pydrake.geometry import Meshcat
-
-PERIOD = 1.0 / 30.0  # [s], between looks at the controls
+PERIOD = 1.0 / 30.0  # [s], between looks at what was asked
 ROOM = 0.25  # around the posture, of its size
-ASPECT = 1.6  # of a browser's window; Meshcat does not tell
-TRACE_PIECES = 500
-START, CLEAR, QUIT = "Back to the start", "Clear the trace", "Quit (Escape)"
+FINEST = 0.02  # [rad or m] of a joint between points of the trace
+DEEDS = ("joints", "start", "clear", "quit")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
     """A joint's slider, in degrees or millimetres."""
 
-    name: str
+    joint: str
+    symbol: str  # deg or mm
     low: float
     high: float
     value: float
@@ -72,102 +75,80 @@ def _slider(segment: Segment, value: float, robot: Robot) -> Slider:
     lower, upper = segment.mechanics.lower, segment.mechanics.upper
     low = min(-free if lower is None else lower, value)
     high = max(free if upper is None else upper, value)
-    name = f"{segment.joint} [{'deg' if turns else 'mm'}]"
-    return Slider(name=name, low=low / unit, high=high / unit, value=value / unit, unit=unit)
+    return Slider(
+        joint=str(segment.joint),
+        symbol="deg" if turns else "mm",
+        low=low / unit,
+        high=high / unit,
+        value=value / unit,
+        unit=unit,
+    )
 
 
-def look_from(meshcat: Meshcat, scene: Scene, view: View) -> None:
-    """Show a live scene from a view.
-
-    Parameters
-    ----------
-    meshcat : Meshcat
-        Whose browsers look.
-    scene : Scene
-        To be seen whole.
-    view : View
-        From where.
-    """
-    from drake_leg.scene.meshcat import look
-
-    framing = scene.framing(view)
-    look(meshcat, framing.camera(ASPECT).tolist(), framing.target.tolist(), view.field)
-
-
-class Trace:
-    """The way that a tip goes while somebody moves it; its oldest pieces go when it is long.
+class SliderDesk:
+    """Where the sliders stand, as the pages have moved them.
 
     Parameters
     ----------
-    meshcat : Meshcat
-        To be drawn in.
-    size : float
-        Of the scene [m].
+    sliders : tuple of Slider
+        In the order of the joints.
+    trace : Trace
+        Cleared when a page asks for it; lifted where the joints are put somewhere.
     """
 
-    def __init__(self, meshcat: Meshcat, size: float) -> None:
-        self._meshcat, self._size = meshcat, size
-        self._last: Array | None = None
-        self._count = 0
+    def __init__(self, sliders: tuple[Slider, ...], trace: Trace) -> None:
+        self._sliders, self._trace = sliders, trace
+        self._lock = Lock()
+        self._values = self._start = [slider.value for slider in sliders]
+        self._put = self._quit = False
 
-    def add(self, point: Array) -> None:
-        """Go on to a point, unless it is near the last one.
+    def take(self, command: Command) -> dict[str, Any]:
+        """Carry a command out.
 
         Parameters
         ----------
-        point : (3,) ndarray
-            In the world [m].
+        command : Command
+            ``{"do": "joints", "values": [...], "put": true}`` moves the sliders, in their units,
+            between their ends; with ``put`` the robot is put there, not moved. ``start``,
+            ``clear``, ``quit`` take nothing else.
+
+        Returns
+        -------
+        dict
+            ``values``: where the sliders stand.
+
+        Raises
+        ------
+        InvalidValueError
+            If it is none of these, or its numbers are not finite.
         """
-        if self._last is None:
-            self._last = np.array(point)
-        if np.linalg.norm(point - self._last) < TRACE_SPACING / 2.0 * self._size:
-            return
-        from drake_leg.scene.meshcat import draw_part
+        wanted = deed(command, DEEDS)
+        given = numbers_of(command, "values", len(self._sliders)) if wanted == "joints" else None
+        with self._lock:
+            if given is not None:
+                self._values = [
+                    min(max(value, slider.low), slider.high)
+                    for value, slider in zip(given, self._sliders, strict=True)
+                ]
+            elif wanted == "start":
+                self._values = self._start
+            self._put |= wanted == "start" or command.get("put") is True
+            self._quit |= wanted == "quit"
+            if wanted == "clear":
+                self._trace.clear()
+            return {"values": self._values}
 
-        number = self._count % TRACE_PIECES
-        draw_part(self._meshcat, trace_piece(number, self._last, np.array(point), self._size))
-        self._last, self._count = np.array(point), self._count + 1
-
-    def clear(self) -> None:
-        """Begin again."""
-        from drake_leg.scene.meshcat import frame_path
-
-        self._last, self._count = None, 0
-        self._meshcat.Delete(f"{frame_path(0)}/trace")
-
-
-class Clicks:
-    """Which buttons were clicked since one last asked.
-
-    Parameters
-    ----------
-    meshcat : Meshcat
-        To put the buttons into.
-    buttons : dict of str to str
-        Their labels, and the keys that click them, or empty.
-    """
-
-    def __init__(self, meshcat: Meshcat, buttons: dict[str, str]) -> None:
-        self._meshcat = meshcat
-        self._counts = dict.fromkeys(buttons, 0)
-        for label, key in buttons.items():
-            meshcat.AddButton(label, key)
-
-    def new(self) -> list[str]:
-        """Return the labels of the buttons clicked since the last call."""
-        clicked = []
-        for label, before in self._counts.items():
-            count = self._meshcat.GetButtonClicks(label)
-            if count > before:
-                self._counts[label] = count
-                clicked.append(label)
-        return clicked
+    def read(self) -> tuple[list[float], bool, bool]:
+        """Return where the sliders stand, whether the robot was put there, whether to quit."""
+        with self._lock:
+            put, self._put = self._put, False
+            return self._values, put, self._quit
 
 
 def view_robot(
     robot: Robot,
     q: ArrayLike,
-    meshcat: Meshcat,
+    server: Server,
     *,
     view: View = VIEWS["3d"],
     once: bool = False,
@@ -181,74 +162,72 @@ def view_robot(
         m joint positions.
     q : (m,) array_like
         Where it starts [rad or m].
-    meshcat : Meshcat
-        Empty; its controls are taken away at the end.
+    server : Server
+        Not yet serving.
     view : View
         From where it is seen first.
     once : bool
-        Whether to end when the controls have been looked at once.
+        Whether to end when the sliders have been looked at once.
     wait : callable
-        Called with the time until the controls are looked at again [s].
+        Called with the time until the sliders are looked at again [s].
 
     Returns
     -------
     q : (m,) ndarray
         Where the sliders were left [rad or m].
     """
-    from drake_leg.scene.meshcat import brighten, draw, move
-
     sliders = joint_sliders(robot, q)
     scene = scene_of(still(robot, q), room=ROOM)
-    brighten(meshcat)
-    draw(meshcat, scene)
-    look_from(meshcat, scene, view)
-    for slider in sliders:
-        meshcat.AddSlider(slider.name, slider.low, slider.high, 0.1, slider.value)
-    views = {view.label: view for view in VIEWS.values()}
-    keys = {label: f"Digit{number}" for number, label in enumerate(views, start=1)}
-    clicks = Clicks(meshcat, {**keys, START: "", CLEAR: "", QUIT: "Escape"})
-    trace = Trace(meshcat, scene.size)
+    trace = Trace(scene.size)
+    desk, board = SliderDesk(sliders, trace), Board(trace)
+    server.serve(_page(scene, sliders, view, board.session), desk.take, board)
     posture: Array = still(robot, q).q[0]
+    units = np.array([slider.unit for slider in sliders])
     with suppress(KeyboardInterrupt):
         while True:
-            posture = np.array([meshcat.GetSliderValue(s.name) * s.unit for s in sliders])
-            poses = frame_poses(robot, posture)
-            move(meshcat, poses)
-            trace.add(tip(robot, poses))
-            clicked = clicks.new()
-            for label in clicked:
-                if label in views:
-                    look_from(meshcat, scene, views[label])
-            if START in clicked:
-                for slider in sliders:
-                    meshcat.SetSliderValue(slider.name, slider.value)
-            if CLEAR in clicked:
-                trace.clear()
-            if once or QUIT in clicked:
+            values, put, quits = desk.read()
+            before, posture = posture, np.array(values) * units
+            if put:
+                trace.lift()
+            for place in tip(robot, frame_poses(robot, _way(posture if put else before, posture))):
+                trace.add(place)
+            board.show(_state(robot, posture, values))
+            if once or quits:
                 break
             wait(PERIOD)
-    meshcat.DeleteAddedControls()
     return posture
 
 
-def open_browser(url: str) -> bool:
-    """Open a page in the person's browser, where there is a screen to show it.
+def _way(before: Array, after: Array) -> Array:
+    """Return postures on the way of the joints, close to each other [rad or m]."""
+    count = math.ceil(np.abs(after - before).max() / FINEST) + 1
+    return np.linspace(before, after, count + 1)[1:]
 
-    Parameters
-    ----------
-    url : str
-        Of the page.
 
-    Returns
-    -------
-    bool
-        Whether one was opened.
-    """
-    if sys.platform.startswith("linux") and not (
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
-        return False
-    try:
-        return webbrowser.open(url)
-    except webbrowser.Error:
-        return False
+def _state(robot: Robot, q: Array, values: list[float]) -> dict[str, Any]:
+    poses = frame_poses(robot, q)
+    return {
+        "poses": np.round(pose_rows(poses[1:]), 7).tolist(),
+        "values": values,
+        "tip": [round(1e3 * float(part), 2) + 0.0 for part in poses[-1, :3, 3]],
+    }
+
+
+def _page(scene: Scene, sliders: tuple[Slider, ...], view: View, session: str) -> str:
+    title = scene.robot.title
+    dials = [{"name": s.joint, "unit": s.symbol, "low": s.low, "high": s.high} for s in sliders]
+    body = Template(page_text("view.html")).substitute(
+        title=escape(title),
+        legend=key_line(*AXES, ("the tip's trace", PURPLE)),
+        square=f"{1e3 * scene.floor_square:g}",
+    )
+    sheet = live_sheet(
+        scene,
+        view,
+        session,
+        title=f"{title}: drake-leg view",
+        body=body,
+        scripts=(page_text("view.js"),),
+        data={"dials": dials},
+    )
+    return web_page(scene, sheet)

@@ -19,11 +19,12 @@ from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.kinematics.task import Task, singular_posture
 from drake_leg.robot import Robot
 
-State = Literal["free", "slowed", "stopped"]
+State = Literal["free", "near", "slowed", "stopped"]
 
 STOP, SLOW = 0.01, 0.04  # of the robot's length: smallest singular values of the guard
 GREATEST_RATE = 4.0  # [rad/s or m/s] of a joint
 LARGEST_TURN = 0.02  # [rad or m] of a joint in one substep
+AT_LIMIT = {"revolute": 0.02, "prismatic": 0.004}  # [rad], [m]: nearer a joint is at its limit
 FREE = 0.995  # share of the commanded way above which nothing is said
 
 
@@ -61,6 +62,21 @@ class Drive:
         """
         return float(smallest_singular_value(self.task.jacobian(np.asarray(q).tolist())))
 
+    def room(self, sigma_min: float) -> float:
+        """Share of a way towards the singularity that the guard lets go.
+
+        Parameters
+        ----------
+        sigma_min : float
+            Smallest singular value [m].
+
+        Returns
+        -------
+        float
+            1 and more where it slows nothing, 0 and less where it stops.
+        """
+        return (sigma_min - self.stop) / (self.slow - self.stop)
+
     def foot(self, q: ArrayLike) -> Array:
         """Position of the foot.
 
@@ -85,8 +101,8 @@ class Step:
     q: Array  # (3,) [rad or m]
     foot: Array  # (3,) p_BF [m]
     sigma_min: float  # [m]
-    share: float  # of the commanded way that was gone: 0 ... 1
-    state: State
+    share: float | None  # of the commanded way that was gone: 0 ... 1; None at rest
+    state: State  # near: at rest where the guard would slow the foot
     sentence: str  # for a person; empty where nothing is in the way
 
 
@@ -136,7 +152,7 @@ def at_rest(drive: Drive, q: ArrayLike) -> Step:
     posture = one_vector("q", q, 3)
     if drive.sigma_min(posture) < 1e-3 * drive.stop:
         raise singular_posture(drive.task.jacobian, posture.tolist())
-    return _step(drive, posture, 1.0, "")
+    return _rest(drive, posture)
 
 
 def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
@@ -169,7 +185,7 @@ def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
     """
     posture, command = one_vector("q", q, 3), one_vector("v", v, 3)
     if not command.any() or dt <= 0.0:
-        return _step(drive, posture, 1.0, "")
+        return _rest(drive, posture)
     left, gone, obstacle = dt, 0.0, ""
     while left > 1e-12 * dt:
         try:
@@ -196,7 +212,7 @@ def _substep(
     before = drive.sigma_min(q)
     moved = _advance(drive.task.rates, q, share * v, span)
     if drive.sigma_min(moved) < before or _crossed(drive, q, moved):
-        room = (before - drive.stop) / (drive.slow - drive.stop)
+        room = drive.room(before)
         if room < 1.0:
             share, obstacle = share * max(room, 0.0), singular_words(drive, q)
             moved = _advance(drive.task.rates, q, share * v, span)
@@ -273,6 +289,36 @@ def _step(drive: Drive, q: Array, share: float, obstacle: str) -> Step:
         sentence = f"{obstacle}: the foot is slowed"
     elif state == "stopped":
         sentence = f"{obstacle}: the foot is stopped; drive it another way"
+    return _described(drive, q, share, state, sentence)
+
+
+def _rest(drive: Drive, q: Array) -> Step:
+    """Describe a posture at rest by what the guard would do on the way to what is near."""
+    room = drive.room(drive.sigma_min(q))
+    near = singular_words(drive, q)
+    if room <= 1.0 - FREE:
+        stop = f"{near}: the foot can only be driven away from it"
+        return _described(drive, q, None, "stopped", stop)
+    if room < 1.0:
+        return _described(drive, q, None, "near", f"{near}: nearer to it the foot will be slowed")
+    joint = _joint_at_limit(drive.robot, q)
+    if joint:
+        return _described(drive, q, None, "near", f"the joint {joint} is at its limit")
+    return _described(drive, q, None, "free", "")
+
+
+def _joint_at_limit(robot: Robot, q: Array) -> str | None:
+    """Name a joint that is as near to a limit as one that was stopped there."""
+    for segment, now in zip(robot.moving, q, strict=True):
+        mechanics = segment.mechanics
+        near = AT_LIMIT[segment.row.joint]
+        below = mechanics.lower is not None and now < mechanics.lower + near
+        if below or (mechanics.upper is not None and now > mechanics.upper - near):
+            return segment.joint
+    return None
+
+
+def _described(drive: Drive, q: Array, share: float | None, state: State, sentence: str) -> Step:
     return Step(
         q=q,
         foot=drive.foot(q),

@@ -1,6 +1,7 @@
 """``drake-leg replay``, in process."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,6 +46,30 @@ def test_a_run_becomes_a_page(capsys):
     assert capsys.readouterr().out == "wrote leg.html: 0.5 s of Hexabot leg B\n"
     assert "Hexabot leg B: replay" in Path("leg.html").read_text(encoding="utf-8")
     assert "leg.html exists" in refused(capsys, "leg", "--out", "leg.html")
+
+
+@pytest.mark.parametrize(
+    ("summary", "title", "note"),
+    [
+        ({}, "Hexabot leg B", []),
+        ({"run": "leg-b", "stop_reason": None}, "Hexabot leg B: the step", []),
+        ({"run": "ellipse"}, "Leg B on an ellipse", []),
+        ({"run": "arm.toml"}, "Hexabot leg B: the step", []),
+        ({"run": ["leg-b"], "stop_reason": 3}, "Hexabot leg B", []),
+        (
+            {"run": "leg-b", "stop_reason": "the leg is stretched", "stopped_at_s": 0.25},
+            "Hexabot leg B: the step",
+            ["stopped at 0.25 s: the leg is stretched"],
+        ),
+        ({"stop_reason": "interrupted"}, "Hexabot leg B", ["stopped: interrupted"]),
+    ],
+)
+def test_a_page_is_named_after_its_run(summary, title, note):
+    Path("leg/summary.json").write_text(json.dumps({"robot": "leg_b", **summary}))
+    assert main(["replay", "leg", "--out", "leg.html"]) == 0
+    page = Path("leg.html").read_text(encoding="utf-8")
+    assert f"<h1>{title}</h1>" in page
+    assert re.findall("<summary>(.*?)</summary>", page) == note
 
 
 def test_a_page_opens_with_the_view_asked_for():

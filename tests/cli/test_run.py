@@ -105,7 +105,7 @@ def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkey
     )
     assert err.count("\n") == 1
     assert out.splitlines()[1:] == ["wrote leg.html"]
-    assert (here / "leg.html").stat().st_size > 100_000
+    assert "<h1>Hexabot leg B: the step</h1>" in (here / "leg.html").read_text(encoding="utf-8")
     assert (here / "out" / "still_3d.png").stat().st_size > 1000
     assert "leg.html exists" in run(capsys, *words[:1], "--out", "new", *words[3:])[2]
     assert not (here / "new").exists()
@@ -144,11 +144,13 @@ def test_a_video_is_asked_of_what_can_write_it(no_figures, here, capsys, monkeyp
     monkeypatch.setattr("drake_leg.scene.files.check_show", lambda path, overwrite: None)
     monkeypatch.setattr(
         "drake_leg.scene.files.write_show",
-        lambda path, motion, overwrite: written.append((path.name, motion.duration)),
+        lambda path, motion, title, note, overwrite: written.append(
+            (path.name, motion.duration, title, note)
+        ),
     )
     words = ("pendulum", "--out", "out", "--duration", "0.2", "--video", "swing.gif")
     assert run(capsys, *words)[0] == 0
-    assert written == [("swing.gif", pytest.approx(0.2))]
+    assert written == [("swing.gif", pytest.approx(0.2), "Free pendulum", None)]
 
 
 # --- in a process of its own -----------------------------------------------------------------

@@ -7,7 +7,7 @@ from PIL import Image
 
 from drake_leg.cli import main
 from drake_leg.scene import stills
-from drake_leg.scene.meshcat import open_meshcat
+from drake_leg.scene.live.server import Server
 from drake_leg.scene.viewer import view_robot
 from drake_leg.teleop.session import drive_robot
 
@@ -60,7 +60,11 @@ def test_a_leg_is_driven_from_the_posture_given(capsys):
         (["view", "leg-b", "--port", "x"], 2, "--port is 'x'"),
         (["view", "leg-b", "--port", "7000.5"], 2, "must be a whole number"),
         (["view", "leg-b", "--port", "80"], 2, "it must be in 1024 ... 65535"),
-        (["view", "leg-b", "--host", "203.0.113.7"], 2, "Meshcat cannot listen at 203.0.113.7"),
+        (
+            ["view", "leg-b", "--host", "203.0.113.7"],
+            2,
+            "cannot listen at 203.0.113.7: it is not an address",
+        ),
         (["view", "leg-b", "--host", "nowhere.invalid"], 2, "no machine of this name is known"),
         (["teleop", "leg-b", "--host", "nowhere.invalid"], 2, "choose another --host"),
         (["view", "leg-b", "--from", "left"], 2, "there is no view 'left'"),
@@ -85,11 +89,10 @@ def test_what_cannot_be_shown_is_one_sentence(words, status, said, tmp_path, mon
 
 
 def test_a_taken_port_is_one_sentence(capsys):
-    other = open_meshcat()
-    taken = other.port()
-    status, out, err = run(capsys, "view", "leg-b", "--once", "--port", str(taken))
+    with Server() as other:
+        status, out, err = run(capsys, "view", "leg-b", "--once", "--port", str(other.port))
     assert (status, out) == (2, "")
-    assert f"port {taken}: the port is taken" in err
+    assert f"port {other.port}: the port is taken" in err
 
 
 @pytest.mark.parametrize("command", ["view", "teleop"])
@@ -97,7 +100,7 @@ def test_an_interruption_says_where_the_robot_was_left(command, monkeypatch, cap
     def interrupted(seconds):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("drake_leg.scene.viewer.open_browser", lambda url: True)
+    monkeypatch.setattr("drake_leg.scene.live.browser.open_browser", lambda url: True)
     for loop in (view_robot, drive_robot):
         monkeypatch.setitem(loop.__kwdefaults__, "wait", interrupted)
     status, out, err = run(capsys, command, "leg-b")
@@ -107,15 +110,20 @@ def test_an_interruption_says_where_the_robot_was_left(command, monkeypatch, cap
 
 def test_teleop_says_its_keys_and_the_smallest_singular_value(capsys):
     out = run(capsys, "teleop", "leg-b", "--once")[1]
-    assert "A D along x, S W along y, F R along z, space halts" in out
-    assert "sigma_min is " in out
+    assert "A D along x, S W along y, F R along z; space halts" in out
+    assert "sigma_min is 37.67 mm, the guard is idle" in out
+
+
+def test_teleop_says_when_it_starts_where_the_guard_is_at_work(capsys):
+    out = run(capsys, "teleop", "leg-b", "--once", "--q", "90,-50,-2")[1]
+    assert "mm, the leg is nearly stretched: the foot can only be driven away from it" in out
 
 
 def test_a_missing_browser_is_said_and_the_robot_is_shown_all_the_same(monkeypatch, capsys):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("drake_leg.scene.viewer.open_browser", lambda url: False)
+    monkeypatch.setattr("drake_leg.scene.live.browser.open_browser", lambda url: False)
     monkeypatch.setattr("drake_leg.scene.viewer.view_robot", interrupted)
     status, out, err = run(capsys, "view", "leg-b")
     assert status == 0

@@ -15,7 +15,7 @@ from drake_leg.report.runs import RUNS
 pytestmark = pytest.mark.slow
 
 ITEMS = [item for chapter in chapters() for item in chapter.items]
-VOID = {"meta", "img", "br", "link", "input"}
+VOID = {"meta", "img", "source", "br", "link", "input"}
 
 
 class _Reader(HTMLParser):

@@ -9,9 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError, OutputError
 from drake_leg.robots import LEG_B, ROBOTS
-from drake_leg.scene import replay
 from drake_leg.scene.motion import Motion, still
-from drake_leg.scene.replay import ReplayError, replay_page, write_replay
+from drake_leg.scene.replay import replay_page, write_replay
 
 
 class Addresses(html.parser.HTMLParser):
@@ -26,7 +25,7 @@ class Addresses(html.parser.HTMLParser):
 
 
 def data_of(page):
-    return json.loads(re.search(r'id="replay-data">(.*?)</script>', page, re.DOTALL)[1])
+    return json.loads(re.search(r'id="page-data">(.*?)</script>', page, re.DOTALL)[1])
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +51,17 @@ def test_the_page_holds_the_poses_of_the_recorded_joint_positions(page, step):
     assert data["duration"] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("end", [0.01, 1.0, 2.65139769, 7.77])
+def test_a_replay_ends_where_its_motion_ends(end):
+    motion = Motion(robot=LEG_B, time=np.array([0.0, end]), q=np.array([[1.0] * 3, [0.5] * 3]))
+    data = data_of(replay_page(motion))
+    rows = np.frombuffer(base64.b64decode(data["poses"]), "<f4").reshape(-1, len(data["paths"]), 7)
+    np.testing.assert_allclose(rows[-1, -1, :3], motion.path()[-1], atol=1e-7)
+    assert data["duration"] == pytest.approx(end, rel=1e-9)
+    assert data["rate"] >= 30.0
+    assert (len(rows) - 1) / data["rate"] == pytest.approx(end, rel=1e-9)
+
+
 def test_the_page_names_the_robot_and_its_views(page):
     assert "<title>Hexabot leg B: replay</title>" in page
     assert "$" not in re.search(r"<header.*?</header>", page, re.DOTALL)[0]
@@ -69,9 +79,11 @@ def test_a_replay_of_an_hour_is_refused():
         replay_page(motion)
 
 
-def test_a_page_of_meshcat_that_is_not_known_is_refused():
-    with pytest.raises(ReplayError, match="has no </body>"):
-        replay._replaced("<html>", "</body>", "")
+def test_a_page_is_named_after_its_run(step):
+    page = replay_page(step, title="Leg <B>: the step", note="stopped at 1 s: & so on")
+    assert "<title>Leg &lt;B&gt;: the step: replay</title>" in page
+    assert "<h1>Leg &lt;B&gt;: the step</h1>" in page
+    assert "<summary>stopped at 1 s: &amp; so on</summary>" in page
 
 
 def test_a_page_that_is_there_stays(step, tmp_path):

@@ -1,82 +1,29 @@
-"""The replay page in a browser, and Meshcat's live pages."""
-
-import shutil
+"""The replay page in a browser."""
 
 import numpy as np
 import pytest
 
 from drake_leg.scene.replay import write_replay
 
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-FOOT = "viewer.scene_tree.find(['drake', 'robot', 'frame_4']).object.position.toArray()"
-
 pytestmark = pytest.mark.slow
 
-
-@pytest.fixture(scope="module")
-def browser():
-    api = pytest.importorskip(
-        "playwright.sync_api", reason="Playwright, of the extra browser, is not installed"
-    )
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
-        pytest.skip("no Chromium is installed (Debian: apt-get install chromium)")
-    with api.sync_playwright() as playwright:
-        running = playwright.chromium.launch(executable_path=program, args=FLAGS)
-        yield running
-        running.close()
+NOTE = "stopped at 1 s: the leg is stretched; " + 8 * "choose a smaller amplitude, or "
 
 
 @pytest.fixture(scope="module")
 def file(step, tmp_path_factory):
     path = tmp_path_factory.mktemp("replay") / "step.html"
-    write_replay(path, step)
-    return path
-
-
-class Visit:
-    """A page that is open, with what it asked for and what it complained of."""
-
-    def __init__(self, browser, file, **settings):
-        self.page = browser.new_page(viewport={"width": 800, "height": 600}, **settings)
-        self.errors, self.requests = [], []
-        self.page.on("console", self._note)
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(file.as_uri())
-        self.page.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
-        self.page.wait_for_timeout(500)
-
-    def _note(self, message):
-        if message.type == "error":
-            self.errors.append(message.text)
-
-    def foot(self):
-        return np.array(self.page.evaluate(FOOT))
-
-    def picture(self):
-        from PIL import Image
-
-        pixels = self.page.evaluate(
-            "(viewer.render(), viewer.renderer.domElement.toDataURL('image/png'))"
-        )
-        import base64
-        import io
-
-        image = Image.open(io.BytesIO(base64.b64decode(pixels.partition(",")[2])))
-        return np.asarray(image.convert("RGB")).astype(float)
-
-    def click(self, name):
-        self.page.get_by_role("button", name=name, exact=True).click()
+    write_replay(path, step, title="Leg B: a step", note=NOTE)
+    return path.as_uri()
 
 
 @pytest.fixture
-def visit(browser, file):
-    visit = Visit(browser, file)
-    yield visit
-    visit.page.close()
-    assert visit.errors == []
-    assert [url for url in visit.requests if not url.startswith(("file:", "data:", "blob:"))] == []
+def visit(open_page, file):
+    return open_page(file)
+
+
+def clock(visit):
+    return visit.page.inner_text("#replay-clock")
 
 
 def test_the_canvas_shows_the_leg(visit):
@@ -87,13 +34,13 @@ def test_the_canvas_shows_the_leg(visit):
 
 
 def test_the_play_button_moves_the_leg_along_the_recorded_path(visit, step):
-    np.testing.assert_allclose(visit.foot(), step.path()[0], atol=1e-6)
+    np.testing.assert_allclose(visit.frame(4), step.path()[0], atol=1e-6)
     before = visit.picture()
     visit.click("Play")
     visit.page.wait_for_function("document.getElementById('replay-play').textContent === 'Play'")
-    np.testing.assert_allclose(visit.foot(), step.path()[-1], atol=1e-6)
+    np.testing.assert_allclose(visit.frame(4), step.path()[-1], atol=1e-6)
     assert np.abs(visit.picture() - before).max() > 100.0
-    assert visit.page.inner_text("#replay-clock") == "1.00 of 1.0 s"
+    assert clock(visit) == "1.00 of 1.00 s"
 
 
 def test_the_slider_of_time_goes_to_the_moment(visit, step):
@@ -101,7 +48,7 @@ def test_the_slider_of_time_goes_to_the_moment(visit, step):
         "(s => { s.value = 0.5; s.dispatchEvent(new Event('input')); })"
         "(document.getElementById('replay-scrub'))"
     )
-    np.testing.assert_allclose(visit.foot(), step.sampled(30.0).path()[15], atol=1e-6)
+    np.testing.assert_allclose(visit.frame(4), step.sampled(30.0).path()[15], atol=1e-6)
 
 
 def test_the_views_look_from_where_they_say(visit):
@@ -125,37 +72,64 @@ def test_frames_can_be_hidden(visit):
     assert visit.page.get_by_role("button", name="Frames").get_attribute("aria-pressed") == "false"
 
 
-@pytest.mark.parametrize("width", [390, 1280])
-def test_the_page_fits_its_window(browser, file, width):
-    visit = Visit(browser, file)
-    visit.page.set_viewport_size({"width": width, "height": 700})
-    visit.page.wait_for_timeout(300)
-    assert visit.page.evaluate("document.documentElement.scrollWidth") == width
-    canvas = visit.page.evaluate("viewer.renderer.domElement.getBoundingClientRect().toJSON()")
-    bar = visit.page.evaluate(
-        "document.getElementById('replay-bar').getBoundingClientRect().toJSON()"
+@pytest.mark.parametrize("width", [320, 390, 1280])
+def test_the_page_fits_its_window(open_page, file, width):
+    visit = open_page(file, size=(width, 700))
+    assert visit.overflow() == [0, 0]
+    canvas, panel, time = (
+        visit.page.evaluate(f"document.querySelector('{name}').getBoundingClientRect().toJSON()")
+        for name in ("#meshcat-pane canvas", "#page-panel", "#replay-clock")
     )
     assert canvas["width"] == pytest.approx(width, abs=1)
-    assert canvas["height"] > 350
-    assert bar["bottom"] <= 700.5
-    assert canvas["bottom"] <= bar["top"] + 1
-    visit.page.close()
+    assert canvas["height"] > 340
+    assert panel["bottom"] <= 700.5
+    assert canvas["bottom"] <= panel["top"] + 1
+    assert time["right"] <= width
 
 
-def test_dark_pages_are_dark(browser, file):
+def test_dark_pages_are_dark_and_the_black_foot_stands_out(open_page, file):
     shades = {}
     for scheme in ("light", "dark"):
-        visit = Visit(browser, file, color_scheme=scheme)
-        shades[scheme] = visit.picture()[5, 5].mean()
-        visit.page.close()
+        visit = open_page(file, color_scheme=scheme)
+        picture = visit.picture()
+        shades[scheme] = picture[5, 5].mean()
+        right, up = visit.seen(visit.frame(4))
+        row, column = (np.array([1 - up, 1 + right]) / 2 * picture.shape[:2]).astype(int)
+        foot = picture[row - 6 : row + 7, column - 6 : column + 7].mean(axis=-1).min()
+        assert shades[scheme] - foot > 30.0
     assert shades["light"] > 200.0
     assert shades["dark"] < 100.0
 
 
+def test_keys_choose_views_and_moments(visit):
+    visit.page.keyboard.press("End")
+    assert clock(visit) == "1.00 of 1.00 s"
+    visit.page.keyboard.press("ArrowLeft")
+    assert clock(visit) == "0.90 of 1.00 s"
+    visit.page.keyboard.press("Home")
+    visit.page.keyboard.press("ArrowRight")
+    assert clock(visit) == "0.10 of 1.00 s"
+    visit.page.keyboard.press("4")
+    assert visit.page.get_by_role("button", name="Top").get_attribute("aria-pressed") == "true"
+    visit.page.keyboard.press("Control+1")
+    assert visit.page.get_by_role("button", name="Top").get_attribute("aria-pressed") == "true"
+
+
+def test_the_page_says_what_it_shows_and_why_it_stops(visit):
+    head = visit.page.inner_text("#page-head")
+    assert head.startswith("Leg B: a step")
+    assert NOTE.strip() in head
+    line = visit.page.locator("#replay-note").bounding_box()["height"]
+    visit.page.click("#replay-note summary")
+    assert visit.page.locator("#replay-note").bounding_box()["height"] > 1.5 * line
+    assert "1.00 s; squares of the floor 20 mm" in head
+    assert visit.page.title() == "Leg B: a step: replay"
+
+
 def test_names_stand_at_the_ends_of_the_axes_and_go_with_them(visit):
-    shown = visit.page.locator(".replay-name:visible")
+    shown = visit.page.locator(".axis-name:visible")
     assert {"x0", "y2", "z2"} <= {name.replace("\n", "") for name in shown.all_inner_texts()}
-    foot = visit.page.locator(".replay-name", has_text="x4")
+    foot = visit.page.locator(".axis-name", has_text="x4")
     before = foot.bounding_box()
     visit.page.evaluate(
         "viewer.handle_command({type: 'set_transform', path: '/drake/robot/frame_4',"

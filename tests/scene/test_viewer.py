@@ -3,13 +3,11 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot_file import read_robot
 from drake_leg.robots import LEG_B, SCARA
-from drake_leg.scene.meshcat import MeshcatError, frame_path, open_meshcat
-from drake_leg.scene.motion import still
-from drake_leg.scene.scene import scene_of
-from drake_leg.scene.viewer import CLEAR, QUIT, START, joint_sliders, open_browser, view_robot
+from drake_leg.scene.viewer import joint_sliders, view_robot
 
 Q = np.radians([90.0, -50.0, -90.0])
 LIMITED = """
@@ -19,37 +17,45 @@ row = [{ sigma = 0, d = 0.1, alpha = 0, r = 0, theta = 0, limits = { lower = -30
 """
 
 
-@pytest.fixture
-def meshcat():
-    return open_meshcat()
+class Person:
+    """Stands for a server and its page: carries out one command at a time, then quits."""
 
+    def __init__(self, *commands):
+        self.commands, self.answers, self.states = list(commands), [], []
 
-def click(meshcat, label):
-    """Send what a browser sends when a button is clicked."""
-    name = label.encode()
-    meshcat._InjectWebsocketMessage(
-        b"\x82\xa4type\xa6button\xa4name" + bytes([0xA0 + len(name)]) + name
-    )
+    def serve(self, page, take, board):
+        self.page, self.take, self.board = page, take, board
+        self.news = board.news(quiet=0.01)
 
-
-def script(*actions):
-    """Make a ``wait`` that carries out one action at a time, then quits."""
-    left = list(actions)
-
-    def wait(seconds):
+    def wait(self, seconds):
         assert 0.0 < seconds < 0.1
-        left.pop(0)()
+        self.states.append(next(self.news) if not self.states or self.commands else None)
+        command = self.commands.pop(0) if self.commands else {"do": "quit"}
+        self.answers.append(self.take(command))
 
-    return wait
+    def view(self, robot=LEG_B, q=Q):
+        return view_robot(robot, q, self, wait=self.wait)
+
+    def trace(self):
+        return np.array(self.board.trace.since(-1, 0)["pieces"])
+
+
+@pytest.fixture(autouse=True)
+def _no_page(monkeypatch):
+    monkeypatch.setattr("drake_leg.scene.viewer._page", lambda *_: "")
+
+
+def joints(*values, **more):
+    return {"do": "joints", "values": list(values), **more}
 
 
 def test_sliders_have_the_joints_units_and_limits():
     turn = joint_sliders(LEG_B, Q)[1]
-    assert (turn.name, turn.low, turn.high) == ("knee [deg]", -180.0, 180.0)
+    assert (turn.joint, turn.symbol, turn.low, turn.high) == ("knee", "deg", -180.0, 180.0)
     assert turn.value == pytest.approx(-50.0)
     assert turn.unit == pytest.approx(math.pi / 180.0)
     lift = joint_sliders(SCARA, [0.0, 0.0, 0.0, 0.06])[3]
-    assert (lift.name, lift.unit) == ("lift [mm]", 1e-3)
+    assert (lift.joint, lift.symbol, lift.unit) == ("lift", "mm", 1e-3)
     assert lift.value == pytest.approx(60.0)
     (limited,) = joint_sliders(read_robot(LIMITED, "limited"), [0.0])
     assert (limited.low, limited.high) == pytest.approx((-30.0, 60.0))
@@ -60,63 +66,64 @@ def test_a_posture_outside_the_limits_is_on_the_slider():
     assert slider.high == slider.value == pytest.approx(math.degrees(2.0))
 
 
-def test_the_sliders_move_the_robot_and_escape_ends(meshcat):
-    left = view_robot(
-        LEG_B,
-        Q,
-        meshcat,
-        wait=script(
-            lambda: meshcat.SetSliderValue("hip [deg]", 45.0),
-            lambda: click(meshcat, "Right"),
-            lambda: click(meshcat, QUIT),
-        ),
+def test_the_sliders_move_the_robot_and_quit_ends():
+    person = Person(joints(45.0, -50.0, -90.0))
+    np.testing.assert_allclose(person.view(), np.radians([45.0, -50.0, -90.0]), atol=1e-12)
+
+
+def test_typed_values_are_taken_exactly_and_clipped_to_the_limits():
+    person = Person(joints(12.3456789012))
+    assert person.view(read_robot(LIMITED, "limited"), [0.0]) == pytest.approx(
+        math.radians(12.3456789012), abs=1e-15
     )
-    np.testing.assert_allclose(left, np.radians([45.0, -50.0, -90.0]), atol=1e-12)
-    assert meshcat.GetSliderNames() == []
-    for part in scene_of(still(LEG_B, Q)).parts:
-        if "floor" not in part.path:
-            assert meshcat.HasPath(f"/drake/{frame_path(part.frame)}/{part.path}")
+    person = Person(joints(1e9))
+    assert person.view(read_robot(LIMITED, "limited"), [0.0]) == pytest.approx(math.radians(60.0))
+    assert person.answers[0] == {"values": [pytest.approx(60.0)]}
 
 
-def test_buttons_take_the_robot_back_and_the_trace_away(meshcat):
-    trace = f"/drake/{frame_path(0)}/trace"
-    there = []
-    left = view_robot(
-        LEG_B,
-        Q,
-        meshcat,
-        wait=script(
-            lambda: meshcat.SetSliderValue("ankle [deg]", -20.0),
-            lambda: there.append(meshcat.HasPath(trace)),
-            lambda: click(meshcat, CLEAR),
-            lambda: there.append(meshcat.HasPath(trace)),
-            lambda: click(meshcat, START),
-            lambda: None,
-            lambda: click(meshcat, QUIT),
-        ),
-    )
-    assert there == [True, False]
-    np.testing.assert_allclose(left, Q, atol=1e-12)
+def test_the_pages_are_told_posture_values_and_tip():
+    person = Person(joints(45.0, -50.0, -90.0), joints(45.0, -50.0, -90.0))
+    person.view()
+    q = np.radians([45.0, -50.0, -90.0])
+    state = person.states[1]
+    np.testing.assert_allclose(state["tip"], 1e3 * foot_pose(LEG_B.rows, q)[:3, 3], atol=0.006)
+    np.testing.assert_allclose(state["poses"][-1][:3], foot_pose(LEG_B.rows, q)[:3, 3], atol=1e-6)
+    assert state["values"] == [45.0, -50.0, -90.0]
 
 
-def test_a_taken_port_is_one_sentence(meshcat):
-    with pytest.raises(MeshcatError, match=f"port {meshcat.port()}: the port is taken"):
-        open_meshcat(port=meshcat.port())
-    with pytest.raises(DrakeLegError, match="--port is 80; it must be in 1024"):
-        open_meshcat(port=80)
+def test_a_slider_that_goes_far_at_once_draws_the_arc_and_no_chord():
+    person = Person(joints(0.0, -50.0, -90.0))
+    person.view()
+    pieces = person.trace().reshape(-1, 3)
+    assert len(pieces) > 20
+    radius = np.hypot(*foot_pose(LEG_B.rows, Q)[:2, 3])
+    np.testing.assert_allclose(np.hypot(pieces[:, 0], pieces[:, 1]), radius, rtol=1e-3)
 
 
-def test_meshcat_serves_this_machine_only(meshcat):
-    assert meshcat.web_url().startswith("http://localhost:")
+@pytest.mark.parametrize("jump", [joints(0.0, -50.0, -90.0, put=True), {"do": "start"}])
+def test_a_robot_that_is_put_somewhere_leaves_no_trace(jump):
+    person = Person(jump)
+    person.view()
+    assert len(person.trace()) == 0
 
 
-def test_without_a_screen_no_browser_is_opened(monkeypatch):
-    monkeypatch.setattr("sys.platform", "linux")
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-    assert not open_browser("http://localhost:7000")
+def test_buttons_take_the_robot_back_and_the_trace_away():
+    person = Person(joints(90.0, -50.0, -20.0), {"do": "clear"}, {"do": "start"})
+    np.testing.assert_allclose(person.view(), Q, atol=1e-12)
+    assert len(person.trace()) == 0
 
 
-def test_a_posture_of_another_size_is_refused(meshcat):
+@pytest.mark.parametrize(
+    "command", [{}, {"do": "drive"}, joints(1.0), joints(1.0, 2.0, math.nan), joints(1, 2, "3")]
+)
+def test_a_wrong_command_is_refused_and_changes_nothing(command):
+    person = Person()
+    person.view()
+    with pytest.raises(InvalidValueError):
+        person.take(command)
+    assert person.take({"do": "clear"}) == {"values": [pytest.approx(v) for v in (90, -50, -90)]}
+
+
+def test_a_posture_of_another_size_is_refused():
     with pytest.raises(InvalidValueError, match="must be 3 long"):
-        view_robot(LEG_B, [0.0], meshcat, once=True)
+        Person().view(q=[0.0])

@@ -49,7 +49,30 @@ def test_far_from_singularities_the_foot_goes_where_it_is_told(robot, q, rng):
 def test_without_a_command_nothing_moves():
     step = control_step(drive_of(LEG_B), Q, [0.0, 0.0, 0.0], DT)
     np.testing.assert_array_equal(step.q, Q)
-    assert step.state == "free"
+    assert (step.state, step.share, step.sentence) == ("free", None, "")
+
+
+@pytest.mark.parametrize(
+    ("ankle", "state", "said"),
+    [
+        (-90.0, "free", ""),
+        (-10.0, "near", "the leg is nearly stretched: nearer to it the foot will be slowed"),
+        (-2.0, "stopped", "the leg is nearly stretched: the foot can only be driven away from it"),
+        (179.0, "stopped", "the leg is nearly folded: the foot can only be driven away from it"),
+    ],
+)
+def test_at_rest_the_guard_says_what_it_would_do(ankle, state, said):
+    q = np.radians([90.0, -50.0, ankle])
+    for step in (at_rest(drive_of(LEG_B), q), control_step(drive_of(LEG_B), q, [0, 0, 0], DT)):
+        assert (step.state, step.share, step.sentence) == (state, None, said)
+
+
+def test_at_the_boundary_a_halted_foot_is_not_called_free():
+    stopped = driven(drive_of(LEG_B), Q, [0.1, 0.0, 0.0], 200)[-1]
+    assert stopped.state == "stopped"
+    halted = control_step(drive_of(LEG_B), stopped.q, [0.0, 0.0, 0.0], DT)
+    assert (halted.state, halted.share) == ("stopped", None)
+    assert "nearly stretched" in halted.sentence
 
 
 @pytest.mark.parametrize(
@@ -118,6 +141,14 @@ def test_a_joint_stays_inside_its_limits_and_comes_back():
     assert steps[-1].sentence.startswith(("the joint joint_2 is at its limit", "the robot is near"))
     assert min(step.q[1] for step in steps) >= math.radians(-30.0)
     assert control_step(drive, steps[-1].q, [0.0, 0.0, 0.1], DT).share > 0.5
+
+
+def test_a_foot_halted_where_a_joint_is_at_its_limit_is_told_so():
+    drive = drive_of(read_robot(DESK, "desk"))
+    stopped = driven(drive, np.radians([0.0, 0.0, -90.0]), [0.0, 0.0, -0.1], 400)[-1]
+    assert stopped.sentence.startswith("the joint joint_2 is at its limit")
+    halted = control_step(drive, stopped.q, [0.0, 0.0, 0.0], DT)
+    assert (halted.state, halted.sentence) == ("near", "the joint joint_2 is at its limit")
 
 
 def test_a_singular_start_is_refused():

@@ -1,95 +1,142 @@
-"""Meshcat's side of driving, without a browser."""
+"""Driving, without a browser."""
 
 import numpy as np
 import pytest
 
 from drake_leg.robots import LEG_B
-from drake_leg.scene.meshcat import open_meshcat
-from drake_leg.scene.viewer import START
-from drake_leg.teleop.session import HALT, SHARE, SIGMA, drive_robot
+from drake_leg.teleop.desk import SILENCE
+from drake_leg.teleop.session import AT_REST, FREED, LAPSED, PERIOD, drive_robot
 
 Q = np.radians([90.0, -50.0, -90.0])
 
 
 class Driver:
-    """Stands for a person: carries out one action at a time, with a clock that runs evenly."""
+    """Stands for a server, its page and a person, with a clock that runs evenly."""
 
     def __init__(self, *actions):
-        self.meshcat = open_meshcat()
-        self.actions, self.said, self.time = list(actions), [], 0.0
+        self.actions, self.said, self.time, self.states = list(actions), [], 0.0, []
+        self.alive = True
+
+    def serve(self, page, take, board):
+        self.take, self.board, self.news = take, board, board.news(quiet=0.001)
 
     def wait(self, seconds):
+        self.states.append(next(self.news) or self.states[-1])
         self.time += seconds
+        if self.alive:
+            self.take({"do": "alive", "tab": "a"})
         if self.actions:
             self.actions.pop(0)(self)
         else:
-            self.click("Quit (Escape)")
-
-    def click(self, label):
-        name = label.encode()
-        self.meshcat._InjectWebsocketMessage(
-            b"\x82\xa4type\xa6button\xa4name" + bytes([0xA0 + len(name)]) + name
-        )
+            self.take({"do": "quit"})
 
     def drive(self):
         return drive_robot(
-            LEG_B, Q, self.meshcat, say=self.said.append, wait=self.wait, clock=lambda: self.time
+            LEG_B, Q, self, say=self.said.append, wait=self.wait, clock=lambda: self.time
         )
 
 
-def ahead(driver):
-    driver.meshcat.SetSliderValue("vx [mm/s]", 60.0)
+@pytest.fixture(autouse=True)
+def _no_page(monkeypatch):
+    monkeypatch.setattr("drake_leg.teleop.session.teleop_page", lambda *_: "")
+
+
+def go(x):
+    return lambda driver: driver.take({"do": "drive", "velocity": [x, 0.0, 0.0], "tab": "a"})
+
+
+def do(what):
+    return lambda driver: driver.take({"do": what})
 
 
 def idle(driver):
     pass
 
 
-def test_a_slider_moves_the_foot_at_its_speed():
-    driver = Driver(ahead, *[idle] * 29)  # and one period more, until it has quit
+def test_a_command_moves_the_foot_at_its_speed():
+    driver = Driver(go(60.0), *[idle] * 30)
     step = driver.drive()
-    np.testing.assert_allclose(step.foot - [0.0, 0.0376, -0.1409], [0.062, 0, 0], atol=3e-4)
+    way = 31 * PERIOD * 0.060
+    np.testing.assert_allclose(step.foot - [0.0, 0.0376743, -0.1408832], [way, 0, 0], atol=1e-6)
     assert driver.said == []
 
 
 def test_the_guard_says_once_what_it_does_and_shows_it():
-    shown = []
-
-    def look(driver):
-        shown.extend(driver.meshcat.GetSliderValue(name) for name in (SIGMA, SHARE))
-        shown.extend(n for n in driver.meshcat.GetButtonNames() if n.startswith("Guard"))
-
-    driver = Driver(ahead, *[idle] * 150, look)
+    driver = Driver(go(60.0), *[idle] * 150)
     step = driver.drive()
     assert [sentence.partition(": ")[2].partition(" (")[0] for sentence in driver.said] == [
         "the foot is slowed",
         "the foot is stopped; drive it another way",
+        "the foot can only be driven away from it",
     ]
-    assert shown == [pytest.approx(1e3 * step.sigma_min, abs=0.01), 0.0, "Guard: stopped"]
-    assert driver.meshcat.GetButtonNames() == []
+    shown = driver.states[-1]
+    assert (shown["state"], shown["share"]) == ("stopped", 0.0)
+    assert shown["sigma"] == pytest.approx(1e3 * step.sigma_min, abs=0.01)
+    assert shown["velocity"] == [60.0, 0.0, 0.0]
+    np.testing.assert_allclose(shown["tip"], 1e3 * step.foot, atol=0.01)
 
 
-def test_the_guard_says_when_it_lets_go():
-    def back(driver):
-        driver.meshcat.SetSliderValue("vx [mm/s]", -60.0)
-
-    driver = Driver(ahead, *[idle] * 150, back, *[idle] * 10)
+def test_the_guard_says_when_it_lets_go_and_when_nothing_is_near():
+    driver = Driver(go(60.0), *[idle] * 150, go(-60.0), *[idle] * 10, do("halt"), *[idle] * 2)
     driver.drive()
-    assert driver.said[-1].startswith("nothing is in the way: the foot is free (sigma_min ")
+    assert driver.said[-1].startswith(f"{FREED} (sigma_min ")
+    driver = Driver(go(60.0), *[idle] * 150, do("halt"), idle, do("start"), *[idle] * 2)
+    driver.drive()
+    assert driver.said[-1].startswith(f"{AT_REST} (sigma_min 37.67 mm")
+
+
+def test_a_foot_halted_at_the_boundary_is_not_called_free():
+    driver = Driver(go(60.0), *[idle] * 150, do("halt"), *[idle] * 3)
+    driver.drive()
+    assert driver.states[-1]["state"] == "stopped"
+    assert driver.states[-1]["share"] is None
+    assert "free" not in driver.said[-1]
+    assert "the leg is nearly stretched: the foot can only be driven away" in driver.said[-1]
 
 
 def test_halt_and_back_to_the_start():
-    driver = Driver(
-        ahead, *[idle] * 10, lambda d: d.click(HALT), idle, lambda d: d.click(START), idle
-    )
+    driver = Driver(go(60.0), *[idle] * 10, do("halt"), idle, do("start"), idle)
     np.testing.assert_allclose(driver.drive().q, Q)
-    assert driver.meshcat.HasPath("/drake/region/section")
+    assert driver.board.trace.since(-1, 0)["pieces"] == []
+
+
+def test_the_section_of_reach_turns_with_the_hip():
+    driver = Driver(go(60.0), *[idle] * 30)
+    q1 = driver.drive().q[0]
+    *_, w, x, y, z = driver.states[-1]["poses"][-1]
+    assert (x, y) == (0.0, 0.0)
+    assert 2.0 * np.arctan2(z, w) == pytest.approx(q1, abs=0.1)
+
+
+def test_a_page_that_falls_silent_halts_the_foot():
+    def fall_silent(driver):
+        driver.alive = False
+
+    driver = Driver(go(60.0), fall_silent, *[idle] * 60)
+    step = driver.drive()
+    assert driver.said == [LAPSED]
+    assert step.foot[0] < 0.060 * (SILENCE + 0.2)
 
 
 def test_a_pause_of_the_machine_does_not_throw_the_leg():
     def pause(driver):
         driver.time += 60.0
 
-    driver = Driver(ahead, pause)
+    driver = Driver(go(60.0), pause)
     step = driver.drive()
     assert step.foot[0] < 0.06 * 0.21
+
+
+def test_the_loop_keeps_its_pace_when_its_steps_take_time():
+    driver, looked = Driver(*[idle] * 40), []
+
+    def clock():
+        driver.time += 0.002
+        return driver.time
+
+    def wait(seconds):
+        looked.append(driver.time + seconds)
+        driver.wait(seconds)
+
+    drive_robot(LEG_B, Q, driver, say=driver.said.append, wait=wait, clock=clock)
+    assert np.diff(looked).mean() == pytest.approx(PERIOD, rel=1e-3)

@@ -1,19 +1,12 @@
-// Moves the robot that Meshcat shows through the poses in #replay-data.
-(() => {
+// Moves the robot through the poses of the motion.
+if (stage) (() => {
   "use strict";
-  const data = JSON.parse(document.getElementById("replay-data").textContent);
-  const element = (name) => document.getElementById("replay-" + name);
-  const scrub = element("scrub"), play = element("play"), clock = element("clock");
+  const { data, element } = stage;
+  const scrub = element("replay-scrub"), play = element("replay-play");
+  const clock = element("replay-clock"), speed = element("replay-speed");
+  const STEP = 0.1; // [s], of an arrow key
 
-  if (typeof viewer === "undefined") {
-    const message = document.createElement("p");
-    message.id = "replay-message";
-    message.textContent = "This page needs WebGL, which this browser has not or has switched off.";
-    document.body.append(message);
-    return;
-  }
-
-  // Poses: for each moment and each frame x, y, z [m] and the quaternion w, x, y, z.
+  // For each moment and each frame x, y, z [m] and the quaternion w, x, y, z.
   const bytes = Uint8Array.from(atob(data.poses), (letter) => letter.charCodeAt(0));
   const poses = new Float32Array(bytes.buffer);
   const frames = data.paths.length;
@@ -32,30 +25,16 @@
     return pose;
   }
 
-  // Column by column, as Meshcat takes it.
-  function matrix([x, y, z, ...quaternion]) {
-    const norm = Math.hypot(...quaternion);
-    const [a, b, c, d] = quaternion.map((part) => part / norm);
-    return [
-      1 - 2 * (c * c + d * d), 2 * (b * c + a * d), 2 * (b * d - a * c), 0,
-      2 * (b * c - a * d), 1 - 2 * (b * b + d * d), 2 * (c * d + a * b), 0,
-      2 * (b * d + a * c), 2 * (c * d - a * b), 1 - 2 * (b * b + c * c), 0,
-      x, y, z, 1,
-    ];
-  }
-
   let time = 0, playing = false, before = null;
 
   function show(moment) {
     time = Math.min(Math.max(moment, 0), data.duration);
     const place = Math.min(time * data.rate, moments - 1);
     const whole = Math.floor(place);
-    data.paths.forEach((path, frame) => {
-      const pose = between(whole, place - whole, frame);
-      viewer.handle_command({ type: "set_transform", path: path, matrix: matrix(pose) });
-    });
+    stage.place(data.paths.map((_, frame) => between(whole, place - whole, frame)));
     scrub.value = time;
-    clock.textContent = time.toFixed(2) + " of " + data.duration.toFixed(1) + " s";
+    clock.textContent = `${time.toFixed(2)} of ${data.duration.toFixed(2)} s`;
+    scrub.setAttribute("aria-valuetext", clock.textContent);
   }
 
   function setPlaying(wanted) {
@@ -68,135 +47,32 @@
 
   function tick(now) {
     if (!playing) return;
-    if (before !== null) show(time + ((now - before) / 1000) * Number(element("speed").value));
+    if (before !== null) show(time + ((now - before) / 1000) * Number(speed.value));
     before = now;
     if (time >= data.duration) setPlaying(false);
     else requestAnimationFrame(tick);
   }
 
+  function scrubTo(moment) {
+    setPlaying(false);
+    show(moment);
+  }
+
   play.addEventListener("click", () => setPlaying(!playing));
-  scrub.addEventListener("input", () => { setPlaying(false); show(Number(scrub.value)); });
+  scrub.addEventListener("input", () => scrubTo(Number(scrub.value)));
   document.addEventListener("keydown", (event) => {
-    if (event.code === "Space" && !event.target.closest("button, select")) {
-      event.preventDefault();
-      setPlaying(!playing);
-    }
+    if (stage.isTyped(event)) return;
+    const actions = {
+      ArrowLeft: () => scrubTo(time - STEP),
+      ArrowRight: () => scrubTo(time + STEP),
+      Home: () => scrubTo(0),
+      End: () => scrubTo(data.duration),
+    };
+    if (!event.target.closest("button, summary")) actions[" "] = () => setPlaying(!playing);
+    if (!(event.key in actions)) return;
+    event.preventDefault();
+    actions[event.key]();
   });
 
-  // Views. Meshcat's camera has y up: x, y, z of the world are x, z, -y there.
-  let view = null;
-  const buttons = data.views.map((entry) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = entry.label;
-    button.addEventListener("click", () => look(entry));
-    element("views").append(button);
-    return button;
-  });
-
-  function look(entry) {
-    view = entry;
-    mark();
-    const pane = document.getElementById("meshcat-pane");
-    const aspect = pane.offsetWidth / Math.max(pane.offsetHeight, 1);
-    const slope = Math.tan(entry.field / 2);
-    const away = entry.half_depth
-      + data.margin * Math.max(entry.half_height, entry.half_width / aspect) / slope;
-    const [x, y, z] = entry.target.map((part, i) => part + away * entry.towards[i]);
-    const [u, v, w] = entry.target;
-    Object.assign(viewer.camera, {
-      fov: entry.field * 180 / Math.PI, near: away / 50, far: 4 * away, zoom: 1,
-    });
-    viewer.camera.position.set(x, z, -y);
-    viewer.set_camera_target([u, w, -v]);
-    viewer.controls.update();
-    viewer.set_3d_pane_size();
-  }
-
-  function mark() {
-    buttons.forEach((button, i) => button.setAttribute("aria-pressed", data.views[i] === view));
-  }
-
-  viewer.controls.addEventListener("start", () => { view = null; mark(); });
-  new ResizeObserver(() => { if (view) look(view); else viewer.set_3d_pane_size(); })
-    .observe(document.getElementById("meshcat-pane"));
-
-  // Names of the frames' axes, written over the picture; one that would lie on another is left out.
-  const pane = document.getElementById("meshcat-pane");
-  const names = data.axes.flatMap((length, frame) => ["x", "y", "z"].map((letter, axis) => {
-    const name = document.createElement("span");
-    name.className = "replay-name replay-" + letter;
-    name.append(letter);
-    name.append(Object.assign(document.createElement("sub"), { textContent: frame }));
-    name.setAttribute("aria-hidden", "true");
-    pane.append(name);
-    return { name, frame, axis, length };
-  }));
-  let named = true;
-
-  // Times a matrix, column by column.
-  function times(matrix, [x, y, z, w]) {
-    return [0, 1, 2, 3].map(
-      (i) => matrix[i] * x + matrix[i + 4] * y + matrix[i + 8] * z + matrix[i + 12] * w);
-  }
-
-  function seen(point) {
-    const { matrixWorldInverse, projectionMatrix } = viewer.camera;
-    const [x, y, , w] = times(projectionMatrix.elements, times(matrixWorldInverse.elements, point));
-    const canvas = viewer.renderer.domElement;
-    return [(1 + x / w) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight];
-  }
-
-  function writeNames() {
-    const taken = [];
-    for (const { name, frame, axis, length } of names) {
-      const path = data.shown.Frames[frame].split("/").slice(1);
-      const world = viewer.scene_tree.find(path).object.matrixWorld.elements;
-      const start = seen(times(world, [0, 0, 0, 1]));
-      const end = seen(times(world, [0, 1, 2].map((i) => (i === axis ? length : 0)).concat(1)));
-      const way = Math.hypot(end[0] - start[0], end[1] - start[1]);
-      const [x, y] = end.map((part, i) => part + 11 * (part - start[i]) / way);
-      const free = way > 14 && taken.every(([u, v]) => Math.abs(u - x) > 15 || Math.abs(v - y) > 13);
-      name.hidden = !named || !free;
-      if (!free) continue;
-      taken.push([x, y]);
-      name.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
-    }
-  }
-
-  const render = viewer.render.bind(viewer);
-  viewer.render = () => { render(); writeNames(); };
-
-  // What can be hidden.
-  for (const [label, paths] of Object.entries(data.shown)) {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = label;
-    button.setAttribute("aria-pressed", "true");
-    button.addEventListener("click", () => {
-      const on = button.getAttribute("aria-pressed") !== "true";
-      button.setAttribute("aria-pressed", on);
-      if (label === "Frames") named = on;
-      for (const path of paths) {
-        viewer.handle_command({ type: "set_property", path: path, property: "visible", value: on });
-      }
-    });
-    element("shown").append(button);
-  }
-
-  const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  function paint() {
-    const style = getComputedStyle(document.documentElement);
-    for (const edge of ["top", "bottom"]) {
-      const hex = style.getPropertyValue("--" + edge).trim().slice(1);
-      const colour = [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
-      viewer.set_property(["Background", "<object>"], edge + "_color", colour);
-    }
-  }
-  dark.addEventListener("change", paint);
-
-  viewer.gui.domElement.style.display = "none";
-  paint();
   show(0);
-  look(data.views[data.first]);
 })();

@@ -1,4 +1,4 @@
-"""What the commands share that open Meshcat in a browser."""
+"""What the commands share that open a page in a browser."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from drake_leg.cli.common import numbers
 from drake_leg.errors import InvalidValueError
 
 if TYPE_CHECKING:
-    from pydrake.geometry import Meshcat
+    from drake_leg.scene.live.server import Server
 
 
-def add_meshcat(parser: argparse.ArgumentParser) -> None:
+def add_server(parser: argparse.ArgumentParser) -> None:
     """Add the options.
 
     Parameters
@@ -36,42 +36,46 @@ def add_meshcat(parser: argparse.ArgumentParser) -> None:
 
 
 LEAVING = (
-    "Escape in the browser, or Ctrl-C here, ends it: the posture is printed as --q takes it, and "
+    "Escape in the page, or Ctrl-C here, ends it: the posture is printed as --q takes it, and "
     "the exit status is 0."
 )
 
 
-def start_meshcat(chosen: argparse.Namespace, shows: str) -> Meshcat:
-    """Start Meshcat, say where, and open a browser.
+def start_server(chosen: argparse.Namespace, shows: str) -> Server:
+    """Begin to listen, say where, and open a browser.
 
     Parameters
     ----------
     chosen : Namespace
-        With the options of ``add_meshcat``.
+        With the options of ``add_server``.
     shows : str
         What is to be seen.
 
     Returns
     -------
-    Meshcat
+    Server
+        Which does not yet serve.
 
     Raises
     ------
     InvalidValueError
         If the port is no whole number.
-    MeshcatError
-        If Meshcat cannot listen there.
+    ServerError
+        If it cannot listen there.
     """
-    from drake_leg.scene.meshcat import open_meshcat
-    from drake_leg.scene.viewer import open_browser
+    from drake_leg.scene.live.browser import open_browser
+    from drake_leg.scene.live.server import Server
 
-    meshcat = open_meshcat(host=chosen.host, port=_port(chosen.port))
-    url = meshcat.web_url()
-    print(f"{shows}: {url}", flush=True)
-    print("Open Controls has the sliders and buttons; Escape there or Ctrl-C here ends", flush=True)
-    if not (chosen.once or chosen.no_browser or open_browser(url)):
-        print(f"drake-leg: no browser was found; open {url} in one", file=sys.stderr, flush=True)
-    return meshcat
+    server = Server(chosen.host, _port(chosen.port))
+    print(f"{shows}: {server.url}", flush=True)
+    print("Escape in the page or Ctrl-C here ends", flush=True)
+    if not (chosen.once or chosen.no_browser or open_browser(server.url)):
+        print(
+            f"drake-leg: no browser was found; open {server.url} in one",
+            file=sys.stderr,
+            flush=True,
+        )
+    return server
 
 
 def _port(text: str | None) -> int | None:

@@ -1,0 +1,182 @@
+// The robot that Meshcat shows: where its frames are, their names, views, light and dark.
+const stage = (() => {
+  "use strict";
+  const data = JSON.parse(document.getElementById("page-data").textContent);
+  const element = (name) => document.getElementById(name);
+  const pane = element("meshcat-pane");
+
+  if (typeof viewer === "undefined") {
+    const message = document.createElement("p");
+    message.id = "page-message";
+    message.textContent = "This page needs WebGL, which this browser has not or has switched off.";
+    document.body.append(message);
+    return null;
+  }
+
+  // Column by column, as Meshcat takes it, of x, y, z [m] and the quaternion w, x, y, z.
+  function matrix([x, y, z, ...quaternion]) {
+    const norm = Math.hypot(...quaternion);
+    const [a, b, c, d] = quaternion.map((part) => part / norm);
+    return [
+      1 - 2 * (c * c + d * d), 2 * (b * c + a * d), 2 * (b * d - a * c), 0,
+      2 * (b * c - a * d), 1 - 2 * (b * b + d * d), 2 * (c * d + a * b), 0,
+      2 * (b * d + a * c), 2 * (c * d - a * b), 1 - 2 * (b * b + c * c), 0,
+      x, y, z, 1,
+    ];
+  }
+
+  // A matrix times a vector.
+  function times(matrix, [x, y, z, w]) {
+    return [0, 1, 2, 3].map(
+      (i) => matrix[i] * x + matrix[i + 4] * y + matrix[i + 8] * z + matrix[i + 12] * w);
+  }
+
+  let present = []; // points of the robot as it is, and what else there is to hold
+  function place(poses, more = []) {
+    const matrices = poses.map(matrix);
+    data.paths.forEach((path, i) => {
+      viewer.handle_command({ type: "set_transform", path: path, matrix: matrices[i] });
+    });
+    present = data.held.flatMap((corners, i) =>
+      corners.map((corner) => times(matrices[i], [...corner, 1]))).concat(more);
+    if (view && distance(view, present) > away * (1 + 1e-9)) look(data.views.indexOf(view));
+  }
+
+  function setVisible(paths, on) {
+    for (const path of paths) {
+      viewer.handle_command({ type: "set_property", path: path, property: "visible", value: on });
+    }
+  }
+
+  function makeButton(parent, label, action) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = label;
+    button.addEventListener("click", () => action(button));
+    parent.append(button);
+    return button;
+  }
+
+  // Views. Meshcat's camera has y up: x, y, z of the world are x, z, -y there.
+  let view = null;
+  const buttons = data.views.map((entry, i) => {
+    const button = makeButton(element("page-views"), entry.label, () => look(i));
+    button.title = `Key ${i + 1}`;
+    return button;
+  });
+
+  // From where a view sees all points.
+  function distance(view, points) {
+    const aspect = pane.offsetWidth / Math.max(pane.offsetHeight, 1);
+    const scale = data.margin / Math.tan(view.field / 2);
+    return Math.max(...points.map((point) => {
+      const [right, up, near] = view.axes.map((axis) => axis.reduce(
+        (sum, part, i) => sum + part * (point[i] - view.target[i]), 0));
+      return near + scale * Math.max(Math.abs(up), Math.abs(right) / aspect);
+    }));
+  }
+
+  let away = 0; // [m], of the camera
+  function look(index) {
+    view = data.views[index];
+    mark();
+    away = distance(view, data.points.concat(present));
+    const [x, y, z] = view.target.map((part, i) => part + away * view.axes[2][i]);
+    const [u, v, w] = view.target;
+    Object.assign(viewer.camera, {
+      fov: view.field * 180 / Math.PI, near: away / 50, far: 4 * away, zoom: 1,
+    });
+    viewer.camera.position.set(x, z, -y);
+    viewer.set_camera_target([u, w, -v]);
+    viewer.controls.update();
+    viewer.set_3d_pane_size();
+  }
+
+  function mark() {
+    buttons.forEach((button, i) => button.setAttribute("aria-pressed", data.views[i] === view));
+  }
+
+  viewer.controls.addEventListener("start", () => { view = null; mark(); });
+  new ResizeObserver(() => {
+    if (view) look(data.views.indexOf(view)); else viewer.set_3d_pane_size();
+  }).observe(pane);
+
+  // Names of the frames' axes, written over the picture; one that would lie on another is left out.
+  const names = data.axes.flatMap((length, frame) => ["x", "y", "z"].map((letter, axis) => {
+    const name = document.createElement("span");
+    name.className = "axis-name axis-" + letter;
+    name.append(letter);
+    name.append(Object.assign(document.createElement("sub"), { textContent: frame }));
+    name.setAttribute("aria-hidden", "true");
+    pane.append(name);
+    return { name, frame, axis, length };
+  }));
+  let named = true;
+
+  function seen(point) {
+    const { matrixWorldInverse, projectionMatrix } = viewer.camera;
+    const [x, y, , w] = times(projectionMatrix.elements, times(matrixWorldInverse.elements, point));
+    const canvas = viewer.renderer.domElement;
+    return [(1 + x / w) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight];
+  }
+
+  function writeNames() {
+    const taken = [];
+    for (const { name, frame, axis, length } of names) {
+      const path = data.triads[frame].split("/").slice(1);
+      const world = viewer.scene_tree.find(path).object.matrixWorld.elements;
+      const start = seen(times(world, [0, 0, 0, 1]));
+      const end = seen(times(world, [0, 1, 2].map((i) => (i === axis ? length : 0)).concat(1)));
+      const way = Math.hypot(end[0] - start[0], end[1] - start[1]);
+      const [x, y] = end.map((part, i) => part + 11 * (part - start[i]) / way);
+      const free = way > 14 && taken.every(([u, v]) => Math.abs(u - x) > 15 || Math.abs(v - y) > 13);
+      name.hidden = !named || !free;
+      if (!free) continue;
+      taken.push([x, y]);
+      name.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
+    }
+  }
+
+  const render = viewer.render.bind(viewer);
+  viewer.render = () => { render(); writeNames(); };
+
+  // What can be hidden.
+  function makeShown(label, paths) {
+    const button = makeButton(element("page-shown"), label, () => {
+      const on = button.getAttribute("aria-pressed") !== "true";
+      button.setAttribute("aria-pressed", on);
+      if (paths === data.triads) named = on;
+      setVisible(paths, on);
+    });
+    button.setAttribute("aria-pressed", "true");
+  }
+  makeShown("Frames", data.triads);
+  makeShown("Trace", [data.trace]);
+
+  // Whether a key is typed into a box, or belongs to the browser.
+  function isTyped(event) {
+    return event.ctrlKey || event.altKey || event.metaKey || event.isComposing
+      || Boolean(event.target.closest?.("input:not([type=range]), select, textarea"));
+  }
+
+  document.addEventListener("keydown", (event) => {
+    const index = "1234".indexOf(event.key);
+    if (event.key.length === 1 && index >= 0 && !isTyped(event)) look(index);
+  });
+
+  function paint() {
+    const style = getComputedStyle(document.documentElement);
+    const read = (name) => style.getPropertyValue("--" + name).trim();
+    for (const edge of ["top", "bottom"]) {
+      const colour = [1, 3, 5].map((i) => parseInt(read(edge).slice(i, i + 2), 16) / 255);
+      viewer.set_property(["Background", "<object>"], edge + "_color", colour);
+    }
+    viewer.set_property(["Lights", "AmbientLight", "<object>"], "intensity", Number(read("ambient")));
+  }
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+
+  viewer.gui.domElement.style.display = "none";
+  paint();
+  look(data.first);
+  return { data, element, place, makeButton, makeShown, isTyped };
+})();

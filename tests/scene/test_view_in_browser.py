@@ -1,0 +1,146 @@
+"""The page of ``drake-leg view`` in a browser."""
+
+import numpy as np
+import pytest
+
+from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.robots import LEG_B
+from drake_leg.scene.viewer import view_robot
+
+pytestmark = pytest.mark.slow
+
+Q = np.radians([90.0, -50.0, -90.0])
+SIZES = {"desk": (1280, 800), "tablet": (820, 1180), "phone": (390, 844)}
+
+
+@pytest.fixture
+def session(served):
+    return served(view_robot, LEG_B, Q)
+
+
+@pytest.fixture
+def visit(session, open_page):
+    return opened(open_page, session)
+
+
+def opened(open_page, session, **settings):
+    visit = open_page(session.url, **settings)
+    visit.page.wait_for_function("document.getElementById('page-tip').textContent !== ''")
+    return visit
+
+
+def foot(degrees):
+    return foot_pose(LEG_B.rows, np.radians(degrees))[:3, 3]
+
+
+def settle(visit):
+    visit.page.wait_for_timeout(500)
+
+
+def slide(visit, label, value):
+    visit.page.get_by_label(label, exact=True).evaluate(
+        f"e => {{ e.value = {value}; e.dispatchEvent(new Event('input', {{bubbles: true}})); }}"
+    )
+    settle(visit)
+
+
+def pieces(visit):
+    node = "viewer.scene_tree.find(['drake', 'robot', 'frame_0', 'trace', '<object>'])"
+    return visit.page.evaluate(f"{node}.object.count")
+
+
+def test_the_slider_moves_the_robot_and_draws_its_trace(visit):
+    np.testing.assert_allclose(visit.frame(4), foot([90, -50, -90]), atol=1e-6)
+    before = visit.picture()
+    slide(visit, "ankle in deg", -20.0)
+    np.testing.assert_allclose(visit.frame(4), foot([90, -50, -20]), atol=1e-6)
+    assert np.abs(visit.picture() - before).max() > 100.0
+    assert pieces(visit) > 10
+    visit.click("Clear trace")
+    settle(visit)
+    assert pieces(visit) == 0
+
+
+def test_a_typed_value_is_taken_exactly_clipped_and_leaves_no_chord(visit):
+    box = visit.page.get_by_label("hip in deg, exactly")
+    box.fill("24.3125")
+    box.press("Enter")
+    settle(visit)
+    np.testing.assert_allclose(visit.frame(4), foot([24.3125, -50, -90]), atol=1e-6)
+    assert pieces(visit) == 0
+    box.fill("9999")
+    box.press("Enter")
+    settle(visit)
+    assert box.input_value() == "180"
+    visit.click("To the start")
+    settle(visit)
+    np.testing.assert_allclose(visit.frame(4), foot([90, -50, -90]), atol=1e-6)
+    assert pieces(visit) == 0
+
+
+def test_typing_in_a_box_changes_nothing_but_the_box(visit):
+    pressed = "document.querySelector('#page-views [aria-pressed=true]').textContent"
+    box = visit.page.get_by_label("hip in deg, exactly")
+    box.click()
+    box.press("Control+a")
+    visit.page.keyboard.type("24")
+    assert box.input_value() == "24"
+    assert visit.page.evaluate(pressed) == "3D"
+    box.press("Escape")
+    settle(visit)
+    assert box.input_value() == "90"
+    assert visit.page.locator("#page-over").is_hidden()
+    visit.page.click("h1")
+    visit.page.keyboard.press("4")
+    assert visit.page.evaluate(pressed) == "Top"
+
+
+def test_a_view_holds_the_whole_trace(visit):
+    far = foot([0.0, -50.0, -90.0])
+    slide(visit, "hip in deg", 0.0)
+    slide(visit, "hip in deg", 90.0)
+    for view in ("Right", "Front", "Top", "3D"):
+        visit.click(view)
+        settle(visit)
+        assert max(np.abs(visit.seen(far))) < 1.0
+
+
+def test_views_go_back_as_far_as_the_robot_needs(visit):
+    for value in (-179.0, 0.0, 90.0):
+        slide(visit, "hip in deg", value)
+        slide(visit, "ankle in deg", 0.0)
+        for view in ("Right", "Front", "Top", "3D"):
+            visit.click(view)
+            slide(visit, "hip in deg", value + 1.0)
+            assert max(np.abs(visit.seen(visit.frame(4)))) < 1.0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("size", SIZES)
+def test_nothing_is_cut_in_any_window(session, open_page, size, scheme):
+    visit = opened(open_page, session, size=SIZES[size], color_scheme=scheme)
+    assert visit.overflow() == [0, 0]
+    assert (visit.picture()[5, 5].mean() > 200.0) == (scheme == "light")
+    assert visit.page.locator("#meshcat-pane canvas").bounding_box()["height"] > 300
+
+
+def test_frames_are_named_and_colours_explained(visit):
+    names = visit.page.locator(".axis-name:visible").all_inner_texts()
+    assert {"x0", "z0"} <= {name.replace("\n", "") for name in names}
+    assert "the tip's trace" in visit.page.inner_text("#page-legend")
+    assert visit.page.inner_text("#page-tip") == "0.0, 37.7, −140.9"
+
+
+def test_two_tabs_show_the_same_and_both_hear_the_end(session, open_page):
+    one, other = opened(open_page, session), opened(open_page, session)
+    slide(one, "hip in deg", 30.0)
+    np.testing.assert_allclose(other.frame(4), foot([30, -50, -90]), atol=1e-6)
+    assert other.page.get_by_label("hip in deg, exactly").input_value() == "30"
+    slide(other, "knee in deg", -20.0)
+    np.testing.assert_allclose(one.frame(4), foot([30, -20, -90]), atol=1e-6)
+    late = opened(open_page, session)
+    assert pieces(late) == pieces(one) > 0
+    one.page.keyboard.press("Escape")
+    for tab in (one, other, late):
+        tab.page.wait_for_selector("#page-over", state="visible")
+        assert "The session has ended. This tab can be closed." in tab.page.inner_text("#page-over")
