@@ -49,6 +49,7 @@ def test_a_replay_opens_in_its_place_and_plays(browser, folder, width):
     item = visit.page.locator("#b07_replay")
     assert item.locator("iframe").count() == 0
     item.get_by_text("Play in 3D").click()
+    item.locator("iframe").wait_for()
     assert item.locator("figure a").count() == 0
     frame = item.locator("iframe").element_handle().content_frame()
     frame.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")

@@ -115,9 +115,10 @@ def test_random_runs_of_the_loop_are_exact_or_stop_in_time(rng):
 
 
 @pytest.mark.slow
-def test_two_thousand_random_runs_of_the_loop_are_exact_or_stop_in_time(rng):
-    met = many(rng, 2000)
-    assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 50
+@pytest.mark.parametrize("seed", range(8))  # two thousand in all, shared among the cores
+def test_many_random_runs_of_the_loop_are_exact_or_stop_in_time(seed):
+    met = many(np.random.default_rng(seed), 250)
+    assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 6
 
 
 @pytest.mark.slow
