@@ -65,7 +65,7 @@ def test_a_replay_opens_in_its_place_and_plays(browser, folder, width):
 def test_a_page_that_was_given_on_alone_plays(browser, folder, tmp_path):
     shutil.copy(folder / "report.html", tmp_path)
     visit = Visit(browser, tmp_path, 1440)
-    for item in ("#a04_replay", "#b_scara_replay", ".lead"):
+    for item in ("#b_scara_replay", ".lead"):
         visit.page.locator(item).get_by_text("Play in 3D").click()
         frame = visit.page.locator(f"{item} iframe").element_handle().content_frame()
         frame.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
