@@ -127,7 +127,7 @@ def _marked(pieces: list[str], others: list[str], mark: str) -> str:
 def _text(text: str, other: str, mark: str) -> str:
     """Write text behind a matrix; signs that differ from the other text's are marked."""
     words, others = (re.split(r"( [+−] )", one) for one in (text, other))
-    if len(words) != len(others):
+    if len(words) != len(others) or len(words) == 1:
         return prose(text)
     return "".join(
         prose(word) if word == beside else f'<span class="{mark}">{prose(word)}</span>'
