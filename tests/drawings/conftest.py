@@ -59,11 +59,11 @@ def _require_ends(layout):
             assert x1 == x2 or y1 == y2
     for (block, _), (x, y) in layout.inputs.items():
         box = layout.boxes[block]
-        assert x == box.x
+        assert x == pytest.approx(box.x, abs=1e-9)
         assert box.y <= y <= box.bottom
     for (block, _), (x, y) in layout.outputs.items():
         box = layout.boxes[block]
-        assert x == box.right
+        assert x == pytest.approx(box.right, abs=1e-9)
         assert box.y <= y <= box.bottom
 
 
