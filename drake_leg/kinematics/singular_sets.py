@@ -71,8 +71,7 @@ def stretched_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
     p_BF : (n, m, 3) ndarray
         Foot positions in the base frame [m].
     """
-    hip, knee = np.meshgrid(turns, lean)
-    return foot_position(leg, np.stack([hip, knee, np.zeros_like(hip)], axis=-1))
+    return _feet(leg, turns, lean, 0.0)
 
 
 def folded_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
@@ -92,8 +91,12 @@ def folded_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
     p_BF : (n, m, 3) ndarray
         Foot positions in the base frame [m].
     """
+    return _feet(leg, turns, lean, math.pi)
+
+
+def _feet(leg: LegGeometry, turns: Array, lean: Array, ankle: float) -> Array:
     hip, knee = np.meshgrid(turns, lean)
-    return foot_position(leg, np.stack([hip, knee, np.full_like(hip, math.pi)], axis=-1))
+    return foot_position(leg, np.stack([hip, knee, np.full_like(hip, ankle)], axis=-1))
 
 
 def leaning_over(leg: LegGeometry) -> float:

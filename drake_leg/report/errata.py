@@ -26,7 +26,7 @@ def erratum_notes(numbers: Iterable[int]) -> str:
     str
         HTML.
     """
-    return "\n".join(_note(_by_number()[number]) for number in numbers)
+    return "\n".join(_note(_numbered(number)) for number in numbers)
 
 
 def errata_chapter() -> str:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from drake_leg.drawings.drawing import draw
 from drake_leg.drawings.of_runs import run_pictures
 from drake_leg.drawings.picture import ALL
@@ -77,37 +79,37 @@ class Workshop:
 def _plot(item: Item, workshop: Workshop) -> Exhibit:
     plot, outcome = PLOTS[item.show], workshop.outcomes[item.subject]
     title = f"{item.label}: {RUNS[item.subject].title}"
-    paths = save(plot.draw(outcome, title), workshop.folder, item.id)
+    body, files = _saved(item, workshop, plot.draw(outcome, title))
     return Exhibit(
-        body=_figure(item, for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))),
+        body=body,
         commands=(command(item.subject),),
         result=f"{item.subject}/{plot.file}.svg",
         proof=f"From the exact answer: at most {power(deviation(plot, outcome))} {plot.unit}.",
-        files=tuple(path.name for path in paths.values()),
+        files=files,
     )
 
 
 def _map(item: Item, workshop: Workshop) -> Exhibit:
     subject = SUBJECTS[item.subject]
     draw = maps_of_posture(subject.robot, subject.q)[item.show]
-    paths = save(draw(), workshop.folder, item.id)
+    body, files = _saved(item, workshop, draw())
     folder = f"{item.subject}-maps"
     return Exhibit(
-        body=_figure(item, for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))),
+        body=body,
         commands=(f"drake-leg doctor {subject.name} --q {subject.option} --out {folder}",),
         result=f"{folder}/{item.show}.svg",
-        files=tuple(path.name for path in paths.values()),
+        files=files,
     )
 
 
 def _frames(item: Item, workshop: Workshop) -> Exhibit:
     robot = workshop.outcomes[item.subject].robot
-    figure = free_body(robot, title=f"{item.label}: {robot.title}")
-    paths = save(figure, workshop.folder, item.id)
+    title = f"{item.label}: {robot.title}"
+    body, files = _saved(item, workshop, free_body(robot, title=title))
     return Exhibit(
-        body=_figure(item, for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))),
+        body=body,
         commands=(f"drake-leg diagram {item.subject} --part frames --out {item.id}.svg",),
-        files=tuple(path.name for path in paths.values()),
+        files=files,
     )
 
 
@@ -174,6 +176,13 @@ def _replay(item: Item, workshop: Workshop) -> Exhibit:
         ),
         files=(file.name,),
     )
+
+
+def _saved(item: Item, workshop: Workshop, figure: Figure) -> tuple[str, tuple[str, ...]]:
+    """Write a figure beside the page; return its HTML and the names of its files."""
+    paths = save(figure, workshop.folder, item.id)
+    svg = for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))
+    return _figure(item, svg), tuple(path.name for path in paths.values())
 
 
 def _figure(item: Item, svg: str, attributes: str = "", more: str = "") -> str:
