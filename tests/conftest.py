@@ -3,6 +3,7 @@
 import base64
 import io
 import shutil
+import time
 from functools import cache
 from threading import Event, Thread
 
@@ -67,6 +68,7 @@ def drake_frames(posed):
 
 FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 LOCAL = ("file:", "data:", "blob:")
+PATIENCE = 30.0  # [s] with a browser on a busy machine
 
 
 @pytest.fixture(scope="session")
@@ -96,6 +98,13 @@ class Visit:
         self.page.goto(url)
         self.page.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
         self.page.wait_for_timeout(500)
+
+    def wait_until(self, holds):
+        """Wait until a condition holds, however slow the machine is."""
+        deadline = time.monotonic() + PATIENCE
+        while not holds():
+            assert time.monotonic() < deadline, f"in vain, for {PATIENCE:g} s"
+            self.page.wait_for_timeout(50)
 
     def _note(self, message):
         if message.type == "error":

@@ -56,8 +56,7 @@ def test_a_replay_opens_in_its_place_and_plays(browser, folder, width):
     place = "viewer.scene_tree.find(['drake', 'robot', 'frame_4']).object.position.toArray()"
     before = frame.evaluate(place)
     frame.get_by_role("button", name="Play", exact=True).click()
-    visit.page.wait_for_timeout(700)
-    assert frame.evaluate(place) != before
+    frame.wait_for_function(f"String({place}) !== '{','.join(map(str, before))}'")
     assert visit.page.evaluate("document.documentElement.scrollWidth") == width
     visit.close()
 
