@@ -7,6 +7,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from drake_leg.colours import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    REDDISH_PURPLE,
+    SKY_BLUE,
+    VERMILLION,
+    YELLOW,
+    Colour,
+    rgb,
+)
 from drake_leg.errors import InvalidValueError
 from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.names import (
@@ -48,16 +59,8 @@ _MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
 
 NO_MECHANICS = JointMechanics()
 
-# Okabe and Ito's colours, told apart by colour-blind eyes, in the order of a chain's rows.
-LINK_COLOURS = (
-    (0.0, 0.447, 0.698),  # blue
-    (0.902, 0.624, 0.0),  # orange
-    (0.0, 0.62, 0.451),  # bluish green
-    (0.337, 0.706, 0.914),  # sky blue
-    (0.941, 0.894, 0.259),  # yellow
-    (0.835, 0.369, 0.0),  # vermillion
-    (0.8, 0.475, 0.655),  # reddish purple
-)
+# In the order of a chain's rows.
+LINK_COLOURS = tuple(map(rgb, (BLUE, ORANGE, GREEN, SKY_BLUE, YELLOW, VERMILLION, REDDISH_PURPLE)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +139,7 @@ class Solid:
     shape: Shape
     density: float  # [kg/m^3]
     centre: tuple[float, float, float]  # [m], p_LS: centre of the solid in its link's frame
-    colour: tuple[float, float, float]  # red, green, blue in 0...1
+    colour: Colour
 
     def __post_init__(self) -> None:
         require_positive("the density", self.density, "kg/m^3")
@@ -235,7 +238,7 @@ class Segment:
             )
 
 
-def link_colour(row: int) -> tuple[float, float, float]:
+def link_colour(row: int) -> Colour:
     """Colour of a link that has none of its own.
 
     Parameters

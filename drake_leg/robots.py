@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Literal
 
+from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
 from drake_leg.quantities import require_positive
 from drake_leg.robot import (
@@ -51,7 +52,7 @@ def _bar(
     length: float,
     section: tuple[float, float],
     density: float,
-    colour: tuple[float, float, float],
+    colour: Colour,
 ) -> Link:
     """Make a link that is one brick along its x axis, from joint to joint."""
     brick = Brick(length=length, width=section[0], height=section[1])

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from drake_leg.cli.common import Commands
 from drake_leg.cli.run_options import kind_of, robot_of
+from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError
 from drake_leg.imports import require_pillow
 from drake_leg.robot import Robot
@@ -58,7 +59,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--background",
         default="auto",
-        choices=("auto", "white", "none"),
+        choices=get_args(Background),
         help="auto is white or dark, as the reader's system is; none is for light places "
         "(default auto)",
     )

@@ -11,7 +11,8 @@ import numpy as np
 from drake_leg.compare.signals import Scalar, Signal, constants, mixed, sine_term, total
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import value
-from drake_leg.simulink.model import Block, Value
+from drake_leg.simulink.model import Block
+from drake_leg.simulink.values import number, vector
 
 Inputs = Sequence[Signal | None]  # by port; None where nothing is connected
 Law = Callable[[Block, Inputs, int], Signal | None]  # None where the law cannot be followed
@@ -49,44 +50,6 @@ def law_of(block: Block) -> Law | None:
     if block.kind in CONVERSIONS:
         return _conversion
     return LAWS.get(block.type)
-
-
-def vector(value_: Value | None) -> tuple[float, ...]:
-    """Read numbers as a vector.
-
-    Parameters
-    ----------
-    value_ : Value or None
-        A parameter.
-
-    Returns
-    -------
-    tuple of float
-        Empty where it is no vector of numbers.
-    """
-    if isinstance(value_, int | float):
-        return (float(value_),)
-    if isinstance(value_, tuple):
-        return tuple(float(one) for one in np.array(value_, dtype=float).ravel())
-    return ()
-
-
-def number(value_: Value | None, default: float = 0.0) -> float:
-    """Read a parameter as one number.
-
-    Parameters
-    ----------
-    value_ : Value or None
-        A parameter.
-    default : float
-        Where it is none.
-
-    Returns
-    -------
-    float
-    """
-    numbers = vector(value_)
-    return numbers[0] if len(numbers) == 1 else default
 
 
 def added(parts: Sequence[Signal], factors: Sequence[float]) -> Signal:

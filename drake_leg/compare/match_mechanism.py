@@ -59,7 +59,7 @@ def match_mechanism(
     report(alignment, blocks, findings)
     for pairs, gauge in zip(alignment.pairs, alignment.gauges, strict=True):
         for ours, theirs in pairs:
-            if ours.shape is not None:
+            if ours.solid is not None:
                 match_solid(ours, theirs, gauge, blocks[ours.sid], findings)
         for ours, theirs in sorted(pairs, key=lambda pair: len(pair[0].way)):
             for step in ours.way:
@@ -68,9 +68,9 @@ def match_mechanism(
         link = f"the link of joint {drake.joints[body - 1].name!r}" if body else "the world"
         findings.miss(blocks[place.sid], f"{link} has no such solid in Drake")
     for body, place in alignment.absent:
-        if body and place.shape is not None:
+        if body and place.solid is not None:
             joint = network.mechanism.joints[body - 1]
-            mass = f"body {place.name!r} of {place.shape.mass:.6g} kg"
+            mass = f"body {place.name!r} of {place.solid.mass:.6g} kg"
             findings.differ(joint.sid, joint.name, "solid on its follower", "none", mass)
     for places in network.mechanism.bodies:
         for place in places:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pydrake.systems.primitives import ConstantVectorSource, Integrator
 
-from drake_leg.compare.block_laws import number
 from drake_leg.compare.comparison import Item
 from drake_leg.compare.correspondence import (
     Correspondence,
@@ -15,6 +14,7 @@ from drake_leg.compare.correspondence import (
 from drake_leg.compare.signals import Scalar, close
 from drake_leg.compare.simulink_signals import is_integrator
 from drake_leg.simulink.model import Block
+from drake_leg.simulink.values import number
 from drake_leg.systems.input_filter import TIME_CONSTANT
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 

@@ -6,7 +6,6 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FrameIndex
 
-from drake_leg.compare.block_laws import vector
 from drake_leg.compare.diagram_signals import DiagramSignals
 from drake_leg.compare.findings import Findings
 from drake_leg.compare.mechanism import Mechanism
@@ -14,6 +13,7 @@ from drake_leg.compare.plant_mechanism import Links
 from drake_leg.compare.simulink_mechanism import SENSORS, Network
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.values import vector
 from drake_leg.systems.frame_sensor import FrameSensor
 
 SAME_PLACE = 1e-9  # [m]

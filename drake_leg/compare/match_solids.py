@@ -9,8 +9,7 @@ from drake_leg.compare.findings import Findings
 from drake_leg.compare.mechanism import Place
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block
-
-NAMES = {"cylinder": ("CylinderRadius", "CylinderLength"), "sphere": ("SphereRadius",)}
+from drake_leg.simulink.solids import DIMENSIONS, OTHER
 
 
 def match_solid(ours: Place, theirs: Place, gauge: Array, block: Block, findings: Findings) -> None:
@@ -19,7 +18,7 @@ def match_solid(ours: Place, theirs: Place, gauge: Array, block: Block, findings
     Parameters
     ----------
     ours, theirs : Place
-        Of the model and of the plant; both have a shape.
+        Of the model and of the plant; both are solids.
     gauge : (4, 4)
         Pose of the model's link frame M in the plant's.
     block : Block
@@ -27,9 +26,9 @@ def match_solid(ours: Place, theirs: Place, gauge: Array, block: Block, findings
     findings : Findings
         What is found is noted there.
     """
-    if ours.shape is None or theirs.shape is None:
+    if ours.solid is None or theirs.solid is None:
         return
-    mine, drake = ours.shape, theirs.shape
+    mine, drake = ours.solid, theirs.solid
     checked = []
     if mine.density is None:
         checked.append(findings.check(block, "Mass", mine.mass, drake.mass, unit="kg"))
@@ -45,16 +44,16 @@ def match_solid(ours: Place, theirs: Place, gauge: Array, block: Block, findings
             checked.append(findings.check(block, name, mine.offsets, zero))
     elif drake.density is not None:
         checked.append(findings.check(block, "Density", mine.density, drake.density, unit="kg/m^3"))
-    if mine.kind == "other":
+    if mine.shape == OTHER:
         pass
-    elif mine.kind != drake.kind:
-        checked.append(findings.check(block, "shape", mine.kind, drake.kind))
-    elif mine.kind == "brick":
+    elif mine.shape != drake.shape:
+        checked.append(findings.check(block, "shape", mine.shape, drake.shape))
+    elif mine.shape == "brick":
         checked += _check_brick(ours, theirs, gauge, block, findings)
     else:
         checked += [
             findings.check(block, name, a, b, unit="m", counts=name == "CylinderLength")
-            for name, a, b in zip(NAMES[mine.kind], mine.size, drake.size, strict=True)
+            for name, a, b in zip(DIMENSIONS[mine.shape], mine.size, drake.size, strict=True)
         ]
     if mine.colour and drake.colour:
         name = "GraphicDiffuseColor"
@@ -66,10 +65,10 @@ def _check_brick(
     ours: Place, theirs: Place, gauge: Array, block: Block, findings: Findings
 ) -> list[Item]:
     """Compare the edge along the link, which counts, and the cross section, which does not."""
-    if ours.shape is None or theirs.shape is None:
+    if ours.solid is None or theirs.solid is None:
         return []
-    size = _extents(gauge[:3, :3] @ ours.X_M[:3, :3], ours.shape.size)
-    wanted = _extents(theirs.X_M[:3, :3], theirs.shape.size)
+    size = _extents(gauge[:3, :3] @ ours.X_M[:3, :3], ours.solid.size)
+    wanted = _extents(theirs.X_M[:3, :3], theirs.solid.size)
     along = int(np.argmax(wanted))
     across = [axis for axis in range(3) if axis != along]
     mine, drake = (tuple(edges[across].tolist()) for edges in (size, wanted))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.primitives import ConstantVectorSource, Sine
 
-from drake_leg.compare.block_laws import number
 from drake_leg.compare.comparison import Item
 from drake_leg.compare.correspondence import Correspondence, function_role, same_factors
 from drake_leg.compare.inverse import Match, match_function
 from drake_leg.compare.signals import Atom, Scalar, close
 from drake_leg.simulink.model import Block
+from drake_leg.simulink.values import number
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 SINE = (("Frequency", "rad/s"), ("Phase", "rad"), ("Amplitude", "m/s"))

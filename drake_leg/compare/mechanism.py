@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from drake_leg.kinematics.batches import Array
+from drake_leg.simulink.solids import SolidProperties
 
 Parameter = float | str
 
@@ -26,19 +27,6 @@ class Step:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shape:
-    """A homogeneous solid."""
-
-    kind: str  # "brick", "cylinder", "sphere", "other"
-    size: tuple[float, ...]  # [m]: three edges; radius and length; radius
-    density: float | None  # [kg/m^3]; None where the mass is said outright
-    mass: float  # [kg]
-    moments: tuple[float, ...] = ()  # [kg*m^2], said outright or of the plant's body
-    offsets: tuple[float, ...] = ()  # centre of mass [m] and products said outright; zero here
-    colour: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
 class Place:
     """Something at a pose in a body: a solid, the next joint's base, the sensed foot."""
 
@@ -47,7 +35,7 @@ class Place:
     X_M: Array  # (4, 4)
     sid: str = ""
     way: tuple[Step, ...] = ()
-    shape: Shape | None = None
+    solid: SolidProperties | None = None
     number: int = 0  # of the joint, counted from 1
 
 

@@ -17,10 +17,11 @@ from pydrake.multibody.tree import (
 from pydrake.multibody.tree import Joint as PlantJoint
 from pydrake.systems.framework import Context
 
-from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape
+from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place
 from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Brick, Cylinder, Solid, Sphere
+from drake_leg.simulink.solids import SolidProperties, volume
 
 DIGITS = 12  # of a size or a density that follows from moments of inertia
 SHAPES = {Brick: "brick", Cylinder: "cylinder", Sphere: "sphere"}
@@ -138,30 +139,29 @@ def _solid(body: RigidBody, X: Array, solids: Mapping[str, Solid]) -> Place:
     placed[:3, :3] = axes * np.sign(np.linalg.det(axes))
     placed[:3, 3] = centre
     solid = solids.get(body.name())
-    kind = "brick" if solid is None else SHAPES[type(solid.shape)]
-    size, volume = _size(kind, mass, moments)
-    shape = Shape(
-        kind=kind,
+    shape = "brick" if solid is None else SHAPES[type(solid.shape)]
+    size = _size(shape, mass, moments)
+    filled = volume(shape, size)
+    properties = SolidProperties(
+        shape=shape,
         size=tuple(map(_tidy, size)),
-        density=_tidy(mass / volume) if volume > 0.0 else None,
+        density=_tidy(mass / filled) if filled > 0.0 else None,
         mass=mass,
         moments=tuple(map(_tidy, moments.tolist())),
         colour=solid.colour if solid else (),
     )
-    return Place(role="solid", name=body.name(), X_M=X @ placed, shape=shape)
+    return Place(role="solid", name=body.name(), X_M=X @ placed, solid=properties)
 
 
-def _size(kind: str, mass: float, moments: Array) -> tuple[tuple[float, ...], float]:
-    """Edges, radius and length, or radius of the homogeneous solid with these moments; volume."""
+def _size(shape: str, mass: float, moments: Array) -> tuple[float, ...]:
+    """Edges, radius and length, or radius of the homogeneous solid with these moments."""
     x, y, z = moments.tolist()
-    if kind == "sphere":
-        radius = math.sqrt(2.5 * (x + y + z) / 3.0 / mass)
-        return (radius,), 4.0 / 3.0 * math.pi * radius**3
-    if kind == "cylinder":
-        radius, length = math.sqrt(2.0 * z / mass), math.sqrt(max(6.0 * (x + y - z) / mass, 0.0))
-        return (radius, length), math.pi * radius**2 * length
+    if shape == "sphere":
+        return (math.sqrt(2.5 * (x + y + z) / 3.0 / mass),)
+    if shape == "cylinder":
+        return math.sqrt(2.0 * z / mass), math.sqrt(max(6.0 * (x + y - z) / mass, 0.0))
     edges = np.sqrt(np.maximum(12.0 * (moments.sum() / 2.0 - moments) / mass, 0.0))
-    return tuple(edges.tolist()), float(np.prod(edges))
+    return tuple(edges.tolist())
 
 
 def _tidy(value: float) -> float:

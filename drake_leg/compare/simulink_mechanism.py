@@ -9,27 +9,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drake_leg.compare.block_laws import number, vector
-from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Shape, Step
+from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Step
 from drake_leg.compare.sensed import on
-from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block, Model
 from drake_leg.simulink.poses import about, inverse, rigid_transform
+from drake_leg.simulink.solids import SOLIDS, SolidProperties, read_solid
+from drake_leg.simulink.values import senseless, vector
 
 MOVING = {"Revolute Joint": "revolute", "Prismatic Joint": "prismatic"}
 SENSORS = ("6-DOF Joint", "Transform Sensor")
 RIGID = ("Rigid Transform", "Weld Joint")
-SHAPES = {"Brick Solid": "brick", "Cylindrical Solid": "cylinder", "Spherical Solid": "sphere"}
-SOLIDS = (
-    *SHAPES,
-    "Solid",
-    "Ellipsoidal Solid",
-    "File Solid",
-    "Extruded Solid",
-    "Revolved Solid",
-    "Inertia",
-)
 BASE, FOLLOWER = "lconn:1", "rconn:1"
 
 
@@ -224,7 +214,7 @@ def _add_solids(walk: _Walk, places: list[list[Place]]) -> None:
         body, X, way = walk.found[node]
         walk.used.add(block.sid)
         places[body].append(
-            Place(role="solid", name=block.name, sid=block.sid, X_M=X, way=way, shape=_shape(block))
+            Place(role="solid", name=block.name, sid=block.sid, X_M=X, way=way, solid=_solid(block))
         )
 
 
@@ -277,15 +267,8 @@ def _joint_parameters(block: Block) -> dict[str, Parameter]:
 def _scalar(block: Block, name: str) -> float:
     numbers = vector(block.parameters.get(name, 0.0))
     if len(numbers) != 1:
-        raise _senseless(block, name, "one number")
+        raise senseless(block, name, "it must be one number")
     return numbers[0]
-
-
-def _senseless(block: Block, name: str, wanted: str) -> InvalidValueError:
-    return InvalidValueError(
-        f"the block {block.name!r} (SID {block.sid}) has {name} {block.parameters.get(name)!r}; "
-        f"it must be {wanted}"
-    )
 
 
 def _actuation(block: Block) -> str:
@@ -297,46 +280,8 @@ def _actuation(block: Block) -> str:
     return next((mode for mode in modes if mode not in ("", "NoTorque")), "NoTorque")
 
 
-def _shape(block: Block) -> Shape:
-    get = block.parameters.get
-    drawn = f"{get('GeometryShape')} Solid" if block.kind == "Solid" else block.kind
-    kind = SHAPES.get(
-        drawn.replace("Cylinder", "Cylindrical").replace("Sphere", "Spherical"), "other"
-    )
-    size: tuple[float, ...] = ()
-    volume = 0.0
-    moments: tuple[float, ...]
-    said: tuple[float, ...]
-    if kind == "brick":
-        size = vector(get("BrickDimensions"))
-        if len(size) != 3:
-            raise _senseless(block, "BrickDimensions", "three numbers")
-        volume = math.prod(size)
-    elif kind == "cylinder":
-        radius, length = number(get("CylinderRadius")), number(get("CylinderLength"))
-        size = (radius, length)
-        volume = math.pi * radius**2 * length
-    elif kind == "sphere":
-        radius = number(get("SphereRadius"))
-        size = (radius,)
-        volume = 4.0 / 3.0 * math.pi * radius**3
-    density: float | None = number(get("Density"))
-    mass, moments, said = number(get("Density")) * volume, (), ()
-    if block.kind == "Inertia" or get("InertiaType") not in (None, "CalculateFromGeometry"):
-        density, mass = None, number(get("Mass"))
-        custom = get("InertiaType") == "Custom"
-        moments = vector(get("MomentsOfInertia")) if custom else (0.0, 0.0, 0.0)
-        centre, products = vector(get("CenterOfMass")), vector(get("ProductsOfInertia"))
-        said = tuple(centre) + (tuple(products) if custom else ())
-    elif get("BasedOnType") == "Mass":
-        density, mass = None, number(get("Mass"))
-    colour = vector(get("GraphicDiffuseColor"))
-    return Shape(
-        kind=kind,
-        size=size,
-        density=density,
-        mass=mass,
-        moments=moments,
-        offsets=said,
-        colour=colour[:3],
-    )
+def _solid(block: Block) -> SolidProperties:
+    solid = read_solid(block)
+    if solid.shape == "brick" and len(solid.size) != 3:
+        raise senseless(block, "BrickDimensions", "it must be three numbers")
+    return solid

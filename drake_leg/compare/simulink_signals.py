@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drake_leg.compare.block_laws import OPEN, SOURCES, added, law_of, number, vector
+from drake_leg.compare.block_laws import OPEN, SOURCES, added, law_of
 from drake_leg.compare.sensed import sensed_by_joint, sensed_by_sensor
 from drake_leg.compare.signals import Atom, Signal, atoms, constants
 from drake_leg.compare.simulink_mechanism import Network
@@ -12,6 +12,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import Program, program
 from drake_leg.simulink.model import Block, Model
 from drake_leg.simulink.units import parse_unit
+from drake_leg.simulink.values import number, vector
 
 INTEGRATORS = ("Integrator", "DiscreteIntegrator")
 SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "Outport", "XY Graph", "Record")

@@ -9,8 +9,9 @@ from pydrake.multibody.tree import RigidBody
 
 from drake_leg.drawings.captions import mass_words, transform_words
 from drake_leg.drawings.picture import Block, Net, Picture
+from drake_leg.simulink.solids import SHAPES
 
-SHAPES = {"brick": "Brick Solid", "cylinder": "Cylindrical Solid", "sphere": "Spherical Solid"}
+_KINDS = {shape: kind for kind, shape in SHAPES.items()}
 
 Output = tuple[int, int]  # block, and its output
 
@@ -77,7 +78,7 @@ def solid_of(body: RigidBody, shape: str) -> Block:
     -------
     Block
     """
-    caption = (body.name(), SHAPES.get(shape, "Solid"), mass_words(body.default_mass()))
+    caption = (body.name(), _KINDS.get(shape, "Solid"), mass_words(body.default_mass()))
     return solid_block(f"Solid of {body.name()}", caption, shape)
 
 
@@ -97,7 +98,7 @@ def solid_block(name: str, caption: tuple[str, ...], shape: str) -> Block:
     -------
     Block
     """
-    known = shape in SHAPES
+    known = shape in _KINDS
     return Block(
         name=name,
         caption=caption,

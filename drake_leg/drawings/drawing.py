@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.sax.saxutils import escape
 
+from drake_leg.colours import Background
 from drake_leg.drawings.glyphs import draw_block
 from drake_leg.drawings.layout import Layout
 from drake_leg.drawings.parts import lay_out_parts
 from drake_leg.drawings.paths import rounded
 from drake_leg.drawings.picture import Block, Picture
 from drake_leg.drawings.sizes import LABELLED
-from drake_leg.drawings.svg import SMALL, Background, Point, document, element, text_at
+from drake_leg.drawings.svg import SMALL, Point, document, element, text_at
 from drake_leg.drawings.text import text_width
 
 MARGIN = 18.0  # [px]

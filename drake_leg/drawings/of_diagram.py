@@ -18,12 +18,12 @@ from pydrake.systems.primitives import (
     VectorLogSink,
 )
 
+from drake_leg.colours import Background
 from drake_leg.diagrams.wiring import Wire, wires
 from drake_leg.drawings.captions import SIGNAL_WIDTH, values_text
 from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Block, Net, Picture
 from drake_leg.drawings.signals import pretty, signal_names
-from drake_leg.drawings.svg import Background
 from drake_leg.drawings.text import spaced, wrapped
 
 TO_PHYSICAL, TO_SIGNAL = "Simulink-PS", "PS-Simulink"  # how converters' names begin

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
+from drake_leg.colours import Background
 from drake_leg.drawings.chain import Chain, connection_of, solid_of
 from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Picture
-from drake_leg.drawings.svg import Background
 from drake_leg.errors import InvalidValueError
 from drake_leg.names import PLACES, place_name
 

@@ -14,6 +14,7 @@ from pydrake.multibody.tree import (
     RigidBody,
 )
 
+from drake_leg.colours import Background
 from drake_leg.drawings.captions import (
     CAPTION_WIDTH,
     SAME,
@@ -24,7 +25,6 @@ from drake_leg.drawings.captions import (
 from drake_leg.drawings.chain import Chain, Output, solid_of
 from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Block, Picture
-from drake_leg.drawings.svg import Background
 from drake_leg.drawings.text import wrapped
 from drake_leg.names import frame_name
 

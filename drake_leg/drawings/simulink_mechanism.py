@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from drake_leg.drawings.chain import Chain, Output
 from drake_leg.drawings.picture import Picture
 from drake_leg.drawings.simulink_bodies import body_block
-from drake_leg.drawings.simulink_network import Network
+from drake_leg.drawings.simulink_network import Network, ports_by_block
 from drake_leg.simulink.lines import split_port
 from drake_leg.simulink.model import Block, Model
 
@@ -50,9 +50,7 @@ class _Walk:
         self.network, self.names = network, names
         self.blocks = {b.sid: b for b in model.blocks if b.sid in network.mechanical}
         self.node = {port: index for index, node in enumerate(network.frames) for port in node}
-        self.ports: dict[str, list[str]] = {}
-        for port in sorted(self.node, key=lambda port: split_port(port)[1:]):
-            self.ports.setdefault(split_port(port)[0], []).append(port)
+        self.ports = ports_by_block(self.node)
         self.frame: dict[int, Output] = {}  # of the nodes that are reached
         self.met: deque[str] = deque()
         self.met_sensors: deque[str] = deque()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from drake_leg.simulink.lines import split_port
@@ -57,6 +57,25 @@ def network_of(model: Model) -> Network:
         mechanical=frozenset(mechanical),
         sensed=frozenset(mechanical & reached),
     )
+
+
+def ports_by_block(ports: Iterable[str]) -> dict[str, list[str]]:
+    """Gather ports by their blocks.
+
+    Parameters
+    ----------
+    ports : iterable of str
+        As ``SID#in:1``.
+
+    Returns
+    -------
+    dict
+        SID to its ports, by their sides and their numbers.
+    """
+    found: dict[str, list[str]] = {}
+    for port in sorted(ports, key=lambda port: split_port(port)[1:]):
+        found.setdefault(split_port(port)[0], []).append(port)
+    return found
 
 
 def _is_of_simscape(block: Block) -> bool:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from drake_leg.drawings.picture import Net, Picture
 from drake_leg.drawings.simulink_blocks import GLYPHS, signal_block
 from drake_leg.drawings.simulink_names import cut
-from drake_leg.drawings.simulink_network import Network
+from drake_leg.drawings.simulink_network import Network, ports_by_block
 from drake_leg.simulink.lines import split_port
 from drake_leg.simulink.model import Block, Model
 
@@ -45,8 +45,8 @@ def signals_picture(
         Not yet laid out; without blocks where the model has no signals.
     """
     lines = _lines(model, network)
-    inputs = _ports(port for line in lines for port in line.targets)
-    outputs = _ports(line.source for line in lines)
+    inputs = ports_by_block(port for line in lines for port in line.targets)
+    outputs = ports_by_block(line.source for line in lines)
     blocks = [
         block
         for block in model.blocks
@@ -111,14 +111,6 @@ def _lines(model: Model, network: Network) -> list[_Line]:
         *(_Line(source, tuple(ends), names[source], False) for source, ends in targets.items()),
         *(_Line(node[0], node[1:], "", True) for node in network.signals),
     ]
-
-
-def _ports(ports: Iterable[str]) -> dict[str, list[str]]:
-    """Gather ports by their blocks, in order."""
-    found: dict[str, list[str]] = {}
-    for port in sorted(ports, key=lambda port: split_port(port)[1:]):
-        found.setdefault(split_port(port)[0], []).append(port)
-    return found
 
 
 def _is_wide(line: _Line, glyph: Mapping[str, str]) -> bool:

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Literal
 from xml.sax.saxutils import escape, quoteattr
 
+from drake_leg.colours import Background
 from drake_leg.drawings.text import SIZE
 
 SMALL = 10.0  # [px], labels of ports and signals
 
-Background = Literal["auto", "white", "none"]
 Point = tuple[float, float]
 
 _FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"

@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from drake_leg.colours import BLUE, VERMILLION
 from drake_leg.figures.singularities import MARKED, MM, ON_AXIS, STAR
-from drake_leg.figures.style import BLUE, INK, ORANGE, new_figure
+from drake_leg.figures.style import INK, new_figure
 from drake_leg.kinematics import scara
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
@@ -103,7 +104,7 @@ def arm_dexterity(arm: ScaraGeometry, start: ArrayLike, title: str) -> Figure:
     turn = np.linspace(-np.pi, np.pi, 361)
     circle = MM * np.stack([np.cos(turn), np.sin(turn)])
     axes.plot(*(far * circle), color=BLUE, linewidth=3, label="stretched")
-    axes.plot(*(abs(arm.l1 - arm.l2) * circle), color=ORANGE, linewidth=3, label="folded")
+    axes.plot(*(abs(arm.l1 - arm.l2) * circle), color=VERMILLION, linewidth=3, label="folded")
     shoulder = float(np.asarray(start)[0])
     tool = MM * tool_position(arm, start)
     elbow = MM * arm.l1 * np.array([math.cos(shoulder), math.sin(shoulder)])
@@ -131,7 +132,7 @@ def _edges_in_plane(axes: Axes, leg: LegGeometry, side: int) -> None:
             axes.plot(*circle[:, 0], "o", color=colour, label=label)
     near, far = axis_reach(leg)
     for low, high in ((-far, -near), (near, far)):
-        axes.plot([0.0, 0.0], [MM * low, MM * high], color=ORANGE, linewidth=3, label=ON_AXIS)
+        axes.plot([0.0, 0.0], [MM * low, MM * high], color=VERMILLION, linewidth=3, label=ON_AXIS)
 
 
 def _foot_sigma(leg: LegGeometry, q: Array) -> Array:

@@ -11,9 +11,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from drake_leg.colours import PURPLE
 from drake_leg.errors import InvalidValueError
-from drake_leg.figures.sketch import BODY, Sketch, direction
-from drake_leg.figures.style import GREY, PURPLE, new_figure
+from drake_leg.figures.sketch import Sketch, direction
+from drake_leg.figures.style import BODY, GREY, new_figure
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg

@@ -9,10 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from drake_leg.colours import BLUE, VERMILLION
 from drake_leg.figures.style import (
-    BLUE,
     GREY,
-    ORANGE,
     PLOT_WIDTH,
     claim,
     inset,
@@ -152,7 +151,7 @@ def energy(recording: Recording, title: str, scale: float) -> Figure:
 
 
 def _curve(axes: Axes, recording: Recording, column: str) -> None:
-    axes.plot(recording["time"], recording[column], color=BLUE if column == "q" else ORANGE)
+    axes.plot(recording["time"], recording[column], color=BLUE if column == "q" else VERMILLION)
 
 
 def _mark_passages_and_turns(recording: Recording, angles: Axes, rates: Axes) -> None:
@@ -268,7 +267,7 @@ def _mark_rest(axes: Axes, recording: Recording, rest: float, equilibrium: float
 
 def _mark_equilibrium(axes: Axes, equilibrium: float) -> None:
     _show(axes, (equilibrium, equilibrium))
-    axes.axhline(equilibrium, color=ORANGE, linestyle="--", linewidth=1.2)
+    axes.axhline(equilibrium, color=VERMILLION, linestyle="--", linewidth=1.2)
     claim(axes, f"dashed: the spring's equilibrium, {_degrees(equilibrium)} deg")
 
 

@@ -14,7 +14,8 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import ArrayLike
 
-from drake_leg.figures.style import BLUE, INK, ORANGE, PURPLE, STYLE, legend_above, new_figure
+from drake_leg.colours import BLUE, PURPLE, VERMILLION
+from drake_leg.figures.style import INK, STYLE, legend_above, new_figure
 from drake_leg.kinematics.batches import Array, finite_vectors
 from drake_leg.kinematics.leg import LegGeometry, determinant
 from drake_leg.kinematics.singular_sets import (
@@ -74,7 +75,7 @@ def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
         axes.axhline(place, color=BLUE, linewidth=3, clip_on=False, label=label)
     for number, arc in enumerate(hip_axis_arcs(leg)):
         label = "" if number else ON_AXIS
-        axes.plot(*_wrapped_degrees(arc).T, color=ORANGE, linewidth=3, label=label)
+        axes.plot(*_wrapped_degrees(arc).T, color=VERMILLION, linewidth=3, label=label)
     axes.plot(*_wrapped_degrees(q)[:, 1:].T, "*", label=MARKED, **STAR)
     axes.set(xlabel="knee $q_2$ [deg]", ylabel="ankle $q_3$ [deg]", xticks=TURN, yticks=TURN)
     legend_above(axes)
@@ -109,11 +110,11 @@ def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
         for piece in _pieces(_wrapped_degrees(arc)):
             along = np.broadcast_to(hip[:, np.newaxis], (len(hip), len(piece)))
             knee, ankle = (np.broadcast_to(column, along.shape) for column in piece.T)
-            axes.plot_surface(along, knee, ankle, color=ORANGE, alpha=0.35, **SHEET)
+            axes.plot_surface(along, knee, ankle, color=VERMILLION, alpha=0.35, **SHEET)
             for end in (-180.0, 180.0):
-                axes.plot(np.full(len(piece), end), *piece.T, color=ORANGE)
+                axes.plot(np.full(len(piece), end), *piece.T, color=VERMILLION)
     axes.plot(*_wrapped_degrees(q).T, "*", label=MARKED, **STAR)
-    _legend(figure, axes, (BLUE, STRETCHED), (ORANGE, ON_AXIS))
+    _legend(figure, axes, (BLUE, STRETCHED), (VERMILLION, ON_AXIS))
     axes.set(xlabel="hip $q_1$ [deg]", ylabel="knee $q_2$ [deg]", zlabel="ankle $q_3$ [deg]")
     axes.set(xticks=TURN, yticks=TURN, zticks=TURN)
     axes.view_init(elev=20, azim=-52)
@@ -146,14 +147,14 @@ def foot_space(leg: LegGeometry, title: str) -> Figure:
     _draw_folded(axes, leg)
     near, far = axis_reach(leg)
     for low, high in ((-far, -near), (near, far)):
-        axes.plot([0, 0], [0, 0], [MM * low, MM * high], color=ORANGE, linewidth=4)
+        axes.plot([0, 0], [0, 0], [MM * low, MM * high], color=VERMILLION, linewidth=4)
     _legend(
         figure,
         axes,
         (BLUE, "stretched, outer sheet: the edge of the reach"),
         (PURPLE, "stretched, inner sheet: leaning back over the hip"),
         (INK, "folded"),
-        (ORANGE, f"{ON_AXIS}: on the hip axis"),
+        (VERMILLION, f"{ON_AXIS}: on the hip axis"),
     )
     axes.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", aspect="equal")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):

@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, FancyArrowPatch
 
-from drake_leg.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE
+from drake_leg.colours import BLUE, GREEN, PURPLE, VERMILLION
+from drake_leg.figures.style import BODY, GREY, INK
 from drake_leg.kinematics.batches import Array
 
 AXES = ("x", "y", "z")
-COLOURS = (ORANGE, GREEN, BLUE)  # of the axes x, y, z
-INK, BODY = "#1A1A1A", "#D5DCE3"
+COLOURS = (VERMILLION, GREEN, BLUE)  # of the axes x, y, z
 FACING = 0.98  # cosine from which on an axis is seen end on
 
 Point = tuple[float, float]

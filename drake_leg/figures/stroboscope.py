@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from drake_leg.figures.style import BLUE, GREEN, ORANGE, PLOT_WIDTH, new_figure
+from drake_leg.colours import BLUE, GREEN, VERMILLION
+from drake_leg.figures.style import PLOT_WIDTH, new_figure
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
@@ -48,7 +49,9 @@ def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
             x, y = points[:, across], points[:, up]
             axes.plot(x, y, "-", color=BLUE, alpha=float(shade), linewidth=2.0)
             axes.plot(x, y, "o", color=BLUE, alpha=float(shade), markersize=3.5)
-        axes.plot(tip[:, across], tip[:, up], color=ORANGE, linewidth=2.4, label="path of the tip")
+        axes.plot(
+            tip[:, across], tip[:, up], color=VERMILLION, linewidth=2.4, label="path of the tip"
+        )
         axes.plot(tip[0, across], tip[0, up], "s", color=GREEN, markersize=6, label="start")
         axes.set(xlabel="xyz"[across] + " [m]", ylabel="xyz"[up] + " [m]")
         axes.set_aspect("equal", adjustable="datalim")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -12,14 +12,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-Background = Literal["auto", "white", "none"]
+from drake_leg.colours import BLUE, GREEN, PURPLE, VERMILLION, Background
 
 FORMATS = ("png", "svg", "pdf")
 
-# Okabe and Ito's colours, told apart by colour-blind eyes, and different line styles too.
-BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#9B4F96"
-GREY, INK, GRID = "#6B6B6B", "#1A1A1A", "#D9D9D9"
-LINES = ((BLUE, "-"), (ORANGE, "--"), (GREEN, "-."), (PURPLE, ":"))
+GREY, INK, GRID, BODY = "#6B6B6B", "#1A1A1A", "#D9D9D9", "#D5DCE3"
+
+# Told apart without their colours, too.
+LINES = ((BLUE, "-"), (VERMILLION, "--"), (GREEN, "-."), (PURPLE, ":"))
 
 STYLE: dict[Any, Any] = {
     "font.size": 10.0,
@@ -53,9 +53,9 @@ DARK = {
     INK: "#e8e8ea",
     GREY: "#a5a5ad",
     GRID: "#3a3b40",
-    "#D5DCE3": "#3b424a",
+    BODY: "#3b424a",
     BLUE: "#56b4e9",
-    ORANGE: "#f08a4b",
+    VERMILLION: "#f08a4b",
     GREEN: "#3cc79a",
     PURPLE: "#cf93ca",
 }

@@ -7,16 +7,8 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from drake_leg.figures.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    PLOT_WIDTH,
-    claim,
-    legend_above,
-    new_figure,
-    whole_ticks,
-)
+from drake_leg.colours import BLUE, VERMILLION
+from drake_leg.figures.style import GREY, PLOT_WIDTH, claim, legend_above, new_figure, whole_ticks
 from drake_leg.figures.time_plots import (
     TIME,
     add_degrees,
@@ -204,7 +196,7 @@ def singularity(recording: Recording, title: str) -> Figure:
     top.plot(recording["time"], recording["det_j"], color=BLUE)
     top.axhline(0.0, color=GREY, linewidth=1.0)
     top.set(ylabel=f"det J [m$^{power}$]")
-    bottom.plot(recording["time"], recording["sigma_min"], color=ORANGE)
+    bottom.plot(recording["time"], recording["sigma_min"], color=VERMILLION)
     bottom.axhline(0.0, color=GREY, linewidth=1.0, label="singular")
     bottom.set(xlabel=TIME, ylabel=r"$\sigma_{\min}$ [m]")
     whole_ticks(bottom)
@@ -239,7 +231,7 @@ def input_and_velocity(recording: Recording, title: str, gain: float) -> Figure:
             "",
             (time[row], top),
             xytext=(time[row], bottom),
-            arrowprops={"arrowstyle": "->", "color": ORANGE},
+            arrowprops={"arrowstyle": "->", "color": VERMILLION},
         )
         claim(axes, f"the velocity is {gain:g} times the input")
     whole_ticks(axes)
@@ -278,7 +270,7 @@ def velocity_and_position(
     axes.set(xlabel=TIME, ylabel="velocity [m/s]")
     whole_ticks(axes)
     right = axes.twinx()
-    right.plot(time, recording["x"], color=ORANGE, linestyle="--", label="position x (right)")
+    right.plot(time, recording["x"], color=VERMILLION, linestyle="--", label="position x (right)")
     right.set_ylabel("position [m]")
     right.grid(visible=False)
     right.spines["right"].set_visible(True)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from drake_leg.colours import Colour
 from drake_leg.kinematics.batches import Array
 from drake_leg.scene.lettering import Words, width_of
 from drake_leg.scene.marks import triad_tips
-from drake_leg.scene.paper import LIGHT, Colour, Paper
+from drake_leg.scene.paper import LIGHT, Paper
 from drake_leg.scene.scene import Scene
 from drake_leg.scene.views import View
 

@@ -12,7 +12,8 @@ from matplotlib import get_data_path
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from drake_leg.scene.paper import LIGHT, Colour, Paper
+from drake_leg.colours import Colour
+from drake_leg.scene.paper import LIGHT, Paper
 
 Pixels = NDArray[np.uint8]  # (height, width, 3), red, green, blue
 

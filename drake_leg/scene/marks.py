@@ -6,13 +6,14 @@ import math
 
 import numpy as np
 
+from drake_leg.colours import PURPLE, rgb
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Brick, Robot
 from drake_leg.scene.parts import Part, placed, rod, size_of
 
 RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
 LINE = (0.66, 0.67, 0.70)
-PURPLE = (0.608, 0.310, 0.588)
+TRACE = rgb(PURPLE)
 
 # Of the scene's size:
 TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
@@ -134,7 +135,7 @@ def trace_piece(number: int, start: Array, end: Array, size: float) -> Part:
     Part
     """
     shape, pose = rod(start, end, TRACE_RADIUS * size)
-    return Part(path=f"trace/{number}", frame=0, shape=shape, X_FP=pose, colour=PURPLE)
+    return Part(path=f"trace/{number}", frame=0, shape=shape, X_FP=pose, colour=TRACE)
 
 
 def floor_parts(points: Array, square: float | None = None) -> tuple[Part, ...]:

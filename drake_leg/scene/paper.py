@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-Colour = tuple[float, float, float]  # red, green, blue, 0 to 1
+from drake_leg.colours import Colour
 
 
 @dataclass(frozen=True, kw_only=True)

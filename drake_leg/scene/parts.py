@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drake_leg.colours import Colour
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.robot import Brick, Cylinder, Robot, Row, Shape, Solid, Sphere, link_colour
-from drake_leg.scene.paper import Colour
 
 PALE = (0.72, 0.73, 0.76)
 

@@ -13,6 +13,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from drake_leg.colours import Colour
 from drake_leg.figures.style import STYLE
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Brick, Cylinder, Shape
@@ -141,7 +142,7 @@ def _between(rings: list[tuple[Array, float]]) -> list[Array]:
     return faces
 
 
-def _shaded(colour: tuple[float, float, float], face: Array) -> tuple[float, float, float]:
+def _shaded(colour: Colour, face: Array) -> Colour:
     """Darken a face that turns away from the light, whichever side of it is seen."""
     diagonals = face[len(face) // 2] - face[0], face[-1] - face[len(face) // 4]
     normal = np.cross(*diagonals)

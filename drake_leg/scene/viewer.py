@@ -22,7 +22,7 @@ from drake_leg.scene.live.command import Command, deed, numbers_of
 from drake_leg.scene.live.page import AXES, key_line, live_sheet
 from drake_leg.scene.live.server import Server
 from drake_leg.scene.live.trace import Trace
-from drake_leg.scene.marks import PURPLE
+from drake_leg.scene.marks import TRACE
 from drake_leg.scene.motion import frame_poses, still, tip
 from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS, View
@@ -218,7 +218,7 @@ def _page(scene: Scene, sliders: tuple[Slider, ...], view: View, session: str) -
     dials = [{"name": s.joint, "unit": s.symbol, "low": s.low, "high": s.high} for s in sliders]
     body = Template(page_text("view.html")).substitute(
         title=escape(title),
-        legend=key_line(*AXES, ("the tip's trace", PURPLE)),
+        legend=key_line(*AXES, ("the tip's trace", TRACE)),
         square=f"{1e3 * scene.floor_square:g}",
     )
     sheet = live_sheet(

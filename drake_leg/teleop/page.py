@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drake_leg.colours import BLUE, GREEN, ORANGE, VERMILLION, rgb
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.robot import Robot
 from drake_leg.scene.live.page import AXES, Entry, key_line, live_sheet
-from drake_leg.scene.marks import PURPLE
+from drake_leg.scene.marks import TRACE
 from drake_leg.scene.motion import Motion, still
 from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS
@@ -28,12 +29,12 @@ ROOM = "drake_leg.teleop"
 KEYS = (("A", "D"), ("S", "W"), ("F", "R"))  # less and more, along x, y, z
 BALL = 0.05  # of the scene's size: radius of the ball that shows the guard's state
 STATE_COLOURS = {
-    "free": (0.0, 0.62, 0.451),
-    "near": (0.902, 0.624, 0.0),
-    "slowed": (0.902, 0.624, 0.0),
+    "free": rgb(GREEN),
+    "near": rgb(ORANGE),
+    "slowed": rgb(ORANGE),
     "stopped": (0.835, 0.1, 0.1),
 }
-REGION, AXIS = (0.0, 0.447, 0.698), (0.835, 0.369, 0.0)
+REGION, AXIS = rgb(BLUE), rgb(VERMILLION)
 ROOM_AROUND = 0.25  # the posture, of its size
 TURNS = 24  # of the hip, at which the section that a leg reaches is looked at
 TRIED = 400  # postures that tell how much room a robot takes whose reach is not known
@@ -130,7 +131,7 @@ def _legend(leg: LegGeometry | None) -> str:
     region: tuple[Entry, ...] = (("reach in the leg's plane", REGION), ("hip axis", AXIS))
     guard: Entry = ("foot: free, slowed, stopped", *dict.fromkeys(STATE_COLOURS.values()))
     shown = region if leg is not None else ()
-    return key_line(*AXES, ("trace", PURPLE), *shown, guard)
+    return key_line(*AXES, ("trace", TRACE), *shown, guard)
 
 
 def _data(drive: Drive, scene: Scene) -> dict[str, Any]:

@@ -9,8 +9,9 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+from drake_leg.colours import GREEN, VERMILLION
 from drake_leg.figures import pendulum as pendulum_figures
-from drake_leg.figures import stroboscope, style, tip
+from drake_leg.figures import stroboscope, tip
 from drake_leg.figures.of_runs import figures_of_run
 from drake_leg.figures.style import DARK, STYLE, for_light_and_dark, new_figure, save
 from drake_leg.figures.time_plots import add_degrees, curves_plot, time_plot, widen_flat_axis
@@ -460,6 +461,6 @@ def test_of_two_velocities_that_stay_zero_both_are_seen():
     pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
     seen = [
         np.count_nonzero((pixels == np.round(255 * np.array(mpl.colors.to_rgb(colour)))).all(-1))
-        for colour in (style.ORANGE, style.GREEN)
+        for colour in (VERMILLION, GREEN)
     ]
     assert min(seen) > 0.8 * max(seen) > 100

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from drake_leg.colours import BLUE, VERMILLION
 from drake_leg.errors import InvalidValueError
 from drake_leg.figures import dexterity, singularities
 from drake_leg.figures.of_postures import maps_of_posture
-from drake_leg.figures.style import BLUE, ORANGE, for_light_and_dark, save
+from drake_leg.figures.style import for_light_and_dark, save
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian
 from drake_leg.kinematics.singularity import examine
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
@@ -22,8 +23,8 @@ def lines_of(axes, colour):
 
 def test_the_curves_on_the_map_are_where_the_determinant_is_zero():
     axes = singularities.determinant_map(LEG, START, "title").axes[0]
-    assert (len(lines_of(axes, ORANGE)), len(lines_of(axes, BLUE))) == (4, 3)
-    for line in lines_of(axes, ORANGE):
+    assert (len(lines_of(axes, VERMILLION)), len(lines_of(axes, BLUE))) == (4, 3)
+    for line in lines_of(axes, VERMILLION):
         knee, ankle = np.radians(line.get_data())
         given = np.isfinite(knee)
         q = np.column_stack([np.zeros(given.sum()), knee[given], ankle[given]])
@@ -34,7 +35,7 @@ def test_the_curves_on_the_map_are_where_the_determinant_is_zero():
 
 
 def test_a_curve_that_leaves_the_map_leaves_a_gap():
-    lines = lines_of(singularities.determinant_map(LEG, START, "title").axes[0], ORANGE)
+    lines = lines_of(singularities.determinant_map(LEG, START, "title").axes[0], VERMILLION)
     assert lines
     for line in lines:
         steps = np.abs(np.diff(np.column_stack(line.get_data()), axis=0))

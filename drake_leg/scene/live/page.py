@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
+from drake_leg.colours import Colour
 from drake_leg.scene.live.trace import MOST_PIECES
-from drake_leg.scene.marks import BLUE, GREEN, PURPLE, RED, TRACE_RADIUS
-from drake_leg.scene.paper import Colour
+from drake_leg.scene.marks import BLUE, GREEN, RED, TRACE, TRACE_RADIUS
 from drake_leg.scene.scene import Scene
 from drake_leg.scene.views import View
 from drake_leg.scene.web_page import Sheet, page_text, stage_data
@@ -72,7 +72,7 @@ def live_sheet(
     -------
     Sheet
     """
-    trace = {"most": MOST_PIECES, "radius": TRACE_RADIUS * scene.size, "colour": PURPLE}
+    trace = {"most": MOST_PIECES, "radius": TRACE_RADIUS * scene.size, "colour": TRACE}
     return Sheet(
         title=title,
         body=body + page_text("live.html"),
