@@ -9,7 +9,7 @@ import pytest
 from matplotlib.ticker import NullLocator
 
 from drake_leg.figures.free_body import free_body
-from drake_leg.figures.narrow import IN_SPACE, WIDTH, narrow
+from drake_leg.figures.narrow import IN_SPACE, MOST_TICKS, WIDTH, narrow
 from drake_leg.figures.of_postures import maps_of_posture
 from drake_leg.figures.of_runs import figures_of_run
 from drake_leg.figures.style import claim, legend_above, new_figure
@@ -133,6 +133,7 @@ def test_letters_stay_as_large_and_curves_as_they_are():
     ][:6]
     for one, other in zip(wide.axes[0].lines, slim.axes[0].lines, strict=True):
         np.testing.assert_array_equal(one.get_xydata(), other.get_xydata())
+    assert len(wide.axes[0].get_xticks()) > MOST_TICKS + 1 >= len(slim.axes[0].get_xticks())
     assert [t.get_text() for t in slim.axes[0].get_legend().get_texts()] == ["x", "y", "z"]
 
 
