@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from drake_leg.colours import BLUE, VERMILLION
 from drake_leg.figures.singularities import MARKED, MM, ON_AXIS, STAR
-from drake_leg.figures.style import INK, new_figure
+from drake_leg.figures.style import INK, LEGEND_BELOW, new_figure
 from drake_leg.kinematics import scara
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
@@ -67,9 +67,7 @@ def dexterity(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     for axes in panels:
         lines, labels = axes.get_legend_handles_labels()
         named |= dict(zip(labels, lines, strict=True))
-    figure.legend(
-        list(named.values()), list(named), loc="outside lower left", ncols=4, frameon=False
-    )
+    figure.legend(list(named.values()), list(named), ncols=4, **LEGEND_BELOW)
     figure.colorbar(colours, ax=panels, label="$\\sigma_{\\min}$ [mm/rad]")
     return figure
 
@@ -112,7 +110,7 @@ def arm_dexterity(arm: ScaraGeometry, start: ArrayLike, title: str) -> Figure:
     axes.plot(*links, color="black", linewidth=5.0)
     axes.plot(*links, "o-", color="white", linewidth=2.8, markeredgecolor="black", label="the arm")
     axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
-    figure.legend(loc="outside lower left", ncols=4, frameon=False)
+    figure.legend(ncols=4, **LEGEND_BELOW)
     figure.colorbar(colours, label="$\\sigma_{\\min}$ [mm/rad]")
     return figure
 

@@ -107,7 +107,7 @@ def pendulum(robot: Robot, title: str) -> Figure:
         pull = _along(pivot, -rest - 5.0, 1.06 * length)
         sketch.text(pull, "$k\\,(q - q_\\mathrm{ref})$", PURPLE)
     sketch.dimension(pivot, centre, "$L/2$", -1.5)
-    sketch.dimension(pivot, end, f"$L$ = {length:g} mm", -2.1)
+    sketch.dimension(pivot, end, f"$L$ = {length:g} mm", -2.3)
     sketch.gravity((0.95 * length, 0.25 * length))
     sketch.heading("seen along $y_0$, the axis of the joint; positive $q$ turns downwards")
     return figure
@@ -192,7 +192,7 @@ def _leg_top(robot: Robot, sign: int, sketch: Sketch) -> None:
     sketch.frame(X_B[1], 1, moved={"y": (-0.35, 0.05), "z": (-0.35, -0.35)})
     sketch.angle(at[1], 0.0, HIP, "$q_1$", 1.3)
     for place, name in ((2, "knee"), (3, "ankle"), (4, "foot")):
-        sketch.text((at[place][0] + 0.45 * sketch.unit, at[place][1] - 0.5 * sketch.unit), name)
+        sketch.text((at[place][0] - 0.35 * sketch.unit, at[place][1] + 0.6 * sketch.unit), name)
     sketch.dimension(at[1], at[4], "$\\rho = l_1 + l_2 c_2 + l_3 c_{23}$", 1.9)
     sketch.heading(f"from above, here with $q_1$ = {HIP:g}°")
 

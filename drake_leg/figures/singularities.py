@@ -15,7 +15,7 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import ArrayLike
 
 from drake_leg.colours import BLUE, PURPLE, VERMILLION
-from drake_leg.figures.style import INK, STYLE, legend_above, new_figure
+from drake_leg.figures.style import INK, LEGEND_BELOW, STYLE, TITLE, legend_above, new_figure
 from drake_leg.kinematics.batches import Array, finite_vectors
 from drake_leg.kinematics.leg import LegGeometry, determinant
 from drake_leg.kinematics.singular_sets import (
@@ -179,7 +179,7 @@ def _space(title: str) -> tuple[Figure, Axes3D]:
         figure = Figure(figsize=(6.4, 5.6), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.add_subplot(projection="3d")
-        figure.suptitle(title, x=0.01, horizontalalignment="left", fontsize=11.0)
+        figure.suptitle(title, **TITLE)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
     return figure, axes
@@ -188,13 +188,7 @@ def _space(title: str) -> tuple[Figure, Axes3D]:
 def _legend(figure: Figure, axes: Axes3D, *entries: tuple[str, str]) -> None:
     for colour, label in entries:
         axes.plot([], [], [], color=colour, linewidth=5, label=label)
-    figure.legend(
-        *axes.get_legend_handles_labels(),
-        loc="outside lower left",
-        ncols=2,
-        frameon=False,
-        fontsize=9.5,
-    )
+    figure.legend(*axes.get_legend_handles_labels(), ncols=2, **LEGEND_BELOW)
 
 
 def _wrapped_degrees(arc: Array) -> Array:

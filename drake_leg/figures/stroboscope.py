@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from drake_leg.colours import BLUE, GREEN, VERMILLION
-from drake_leg.figures.style import PLOT_WIDTH, new_figure
+from drake_leg.figures.style import LEGEND_BELOW, PLOT_WIDTH, new_figure
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
@@ -58,9 +58,7 @@ def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
     top.plot([], [], "-", color=BLUE, alpha=0.5, linewidth=2.0, label="the links, palest first")
     side.set_xlabel("x [m]   (seen from the side)")
     top.set_xlabel("x [m]   (seen from the top)")
-    figure.legend(
-        *top.get_legend_handles_labels(), loc="outside lower left", ncols=3, frameon=False
-    )
+    figure.legend(*top.get_legend_handles_labels(), ncols=3, **LEGEND_BELOW)
     _equal_ticks(figure, (side, top))
     return figure
 

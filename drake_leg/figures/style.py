@@ -44,6 +44,19 @@ STYLE: dict[Any, Any] = {
     "svg.hashsalt": "drake-leg",
 }
 
+TITLE: dict[str, Any] = {"x": 0.01, "horizontalalignment": "left", "fontsize": 11.0}
+LEGEND_ABOVE: dict[str, Any] = {
+    "loc": "lower right",
+    "bbox_to_anchor": (1.0, 1.0),
+    "borderaxespad": 0.1,
+    "frameon": False,
+    "fontsize": 9.5,
+    "columnspacing": 1.0,
+    "handlelength": 2.2,
+}
+LEGEND_BELOW: dict[str, Any] = {"loc": "outside lower left", "frameon": False, "fontsize": 9.5}
+CORNER, ABOVE = (0.0, 1.0), 5.0  # of axes, where a claim stands; and how far above [pt]
+
 PLOT_WIDTH = 6.4  # [inch]; the lettering can be read where a plot fills a phone's screen
 
 # What each colour becomes on a dark page.
@@ -85,7 +98,7 @@ def new_figure(
         figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).ravel()
-        figure.suptitle(title, x=0.01, horizontalalignment="left", fontsize=11.0)
+        figure.suptitle(title, **TITLE)
     return figure, list(axes)
 
 
@@ -101,9 +114,9 @@ def claim(axes: Axes, text: str) -> None:
     """
     axes.annotate(
         text,
-        (0.0, 1.0),
+        CORNER,
         xycoords="axes fraction",
-        xytext=(0, 5),
+        xytext=(0, ABOVE),
         textcoords="offset points",
         fontsize=9.0,
         color=GREY,
@@ -158,14 +171,8 @@ def legend_above(axes: Axes, *others: Axes) -> None:
     axes.legend(
         handles,
         labels,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
         ncols=len(labels),
-        borderaxespad=0.1,
-        frameon=False,
-        fontsize=9.5,
-        columnspacing=1.0,
-        handlelength=2.2,
+        **LEGEND_ABOVE,
     )
 
 

@@ -14,8 +14,9 @@ from drake_leg.drawings.drawing import draw
 from drake_leg.drawings.of_runs import run_pictures
 from drake_leg.drawings.picture import ALL
 from drake_leg.figures.free_body import free_body
+from drake_leg.figures.narrow import narrow
 from drake_leg.figures.of_postures import maps_of_posture
-from drake_leg.figures.style import for_light_and_dark, save
+from drake_leg.figures.style import for_light_and_dark, save, svg_text
 from drake_leg.report import mathematics
 from drake_leg.report.contents import Item
 from drake_leg.report.markup import picture, power, prose
@@ -30,12 +31,12 @@ from drake_leg.scene.replay import replay_page
 from drake_leg.scene.stills import still_png
 from drake_leg.scene.views import VIEWS
 
-LARGE = 'class="drawing large" tabindex="0" role="region" aria-label="block diagram"'
+DRAWING = 'tabindex="0" role="region" aria-label="block diagram"'
 FULL_SIZE = (
     ' <span class="hint">It scrolls sideways.</span> '
     '<span class="full"><a href="{}">Open it at full size</a>.</span>'
 )
-NARROW = 600  # [px], a block diagram that can be read where it fills a phone's screen
+NARROW = 600  # [px], a block diagram that need not be larger than the text is wide
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +126,7 @@ def _blocks(item: Item, workshop: Workshop) -> Exhibit:
     found = re.search(r'width="([\d.]+)"', svg)
     width = round(float(found[1])) if found else 0
     narrow = width < NARROW
-    place = 'class="drawing"' if narrow else LARGE
+    place = f'class="drawing{"" if narrow else " large"}" {DRAWING}'
     full = "" if narrow else FULL_SIZE.format(file.name)
     return Exhibit(
         body=_figure(item, svg, f' {place} style="--width: {width}px"', full),
@@ -182,11 +183,18 @@ def _saved(item: Item, workshop: Workshop, figure: Figure) -> tuple[str, tuple[s
     """Write a figure beside the page; return its HTML and the names of its files."""
     paths = save(figure, workshop.folder, item.id)
     svg = for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))
-    return _figure(item, svg), tuple(path.name for path in paths.values())
+    height = figure.get_figheight()
+    narrow(figure)
+    slim = svg_text(figure, background="auto")
+    attributes = ' class="tall"' if figure.get_figheight() > height else ""
+    body = _figure(item, svg, attributes, slim=slim)
+    return body, tuple(path.name for path in paths.values())
 
 
-def _figure(item: Item, svg: str, attributes: str = "", more: str = "") -> str:
-    image = picture(svg, f"{item.title}. {item.caption}")
+def _figure(
+    item: Item, svg: str, attributes: str = "", more: str = "", *, slim: str | None = None
+) -> str:
+    image = picture(svg, f"{item.title}. {item.caption}", narrow=slim)
     return f"<figure><div{attributes}>{image}</div>{_caption(item, more)}</figure>"
 
 
