@@ -131,6 +131,7 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
         "margin": MARGIN,
         "views": [_view_data(scene, view) for view in VIEWS.values()],
         "points": np.round(scene.hull(), 6).tolist(),
+        "floor": round(float(scene.floor[0, 2]), 6),
         "first": list(VIEWS).index(first.name),
         "paths": [drake_path(index) for index in moving],
         "triads": [f"{drake_path(index)}/triad" for index in (0, *moving)],

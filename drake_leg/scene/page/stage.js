@@ -86,6 +86,7 @@ const stage = (() => {
     Object.assign(viewer.camera, {
       fov: view.field * 180 / Math.PI, near: away / 50, far: 4 * away, zoom: 1,
     });
+    Object.assign(viewer.controls, { minDistance: away / 10, maxDistance: 2.5 * away });
     viewer.camera.position.set(x, z, -y);
     viewer.set_camera_target([u, w, -v]);
     viewer.controls.update();
@@ -97,6 +98,16 @@ const stage = (() => {
   }
 
   viewer.controls.addEventListener("start", () => { view = null; mark(); });
+
+  // The camera stays above the floor: never lower than what it turns around, nor that under it.
+  viewer.controls.maxPolarAngle = Math.PI / 2;
+  viewer.controls.addEventListener("change", () => {
+    const lift = data.floor - viewer.controls.target.y;
+    if (lift <= 0) return;
+    viewer.controls.target.y += lift;
+    viewer.camera.position.y += lift;
+  });
+
   new ResizeObserver(() => {
     if (view) look(data.views.indexOf(view)); else viewer.set_3d_pane_size();
   }).observe(pane);
