@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
 
 ROOM = "drake_leg.scene"
-STAGE = ("names.js", "stage.js")  # what all pages do
+STAGE = ("names.js", "gestures.js", "stage.js")  # what all pages do
 
 
 class PageError(DrakeLegError):

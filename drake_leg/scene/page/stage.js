@@ -107,6 +107,7 @@ const stage = (() => {
     viewer.controls.target.y += lift;
     viewer.camera.position.y += lift;
   });
+  shareGestures(pane);
 
   new ResizeObserver(() => {
     if (view) look(data.views.indexOf(view)); else viewer.set_3d_pane_size();
