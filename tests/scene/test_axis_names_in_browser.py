@@ -87,8 +87,14 @@ def test_no_name_lies_on_another_and_none_is_cut(show, posture, size):
             across = min(one["right"], other["right"]) - max(one["left"], other["left"])
             down = min(one["bottom"], other["bottom"]) - max(one["top"], other["top"])
             assert min(across, down) < 1.0
-        assert all(box["left"] > -1.0 and box["right"] < size[0] + 1.0 for box in seen.values())
-        assert all(box["top"] > canvas["y"] - 1.0 for box in seen.values())
+        visit.page.evaluate(
+            "(viewer.camera.zoom = 1.8, viewer.camera.updateProjectionMatrix(), viewer.set_dirty())"
+        )
+        visit.page.wait_for_function("!viewer.needs_render", timeout=TIMEOUT)
+        seen = names(visit)
+        assert all(box["left"] > -2.0 and box["right"] < size[0] + 2.0 for box in seen.values())
+        low, high = canvas["y"], canvas["y"] + canvas["height"]
+        assert all(box["top"] > low - 2.0 and box["bottom"] < high + 2.0 for box in seen.values())
 
 
 def test_a_name_that_would_lie_on_another_or_on_an_axis_moves_aside(show):

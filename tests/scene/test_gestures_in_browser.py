@@ -142,9 +142,9 @@ def test_a_finger_scrolls_the_page_until_it_has_tapped(embedded):
     assert visit.frame.evaluate(PLACE) == pytest.approx(before, abs=1e-9)
 
 
-def test_a_replay_that_was_scrolled_away_gives_the_gestures_back(embedded):
-    visit = embedded()
-    visit.page.mouse.click(visit.x, visit.y)
+def test_a_replay_that_was_scrolled_away_gives_the_finger_back(embedded):
+    visit = embedded(has_touch=True)
+    visit.page.touchscreen.tap(visit.x, visit.y)
     visit.wait_for("document.getElementById('meshcat-pane').classList.contains('taken')")
     visit.page.evaluate("scrollTo(0, 2000)")
     visit.wait_for("!document.getElementById('meshcat-pane').classList.contains('taken')")

@@ -4,13 +4,13 @@
 const makeNames = (axes, triads, pane) => {
   "use strict";
   const END_ON = 0.3; // sine of the angle between an axis and the line of sight
-  const SHORTEST = 12, SMALLEST = 16; // [px], of an axis as it is seen, and as it would be from the side
+  const SHORTEST = 12, SMALLEST = 16; // [px], of an axis as it is seen; as it would be from the side
   const TURNS = [0, 40, -40, 80, -80, 120, -120].map((turn) => turn * Math.PI / 180);
-  const REACHES = [11, 18, 26]; // [px], beyond an axis' end
+  const REACHES = [11, 18, 26]; // [px], beyond an axis' end; but for the first less than its size
   const BEARINGS = Array.from({ length: 12 }, (_, i) => i * Math.PI / 6);
   const DISTANCES = [20, 28, 36]; // [px], from an origin
   const SAMPLES = 12; // points along an axis that names keep off
-  const TAKEN = 100, FULL = 2; // costs: of lying on a name; from which on ⊙ and ⊗ are left out
+  const TAKEN = 100, MOST = 4, MOST_MARKED = 2; // costs: of lying on a name; beyond them it is left out
   const STAY = 0.5; // what a name is worth where it was: it jumps only for a reason
   const { THREE } = MeshCat;
 
@@ -68,7 +68,8 @@ const makeNames = (axes, triads, pane) => {
         distance / DISTANCES[0] - 1]));
     }
     const ahead = Math.atan2(end[1] - start[1], end[0] - start[0]);
-    return REACHES.flatMap((reach) => TURNS.map((turn) => [
+    const reaches = REACHES.filter((reach, i) => i === 0 || reach < size);
+    return reaches.flatMap((reach) => TURNS.map((turn) => [
       end[0] + reach * Math.cos(ahead + turn), end[1] + reach * Math.sin(ahead + turn),
       Math.abs(turn) + 1.5 * (reach / REACHES[0] - 1)]));
   }
@@ -76,7 +77,8 @@ const makeNames = (axes, triads, pane) => {
   function cost([x, y, price], [wide, high], taken, points) {
     const inside = x >= wide && y >= high && x <= canvas.clientWidth - wide
       && y <= canvas.clientHeight - high;
-    const on = taken.some(([u, v, w, h]) => Math.abs(u - x) < wide + w && Math.abs(v - y) < high + h);
+    const on = taken.some(
+      ([u, v, w, h]) => Math.abs(u - x) < wide + w && Math.abs(v - y) < high + h);
     const hidden = points.filter(([u, v]) => Math.abs(u - x) < wide && Math.abs(v - y) < high);
     return price + hidden.length + (on || !inside ? TAKEN : 0);
   }
@@ -87,7 +89,7 @@ const makeNames = (axes, triads, pane) => {
     const costs = options.map((option, i) =>
       cost(option, half, taken, points) - (i === entry.last ? STAY : 0));
     const least = costs.indexOf(Math.min(...costs));
-    const free = axis.named && costs[least] < (axis.turned ? FULL : TAKEN / 2);
+    const free = axis.named && costs[least] < (axis.turned ? MOST_MARKED : MOST);
     entry.name.hidden = !free;
     entry.last = free ? least : -1;
     if (!free) return;
