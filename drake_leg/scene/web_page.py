@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
 
 ROOM = "drake_leg.scene"
+STAGE = ("names.js", "gestures.js", "stage.js")  # what all pages do
 
 
 class PageError(DrakeLegError):
@@ -37,7 +38,7 @@ class Sheet:
     title: str  # of the window
     body: str  # HTML: a header and a panel
     styles: tuple[str, ...] = ()  # after those that all pages have
-    scripts: tuple[str, ...] = ()  # after the one that all pages have
+    scripts: tuple[str, ...] = ()  # after those that all pages have
     data: Mapping[str, Any]  # for the scripts, as JSON
 
 
@@ -83,7 +84,7 @@ def web_page(
     styles = "".join((page_text("stage.css"), *sheet.styles))
     data = json.dumps(sheet.data).replace("</", "<\\/")
     scripts = "".join(
-        f"<script>\n{text}</script>\n" for text in (page_text("stage.js"), *sheet.scripts)
+        f"<script>\n{text}</script>\n" for text in (*map(page_text, STAGE), *sheet.scripts)
     )
     return replaced(
         page,
@@ -131,6 +132,7 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
         "margin": MARGIN,
         "views": [_view_data(scene, view) for view in VIEWS.values()],
         "points": np.round(scene.hull(), 6).tolist(),
+        "floor": round(float(scene.floor[0, 2]), 6),
         "first": list(VIEWS).index(first.name),
         "paths": [drake_path(index) for index in moving],
         "triads": [f"{drake_path(index)}/triad" for index in (0, *moving)],

@@ -35,6 +35,7 @@ STATE_COLOURS = {
     "stopped": (0.835, 0.1, 0.1),
 }
 REGION, AXIS = rgb(BLUE), rgb(VERMILLION)
+BRIGHT_REGION, BRIGHT_AXIS = (0.42, 0.76, 1.0), (1.0, 0.65, 0.36)  # their lines, on dark pages
 ROOM_AROUND = 0.25  # the posture, of its size
 TURNS = 24  # of the hip, at which the section that a leg reaches is looked at
 TRIED = 400  # postures that tell how much room a robot takes whose reach is not known
@@ -137,6 +138,11 @@ def _legend(leg: LegGeometry | None) -> str:
 def _data(drive: Drive, scene: Scene) -> dict[str, Any]:
     count = len(drive.robot.rows)
     region = ["/drake/region"] if is_hexabot_leg(drive.robot) else []
+    lines = [
+        ("/drake/region/inner", REGION, BRIGHT_REGION),
+        ("/drake/region/outer", REGION, BRIGHT_REGION),
+        ("/drake/hip axis", AXIS, BRIGHT_AXIS),
+    ]
     return {
         "paths": [drake_path(index) for index in range(1, count + 1)] + region,
         "keys": KEYS,
@@ -149,6 +155,7 @@ def _data(drive: Drive, scene: Scene) -> dict[str, Any]:
             "colours": STATE_COLOURS,
         },
         "region": [*region, "/drake/hip axis"] if region else [],
+        "lines": lines if region else [],
     }
 
 

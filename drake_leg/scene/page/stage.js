@@ -86,6 +86,7 @@ const stage = (() => {
     Object.assign(viewer.camera, {
       fov: view.field * 180 / Math.PI, near: away / 50, far: 4 * away, zoom: 1,
     });
+    Object.assign(viewer.controls, { minDistance: away / 10, maxDistance: 2.5 * away });
     viewer.camera.position.set(x, z, -y);
     viewer.set_camera_target([u, w, -v]);
     viewer.controls.update();
@@ -97,48 +98,25 @@ const stage = (() => {
   }
 
   viewer.controls.addEventListener("start", () => { view = null; mark(); });
+
+  // The camera stays above the floor: never lower than what it turns around, nor that under it.
+  viewer.controls.maxPolarAngle = Math.PI / 2;
+  viewer.controls.addEventListener("change", () => {
+    const lift = data.floor - viewer.controls.target.y;
+    if (lift <= 0) return;
+    viewer.controls.target.y += lift;
+    viewer.camera.position.y += lift;
+  });
+  shareGestures(pane);
+
   new ResizeObserver(() => {
     if (view) look(data.views.indexOf(view)); else viewer.set_3d_pane_size();
   }).observe(pane);
 
-  // Names of the frames' axes, written over the picture; one that would lie on another is left out.
-  const names = data.axes.flatMap((length, frame) => ["x", "y", "z"].map((letter, axis) => {
-    const name = document.createElement("span");
-    name.className = "axis-name axis-" + letter;
-    name.append(letter);
-    name.append(Object.assign(document.createElement("sub"), { textContent: frame }));
-    name.setAttribute("aria-hidden", "true");
-    pane.append(name);
-    return { name, frame, axis, length };
-  }));
+  const writeNames = makeNames(data.axes, data.triads, pane);
   let named = true;
-
-  function seen(point) {
-    const { matrixWorldInverse, projectionMatrix } = viewer.camera;
-    const [x, y, , w] = times(projectionMatrix.elements, times(matrixWorldInverse.elements, point));
-    const canvas = viewer.renderer.domElement;
-    return [(1 + x / w) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight];
-  }
-
-  function writeNames() {
-    const taken = [];
-    for (const { name, frame, axis, length } of names) {
-      const path = data.triads[frame].split("/").slice(1);
-      const world = viewer.scene_tree.find(path).object.matrixWorld.elements;
-      const start = seen(times(world, [0, 0, 0, 1]));
-      const end = seen(times(world, [0, 1, 2].map((i) => (i === axis ? length : 0)).concat(1)));
-      const way = Math.hypot(end[0] - start[0], end[1] - start[1]);
-      const [x, y] = end.map((part, i) => part + 11 * (part - start[i]) / way);
-      const free = way > 14 && taken.every(([u, v]) => Math.abs(u - x) > 15 || Math.abs(v - y) > 13);
-      name.hidden = !named || !free;
-      if (!free) continue;
-      taken.push([x, y]);
-      name.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
-    }
-  }
-
   const render = viewer.render.bind(viewer);
-  viewer.render = () => { render(); writeNames(); };
+  viewer.render = () => { render(); writeNames(named); };
 
   // What can be hidden.
   function makeShown(label, paths) {

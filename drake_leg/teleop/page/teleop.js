@@ -135,6 +135,19 @@ if (live) (() => {
   viewer.set_object(data.ball.path.split("/").slice(1), ball);
   if (data.region.length) stage.makeShown("Region", data.region);
 
+  // Thin lines on a dark page are brighter.
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  function paintLines() {
+    for (const [path, onLight, onDark] of data.lines) {
+      const colour = new THREE.Color().setRGB(...(dark.matches ? onDark : onLight),
+        THREE.SRGBColorSpace);
+      viewer.set_property([...path.split("/").slice(1), "<object>"], "color",
+        [...colour.toArray(), 1]);
+    }
+  }
+  dark.addEventListener("change", paintLines);
+  paintLines();
+
   // The bar ends at twice the singular value at which the guard begins to slow.
   const share = (sigma) => `${Math.min(100, 50 * sigma / data.slow)}%`;
   element("guard-stop").style.left = share(data.stop);
