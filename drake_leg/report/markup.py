@@ -17,6 +17,10 @@ from drake_leg.report.formulas import as_html
 
 UNSEEN = re.compile(r"<\?.*?\?>|<!.*?>|<metadata>.*?</metadata>", re.DOTALL)
 PNG = re.compile(r"data:image/png;base64,([^\"']*)")
+TAG = re.compile(r"<[^<>]*>")
+PLACED = re.compile(
+    r"(?<=\s)(?:d|points|transform|[xy][12]?)=\"[^\"]*"
+)  # attributes of where it is
 COORDINATE = re.compile(r"(?<![\w.])[1-9]\d*\.\d{3,}(?!\w)")  # less than 1 is a scale
 PLAIN = " !$'()*+,-./:;<=>?@[]_~"  # what stands as it is in an attribute's address
 
@@ -208,8 +212,15 @@ def _svg(text: str) -> str:
 
 def _compact(svg: str) -> str:
     """Leave remarks and line breaks away, and of coordinates what is finer than 0.005."""
-    svg = UNSEEN.sub("", svg)
-    svg = COORDINATE.sub(lambda found: f"{float(found[0]):.2f}", svg)
-    svg = re.sub(r"\s*\n\s*", " ", re.sub(r">\s*\n\s*<", "><", svg))
-    svg = re.sub(r"(?<=[\d\"]) ?([MLQCz]) (?=[-\d\"])", r"\1", svg)  # of paths
-    return re.sub(r"=\"([^\"']*)\"", r"='\1'", svg)  # a single quote stands as it is
+    svg = re.sub(r">\s*\n\s*<", "><", UNSEEN.sub("", svg))
+    return TAG.sub(lambda found: _compact_tag(found[0]), re.sub(r"\s*\n\s*", " ", svg))
+
+
+def _compact_tag(tag: str) -> str:
+    tag = PLACED.sub(lambda found: _compact_place(found[0]), tag)
+    return re.sub(r"=\"([^\"']*)\"", r"='\1'", tag)  # a single quote stands as it is
+
+
+def _compact_place(numbers: str) -> str:
+    numbers = COORDINATE.sub(lambda found: f"{float(found[0]):.2f}", numbers)
+    return re.sub(r"(?<=[\d\"]) ?([MLQCz]) (?=[-\d\"])", r"\1", numbers)  # of paths

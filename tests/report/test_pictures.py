@@ -85,6 +85,16 @@ def test_words_keep_their_spaces_and_quotes():
     assert text.attrib["font-family"] == "A, 'B C'"
 
 
+def test_numbers_that_are_read_keep_their_digits():
+    svg = (
+        '<svg xmlns="http://www.w3.org/2000/svg"><text x="12.34567" aria-label="1.234567 m">'
+        '1.299441 kg, x="7.654321"</text></svg>'
+    )
+    (text,) = (e for e in elements(embedded(svg)) if e.tag.endswith("text"))
+    assert text.text == '1.299441 kg, x="7.654321"'
+    assert text.attrib == {"x": "12.35", "aria-label": "1.234567 m"}
+
+
 def test_a_picture_for_other_media_stands_beside_the_usual_one():
     svg = '<svg xmlns="http://www.w3.org/2000/svg"/>'
     assert re.findall(r'class="(\w+)"', picture(svg, "text")) == ["any"]
