@@ -18,9 +18,7 @@ from drake_leg.report.formulas import as_html
 UNSEEN = re.compile(r"<\?.*?\?>|<!.*?>|<metadata>.*?</metadata>", re.DOTALL)
 PNG = re.compile(r"data:image/png;base64,([^\"']*)")
 TAG = re.compile(r"<[^<>]*>")
-PLACED = re.compile(
-    r"(?<=\s)(?:d|points|transform|[xy][12]?)=\"[^\"]*"
-)  # attributes of where it is
+PLACED = re.compile(r"(?<=\s)(?:d|points|transform|[xy][12]?)=\"[^\"]*")  # where something is
 COORDINATE = re.compile(r"(?<![\w.])[1-9]\d*\.\d{3,}(?!\w)")  # less than 1 is a scale
 PLAIN = " !$'()*+,-./:;<=>?@[]_~"  # what stands as it is in an attribute's address
 
