@@ -21,9 +21,9 @@ from matplotlib.ticker import MaxNLocator
 from drake_leg.figures.style import ABOVE, CORNER, LEGEND_ABOVE, LEGEND_BELOW, STYLE, TITLE
 
 WIDTH = 4.6  # [inch]; letters of 10 pt are 12 px high on a phone of 390 px
-IN_SPACE = 5.4  # [inch], of a figure in 3D, whose labels stand outside its axes
+IN_SPACE = 5.4  # [inch], with axes in 3D, whose labels stand outside them
 LOWER = 0.87  # times as high; not as much as it is narrower
-STACKED = 1.6  # times as high are two views one above the other
+STACKED = 1.6  # times as high, where two views that stood side by side share a column
 SIDE_BY_SIDE = (1, 2)  # rows and columns
 MOST_TICKS = 6
 FORMULA = re.compile(r"\$[^$]*\$")
@@ -115,7 +115,11 @@ def _fold(owner: Axes | Figure, legend: Legend, options: Mapping[str, Any], widt
 def _wrap(text: Text, width: float) -> None:
     """Divide a text into as few lines as fit, none much longer than the others."""
     whole = FORMULA.sub(lambda found: found[0].replace(" ", TIED), text.get_text())
-    sizes = {len(lines): lines for lines in (wrap(whole, n) for n in range(len(whole), 0, -1))}
+    divided = (
+        wrap(whole, n, break_long_words=False, break_on_hyphens=False)
+        for n in range(len(whole), 0, -1)
+    )
+    sizes = {len(lines): lines for lines in divided}
     for lines in sizes.values():
         if _length(text) <= width:
             return

@@ -153,6 +153,18 @@ def test_a_long_claim_is_divided_between_words_but_not_in_a_formula():
     assert not text.get_window_extent().overlaps(axes.get_legend().get_window_extent())
 
 
+def test_what_does_not_fit_is_not_broken_inside_a_word_or_a_formula():
+    figure, (axes,) = new_figure("title")
+    formula = "$" + " + ".join(12 * ["l_{234} c_{234}"]) + "$"
+    words = f"so {formula} is, and {30 * 'long'}-{30 * 'word'} too"
+    claim(axes, words)
+    narrow(figure)
+    lines = axes.texts[0].get_text().split("\n")
+    assert " ".join(lines) == words
+    assert formula in lines
+    assert f"{30 * 'long'}-{30 * 'word'}" in lines
+
+
 def test_views_side_by_side_come_one_above_the_other():
     side, top = fitted(lambda: free_body(SCARA)).axes
     assert side.bbox.y0 > top.bbox.y1
