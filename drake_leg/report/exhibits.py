@@ -31,7 +31,7 @@ from drake_leg.scene.replay import replay_page
 from drake_leg.scene.stills import still_png
 from drake_leg.scene.views import VIEWS
 
-DRAWING = 'tabindex="0" role="region" aria-label="block diagram"'
+DRAWING = 'tabindex="0" role="region" aria-label="{}, a block diagram"'
 FULL_SIZE = (
     ' <span class="hint">It scrolls sideways.</span> '
     '<span class="full"><a href="{}">Open it at full size</a>.</span>'
@@ -126,7 +126,8 @@ def _blocks(item: Item, workshop: Workshop) -> Exhibit:
     found = re.search(r'width="([\d.]+)"', svg)
     width = round(float(found[1])) if found else 0
     narrow = width < NARROW
-    place = f'class="drawing{"" if narrow else " large"}" {DRAWING}'
+    named = DRAWING.format(escape(item.title))
+    place = f'class="drawing{"" if narrow else " large"}" {named}'
     full = "" if narrow else FULL_SIZE.format(file.name)
     return Exhibit(
         body=_figure(item, svg, f' {place} style="--width: {width}px"', full),

@@ -15,11 +15,13 @@ from drake_leg.errata.formulas import Formula
 from drake_leg.kinematics.batches import Array
 from drake_leg.report.formulas import as_html
 
-UNSEEN = re.compile(r"<\?.*?\?>|<!.*?>|<metadata>.*?</metadata>", re.DOTALL)
+UNSEEN = re.compile(r"<\?.*?\?>|<!--.*?-->|<!DOCTYPE[^>]*>|<metadata>.*?</metadata>", re.DOTALL)
 PNG = re.compile(r"data:image/png;base64,([^\"']*)")
 TAG = re.compile(r"<[^<>]*>")
-PLACED = re.compile(r"(?<=\s)(?:d|points|transform|[xy][12]?)=\"[^\"]*")  # where something is
-COORDINATE = re.compile(r"(?<![\w.])[1-9]\d*\.\d{3,}(?!\w)")  # less than 1 is a scale
+ATTRIBUTE = re.compile(r"\s([\w:.-]+)=(\"[^\"]*\"|'[^']*')")
+PLACES = ("points", "x", "y", "x1", "y1", "x2", "y2")
+SHIFT = re.compile(r"translate\([^)]*\)")
+COORDINATE = re.compile(r"(?<![\w.])[1-9]\d*\.\d{3,}(?!\w)")
 PLAIN = " !$'()*+,-./:;<=>?@[]_~"  # what stands as it is in an attribute's address
 
 
@@ -215,10 +217,19 @@ def _compact(svg: str) -> str:
 
 
 def _compact_tag(tag: str) -> str:
-    tag = PLACED.sub(lambda found: _compact_place(found[0]), tag)
-    return re.sub(r"=\"([^\"']*)\"", r"='\1'", tag)  # a single quote stands as it is
+    return ATTRIBUTE.sub(lambda found: _compact_attribute(found[1], found[2][1:-1]), tag)
 
 
-def _compact_place(numbers: str) -> str:
-    numbers = COORDINATE.sub(lambda found: f"{float(found[0]):.2f}", numbers)
-    return re.sub(r"(?<=[\d\"]) ?([MLQCz]) (?=[-\d\"])", r"\1", numbers)  # of paths
+def _compact_attribute(name: str, value: str) -> str:
+    if name in PLACES:
+        value = _rounded(value)
+    elif name == "transform":
+        value = SHIFT.sub(lambda found: _rounded(found[0]), value)
+    elif name == "d":
+        value = re.sub(r"\s*([MLQCz])\s*", r"\1", _rounded(value))
+    mark = '"' if "'" in value else "'"  # a single quote stands as it is in an address
+    return f" {name}={mark}{value}{mark}"
+
+
+def _rounded(numbers: str) -> str:
+    return COORDINATE.sub(lambda found: f"{float(found[0]):.2f}", numbers)

@@ -54,9 +54,9 @@ def test_a_replay_opens_in_its_place_and_plays(browser, folder, width):
     frame = item.locator("iframe").element_handle().content_frame()
     frame.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
     place = "viewer.scene_tree.find(['drake', 'robot', 'frame_4']).object.position.toArray()"
-    before = frame.evaluate(place)
+    before = frame.evaluate(f"String({place})")
     frame.get_by_role("button", name="Play", exact=True).click()
-    frame.wait_for_function(f"String({place}) !== '{','.join(map(str, before))}'")
+    frame.wait_for_function(f"before => String({place}) !== before", arg=before)
     assert visit.page.evaluate("document.documentElement.scrollWidth") == width
     visit.close()
 

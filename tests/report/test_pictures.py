@@ -95,6 +95,16 @@ def test_numbers_that_are_read_keep_their_digits():
     assert text.attrib == {"x": "12.35", "aria-label": "1.234567 m"}
 
 
+def test_what_stands_in_single_quotes_and_scales_stay():
+    svg = (
+        '<svg xmlns="http://www.w3.org/2000/svg"><!-- a > b --><g '
+        """aria-label=' x="1.23456"' transform="translate(12.34567 8) scale(1.23456)"/></svg>"""
+    )
+    (group,) = (e for e in elements(embedded(svg)) if e.tag.endswith("g") and e.attrib)
+    assert group.attrib["aria-label"] == ' x="1.23456"'
+    assert group.attrib["transform"] == "translate(12.35 8) scale(1.23456)"
+
+
 def test_a_picture_for_other_media_stands_beside_the_usual_one():
     svg = '<svg xmlns="http://www.w3.org/2000/svg"/>'
     assert re.findall(r'class="(\w+)"', picture(svg, "text")) == ["any"]
