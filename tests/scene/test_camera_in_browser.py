@@ -97,6 +97,15 @@ def test_the_wheel_zooms_at_once_and_the_robot_is_never_lost(visit):
     assert visit.page.evaluate(away) > visit.page.evaluate("2 * viewer.camera.near")
 
 
+def test_shifting_never_loses_the_robot(visit):
+    off = "viewer.controls.target.distanceTo(viewer.controls.cursor)"
+    first = visit.page.evaluate("viewer.camera.position.distanceTo(viewer.controls.target)")
+    for _ in range(6):
+        drag(visit, -280, button="right")
+    wait_for(visit, f"{off} > {0.1 * first}")
+    assert visit.page.evaluate(off) <= 0.5 * first + 1e-6
+
+
 def test_views_are_the_same_wherever_the_camera_was(visit):
     data = json.loads(visit.page.inner_text("#page-data"))
     views = {view["label"]: view for view in data["views"]}

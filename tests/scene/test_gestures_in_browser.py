@@ -45,17 +45,24 @@ class Embedded:
         self.page.mouse.wheel(0, down)
 
     def wait_for_scrolling(self):
-        at_rest = "scrollY > 20 && scrollY === window.before || void (window.before = scrollY)"
-        self.page.wait_for_function(at_rest, polling=200, timeout=TIMEOUT)
-        self.page.evaluate("scrollTo(0, 0)")
-        self.page.wait_for_function("scrollY === 0", timeout=TIMEOUT)
+        self.wait_for_place("scrollY > 20")
+        self.wait_for_place("(scrollTo(0, 0), scrollY === 0)")
+
+    def wait_for_place(self, right):
+        """Wait until the page is at a right place, and has stayed there for a while."""
+        self.page.evaluate("window.places = []")
+        stays = (
+            f"{right} && places.push(scrollY) > 4"
+            " && places.slice(-4).every(place => place === scrollY)"
+        )
+        self.page.wait_for_function(stays, polling=200, timeout=TIMEOUT)
 
     def wait_for(self, condition):
         self.frame.wait_for_function(condition, timeout=TIMEOUT)
 
-    def hint(self):
-        self.frame.wait_for_selector("#page-hint", state="visible", timeout=TIMEOUT)
-        return self.frame.inner_text("#page-hint")
+    def wait_for_hint(self, words):
+        """Wait until a hint has been shown, which is gone after a while; its words stay."""
+        self.wait_for(f"document.getElementById('page-hint').textContent.startsWith('{words}')")
 
     def move_finger(self, right, down):
         """Put a finger on the picture, move it, and lift it."""
@@ -87,7 +94,7 @@ def test_the_wheel_scrolls_the_page_around_the_replay(embedded):
     visit = embedded()
     before = visit.frame.evaluate(PLACE)
     visit.wheel(200)
-    assert visit.hint() == "Click into the picture, or hold Ctrl, to zoom"
+    visit.wait_for_hint("Click into the picture, or hold Ctrl, to zoom")
     visit.wait_for_scrolling()
     assert visit.frame.evaluate(PLACE) == pytest.approx(before, abs=1e-9)
     assert visit.frame.locator("#page-views [aria-pressed=true]").inner_text() == "3D"
@@ -126,11 +133,11 @@ def test_a_finger_scrolls_the_page_until_it_has_tapped(embedded):
     before = visit.frame.evaluate(PLACE)
     visit.move_finger(0, -150)
     visit.wait_for_scrolling()
-    assert visit.hint() == "Tap to turn"
+    visit.wait_for_hint("Tap to turn")
     assert visit.frame.evaluate(PLACE) == pytest.approx(before, abs=1e-9)
     visit.page.touchscreen.tap(visit.x, visit.y)
     visit.wait_for("document.getElementById('meshcat-pane').classList.contains('taken')")
-    assert "One finger turns" in visit.hint()
+    visit.wait_for_hint("One finger turns")
     visit.move_finger(120, -80)
     visit.wait_for(f"Math.abs(viewer.camera.position.x - {before[0]}) > 0.01")
     assert visit.scrolled() == 0

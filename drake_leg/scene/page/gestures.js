@@ -40,7 +40,7 @@ const shareGestures = (pane) => {
   }, { capture: true, passive: false });
 
   pane.addEventListener("pointerdown", (event) => {
-    byFinger = event.pointerType !== "mouse";
+    byFinger = event.pointerType === "touch";
     if (!byFinger) take(true);
     else if (!taken) event.stopPropagation();
   }, { capture: true });
@@ -56,7 +56,7 @@ const shareGestures = (pane) => {
 
   document.documentElement.addEventListener("mouseleave", () => { if (!byFinger) take(false); });
   window.addEventListener("blur", () => take(false));
-  new IntersectionObserver(([{ isIntersecting }]) => {
-    if (!isIntersecting) take(false);
+  new IntersectionObserver((entries) => {
+    if (!entries.at(-1).isIntersecting) take(false);
   }).observe(pane);
 };

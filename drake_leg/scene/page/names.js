@@ -3,7 +3,7 @@
 // and off the axes; one for which there is no room is left out.
 const makeNames = (axes, triads, pane) => {
   "use strict";
-  const END_ON = 0.3; // sine of the angle between an axis and the line of sight
+  const END_ON = 0.3, NO_LONGER_END_ON = 0.33; // sine of an axis' angle to the line of sight
   const SHORTEST = 12, SMALLEST = 16; // [px], of an axis as it is seen; as it would be from the side
   const TURNS = [0, 40, -40, 80, -80, 120, -120].map((turn) => turn * Math.PI / 180);
   const REACHES = [11, 18, 26]; // [px], beyond an axis' end; but for the first less than its size
@@ -24,19 +24,20 @@ const makeNames = (axes, triads, pane) => {
     const wide = name.offsetWidth;
     mark.hidden = true;
     return {
-      name, mark, frame, axis, length, last: -1,
+      name, mark, frame, axis, length, last: -1, turned: false,
       half: [name.offsetWidth / 2, 7], halfMarked: [wide / 2, 7],
     };
   }));
 
   const canvas = viewer.renderer.domElement;
+  let width = 0, height = 0; // [px], of the picture
   function seen(point) {
     const { x, y } = point.clone().project(viewer.camera);
-    return [(1 + x) / 2 * canvas.clientWidth, (1 - y) / 2 * canvas.clientHeight];
+    return [(1 + x) / 2 * width, (1 - y) / 2 * height];
   }
 
   // How an axis is seen.
-  function look({ frame, axis, length }) {
+  function look({ frame, axis, length, turned: before }) {
     const path = triads[frame].split("/").slice(1);
     const world = viewer.scene_tree.find(path).object.matrixWorld;
     const origin = new THREE.Vector3().setFromMatrixPosition(world);
@@ -44,20 +45,22 @@ const makeNames = (axes, triads, pane) => {
     const sight = new THREE.Vector3().setFromMatrixPosition(viewer.camera.matrixWorld).sub(origin);
     const cosine = way.dot(sight.normalize());
     const sine = Math.sqrt(Math.max(0, 1 - cosine * cosine));
-    const start = seen(origin), end = seen(origin.addScaledVector(way, length));
+    const tip = origin.clone().addScaledVector(way, length);
+    const start = seen(origin), end = seen(tip);
     const size = Math.hypot(end[0] - start[0], end[1] - start[1]);
-    const turned = sine < END_ON;
+    const turned = sine < (before ? NO_LONGER_END_ON : END_ON);
+    const near = Math.min(depth(origin), depth(tip));
+    const scale = height / 2 * viewer.camera.projectionMatrix.elements[5] / near; // [px/m]
     return {
       start, end, size, turned, towards: cosine > 0,
-      named: turned ? length * scale(world) >= SMALLEST : size >= SHORTEST,
+      named: near > viewer.camera.near
+        && (turned ? length * scale >= SMALLEST : size >= SHORTEST),
     };
   }
 
-  // Pixels of a metre at a frame.
-  function scale(world) {
-    const depth = -new THREE.Vector3().setFromMatrixPosition(world)
-      .applyMatrix4(viewer.camera.matrixWorldInverse).z;
-    return canvas.clientHeight / 2 * viewer.camera.projectionMatrix.elements[5] / depth;
+  // How far before the camera a point is [m].
+  function depth(point) {
+    return -point.clone().applyMatrix4(viewer.camera.matrixWorldInverse).z;
   }
 
   // Places for a name, the best ones first, and what each costs.
@@ -75,43 +78,55 @@ const makeNames = (axes, triads, pane) => {
   }
 
   function cost([x, y, price], [wide, high], taken, points) {
-    const inside = x >= wide && y >= high && x <= canvas.clientWidth - wide
-      && y <= canvas.clientHeight - high;
-    const on = taken.some(
-      ([u, v, w, h]) => Math.abs(u - x) < wide + w && Math.abs(v - y) < high + h);
-    const hidden = points.filter(([u, v]) => Math.abs(u - x) < wide && Math.abs(v - y) < high);
-    return price + hidden.length + (on || !inside ? TAKEN : 0);
+    const inside = x >= wide && y >= high && x <= width - wide && y <= height - high;
+    if (!inside || taken.some(
+      ([u, v, w, h]) => Math.abs(u - x) < wide + w && Math.abs(v - y) < high + h)) return TAKEN;
+    let hidden = 0;
+    for (const [u, v] of points) {
+      if (Math.abs(u - x) < wide && Math.abs(v - y) < high) hidden += 1;
+    }
+    return price + hidden;
   }
 
-  function write(entry, axis, taken, points) {
+  // Where a name has its place; null where there is none.
+  function choose(entry, axis, taken, points) {
+    if (axis.turned !== entry.turned) Object.assign(entry, { turned: axis.turned, last: -1 });
     const half = axis.turned ? entry.halfMarked : entry.half;
-    const options = places(axis);
+    const options = axis.named ? places(axis) : [];
     const costs = options.map((option, i) =>
       cost(option, half, taken, points) - (i === entry.last ? STAY : 0));
     const least = costs.indexOf(Math.min(...costs));
-    const free = axis.named && costs[least] < (axis.turned ? MOST_MARKED : MOST);
-    entry.name.hidden = !free;
+    const free = costs[least] < (axis.turned ? MOST_MARKED : MOST);
     entry.last = free ? least : -1;
-    if (!free) return;
+    if (!free) return null;
     const [x, y] = options[least];
     taken.push([x, y, ...half]);
-    entry.mark.hidden = !axis.turned;
-    entry.mark.className = axis.towards ? "towards" : "away";
-    entry.name.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
+    return [x, y];
+  }
+
+  function write({ name, mark }, axis, place) {
+    name.hidden = place === null;
+    if (place === null) return;
+    mark.hidden = !axis.turned;
+    mark.className = axis.towards ? "towards" : "away";
+    name.style.transform = `translate(${place[0]}px, ${place[1]}px) translate(-50%, -50%)`;
   }
 
   return (shown) => {
     if (!shown) { for (const { name } of names) name.hidden = true; return; }
+    width = canvas.clientWidth;
+    height = canvas.clientHeight;
     const lines = names.map(look);
     const points = lines.flatMap(({ start, end }) => Array.from({ length: SAMPLES }, (_, i) => {
       const share = i / (SAMPLES - 1);
       return [start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])];
     }));
-    const taken = [];
+    const taken = [], chosen = [];
     for (const turned of [false, true]) {
       names.forEach((entry, i) => {
-        if (lines[i].turned === turned) write(entry, lines[i], taken, points);
+        if (lines[i].turned === turned) chosen[i] = choose(entry, lines[i], taken, points);
       });
     }
+    names.forEach((entry, i) => write(entry, lines[i], chosen[i]));
   };
 };

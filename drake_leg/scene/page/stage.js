@@ -86,7 +86,10 @@ const stage = (() => {
     Object.assign(viewer.camera, {
       fov: view.field * 180 / Math.PI, near: away / 50, far: 4 * away, zoom: 1,
     });
-    Object.assign(viewer.controls, { minDistance: away / 10, maxDistance: 2.5 * away });
+    Object.assign(viewer.controls, {
+      minDistance: away / 10, maxDistance: 2.5 * away, maxTargetRadius: away / 2,
+    });
+    viewer.controls.cursor.set(view.target[0], view.target[2], -view.target[1]);
     viewer.camera.position.set(x, z, -y);
     viewer.set_camera_target([u, w, -v]);
     viewer.controls.update();
