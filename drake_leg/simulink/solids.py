@@ -34,8 +34,8 @@ class SolidProperties:
     size: tuple[float, ...]  # [m]: three edges; radius and length; radius
     density: float | None  # [kg/m^3]; None where the mass is said outright
     mass: float  # [kg]; 0 where it follows from a shape that is not known
-    moments: tuple[float, ...] = ()  # [kg*m^2]; none where they are left to the shape
-    offsets: tuple[float, ...] = ()  # centre of mass [m] and products [kg*m^2] said outright
+    moments: tuple[float, ...] = ()  # [kg*m^2], said outright or of a plant's body
+    offsets: tuple[float, ...] = ()  # centre of mass [m] and products [kg*m^2]; none means zero
     colour: tuple[float, ...] = ()  # red, green, blue in 0...1
 
 
@@ -56,7 +56,8 @@ def read_solid(block: Block) -> SolidProperties:
     get = block.parameters.get
     shape = _shape(block)
     size = _size(block, shape)
-    outright = get("InertiaType") != "CalculateFromGeometry"
+    unsaid = "PointMass" if block.kind == "Inertia" else "CalculateFromGeometry"
+    outright = get("InertiaType", unsaid) != "CalculateFromGeometry"
     weighed = outright or get("BasedOnType") == "Mass"
     density = None if weighed else number(get("Density"))
     moments, offsets = _inertia(block) if outright else ((), ())
@@ -84,7 +85,7 @@ def volume(shape: str, size: tuple[float, ...]) -> float:
     Returns
     -------
     float
-        [m^3]; 0 of another shape, infinite where there is no number for it.
+        [m^3]; 0 of another shape, infinite where a square or a cube is beyond all numbers.
     """
     try:
         if shape == "brick":
