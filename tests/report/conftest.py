@@ -1,17 +1,39 @@
-"""The page, made once for all tests that look at it."""
+"""The page, made once for all tests that look at it, whichever process they run in."""
+
+import time
 
 import pytest
 
 from drake_leg.report.page import STAGES, write_report
 
+PATIENCE = 600.0  # [s] with the process that makes the page
+
 
 @pytest.fixture(scope="session")
-def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("report")
-    told = []
-    write_report(folder, told.append)
-    assert told == list(range(1, STAGES + 1))
-    return folder
+def folder(tmp_path_factory, worker_id):
+    base = tmp_path_factory.getbasetemp()
+    shared = base if worker_id == "master" else base.parent  # of all processes of these tests
+    report, scratch = shared / "report", shared / "report.part"
+    try:
+        scratch.mkdir()
+    except FileExistsError:
+        _wait_for(report, scratch)
+        return report
+    try:
+        told = []
+        write_report(scratch, told.append)
+        assert told == list(range(1, STAGES + 1))
+        return scratch.rename(report)
+    except BaseException:
+        scratch.rename(shared / "report.failed")
+        raise
+
+
+def _wait_for(report, scratch):
+    deadline = time.monotonic() + PATIENCE
+    while scratch.exists() and time.monotonic() < deadline:
+        time.sleep(0.5)
+    assert report.exists(), "the process that makes the page did not make it"
 
 
 @pytest.fixture(scope="session")
