@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 
 class DrakeLegError(Exception):
     """Root of all errors of this package; its text is one sentence for a person."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle text and attributes, whatever the constructor takes."""
+        return _error_again, (type(self), self.args, vars(self))
+
+
+def _error_again(
+    kind: type[DrakeLegError], arguments: Sequence[object], attributes: Mapping[str, Any]
+) -> DrakeLegError:
+    error = kind.__new__(kind, *arguments)
+    vars(error).update(attributes)
+    return error
 
 
 class InvalidValueError(DrakeLegError, ValueError):
@@ -15,6 +28,24 @@ class InvalidValueError(DrakeLegError, ValueError):
 
 class OutputError(DrakeLegError):
     """A file or folder that cannot be written or read."""
+
+
+class UnreadableFileError(InvalidValueError, OutputError):
+    """A file that is no regular file, is too large, or cannot be read.
+
+    Attributes
+    ----------
+    reason : str
+        Why, without the file's name.
+    """
+
+    def __init__(self, path: object, reason: str) -> None:
+        self.reason = reason
+        super().__init__(f"{path} cannot be read: {reason}")
+
+
+class PictureError(DrakeLegError):
+    """A picture that could not be made; it costs nothing but itself."""
 
 
 class SingularConfigurationError(DrakeLegError):
