@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+MOST_OF_A_TEXT = 300  # characters
+
 
 class DrakeLegError(Exception):
     """Root of all errors of this package; its text is one sentence for a person."""
@@ -45,7 +47,40 @@ class UnreadableFileError(InvalidValueError, OutputError):
 
 
 class PictureError(DrakeLegError):
-    """A picture that could not be made; it costs nothing but itself."""
+    """A picture that could not be made; it costs nothing but itself.
+
+    Attributes
+    ----------
+    what : str
+        Which picture: ``the figure angle``.
+    """
+
+    def __init__(self, what: str, error: Exception) -> None:
+        self.what = what
+        if isinstance(error, DrakeLegError):
+            super().__init__(f"{what}: {error}")
+        else:
+            super().__init__(
+                f"{what} was not made ({in_a_line(error)}): please report this, with the command "
+                "that you gave"
+            )
+
+
+def in_a_line(error: BaseException) -> str:
+    """Say in one line what an error is that nobody foresaw.
+
+    Parameters
+    ----------
+    error : BaseException
+        Of whatever type.
+
+    Returns
+    -------
+    str
+        ``KeyError: 'x'``.
+    """
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text[:MOST_OF_A_TEXT]}" if text else type(error).__name__
 
 
 class SingularConfigurationError(DrakeLegError):

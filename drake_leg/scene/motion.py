@@ -198,9 +198,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Motion:
         ANGLE_UNITS if segment.row.joint == "revolute" else LENGTH_UNITS for segment in robot.moving
     ]
     q = [_in_si(recording, *column) for column in zip(joints, kinds, strict=True)]
-    motion = Motion(
-        robot=robot, time=_in_si(recording, "time", TIME_UNITS), q=np.stack(q, axis=-1)
-    )
+    motion = Motion(robot=robot, time=_in_si(recording, "time", TIME_UNITS), q=np.stack(q, axis=-1))
     if set("xyz") <= set(names):
         p_BT = np.stack([_in_si(recording, name, LENGTH_UNITS) for name in "xyz"], axis=-1)
         miss = float(np.abs(motion.poses()[:, -1, :3, 3] - p_BT).max())
