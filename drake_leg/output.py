@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import tempfile
 from collections.abc import Iterator
@@ -238,20 +239,44 @@ def _list_file(name: str, folder: int) -> None:
 
 def _set_aside(target: Path, known: Identity) -> Path | None:
     """Move older results out of the way; leave alone what is not what it was."""
-    aside = Path(tempfile.mkdtemp(prefix=scratch_prefix(target), dir=target.parent))
-    old = aside / "results"
-    try:
-        target.rename(old)
-    except OSError as error:
-        aside.rmdir()
-        if isinstance(error, FileNotFoundError):
+    with _locked(target):
+        if not _is_as_it_was(target, known):
             return None
-        raise
-    if _identity(old) == known and _stranger(old) is None:
+        aside = Path(tempfile.mkdtemp(prefix=scratch_prefix(target), dir=target.parent))
+        old = aside / "results"
+        try:
+            target.rename(old)
+        except OSError:
+            aside.rmdir()
+            raise
+    if _is_as_it_was(old, known):
         return old
     place_folder(old, target)
     aside.rmdir()
     return None
+
+
+@contextmanager
+def _locked(target: Path) -> Iterator[None]:
+    """Keep others who would replace the same results waiting."""
+    try:
+        folder = os.open(target, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    except OSError:  # nothing to lock
+        yield
+        return
+    try:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(folder, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(folder)
+
+
+def _is_as_it_was(folder: Path, known: Identity) -> bool:
+    try:
+        return _identity(folder) == known and _stranger(folder) is None
+    except OSError:
+        return False
 
 
 def _identity(folder: Path) -> Identity:
