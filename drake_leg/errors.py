@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+MOST_OF_A_TEXT = 300  # characters
 
 
 class DrakeLegError(Exception):
     """Root of all errors of this package; its text is one sentence for a person."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle text and attributes, whatever the constructor takes."""
+        return _error_again, (type(self), self.args, vars(self))
+
+
+def _error_again(
+    kind: type[DrakeLegError], arguments: Sequence[object], attributes: Mapping[str, Any]
+) -> DrakeLegError:
+    error = kind.__new__(kind, *arguments)
+    vars(error).update(attributes)
+    return error
 
 
 class InvalidValueError(DrakeLegError, ValueError):
@@ -15,6 +30,57 @@ class InvalidValueError(DrakeLegError, ValueError):
 
 class OutputError(DrakeLegError):
     """A file or folder that cannot be written or read."""
+
+
+class UnreadableFileError(InvalidValueError, OutputError):
+    """A file that is no regular file, is too large, or cannot be read.
+
+    Attributes
+    ----------
+    reason : str
+        Why, without the file's name.
+    """
+
+    def __init__(self, path: object, reason: str) -> None:
+        self.reason = reason
+        super().__init__(f"{path} cannot be read: {reason}")
+
+
+class PictureError(DrakeLegError):
+    """A picture that could not be made; it costs nothing but itself.
+
+    Attributes
+    ----------
+    what : str
+        Which picture: ``the figure angle``.
+    """
+
+    def __init__(self, what: str, error: Exception) -> None:
+        self.what = what
+        if isinstance(error, DrakeLegError):
+            super().__init__(f"{what}: {error}")
+        else:
+            super().__init__(
+                f"{what} was not made ({in_a_line(error)}): please report this, with the command "
+                "that you gave"
+            )
+
+
+def in_a_line(error: BaseException) -> str:
+    """Say in one line what an error is that nobody foresaw.
+
+    Parameters
+    ----------
+    error : BaseException
+        Of whatever type.
+
+    Returns
+    -------
+    str
+        ``KeyError: 'x'``.
+    """
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text[:MOST_OF_A_TEXT]}" if text else type(error).__name__
 
 
 class SingularConfigurationError(DrakeLegError):

@@ -1,9 +1,18 @@
-"""Whether something can be made at a place, tried before any work is done for it."""
+"""Where something is made beside its place, and how it is put there without taking another's."""
 
 from __future__ import annotations
 
+import errno
+import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
+
+from drake_leg.interrupts import held
+
+LONGEST_NAME = 200  # characters of a name that a number is added to
 
 
 def try_writing(target: Path) -> None:
@@ -37,3 +46,145 @@ def scratch_prefix(target: Path) -> str:
     str
     """
     return f".{target.name[:40]}."
+
+
+@contextmanager
+def scratch_beside(target: Path) -> Iterator[Path]:
+    """Hand out a folder beside a target, and take it away; so missing folders above, on failure.
+
+    Parameters
+    ----------
+    target : Path
+        To be made.
+
+    Yields
+    ------
+    Path
+        An empty folder.
+
+    Raises
+    ------
+    OSError, ValueError
+        If it cannot be made.
+    """
+    made: list[Path] = []
+    try:
+        for folder in reversed(target.parents):
+            if not folder.exists():
+                folder.mkdir(exist_ok=True)
+                made.append(folder)
+        with tempfile.TemporaryDirectory(
+            prefix=scratch_prefix(target), dir=target.parent, ignore_cleanup_errors=True
+        ) as scratch:
+            yield Path(scratch)
+    except BaseException:
+        for folder in reversed(made):
+            with suppress(OSError):
+                folder.rmdir()
+        raise
+
+
+def place_folder(folder: Path, wanted: Path) -> Path:
+    """Rename a folder, or, where its name is taken, to that name with a number.
+
+    Parameters
+    ----------
+    folder : Path
+        Whole.
+    wanted : Path
+        Where it belongs.
+
+    Returns
+    -------
+    Path
+        Where it is: ``wanted``, or ``wanted-2`` and so on.
+
+    Raises
+    ------
+    OSError
+        If it can be put nowhere.
+    """
+    for target in _places(wanted):
+        with held():
+            try:
+                target.mkdir()  # claims the name: only one can
+            except FileExistsError:
+                continue
+            try:
+                folder.rename(target)
+            except OSError as error:
+                with suppress(OSError):
+                    target.rmdir()
+                if error.errno in (errno.ENOTEMPTY, errno.EEXIST):
+                    continue
+                raise
+        return target
+    raise AssertionError
+
+
+def place_file(file: Path, wanted: Path) -> Path:
+    """Rename a file, or, where its name is taken, to that name with a number.
+
+    Parameters
+    ----------
+    file : Path
+        Whole.
+    wanted : Path
+        Where it belongs.
+
+    Returns
+    -------
+    Path
+        Where it is: ``wanted``, or ``wanted-2`` with its ending, and so on.
+
+    Raises
+    ------
+    OSError
+        If it can be put nowhere.
+    """
+    for target in _places(wanted):
+        try:
+            add_file(file, target)
+        except FileExistsError:
+            continue
+        return target
+    raise AssertionError
+
+
+def add_file(file: Path, name: Path | str, folder: int | None = None) -> None:
+    """Put a file in its place, if nothing is there.
+
+    Parameters
+    ----------
+    file : Path
+        Whole.
+    name : Path or str
+        Where it belongs.
+    folder : int, optional
+        Descriptor of the folder that the name is in.
+
+    Raises
+    ------
+    FileExistsError
+        If something is there.
+    OSError
+        If it cannot be put there.
+    """
+    with held():
+        try:
+            os.link(file, name, dst_dir_fd=folder)
+        except FileExistsError:
+            raise
+        except OSError:  # a file system without links
+            claim = os.open(name, os.O_CREAT | os.O_EXCL | os.O_WRONLY, dir_fd=folder)
+            os.close(claim)
+            os.replace(file, name, dst_dir_fd=folder)
+            return
+        file.unlink()
+
+
+def _places(wanted: Path) -> Iterator[Path]:
+    yield wanted
+    stem = wanted.stem[:LONGEST_NAME]
+    for number in count(2):
+        yield wanted.with_name(f"{stem}-{number}{wanted.suffix}")

@@ -49,6 +49,24 @@ def require_import(module: str, *, purpose: str, package: str, remedy: str) -> N
         raise BrokenPackageError(purpose, package, lines[0], remedy) from error
 
 
+def require_matplotlib() -> None:
+    """Refuse to go on without matplotlib, and Pillow, which all figures are made with.
+
+    Raises
+    ------
+    BrokenPackageError
+        If one of them cannot be imported.
+    """
+    require_pillow()
+    require_import(
+        "matplotlib",
+        purpose="a figure",
+        package="matplotlib",
+        remedy="take MPLBACKEND out of the environment if it is set, or "
+        "pip install --force-reinstall matplotlib",
+    )
+
+
 def require_pillow() -> None:
     """Refuse to go on without Pillow, which all pictures and figures are written with.
 

@@ -1,19 +1,150 @@
-"""A folder of results, written beside its place and moved there whole."""
+"""A folder of results: put in its place with its data whole, then added to, file by file."""
 
 from __future__ import annotations
 
+import fcntl
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from drake_leg.errors import OutputError
-from drake_leg.folders import scratch_prefix, try_writing
+from drake_leg.errors import OutputError, UnreadableFileError
+from drake_leg.folders import add_file, place_folder, scratch_beside, scratch_prefix, try_writing
+from drake_leg.interrupts import held
+from drake_leg.reading import read_text
 
-ENDINGS = (".csv", ".html", ".json", ".pdf", ".png", ".svg")
-MARKS = ("summary.json", "report.html")
+LIST = ".files-of-drake-leg"  # of what was written into a folder
+HEADING = "# drake-leg wrote these files here; --overwrite replaces them, and no others"
+LITTER = (".DS_Store",)  # nobody's
+
+Identity = tuple[int, int]
+
+
+class ResultsFolder:
+    """A folder that a command makes.
+
+    Parameters
+    ----------
+    target : Path
+        Where it is wanted.
+    overwrite : bool
+        Whether an older folder of results may be replaced.
+
+    Attributes
+    ----------
+    path : Path
+        Where it is: another place than the target where this has come to exist meanwhile.
+    remark : str or None
+        A sentence about that.
+
+    Raises
+    ------
+    OutputError
+        As ``check_target`` does.
+    """
+
+    def __init__(self, target: Path, *, overwrite: bool) -> None:
+        check_target(target, overwrite=overwrite)
+        self.path = target
+        self.remark: str | None = None
+        self._old = _identity(target) if target.exists() else None
+        self._own: Identity | None = None
+
+    @contextmanager
+    def begun(self) -> Iterator[Path]:
+        """Hand out a folder to write data into; put it in its place when all is written.
+
+        Where something fails, nothing is left, and an older folder stays as it was. What has come
+        to the place meanwhile stays there, and the results are beside it.
+
+        Yields
+        ------
+        Path
+            An empty folder.
+
+        Raises
+        ------
+        OutputError
+            If something cannot be written.
+        """
+        with _in_a_sentence(self.path), scratch_beside(self.path) as scratch:
+            new = scratch / "results"
+            new.mkdir()
+            yield new
+            _list_files(new)
+            self._own = _identity(new)
+            with held():
+                self._put(new)
+
+    @contextmanager
+    def more(self) -> Iterator[Path]:
+        """Hand out a folder to write more files into; put each in its place when all are written.
+
+        Yields
+        ------
+        Path
+            An empty folder.
+
+        Raises
+        ------
+        OutputError
+            If something cannot be written, a file of that name is there already, or the folder has
+            been moved.
+        """
+        with _in_a_sentence(self.path), scratch_beside(self.path) as scratch:
+            yield scratch
+            folder = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+            try:
+                self._add(sorted(scratch.iterdir()), folder)
+            finally:
+                os.close(folder)
+
+    def _put(self, new: Path) -> None:
+        wanted = self.path
+        old = None if self._old is None else _set_aside(wanted, self._old)
+        try:
+            self.path = place_folder(new, wanted)
+        except BaseException:
+            if old is not None:
+                place_folder(old, wanted)
+            raise
+        finally:
+            if old is not None and not old.exists():
+                old.parent.rmdir()
+        if self.path != wanted:
+            self.remark = (
+                f"{wanted} came to exist meanwhile, and was left alone: the results are in "
+                f"{self.path}"
+            )
+        if old is not None:
+            self._remove(old, wanted)
+
+    def _remove(self, old: Path, wanted: Path) -> None:
+        """Remove older results, and nothing else."""
+        for name in (*_listed(old), LIST, *LITTER):
+            with suppress(OSError):
+                (old / name).unlink()
+        try:
+            old.rmdir()
+        except OSError:
+            kept = place_folder(old, wanted)
+            self.remark = f"what had come into {wanted} meanwhile is now in {kept}"
+        with suppress(OSError):
+            old.parent.rmdir()
+
+    def _add(self, files: list[Path], folder: int) -> None:
+        if _identity_of(os.fstat(folder)) != self._own:
+            raise OutputError(f"{self.path} is another folder by now; its pictures were left out")
+        for file in files:
+            with held():
+                try:
+                    add_file(file, file.name, folder)
+                except FileExistsError:
+                    raise OutputError(
+                        f"{self.path / file.name} came to exist meanwhile, and was left alone"
+                    ) from None
+                _list_file(file.name, folder)
 
 
 def check_target(target: Path, *, overwrite: bool) -> None:
@@ -33,57 +164,42 @@ def check_target(target: Path, *, overwrite: bool) -> None:
     """
     if target.name == "..":
         raise OutputError(f"{target} ends in '..': name the folder that is meant as --out")
-    try:
+    with _in_a_sentence(target):
         exists = target.exists() or target.is_symlink()
         if exists and not overwrite:
             raise OutputError(f"{target} exists: choose another --out, or add --overwrite")
-        if exists and not _is_results(target):
-            raise OutputError(
-                f"{target} holds something else than results of this program and is not "
-                "overwritten: choose another --out"
-            )
+        if exists:
+            _require_results(target)
         if exists and Path.cwd().is_relative_to(target.resolve()):
             raise OutputError(f"{target} is the folder that you are in: choose another --out")
         try_writing(target)
-    except (OSError, ValueError) as error:
-        raise _cannot_write(target, error) from error
+
+
+def _require_results(target: Path) -> None:
+    """Refuse to overwrite what this program did not write."""
+    if target.is_symlink() or not target.is_dir():
+        raise OutputError(
+            f"{target} is something else than a folder of results, and is not overwritten: choose "
+            "another --out"
+        )
+    stranger = _stranger(target)
+    if stranger is not None:
+        raise OutputError(
+            f"{target} holds something else than results of this program, {stranger}, and is not "
+            "overwritten: move that away, or choose another --out"
+        )
 
 
 @contextmanager
-def results_folder(target: Path) -> Iterator[Path]:
-    """Hand out a folder to write into; put it in its place when all is written.
-
-    Where something fails, nothing is left, and an older folder stays as it was.
-
-    Parameters
-    ----------
-    target : Path
-        The folder to be made; checked with ``check_target``.
-
-    Yields
-    ------
-    Path
-        An empty folder beside the target.
-
-    Raises
-    ------
-    OutputError
-        If something cannot be written.
-    """
+def _in_a_sentence(target: Path) -> Iterator[None]:
     try:
-        for folder in reversed(target.parents):  # mkdir(parents=True) recurses
-            folder.mkdir(exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=scratch_prefix(target), dir=target.parent))
-    except OSError as error:
+        yield
+    except (OSError, UnicodeError) as error:
         raise _cannot_write(target, error) from error
-    try:
-        yield scratch
-        scratch.chmod(0o777 & ~_umask())
-        _put_in_place(scratch, target)
-    except OSError as error:
+    except ValueError as error:
+        if "null" not in str(error):
+            raise
         raise _cannot_write(target, error) from error
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _cannot_write(target: Path, error: Exception) -> OutputError:
@@ -91,37 +207,81 @@ def _cannot_write(target: Path, error: Exception) -> OutputError:
     return OutputError(f"{target} cannot be written ({why}): choose another --out")
 
 
-def _is_results(folder: Path) -> bool:
-    if not folder.is_dir() or folder.is_symlink():
-        return False
-    entries = list(folder.iterdir())
-    ours = all(entry.is_file() and entry.suffix in ENDINGS for entry in entries)
-    return ours and (not entries or any((folder / mark).exists() for mark in MARKS))
+def _stranger(folder: Path) -> str | None:
+    """Find something in a folder that this program did not write."""
+    own = {*_listed(folder), LIST, *LITTER}
+    for entry in sorted(folder.iterdir()):
+        if entry.name not in own or entry.is_symlink() or not entry.is_file():
+            return entry.name
+    return None
 
 
-def _put_in_place(scratch: Path, target: Path) -> None:
-    if not target.exists():
-        scratch.rename(target)
+def _listed(folder: Path) -> list[str]:
+    """Read the names of the files that this program wrote into a folder."""
+    try:
+        lines = read_text(folder / LIST).splitlines()
+    except UnreadableFileError:
+        return []
+    return [line for line in lines if line and line[0] not in "#." and "/" not in line]
+
+
+def _list_files(folder: Path) -> None:
+    names = sorted(entry.name for entry in folder.iterdir())
+    text = "".join(f"{line}\n" for line in (HEADING, *names))
+    (folder / LIST).write_text(text, encoding="utf-8")
+
+
+def _list_file(name: str, folder: int) -> None:
+    listed = os.open(LIST, os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC, dir_fd=folder)
+    with os.fdopen(listed, "a", encoding="utf-8") as names:
+        names.write(f"{name}\n")
+
+
+def _set_aside(target: Path, known: Identity) -> Path | None:
+    """Move older results out of the way; leave alone what is not what it was."""
+    with _locked(target):
+        if not _is_as_it_was(target, known):
+            return None
+        aside = Path(tempfile.mkdtemp(prefix=scratch_prefix(target), dir=target.parent))
+        old = aside / "results"
+        try:
+            target.rename(old)
+        except OSError:
+            aside.rmdir()
+            raise
+    if _is_as_it_was(old, known):
+        return old
+    place_folder(old, target)
+    aside.rmdir()
+    return None
+
+
+@contextmanager
+def _locked(target: Path) -> Iterator[None]:
+    """Keep others who would replace the same results waiting."""
+    try:
+        folder = os.open(target, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    except OSError:  # nothing to lock
+        yield
         return
-    old = Path(tempfile.mkdtemp(prefix=scratch_prefix(target), dir=target.parent))
     try:
-        target.rename(old / "results")
-        _exchange(scratch, target, old / "results")
-    except OSError:
-        old.rmdir()
-        raise
-    shutil.rmtree(old, ignore_errors=True)
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(folder, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(folder)
 
 
-def _exchange(scratch: Path, target: Path, old: Path) -> None:
+def _is_as_it_was(folder: Path, known: Identity) -> bool:
     try:
-        scratch.rename(target)
+        return _identity(folder) == known and _stranger(folder) is None
     except OSError:
-        old.rename(target)
-        raise
+        return False
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def _identity(folder: Path) -> Identity:
+    return _identity_of(folder.lstat())
+
+
+def _identity_of(status: os.stat_result) -> Identity:
+    return status.st_dev, status.st_ino

@@ -15,6 +15,11 @@ LARGEST_ANGLE = 1e6  # [rad] or [m]
 
 STANDARD_GRAVITY = 9.80665  # [m/s^2], Simscape's default; Drake's own is 9.81
 
+# In s, rad and m.
+TIME_UNITS = {"s": 1.0, "ms": 1e-3}
+ANGLE_UNITS = {"rad": 1.0, "deg": math.pi / 180.0}
+LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+
 # In N*m*s/rad; N*m/(deg/s) is Simscape's default.
 DAMPING_UNITS = {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180.0 / math.pi}
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+import io
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.errors import InvalidValueError, OutputError
+from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
 from drake_leg.kinematics.batches import Array
+from drake_leg.reading import LARGEST_RECORDING, opened
 
 MOST_NAMES = 6  # of columns that an error's sentence lists
 
@@ -45,9 +47,32 @@ class Recording:
         InvalidValueError
             If there is no such column.
         """
-        for header, values in self.columns.items():
+        return self.columns[self._header(name)]
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a column, as its header says it.
+
+        Parameters
+        ----------
+        name : str
+            ``vx`` or ``vx[m/s]``.
+
+        Returns
+        -------
+        str
+            Empty where the header names none.
+
+        Raises
+        ------
+        InvalidValueError
+            If there is no such column.
+        """
+        return self._header(name).partition("[")[2].removesuffix("]")
+
+    def _header(self, name: str) -> str:
+        for header in self.columns:
             if name in (header, header.partition("[")[0]):
-                return values
+                return header
         shown = ", ".join(list(self.columns)[:MOST_NAMES])
         others = len(self.columns) - MOST_NAMES
         raise InvalidValueError(
@@ -113,13 +138,10 @@ def read_csv(path: Path) -> Recording:
     Raises
     ------
     OutputError
-        If the file cannot be read, has no header, or holds something that is no number.
+        If the file cannot be read, has no header, was cut short, or holds something that is no
+        number.
     """
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise OutputError(f"{path} cannot be read: {error}") from error
+    rows = _rows(path)
     if not rows:
         raise OutputError(f"{path} is empty; a recording starts with a line of column names")
     header, body = rows[0], rows[1:]
@@ -133,6 +155,31 @@ def read_csv(path: Path) -> Recording:
     ]
     values = np.array(rows_of_numbers, dtype=np.float64).reshape(-1, len(header))
     return Recording(dict(zip(header, values.T, strict=True)))
+
+
+def _rows(path: Path) -> list[list[str]]:
+    """Read all cells; a last line without an end is one that was cut off."""
+    lines: list[str] = []
+
+    def noted(file: io.TextIOWrapper) -> Iterator[str]:
+        for line in file:
+            lines[:] = [line]
+            yield line
+
+    try:
+        with (
+            opened(path, most=LARGEST_RECORDING) as file,
+            io.TextIOWrapper(file, encoding="utf-8", newline="") as text,
+        ):
+            rows = list(csv.reader(noted(text)))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise UnreadableFileError(path, str(error)) from None
+    if lines and not lines[0].endswith(("\n", "\r")):
+        raise OutputError(
+            f"{path}, line {len(rows)}, has no end: the file was cut short; carry out the run "
+            "again, or end the line if it is whole"
+        )
+    return rows
 
 
 def _numbers(where: str, header: Sequence[str], row: Sequence[str]) -> list[float]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from drake_leg.errors import DrakeLegError, OutputError
-from drake_leg.folders import try_writing
+from drake_leg.folders import place_file, scratch_beside, try_writing
+from drake_leg.interrupts import held
 
 
 def write_text(target: Path, text: str, *, ending: str, overwrite: bool) -> None:
@@ -60,20 +60,23 @@ def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> It
     ------
     OutputError
         If the name ends differently, the file exists and may not be replaced, or it cannot be
-        written; then an older file stays as it was.
+        written; then an older file stays as it was. If it has come to exist meanwhile, with the
+        name under which the new one was kept.
     """
     check_file(target, endings=endings, overwrite=overwrite)
-    scratch = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        yield scratch
-        scratch.replace(target)
+        with scratch_beside(target) as folder:
+            scratch = folder / target.name
+            yield scratch
+            place = _replaced(scratch, target) if overwrite else place_file(scratch, target)
     except DrakeLegError:
         raise
-    except (OSError, ValueError) as error:
+    except (OSError, UnicodeError) as error:
         raise _cannot_write(target, error) from error
-    finally:
-        _remove(scratch)
+    if place != target:
+        raise OutputError(
+            f"{target} came to exist meanwhile, and was left alone: what was made is {place}"
+        )
 
 
 def check_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> None:
@@ -111,9 +114,6 @@ def _cannot_write(target: Path, error: Exception) -> OutputError:
     return OutputError(f"{target} cannot be written ({why}): choose another --out")
 
 
-def _remove(scratch: Path) -> None:
-    """Take away what a failed write left."""
-    try:
-        scratch.unlink(missing_ok=True)
-    except (OSError, ValueError):
-        return
+def _replaced(scratch: Path, target: Path) -> Path:
+    with held():
+        return scratch.replace(target)

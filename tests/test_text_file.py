@@ -1,9 +1,11 @@
 """One file, written whole or not at all."""
 
+import threading
+
 import pytest
 
 from drake_leg.errors import OutputError
-from drake_leg.text_file import write_text
+from drake_leg.text_file import whole_file, write_text
 
 
 def write(path, text="new", *, overwrite=False):
@@ -60,3 +62,52 @@ def test_a_place_that_cannot_be_written_is_named(name, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="cannot be written"):
         write(tmp_path / name)
+
+
+def test_what_came_to_the_place_meanwhile_stays_and_the_new_file_is_beside_it(tmp_path):
+    path = tmp_path / "arm.sdf"
+
+    def make():
+        with whole_file(path, endings=(".sdf",), overwrite=False) as scratch:
+            scratch.write_text("new")
+            path.write_text("mine")
+
+    with pytest.raises(OutputError, match=r"left alone: what was made is .*arm-2\.sdf"):
+        make()
+    assert path.read_text() == "mine"
+    assert (tmp_path / "arm-2.sdf").read_text() == "new"
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_of_many_at_one_place_exactly_one_gets_it_and_none_is_lost(tmp_path):
+    for trial in range(20):
+        path = tmp_path / str(trial) / "arm.sdf"
+        path.parent.mkdir()
+        barrier, refused = threading.Barrier(4), []
+
+        def work(index, path=path, barrier=barrier, refused=refused):
+            try:
+                with whole_file(path, endings=(".sdf",), overwrite=False) as scratch:
+                    scratch.write_text(str(index))
+                    barrier.wait()
+            except OutputError as error:
+                refused.append(str(error))
+
+        threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert len(refused) == 3
+        assert {file.read_text() for file in path.parent.iterdir()} == {"0", "1", "2", "3"}
+        assert len(list(path.parent.iterdir())) == 4
+
+
+def test_a_failure_leaves_nothing_of_the_folders_that_were_made(tmp_path):
+    def make():
+        with whole_file(tmp_path / "a" / "arm.sdf", endings=(".sdf",), overwrite=False):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        make()
+    assert list(tmp_path.iterdir()) == []

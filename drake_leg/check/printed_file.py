@@ -9,7 +9,8 @@ from typing import Any
 
 from drake_leg.check.printed_csv import parse_csv
 from drake_leg.check.rows import Table, TableRow
-from drake_leg.robot_file.document import parse_document, read_text
+from drake_leg.reading import read_text
+from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.keys import Keys, shown
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m

@@ -1,22 +1,26 @@
 """The command line ``drake-leg``: the only place that prints.
 
-Exit status: 0 when all went well, 1 when ``check`` found something wrong, 2 for bad input or a
-folder that cannot be written, 3 when a run stopped before its end (what it recorded until then is
-saved), 130 on Ctrl-C.
+Exit status: 0 when all went well, 1 when ``check`` found something wrong or a picture could not be
+made (the data are saved), 2 for bad input or a place that cannot be written, 3 when a run stopped
+before its end (what it recorded until then is saved), 70 for an error that nobody foresaw, 130 on
+Ctrl-C, 128 + n on another signal n. A reader of the output that goes away changes nothing.
 """
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Sequence
 
+from drake_leg.interrupts import Interrupts, heeded
+
 __all__ = ["main"]
 
-INTERRUPTED = 130
+UNFORESEEN, INTERRUPTED = 70, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; Ctrl-C while it loads is told like any other.
+    """Run the command line; whatever goes wrong, while it loads, too, is one sentence.
 
     Parameters
     ----------
@@ -28,17 +32,51 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         Exit status.
     """
-    try:
-        from drake_leg.cli import entry
+    with heeded() as interrupts:
+        return _of_signal(interrupts, _carried_out(arguments))
 
-        return entry.main(arguments)
-    except KeyboardInterrupt:
-        pass
-    except ImportError as error:
-        if not _is_interrupt(error):
-            raise
-    print("drake-leg: interrupted", file=sys.stderr)
-    return INTERRUPTED
+
+def _carried_out(arguments: Sequence[str] | None) -> int:
+    from drake_leg.cli.streams import patient_streams
+
+    with patient_streams():
+        try:
+            from drake_leg.cli import entry
+
+            return entry.main(arguments)
+        except KeyboardInterrupt:
+            return _said("interrupted", INTERRUPTED)
+        except Exception as error:
+            if isinstance(error, ImportError) and _is_interrupt(error):
+                return _said("interrupted", INTERRUPTED)
+            return _unforeseen(error)
+
+
+def _of_signal(interrupts: Interrupts, status: int) -> int:
+    """Return what a process returns that a signal has ended; Ctrl-C is the commands' own."""
+    if interrupts.received in (None, signal.SIGINT):
+        return status
+    return 128 + interrupts.received
+
+
+def _unforeseen(error: Exception) -> int:
+    from drake_leg.cli.pictures import PLACES, show_place
+    from drake_leg.errors import in_a_line
+
+    show_place()
+    return _said(
+        f"an error that nobody foresaw ({in_a_line(error)}): please report it, with the command "
+        f"that you gave; {PLACES}=1 before it shows where it came from",
+        UNFORESEEN,
+    )
+
+
+def _said(sentence: str, status: int) -> int:
+    try:
+        print(f"drake-leg: {sentence}", file=sys.stderr)
+    except OSError:  # the terminal has gone
+        return status
+    return status
 
 
 def _is_interrupt(error: BaseException | None) -> bool:

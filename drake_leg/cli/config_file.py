@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import reprlib
 import typing
+from contextlib import suppress
 from pathlib import Path
 from types import UnionType
 from typing import Any
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, UnreadableFileError
+from drake_leg.reading import read_text
 from drake_leg.runs.options import RunOptions
 
 
@@ -38,7 +41,7 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
 
     keys = ", ".join(field.name for field in dataclasses.fields(kind))
     try:
-        content = _content(path.read_text(encoding="utf-8"))
+        content = _content(read_text(path))
         hints = typing.get_type_hints(kind)
         for key in content:
             if key not in hints:
@@ -46,12 +49,13 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
         values: dict[str, Any] = {
             key: _typed(key, hints[key], value) for key, value in content.items()
         }
-    except (OSError, UnicodeDecodeError) as error:
-        why = getattr(error, "strerror", None) or str(error)
-        raise InvalidValueError(f"the config {path} cannot be read: {why}") from None
+    except UnreadableFileError as error:
+        raise UnreadableFileError(f"the config {path}", error.reason) from None
     except RecursionError:
         raise InvalidValueError(f"the config {path} is no good: it is nested too deep") from None
     except (ValueError, YAMLError) as error:
+        if isinstance(error, InvalidValueError):
+            raise
         reason = " ".join(str(error).split())
         raise InvalidValueError(
             f"the config {path} is no good: {reason}; the keys of {name} are {keys}"
@@ -61,9 +65,11 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
 
 def _content(text: str) -> dict[str, Any]:
     """Parse the text once; a key that stands there twice is refused."""
-    from yaml import MappingNode, SafeLoader
+    from yaml import MappingNode
 
-    loader = SafeLoader(text)
+    from drake_leg.cli.yaml_core import CoreLoader
+
+    loader = CoreLoader(text)
     try:
         root = loader.get_single_node()
         if root is None:
@@ -93,22 +99,27 @@ def _typed(key: str, hint: Any, value: object) -> object:  # noqa: ANN401 - a ty
         if isinstance(value, list):
             return [_number(key, item) for item in value]
         if isinstance(value, str | bool | dict) or value is None:
-            raise ValueError(f"{key} is {value!r}; write a list of numbers, as [90, -50, -90]")
+            raise ValueError(
+                f"{key} is {_shown(value)}; write a list of numbers, as [90, -50, -90]"
+            )
         return [_number(key, value)]
     if hint is float:
         return _number(key, value)
     if not isinstance(value, hint):
         wanted = "true or false" if hint is bool else "a text"
-        raise ValueError(f"{key} is {value!r}; it must be {wanted}")
+        raise ValueError(f"{key} is {_shown(value)}; it must be {wanted}")
     return value
 
 
 def _number(key: str, value: object) -> float:
-    """Take 1e-6 for the number that it is, though YAML 1.1 reads a text."""
-    if isinstance(value, int | float | str) and not isinstance(value, bool):
-        try:
+    """Refuse texts, though Python would read numbers out of some of them."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        with suppress(OverflowError):
             if math.isfinite(number := float(value)):
                 return number
-        except (ValueError, OverflowError):
-            pass
-    raise ValueError(f"{key} is {value!r}; it must be a finite number")
+    raise ValueError(f"{key} is {_shown(value)}; it must be a finite number")
+
+
+def _shown(value: object) -> str:
+    """Show a value; one that anchors repeat within each other may be endless."""
+    return reprlib.repr(value)

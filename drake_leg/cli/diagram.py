@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from drake_leg.cli.common import Commands
+from drake_leg.cli.pictures import picture
 from drake_leg.cli.run_options import kind_of, robot_of
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError
-from drake_leg.imports import require_pillow
+from drake_leg.imports import require_matplotlib
 from drake_leg.robot import Robot
 from drake_leg.runs.catalogue import RUNS
 
@@ -71,9 +72,12 @@ def add(commands: Commands) -> None:
 
 
 def _diagram(chosen: argparse.Namespace) -> int:
-    from drake_leg.text_file import write_text
+    from drake_leg.text_file import check_file, write_text
 
-    write_text(chosen.out, _picture(chosen), ending=".svg", overwrite=chosen.overwrite)
+    check_file(chosen.out, endings=(".svg",), overwrite=chosen.overwrite)
+    with picture(f"the diagram {chosen.out}"):
+        svg = _picture(chosen)
+    write_text(chosen.out, svg, ending=".svg", overwrite=chosen.overwrite)
     print(f"wrote {chosen.out}")
     return 0
 
@@ -125,7 +129,7 @@ def _blocks(chosen: argparse.Namespace) -> str:
 
 
 def _frames(chosen: argparse.Namespace) -> str:
-    require_pillow()
+    require_matplotlib()
     from drake_leg.figures.free_body import free_body
     from drake_leg.figures.style import svg_text
 

@@ -9,11 +9,12 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import Commands, numbers
+from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, fail, numbers
+from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
-from drake_leg.imports import require_pillow
-from drake_leg.output import check_target, results_folder
+from drake_leg.imports import require_matplotlib
+from drake_leg.output import ResultsFolder
 from drake_leg.robot import Robot
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
     q = _positions(robot, numbers("--q", chosen.q))
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
-    maps = _maps(chosen, robot, q) if chosen.out else {}
+    folder, maps = _maps(chosen, robot, q) if chosen.out else (None, {})
     diagnosis = examine_posture(
         robot,
         q,
@@ -83,28 +84,33 @@ def _doctor(chosen: argparse.Namespace) -> int:
         print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
     else:
         print("\n".join(_lines(diagnosis)))
-    if chosen.out:
-        _write_maps(chosen.out, maps, diagnosis)
-        print(f"wrote {chosen.out}", file=sys.stderr if chosen.json else sys.stdout)
-    return 0
+    if folder is None:
+        return 0
+    status = _write_maps(folder, maps, diagnosis)
+    print(f"wrote {folder.path}", file=sys.stderr if chosen.json else sys.stdout)
+    return status
 
 
-def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> Maps:
+def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> tuple[ResultsFolder, Maps]:
+    require_matplotlib()
     from drake_leg.figures.of_postures import maps_of_posture
 
-    require_pillow()
-    check_target(chosen.out, overwrite=chosen.overwrite)
-    return maps_of_posture(robot, q)
+    return ResultsFolder(chosen.out, overwrite=chosen.overwrite), maps_of_posture(robot, q)
 
 
-def _write_maps(target: Path, maps: Maps, diagnosis: Diagnosis) -> None:
+def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> int:
     from drake_leg.figures.style import save
 
-    with results_folder(target) as folder:
+    with folder.begun() as scratch:
         summary = json.dumps(diagnosis.as_json(), indent=2, allow_nan=False)
-        (folder / "summary.json").write_text(f"{summary}\n", encoding="utf-8")
-        for name, draw in maps.items():
-            save(draw(), folder, name)
+        (scratch / "summary.json").write_text(f"{summary}\n", encoding="utf-8")
+    pictures = Pictures()
+    for name, draw in maps.items():
+        with pictures.trying(f"the map {name}"), folder.more() as scratch:
+            save(draw(), scratch, name)
+    if folder.remark:
+        return fail(folder.remark, BAD_INPUT)
+    return FAILED if pictures.failed else 0
 
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:

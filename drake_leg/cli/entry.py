@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import io
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -25,8 +25,14 @@ from drake_leg.cli import (
     teleop,
     view,
 )
-from drake_leg.cli.common import BAD_INPUT, INTERRUPTED, STOPPED_EARLY, fail
-from drake_leg.errors import DrakeLegError, JointLimitError, SingularConfigurationError
+from drake_leg.cli.common import BAD_INPUT, FAILED, STOPPED_EARLY, fail
+from drake_leg.errors import (
+    DrakeLegError,
+    JointLimitError,
+    OutputError,
+    PictureError,
+    SingularConfigurationError,
+)
 
 COMMANDS = (
     listing,
@@ -67,25 +73,37 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit status.
     """
     words = sys.argv[1:] if arguments is None else list(arguments)
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
     parser = _build_parser()
     chosen = parser.parse_args(_join_negative_values(words))
     try:
+        _require_here()
         status: int = chosen.command(chosen)
+        _require_said()
     except (JointLimitError, SingularConfigurationError) as error:
         return fail(error, STOPPED_EARLY)
+    except PictureError as error:
+        return fail(error, FAILED)
     except DrakeLegError as error:
         return fail(error, BAD_INPUT)
-    except KeyboardInterrupt:
-        return fail("interrupted", INTERRUPTED)
-    except BrokenPipeError:
-        sys.stderr.close()
-        return BAD_INPUT
     except OSError as error:
         return fail(f"cannot write what was asked for ({error.strerror})", BAD_INPUT)
     return status
+
+
+def _require_here() -> None:
+    """Refuse to work in a folder that has been removed, where neither we nor Drake can."""
+    try:
+        os.getcwd()  # noqa: PTH109 - no path is wanted
+    except OSError:
+        raise OutputError(
+            "the folder that you are in has been removed: go to another one, with cd"
+        ) from None
+
+
+def _require_said() -> None:
+    """Find out now whether what was printed can be written."""
+    if sys.stdout is not None:
+        sys.stdout.flush()
 
 
 def _join_negative_values(words: Sequence[str]) -> list[str]:
@@ -106,8 +124,9 @@ def _build_parser() -> argparse.ArgumentParser:
         description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
         "from their Khalil tables to simulated, compared and plotted runs.",
         epilog="COMMAND --help tells every option with its unit and its default. Exit status: "
-        "0 all well, 1 a check found something wrong, 2 bad input, 3 a run stopped before its "
-        "end, 130 interrupted.",
+        "0 all well, 1 a check found something wrong or a picture could not be made, 2 bad input, "
+        "3 a run stopped before its end, 70 an error that nobody foresaw, 130 interrupted, 128 + n "
+        "ended by signal n.",
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:

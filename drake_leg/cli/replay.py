@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.common import ROBOT_NAMES, Commands
+from drake_leg.cli.pictures import picture
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.cli.shows import stop_note
 from drake_leg.cli.view import add_view
-from drake_leg.errors import DrakeLegError, OutputError
+from drake_leg.errors import DrakeLegError, OutputError, UnreadableFileError
 from drake_leg.progress import ProgressBar
+from drake_leg.reading import read_text
 from drake_leg.robot import Robot
 from drake_leg.runs.catalogue import RUNS, STEP
 
 if TYPE_CHECKING:
+    from drake_leg.recording import Recording
     from drake_leg.scene.motion import Motion, OtherRobotError
 
 
@@ -62,19 +66,20 @@ def _replay(chosen: argparse.Namespace) -> int:
     view = view_named(chosen.view)
     check_show(chosen.out, overwrite=chosen.overwrite)
     _require_run(chosen.run)
-    motion = _motion(chosen)
     summary = _summary(chosen.run)
+    motion = _motion(chosen, summary)
     bar = ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s")
     try:
-        write_show(
-            chosen.out,
-            motion,
-            title=_title(summary, motion.robot),
-            note=stop_note(summary),
-            view=view,
-            overwrite=chosen.overwrite,
-            progress=bar,
-        )
+        with picture(f"the replay {chosen.out}"):
+            write_show(
+                chosen.out,
+                motion,
+                title=_title(summary, motion.robot),
+                note=stop_note(summary),
+                view=view,
+                overwrite=chosen.overwrite,
+                progress=bar,
+            )
     finally:
         bar.close()
     print(f"wrote {chosen.out}: {motion.duration:g} s of {motion.robot.title}")
@@ -91,17 +96,35 @@ def _require_run(folder: Path) -> None:
         raise OutputError(f"{folder} is no folder of a run: give one that 'drake-leg run' has made")
 
 
-def _motion(chosen: argparse.Namespace) -> Motion:
+def _motion(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Motion:
     """Read what moved, and how."""
     from drake_leg.recording import read_csv
     from drake_leg.scene.motion import OtherRobotError, recorded_motion
 
     robot = robot_source(chosen.robot).robot() if chosen.robot else _recorded_robot(chosen.run)
     recording = read_csv(chosen.run / "recording.csv")
+    _require_whole(chosen.run, recording, summary)
     try:
         return recorded_motion(robot, recording)
     except OtherRobotError as error:
         raise _clearer(error, chosen.run, robot) from None
+
+
+def _require_whole(folder: Path, recording: Recording, summary: Mapping[str, Any]) -> None:
+    """Refuse a recording that has other rows, or another end, than its summary tells of."""
+    time, rows = recording["time"], summary.get("rows")
+    if isinstance(rows, int) and rows != len(time):
+        raise OutputError(
+            f"{folder / 'recording.csv'} has {len(time)} rows and summary.json tells of {rows}: "
+            "one of them is not whole; carry out the run again"
+        )
+    end = summary.get("stopped_at_s", summary.get("duration_s"))
+    end = summary.get("duration_s") if end is None else end
+    if rows and isinstance(end, float) and not math.isclose(time[-1], end, rel_tol=1e-9):
+        raise OutputError(
+            f"{folder / 'recording.csv'} ends at {time[-1]:.9g} s and summary.json tells of "
+            f"{end:.9g} s: one of them is not whole; carry out the run again"
+        )
 
 
 def _clearer(error: OtherRobotError, folder: Path, robot: Robot) -> DrakeLegError:
@@ -136,13 +159,13 @@ def _recorded_name(folder: Path) -> str:
     """Read off a run's summary which robot moved."""
     file = folder / "summary.json"
     try:
-        summary = json.loads(file.read_text(encoding="utf-8"))
+        summary = json.loads(read_text(file))
     except json.JSONDecodeError as error:
         raise _untold(f"{file} is damaged in line {error.lineno}, column {error.colno}") from None
-    except (UnicodeDecodeError, RecursionError):
+    except RecursionError:
         raise _untold(f"{file} is damaged: it is no JSON") from None
-    except OSError as error:
-        raise _untold(f"{file} cannot be read ({error.strerror})") from None
+    except UnreadableFileError as error:
+        raise _untold(f"{file} cannot be read ({error.reason})") from None
     name = summary.get("robot") if isinstance(summary, dict) else None
     if not isinstance(name, str):
         raise _untold(f"{file} has no entry 'robot' with a name")
@@ -156,8 +179,8 @@ def _untold(why: str) -> OutputError:
 def _summary(folder: Path) -> Mapping[str, Any]:
     """Read what the run's summary tells, or nothing."""
     try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        summary = json.loads(read_text(folder / "summary.json"))
+    except (ValueError, RecursionError):  # an UnreadableFileError, too
         return {}
     return summary if isinstance(summary, dict) else {}
 

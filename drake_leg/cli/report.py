@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 
-from drake_leg.cli.common import Commands, add_output
+from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, add_output, fail, remark
 from drake_leg.cli.shows import say_if_sketched
-from drake_leg.imports import require_pillow
-from drake_leg.output import check_target, results_folder
+from drake_leg.imports import require_matplotlib
+from drake_leg.output import ResultsFolder
 from drake_leg.progress import ProgressBar
 
 
@@ -32,16 +32,20 @@ def add(commands: Commands) -> None:
 
 
 def _report(chosen: argparse.Namespace) -> int:
-    check_target(chosen.out, overwrite=chosen.overwrite)
-    require_pillow()
+    folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
+    require_matplotlib()
     from drake_leg.report.page import STAGES, write_report
 
     bar = ProgressBar(sys.stderr, "report", STAGES, "stages")
     try:
-        with results_folder(chosen.out) as folder:
-            write_report(folder, bar)
+        with folder.begun() as scratch:
+            failures = write_report(scratch, bar)
     finally:
         bar.close()
-    print(f"wrote {chosen.out / 'report.html'} and its figures and replays")
+    print(f"wrote {folder.path / 'report.html'} and its figures and replays")
     say_if_sketched()
-    return 0
+    for error in failures:
+        remark(error)
+    if folder.remark:
+        return fail(folder.remark, BAD_INPUT)
+    return FAILED if failures else 0

@@ -4,16 +4,31 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail, remark
+from drake_leg.cli.common import (
+    BAD_INPUT,
+    FAILED,
+    INTERRUPTED,
+    STOPPED_EARLY,
+    Commands,
+    add_output,
+    fail,
+    remark,
+)
+from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
-from drake_leg.cli.shows import Shows, add_shows, say_if_sketched
-from drake_leg.imports import require_pillow
-from drake_leg.output import check_target, results_folder
+from drake_leg.cli.shows import Shows, add_shows
+from drake_leg.imports import require_matplotlib
+from drake_leg.interrupts import saved
+from drake_leg.output import ResultsFolder
 from drake_leg.progress import ProgressBar
-from drake_leg.runs.catalogue import RUNS
+from drake_leg.runs.catalogue import RUNS, RunKind
+from drake_leg.runs.options import RunOptions
+
+if TYPE_CHECKING:
+    from drake_leg.runs.outcome import Outcome
 
 
 def add(commands: Commands) -> None:
@@ -47,32 +62,67 @@ def add(commands: Commands) -> None:
 def _run(chosen: argparse.Namespace) -> int:
     kind = kind_of(chosen.name)
     options = options_of(kind, chosen)
-    check_target(chosen.out, overwrite=chosen.overwrite)
+    folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
     shows = Shows.of(chosen)
     shows.check()
-    require_pillow()
-    bar = ProgressBar(sys.stderr, chosen.name, max(options.duration, 1e-300), "s")
+    require_matplotlib()
+    with saved() as hold:
+        outcome = _carried_out(chosen.name, kind, options, hold)
+        with folder.begun() as scratch:
+            outcome.write(scratch, chosen.name)
+        summary = outcome.summary
+        rows = f"{summary['rows']} rows, {summary['real_time_factor']:.0f} x real time"
+        print(f"wrote {folder.path}: {rows}{_quality(summary)}")
+    pictures = Pictures()
     try:
-        outcome = kind.run(options, bar)
-    finally:
-        bar.close()
-    from drake_leg.runs.files import write_outcome
-
-    with results_folder(chosen.out) as folder:
-        write_outcome(folder, chosen.name, kind.title, outcome)
-        shows.write_into(folder, outcome)
-    summary = outcome.summary
-    rows = f"{summary['rows']} rows, {summary['real_time_factor']:.0f} x real time"
-    print(f"wrote {chosen.out}: {rows}{_quality(summary)}")
-    for path in shows.write(kind.heading, outcome):
-        print(f"wrote {path}")
+        _draw(chosen.name, kind, outcome, folder, pictures)
+        shows.write(kind.heading, outcome, folder, pictures)
+    except KeyboardInterrupt:
+        return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
     remarks = [*summary.get("limits_exceeded", ()), summary.get("grazing")]
     for sentence in filter(None, remarks):
         remark(sentence)
-    if shows.stills:
-        say_if_sketched()
+    return _status(summary, folder, pictures)
+
+
+def _carried_out(
+    name: str, kind: RunKind, options: RunOptions, hold: Callable[[], None]
+) -> Outcome:
+    """Simulate; from the end on, signals wait until the recording is saved."""
+    bar = ProgressBar(sys.stderr, name, max(options.duration, 1e-300), "s")
+
+    def progress(time: float) -> None:
+        if time >= options.duration:
+            hold()
+        bar(time)
+
+    try:
+        return kind.run(options, progress)
+    finally:
+        bar.close()
+
+
+def _draw(
+    name: str, kind: RunKind, outcome: Outcome, folder: ResultsFolder, pictures: Pictures
+) -> None:
+    """Add the figures to the data, one by one."""
+    with pictures.trying(f"a figure of {name}"):
+        from drake_leg.runs.files import figure_files
+
+        for file_name, write in figure_files(name, kind.title, outcome):
+            with pictures.trying(f"the figure {file_name}"), folder.more() as scratch:
+                write(scratch)
+
+
+def _status(summary: Mapping[str, Any], folder: ResultsFolder, pictures: Pictures) -> int:
+    """Say what did not go well, and choose the exit status."""
+    status = 0
+    if pictures.failed:
+        status = fail(f"the data in {folder.path} are whole", FAILED)
+    if folder.remark:
+        status = fail(folder.remark, BAD_INPUT)
     if summary["stop_reason"] is None:
-        return 0
+        return status
     interrupted = summary["stop_reason"] == "interrupted"
     return fail(
         f"stopped at {summary['stopped_at_s']:.9g} s of {summary['duration_s']:g} s: "

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from drake_leg.cli.common import naming_option, remark
+from drake_leg.cli.pictures import Pictures
 from drake_leg.errors import OutputError
+from drake_leg.output import ResultsFolder
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
+    from drake_leg.scene.motion import Motion
 
 ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}
 
@@ -110,25 +113,10 @@ class Shows:
             with naming_option(f"--{option}"):
                 check_show(path, overwrite=self.overwrite)
 
-    def write_into(self, folder: Path, outcome: Outcome) -> None:
-        """Write what belongs into the folder of results.
-
-        Parameters
-        ----------
-        folder : Path
-            Of the results.
-        outcome : Outcome
-            Of the run.
-        """
-        if self.stills:
-            from drake_leg.scene.motion import recorded_motion
-            from drake_leg.scene.stills import write_stills
-
-            motion = recorded_motion(outcome.robot, outcome.recording)
-            write_stills(folder, motion.robot, motion.q[0], motion=motion)
-
-    def write(self, title: str, outcome: Outcome) -> Iterator[Path]:
-        """Write page and video.
+    def write(
+        self, title: str, outcome: Outcome, folder: ResultsFolder, pictures: Pictures
+    ) -> None:
+        """Write stills into the folder of results, page and video beside it.
 
         Parameters
         ----------
@@ -136,26 +124,43 @@ class Shows:
             Of the motion.
         outcome : Outcome
             Of the run.
-
-        Yields
-        ------
-        Path
-            When it is written.
-
-        Raises
-        ------
-        DrakeLegError
-            As ``scene.files.write_show`` does.
+        folder : ResultsFolder
+            Of the results.
+        pictures : Pictures
+            Tries them.
         """
-        for path in self._files().values():
-            from drake_leg.scene.files import write_show
-            from drake_leg.scene.motion import recorded_motion
+        if self.stills:
+            self._write_stills(outcome, folder, pictures)
+        for option, path in self._files().items():
+            with pictures.trying(f"the {option} {path}"), naming_option(f"--{option}"):
+                from drake_leg.scene.files import write_show
 
-            motion = recorded_motion(outcome.robot, outcome.recording)
-            note = stop_note(outcome.summary)
-            write_show(path, motion, title=title, note=note, overwrite=self.overwrite)
-            yield path
+                write_show(
+                    path,
+                    _motion(outcome),
+                    title=title,
+                    note=stop_note(outcome.summary),
+                    overwrite=self.overwrite,
+                )
+                print(f"wrote {path}")
+
+    def _write_stills(self, outcome: Outcome, folder: ResultsFolder, pictures: Pictures) -> None:
+        from drake_leg.scene.views import VIEWS
+
+        for view in VIEWS.values():
+            with pictures.trying(f"the still {view.name}"), folder.more() as scratch:
+                from drake_leg.scene.stills import write_stills
+
+                motion = _motion(outcome)
+                write_stills(scratch, motion.robot, motion.q[0], views=[view], motion=motion)
+        say_if_sketched()
 
     def _files(self) -> dict[str, Path]:
         given = {"replay": self.replay, "video": self.video}
         return {option: path for option, path in given.items() if path is not None}
+
+
+def _motion(outcome: Outcome) -> Motion:
+    from drake_leg.scene.motion import recorded_motion
+
+    return recorded_motion(outcome.robot, outcome.recording)

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from drake_leg.cli.common import Commands, naming_option
+from drake_leg.cli.pictures import picture
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.cli.server import LEAVING, add_server, start_server
@@ -87,6 +88,7 @@ def _still(chosen: argparse.Namespace) -> int:
     view = view_named(chosen.view)
     require_pillow()
     with (
+        picture(f"the still {chosen.still}"),
         naming_option("--still"),
         whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch,
     ):

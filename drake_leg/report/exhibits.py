@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from drake_leg.drawings.drawing import draw
 from drake_leg.drawings.of_runs import run_pictures
 from drake_leg.drawings.picture import ALL
+from drake_leg.errors import PictureError
 from drake_leg.figures.free_body import free_body
 from drake_leg.figures.narrow import narrow
 from drake_leg.figures.of_postures import maps_of_posture
@@ -75,6 +76,21 @@ class Workshop:
             If a file cannot be written.
         """
         return KINDS[item.kind](item, self)
+
+
+def missing(error: PictureError) -> Exhibit:
+    """Stand in for an item that could not be made.
+
+    Parameters
+    ----------
+    error : PictureError
+        Why not.
+
+    Returns
+    -------
+    Exhibit
+    """
+    return Exhibit(body=f"<p>{escape(str(error))}</p>", commands=())
 
 
 def _plot(item: Item, workshop: Workshop) -> Exhibit:

@@ -10,20 +10,22 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
+from drake_leg.errors import PictureError
 from drake_leg.report.contents import Chapter, Item, chapters
 from drake_leg.report.errata import errata_chapter, erratum_notes
-from drake_leg.report.exhibits import Exhibit, Workshop
+from drake_leg.report.exhibits import Exhibit, Workshop, missing
 from drake_leg.report.highlights import highlights
 from drake_leg.report.markup import power, prose, table
 from drake_leg.report.replays import packed
 from drake_leg.report.runs import RUNS, command
 from drake_leg.runs.outcome import Outcome
+from drake_leg.symbolic.optional import MissingSymPyError
 
 LEAD = "b07_replay"  # opens the page
 STAGES = len(RUNS) + sum(len(chapter.items) for chapter in chapters())
 
 
-def write_report(folder: Path, progress: Callable[[float], None]) -> None:
+def write_report(folder: Path, progress: Callable[[float], None]) -> list[PictureError]:
     """Write ``report.html``, its figures and its replays.
 
     Parameters
@@ -32,6 +34,11 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> None:
         Existing, to be written into.
     progress : callable
         Called with the number of stages done, of ``STAGES``.
+
+    Returns
+    -------
+    list of PictureError
+        The items that could not be made; the page has a sentence in their places.
 
     Raises
     ------
@@ -50,9 +57,15 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> None:
         outcomes[key] = run.carry_out()
         count()
     workshop = Workshop(folder=folder, outcomes=outcomes)
-    exhibits = {}
+    exhibits, failures = {}, []
     for item in (item for chapter in chapters() for item in chapter.items):
-        exhibits[item.id] = workshop.make(item)
+        try:
+            exhibits[item.id] = workshop.make(item)
+        except (OSError, MissingSymPyError):
+            raise
+        except Exception as error:
+            failures.append(PictureError(f"{item.id} ({item.title})", error))
+            exhibits[item.id] = missing(failures[-1])
         count()
     page = Template(_resource("report.html")).substitute(
         style=_resource("report.css"),
@@ -68,12 +81,13 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> None:
         f"{platform.python_version()}",
     )
     (folder / "report.html").write_text(page, encoding="utf-8")
+    return failures
 
 
 def _replays(folder: Path) -> dict[str, str]:
     items = (item for chapter in chapters() for item in chapter.items if item.kind == "replay")
     files = [folder / f"{item.id}.html" for item in items]
-    return {file.stem: file.read_text(encoding="utf-8") for file in files}
+    return {file.stem: file.read_text(encoding="utf-8") for file in files if file.exists()}
 
 
 def _resource(name: str) -> str:
@@ -95,6 +109,7 @@ def _chapter(chapter: Chapter, exhibits: Mapping[str, Exhibit]) -> str:
 
 def _section(item: Item, exhibit: Exhibit) -> str:
     commands = " and ".join(f"<code>{escape(line)}</code>" for line in exhibit.commands)
+    reproduced = f"Reproduced by {commands}" if commands else "Not made"
     result = f", in <code>{escape(exhibit.result)}</code>" if exhibit.result else ""
     proof = f"{exhibit.proof} " if exhibit.proof else ""
     endings = [
@@ -105,7 +120,7 @@ def _section(item: Item, exhibit: Exhibit) -> str:
     return (
         f'<section id="{item.id}" class="{item.kind}">\n<h3><span>{escape(item.label)}</span> '
         f"{prose(item.title)}</h3>\n{exhibit.body}\n{erratum_notes(item.errata)}\n"
-        f'<p class="proof">{proof}Reproduced by {commands}{result}.{saved}</p>\n</section>'
+        f'<p class="proof">{proof}{reproduced}{result}.{saved}</p>\n</section>'
     )
 
 

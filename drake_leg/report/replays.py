@@ -43,6 +43,8 @@ def packed(pages: Mapping[str, str]) -> str:
             raise UnlikeReplaysError(f"the replay {name!r} has no viewer in it")
         viewers.add(found[0])
         rests[name] = _compressed(json.dumps([page[: found.start()], page[found.end() :]]))
+    if not pages:
+        return json.dumps({"viewer": "", "pages": {}})
     if len(viewers) != 1:
         raise UnlikeReplaysError(f"{len(pages)} replays have {len(viewers)} different viewers")
     return json.dumps({"viewer": _compressed(viewers.pop()), "pages": rests})

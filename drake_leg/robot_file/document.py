@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-from pathlib import Path
 from typing import Any
 
 from drake_leg.errors import InvalidValueError
@@ -17,35 +16,6 @@ _REMEDIES = {
     r"°": 'leave out the sign; angles = "deg" says the unit once',
     r"^\[row\]": "every row begins with [[row]], two brackets",
 }
-
-
-def read_text(path: Path) -> str:
-    """Read a file that a person wrote.
-
-    Parameters
-    ----------
-    path : Path
-        Text in UTF-8, with or without a byte order mark.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    InvalidValueError
-        If it cannot be read.
-    """
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InvalidValueError(
-            f"{path} is no text in UTF-8 (byte {error.start} is 0x{error.object[error.start]:02x})"
-            ": save it as UTF-8"
-        ) from None
-    except (OSError, ValueError) as error:
-        why = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        raise InvalidValueError(f"{path} cannot be read: {why}") from None
 
 
 def parse_document(text: str, where: str) -> Document:

@@ -1,22 +1,25 @@
-"""A run's outcome as files: recording, summary, figures."""
+"""A run's figures as files."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
+
+from matplotlib.figure import Figure
 
 from drake_leg.figures.of_runs import figures_of_run
 from drake_leg.figures.style import save
 from drake_leg.runs.outcome import Outcome
 
 
-def write_outcome(folder: Path, name: str, title: str, outcome: Outcome) -> None:
-    """Write ``recording.csv``, ``summary.json`` and the run's figures.
+def figure_files(
+    name: str, title: str, outcome: Outcome
+) -> Iterator[tuple[str, Callable[[Path], None]]]:
+    """Name a run's figures, and tell how each is written.
 
     Parameters
     ----------
-    folder : Path
-        Existing, to be written into.
     name : str
         Of the run, as on the command line.
     title : str
@@ -24,17 +27,16 @@ def write_outcome(folder: Path, name: str, title: str, outcome: Outcome) -> None
     outcome : Outcome
         What it left.
 
-    Raises
+    Yields
     ------
-    OutputError
-        If the recording cannot be written.
-    OSError
-        If the summary or a figure cannot be written.
+    tuple of str and callable
+        File name without ending, and a function that writes the figure into a folder.
     """
-    outcome.recording.write_csv(folder / "recording.csv")
-    summary = json.dumps({"run": name, **outcome.summary}, indent=2, allow_nan=False)
-    (folder / "summary.json").write_text(summary + "\n", encoding="utf-8")
     for file_name, draw in figures_of_run(
         name, title, outcome.robot, outcome.recording, outcome.summary
     ):
-        save(draw(), folder, file_name)
+        yield file_name, partial(_write, draw, file_name)
+
+
+def _write(draw: Callable[[], Figure], file_name: str, folder: Path) -> None:
+    save(draw(), folder, file_name)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from drake_leg.integrator import IntegratorSettings
@@ -21,6 +23,27 @@ class Outcome:
     recording: Recording
     exact: Mapping[str, Array]  # by column name: what the recording ought to hold
     summary: Mapping[str, Any]  # as in summary.json
+
+    def write(self, folder: Path, name: str) -> None:
+        """Write ``recording.csv`` and ``summary.json``.
+
+        Parameters
+        ----------
+        folder : Path
+            Existing, to be written into.
+        name : str
+            Of the run, as on the command line.
+
+        Raises
+        ------
+        OutputError
+            If the recording cannot be written.
+        OSError
+            If the summary cannot be written.
+        """
+        self.recording.write_csv(folder / "recording.csv")
+        summary = json.dumps({"run": name, **self.summary}, indent=2, allow_nan=False)
+        (folder / "summary.json").write_text(f"{summary}\n", encoding="utf-8")
 
 
 def outcome_of(

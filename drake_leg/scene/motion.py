@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array, finite_vectors
 from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.quantities import ANGLE_UNITS, LENGTH_UNITS, TIME_UNITS
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 
@@ -169,8 +171,9 @@ def recorded_motion(robot: Robot, recording: Recording) -> Motion:
     robot : Robot
         What moved.
     recording : Recording
-        With ``time`` and ``q1`` ... ``qm``, or ``q`` where there is one joint. Where the tip was
-        recorded too, in ``x``, ``y``, ``z``, it proves that the robot is the right one.
+        With ``time`` and ``q1`` ... ``qm``, or ``q`` where there is one joint, in the units of
+        their headers, or in SI where these name none. Where the tip was recorded too, in ``x``,
+        ``y``, ``z``, it proves that the robot is the right one.
 
     Returns
     -------
@@ -179,7 +182,7 @@ def recorded_motion(robot: Robot, recording: Recording) -> Motion:
     Raises
     ------
     InvalidValueError
-        If there is no column ``time``, or a value makes no sense.
+        If there is no column ``time``, or a value or a unit makes no sense.
     OtherRobotError
         If the count of joint positions is another, or the recorded tip is not where this robot has
         it.
@@ -191,15 +194,29 @@ def recorded_motion(robot: Robot, recording: Recording) -> Motion:
             f"the recording has joint positions of {len(joints)} joints and {robot.name!r} has "
             f"{len(robot.moving)}: give the one that moved, --robot"
         )
-    motion = Motion(robot=robot, time=recording["time"], q=recording.stack(*joints))
+    kinds = [
+        ANGLE_UNITS if segment.row.joint == "revolute" else LENGTH_UNITS for segment in robot.moving
+    ]
+    q = [_in_si(recording, *column) for column in zip(joints, kinds, strict=True)]
+    motion = Motion(robot=robot, time=_in_si(recording, "time", TIME_UNITS), q=np.stack(q, axis=-1))
     if set("xyz") <= set(names):
-        miss = float(np.abs(motion.poses()[:, -1, :3, 3] - recording.stack("x", "y", "z")).max())
+        p_BT = np.stack([_in_si(recording, name, LENGTH_UNITS) for name in "xyz"], axis=-1)
+        miss = float(np.abs(motion.poses()[:, -1, :3, 3] - p_BT).max())
         if miss > LARGEST_MISS:
             raise OtherRobotError(
                 f"the recording's tip is up to {miss:.3g} m away from where {robot.name!r} has it: "
                 "another robot moved, or one with other lengths; give the one that moved, --robot"
             )
     return motion
+
+
+def _in_si(recording: Recording, name: str, units: Mapping[str, float]) -> Array:
+    values, unit = recording[name], recording.unit(name)
+    if unit and unit not in units:
+        raise InvalidValueError(
+            f"the recording's column {name} is in {unit!r}; it must be in {' or '.join(units)}"
+        )
+    return values * units[unit] if unit else values
 
 
 def _number(name: str) -> int:

@@ -146,9 +146,11 @@ def simulate(
     except KeyboardInterrupt:
         reason = "interrupted"
     except STOPS as error:
-        reason, cause = str(error), error
+        reason, cause = str(error), error.with_traceback(None)  # which would hold the diagram
     except (RuntimeError, SystemExit) as error:
         reason = f"the integrator gave up: {' '.join(str(error).split())}"
+    finally:
+        simulator.clear_monitor()  # it holds the integrator, which holds all
     wall_time = clock.perf_counter() - began
     times, scopes = _read_scopes(diagram, context)
     return Run(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 import stat
 import struct
@@ -11,7 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from types import TracebackType
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, UnreadableFileError
+from drake_leg.reading import read_bytes
 
 LARGEST_FILE = 64 << 20  # bytes, packed
 LARGEST_DIRECTORY = 4 << 20  # bytes of the list of parts
@@ -29,9 +31,9 @@ class Parts:
     """The parts of one file; a context manager."""
 
     def __init__(self, path: Path) -> None:
-        _require_file(path)
+        content = _content(path)
         try:
-            self._archive = zipfile.ZipFile(path)
+            self._archive = zipfile.ZipFile(io.BytesIO(content))
             self._entries = _checked(self._archive.infolist())
         except (zipfile.BadZipFile, ValueError, struct.error, EOFError, OverflowError) as error:
             if isinstance(error, InvalidValueError):
@@ -98,26 +100,14 @@ class Parts:
         return content
 
 
-def _require_file(path: Path) -> None:
-    """Say what the file is if it is no .slx; never wait on a pipe or a device."""
+def _content(path: Path) -> bytes:
+    """Read the file, or say what it is if it is no .slx."""
     try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise InvalidValueError("it is no file: give a model's .slx")
-        if status.st_size > LARGEST_FILE:
-            raise InvalidValueError(
-                f"it has {status.st_size} bytes, more than any model that is read here "
-                f"({LARGEST_FILE})"
-            )
-        with path.open("rb") as file:
-            head = file.read(4096)
-            file.seek(max(0, status.st_size - (1 << 16) - _END_OF_DIRECTORY.size))
-            tail = file.read()
-    except (OSError, ValueError) as error:
-        if isinstance(error, InvalidValueError):
-            raise
-        why = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        raise InvalidValueError(f"it cannot be read ({why})") from None
+        content = read_bytes(path, most=LARGEST_FILE)
+    except UnreadableFileError as error:
+        raise InvalidValueError(f"it cannot be read ({error.reason})") from None
+    head = content[:4096]
+    tail = content[-(1 << 16) - _END_OF_DIRECTORY.size :]
     if path.suffix.lower() == ".slxp":
         raise InvalidValueError(
             "it is a protected model, whose diagram is encrypted: ask its author for the .slx"
@@ -133,6 +123,7 @@ def _require_file(path: Path) -> None:
         raise _damaged()
     if _END_OF_DIRECTORY.unpack_from(tail, end)[5] > LARGEST_DIRECTORY:
         raise InvalidValueError("it lists more parts than any model has: it is no .slx")
+    return content
 
 
 def _damaged() -> InvalidValueError:

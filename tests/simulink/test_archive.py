@@ -35,9 +35,9 @@ def test_no_zip(tmp_path):
 
 def test_missing_file_folder_and_pipe(tmp_path):
     refused(tmp_path / "none.slx", "it cannot be read .No such file")
-    refused(tmp_path, "it is no file")
+    refused(tmp_path, "it is a folder; give a file")
     os.mkfifo(tmp_path / "pipe.slx")
-    refused(tmp_path / "pipe.slx", "it is no file")
+    refused(tmp_path / "pipe.slx", "it is a pipe; give a file")
 
 
 @pytest.mark.parametrize(

@@ -98,6 +98,7 @@ class _Listener(ThreadingHTTPServer):
     """Listens at one address."""
 
     daemon_threads = True
+    request_queue_size = 1024  # pages that may wait to be answered at one moment
     desk: Desk
 
     def __init__(self, address: Address, port: int) -> None:

@@ -1,0 +1,71 @@
+"""Pictures: each is tried on its own, and one that fails costs nothing but itself."""
+
+from __future__ import annotations
+
+import os
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from drake_leg.cli.common import remark
+from drake_leg.errors import DrakeLegError, PictureError
+
+PLACES = "DRAKE_LEG_TRACEBACK"  # environment variable: show where an unforeseen error came from
+
+
+@contextmanager
+def picture(what: str) -> Iterator[None]:
+    """Make one sentence of whatever keeps a picture from being made.
+
+    Parameters
+    ----------
+    what : str
+        ``the still leg.png``.
+
+    Raises
+    ------
+    PictureError
+        In place of an error that nobody foresaw.
+    """
+    try:
+        yield
+    except DrakeLegError:
+        raise
+    except Exception as error:
+        show_place()
+        raise PictureError(what, error) from error
+
+
+class Pictures:
+    """Pictures tried one after the other.
+
+    Attributes
+    ----------
+    failed : int
+        How many could not be made.
+    """
+
+    def __init__(self) -> None:
+        self.failed = 0
+
+    @contextmanager
+    def trying(self, what: str) -> Iterator[None]:
+        """Try one, and say in a sentence what keeps it from being made.
+
+        Parameters
+        ----------
+        what : str
+            ``the figure angle``.
+        """
+        try:
+            yield
+        except Exception as error:
+            show_place()
+            self.failed += 1
+            remark(PictureError(what, error))
+
+
+def show_place() -> None:
+    """Show where the error being handled came from, to who asks for it."""
+    if PLACES in os.environ:
+        traceback.print_exc()
