@@ -96,7 +96,9 @@ def _motion(chosen: argparse.Namespace) -> Motion:
     from drake_leg.recording import read_csv
     from drake_leg.scene.motion import OtherRobotError, recorded_motion
 
-    robot = robot_source(chosen.robot).robot() if chosen.robot else _recorded_robot(chosen.run)
+    robot = (
+        _recorded_robot(chosen.run) if chosen.robot is None else robot_source(chosen.robot).robot()
+    )
     recording = read_csv(chosen.run / "recording.csv")
     try:
         return recorded_motion(robot, recording)
