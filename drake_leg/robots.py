@@ -29,7 +29,7 @@ from drake_leg.robot import (
 
 LegVariant = Literal["A", "B"]
 
-WATER = 1000.0  # [kg/m^3], the public Simulink model's density
+WATER = 1000.0  # [kg/m^3], Simscape's default, and the public Simulink model's density
 ALUMINIUM = 2700.0  # [kg/m^3]
 
 BLUE, ORANGE, GREEN = LINK_COLOURS[:3]
@@ -39,7 +39,7 @@ HEXABOT_LENGTHS = (0.050, 0.100, 0.100)  # [m], report B, section 2.2
 SCARA_LENGTHS = (0.220, 0.240)  # [m], report B, table 1.2
 SCARA_HEIGHT = 0.4524  # [m], report B, table 1.2
 SCARA_LOWEST = 0.340  # [m], height of the tool at R = 0, report B, table 1.2
-PENDULUM_SIZE = (0.30, 0.02, 0.01)  # [m]
+PENDULUM_SIZE = (0.40, 0.01, 0.01)  # [m], the assignment that report A answers
 
 _LEG_SECTION = (0.008, 0.005)  # [m], width and height of the bricks
 _FOOT_RADIUS = 0.006  # [m]
@@ -63,7 +63,7 @@ def _bar(
 def pendulum(
     *,
     size: tuple[float, float, float] = PENDULUM_SIZE,
-    density: float = ALUMINIUM,
+    density: float = WATER,
     mechanics: JointMechanics | None = None,
 ) -> Robot:
     """Make report A's pendulum: one brick that turns about the base's horizontal y axis.

@@ -94,7 +94,7 @@ def test_the_help_of_run_gives_every_option_with_its_unit_and_default(capsys):
             assert f"--{field.name.replace('_', '-')} " in text
             if field.metadata["unit"]:
                 assert f"[{field.metadata['unit']}]" in text
-    for shown in ("0.07", "9.80665", "90,-50,-90", "runge_kutta5", "0.3,0.02,0.01", "default"):
+    for shown in ("0.07", "9.80665", "90,-50,-90", "runge_kutta5", "0.4,0.01,0.01", "default"):
         assert shown in text
     for unit in ("[m/s]", "[rad/s]", "[deg]", "[kg/m^3]", "N*m/rad", "[s]"):
         assert unit in text

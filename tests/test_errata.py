@@ -36,7 +36,7 @@ SCARA_START = (*np.radians([30.0, 90.0, -120.0]), 0.0624)  # the tool at 390 mm
 STROKE = 0.140  # [m]
 TO_MM = np.array([[1, 1, 1, 1000.0]] * 3 + [[1, 1, 1, 1.0]])
 
-LENGTH, WIDTH, MASS = 0.30, 0.02, 2700.0 * 0.30 * 0.02 * 0.01
+LENGTH, WIDTH, MASS = 0.4, 0.01, 1000.0 * 0.4 * 0.01 * 0.01
 INERTIA = MASS * (LENGTH**2 + WIDTH**2) / 12 + MASS * LENGTH**2 / 4
 TORQUE = MASS * STANDARD_GRAVITY * LENGTH / 2
 OMEGA = math.sqrt(TORQUE / INERTIA)

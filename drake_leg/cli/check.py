@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import Commands
+from drake_leg.cli.common import Commands, refuse_ignored
 from drake_leg.cli.robot_source import RobotSource, add_robot_source, robot_source
 from drake_leg.robot import Robot
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from drake_leg.check.proof import Comparison, Proof
 
 FOUND = 1  # exit status where something is wrong with what was checked
+SAMPLES, SEED = 32, 0
 TABLES = (".csv", ".tsv", ".txt")
 
 
@@ -43,10 +44,10 @@ def add(commands: Commands) -> None:
         "--printed", type=Path, metavar="FILE", help="TOML or CSV with what is printed"
     )
     parser.add_argument(
-        "--samples", type=int, default=32, metavar="N", help="configurations (default 32)"
+        "--samples", type=int, metavar="N", help=f"configurations (default {SAMPLES})"
     )
     parser.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="of the random numbers (default 0)"
+        "--seed", type=int, metavar="N", help=f"of the random numbers (default {SEED})"
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(command=_check)
@@ -54,6 +55,7 @@ def add(commands: Commands) -> None:
 
 def _check(chosen: argparse.Namespace) -> int:
     if chosen.printed is not None:
+        refuse_ignored({"--samples": chosen.samples is not None}, "means nothing with --printed")
         return _check_print(robot_source(chosen.robot).robot(), chosen)
     if Path(chosen.robot).suffix.lower() in TABLES:
         return _check_table(Path(chosen.robot), chosen)
@@ -77,7 +79,8 @@ def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
         return _report(source.where, findings, chosen)
     robot = source.robot()
     findings += lint_sizes(robot)
-    proof = prove(robot, samples=chosen.samples, seed=chosen.seed)
+    samples = SAMPLES if chosen.samples is None else chosen.samples
+    proof = prove(robot, samples=samples, seed=_seed(chosen))
     if chosen.json:
         _print_json(source.where, findings, proof)
     else:
@@ -86,7 +89,15 @@ def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
     return 0 if proof.holds else FOUND
 
 
+def _seed(chosen: argparse.Namespace) -> int:
+    return SEED if chosen.seed is None else int(chosen.seed)
+
+
 def _check_table(path: Path, chosen: argparse.Namespace) -> int:
+    refuse_ignored(
+        {"--samples": chosen.samples is not None, "--seed": chosen.seed is not None},
+        "means nothing to a printed table alone, which is only read for slips",
+    )
     from drake_leg.check.printed_file import read_printed
     from drake_leg.check.table import lint_table
     from drake_leg.errors import InvalidValueError
@@ -104,7 +115,7 @@ def _check_print(robot: Robot, chosen: argparse.Namespace) -> int:
     from drake_leg.check.printed import grade
     from drake_leg.check.printed_file import read_printed
 
-    findings = grade(robot, read_printed(chosen.printed), seed=chosen.seed)
+    findings = grade(robot, read_printed(chosen.printed), seed=_seed(chosen))
     return _report(f"{chosen.printed} against {chosen.robot}", findings, chosen)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -68,6 +68,26 @@ def naming_option(option: str) -> Iterator[None]:
         yield
     except OutputError as error:
         raise OutputError(str(error).replace("another --out", f"another {option}")) from None
+
+
+def refuse_ignored(options: Mapping[str, bool], why: str) -> None:
+    """Refuse options that would be ignored.
+
+    Parameters
+    ----------
+    options : mapping of str to bool
+        Option, as ``--samples``, to whether it was given.
+    why : str
+        The end of the sentence: ``means nothing with --printed``.
+
+    Raises
+    ------
+    InvalidValueError
+        With the first that was given.
+    """
+    for option, given in options.items():
+        if given:
+            raise InvalidValueError(f"{option} {why}: leave it out")
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:

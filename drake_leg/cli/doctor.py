@@ -78,7 +78,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
         q,
         direction=numbers("--direction", chosen.direction, 3),
         frequency=numbers("--frequency", chosen.frequency, 1)[0],
-        foot=numbers("--foot", chosen.foot, 3) if chosen.foot else None,
+        foot=numbers("--foot", chosen.foot, 3) if chosen.foot is not None else None,
     )
     if chosen.json:
         print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))

@@ -7,7 +7,10 @@ import math
 
 from drake_leg.cli.common import numbers
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot import Robot, Segment
+from drake_leg.models.state_targets import starting_posture
+from drake_leg.robot import Robot
+from drake_leg.runs.catalogue import RUNS
+from drake_leg.runs.options import PendulumOptions, ScaraOptions, StepOptions
 
 HELP = "joint angles [deg]; a lift [m]"
 
@@ -20,9 +23,7 @@ def add_posture(parser: argparse.ArgumentParser) -> None:
     parser : ArgumentParser
         Of the command.
     """
-    parser.add_argument(
-        "--q", metavar="X,Y,Z", help=f"{HELP} (default: the reports' posture; zero otherwise)"
-    )
+    parser.add_argument("--q", metavar="X,Y,Z", help=f"{HELP} (default: where a run starts)")
 
 
 def posture(name: str, robot: Robot, text: str | None) -> list[float]:
@@ -48,7 +49,8 @@ def posture(name: str, robot: Robot, text: str | None) -> list[float]:
         If there is another count of numbers, or one is not finite.
     """
     if text is None:
-        return _reports_posture(name) or [_nearest_to_zero(segment) for segment in robot.moving]
+        reports = _reports_posture(name)
+        return list(starting_posture(robot)) if reports is None else reports
     values = numbers("--q", text)
     if len(values) != len(robot.moving):
         raise InvalidValueError(
@@ -83,28 +85,15 @@ def as_option(robot: Robot, q: list[float]) -> str:
 
 def _reports_posture(name: str) -> list[float] | None:
     """Return where the runs of the reports' robots start."""
-    from drake_leg.runs.options import LegAOptions, LegBOptions, PendulumOptions, ScaraOptions
-
-    kinds = {
-        "pendulum": PendulumOptions,
-        "leg-a": LegAOptions,
-        "leg-b": LegBOptions,
-        "scara": ScaraOptions,
-    }
-    if name not in kinds:
+    if name not in RUNS:
         return None
-    options = kinds[name]()
-    angles = [math.radians(angle) for angle in options.q0]
+    options = RUNS[name].options()
+    if isinstance(options, PendulumOptions):
+        return [options.start()]
     if isinstance(options, ScaraOptions):
         from drake_leg.kinematics.scara import ScaraGeometry, lift_position
         from drake_leg.robots import SCARA
 
-        return [*angles, lift_position(ScaraGeometry.from_robot(SCARA), options.tool_height)]
-    return angles
-
-
-def _nearest_to_zero(segment: Segment) -> float:
-    mechanics = segment.mechanics
-    low = -math.inf if mechanics.lower is None else mechanics.lower
-    high = math.inf if mechanics.upper is None else mechanics.upper
-    return min(max(0.0, low), high)
+        lift = lift_position(ScaraGeometry.from_robot(SCARA), options.tool_height)
+        return [*options.posture(), lift]
+    return list(options.posture()) if isinstance(options, StepOptions) else None

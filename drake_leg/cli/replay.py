@@ -101,7 +101,9 @@ def _motion(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Motion:
     from drake_leg.recording import read_csv
     from drake_leg.scene.motion import OtherRobotError, recorded_motion
 
-    robot = robot_source(chosen.robot).robot() if chosen.robot else _recorded_robot(chosen.run)
+    robot = (
+        _recorded_robot(chosen.run) if chosen.robot is None else robot_source(chosen.robot).robot()
+    )
     recording = read_csv(chosen.run / "recording.csv")
     _require_whole(chosen.run, recording, summary)
     try:

@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 import typing
 from pathlib import Path
+from types import UnionType
 from typing import Any
 
 from drake_leg.cli.common import numbers
@@ -192,12 +193,22 @@ def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
 
 
 def _metavar(field: dataclasses.Field[Any]) -> str:
-    if typing.get_origin(field.type) is list:
+    kind = _kind(field.type)
+    if typing.get_origin(kind) is list:
         return "X,Y,Z"
-    return "TEXT" if field.type is str else "X"
+    return "TEXT" if kind is str else "X"
+
+
+def _kind(annotation: Any) -> Any:  # noqa: ANN401 - a type's annotation
+    """Return what an option is where it is given: its type without None."""
+    if not isinstance(annotation, UnionType):
+        return annotation
+    (kind,) = (part for part in typing.get_args(annotation) if part is not type(None))
+    return kind
 
 
 def _value(name: str, kind: object, text: str) -> object:
+    kind = _kind(kind)
     if kind in (str, bool):
         return text
     option = f"--{name.replace('_', '-')}"

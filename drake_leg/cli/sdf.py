@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from drake_leg.cli.common import Commands
+from drake_leg.cli.common import Commands, refuse_ignored
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 
 
@@ -41,6 +41,8 @@ def _sdf(chosen: argparse.Namespace) -> int:
     from drake_leg.robot_file import robot_toml
     from drake_leg.text_file import write_text
 
+    if chosen.out is None:
+        refuse_ignored({"--overwrite": chosen.overwrite}, "goes with --out")
     source = robot_source(chosen.robot)
     robot = source.robot()
     for finding in (*lint_table(table_of_document(source.document())), *lint_sizes(robot)):

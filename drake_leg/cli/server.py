@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from drake_leg.scene.live.server import Server
 
 
+HOST = "localhost"
+
+
 def add_server(parser: argparse.ArgumentParser) -> None:
     """Add the options.
 
@@ -23,8 +26,7 @@ def add_server(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument(
         "--host",
-        default="localhost",
-        help="name or address to serve at; '*' lets other machines in (default localhost)",
+        help=f"name or address to serve at; '*' lets other machines in (default {HOST})",
     )
     parser.add_argument(
         "--port", metavar="N", help="port to serve at (default the first free one from 7000 on)"
@@ -33,6 +35,26 @@ def add_server(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--once", action="store_true", help="end at once, without a browser: a trial"
     )
+
+
+def server_options(chosen: argparse.Namespace) -> dict[str, bool]:
+    """Tell which of the options were given.
+
+    Parameters
+    ----------
+    chosen : Namespace
+        With the options of ``add_server``.
+
+    Returns
+    -------
+    dict of str to bool
+    """
+    return {
+        "--host": chosen.host is not None,
+        "--port": chosen.port is not None,
+        "--no-browser": chosen.no_browser,
+        "--once": chosen.once,
+    }
 
 
 LEAVING = (
@@ -66,7 +88,7 @@ def start_server(chosen: argparse.Namespace, shows: str) -> Server:
     from drake_leg.scene.live.browser import open_browser
     from drake_leg.scene.live.server import Server
 
-    server = Server(chosen.host, _port(chosen.port))
+    server = Server(HOST if chosen.host is None else chosen.host, _port(chosen.port))
     print(f"{shows}: {server.url}", flush=True)
     print("Escape in the page or Ctrl-C here ends", flush=True)
     if not (chosen.once or chosen.no_browser or open_browser(server.url)):

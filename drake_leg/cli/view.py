@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from drake_leg.cli.common import Commands, naming_option
+from drake_leg.cli.common import Commands, naming_option, refuse_ignored
 from drake_leg.cli.pictures import picture
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
-from drake_leg.cli.server import LEAVING, add_server, start_server
+from drake_leg.cli.server import LEAVING, add_server, server_options, start_server
 from drake_leg.cli.shows import say_if_sketched
 from drake_leg.imports import require_pillow
 
@@ -61,10 +61,12 @@ def add_view(parser: argparse.ArgumentParser, what: str) -> None:
 
 
 def _view(chosen: argparse.Namespace) -> int:
+    if chosen.still is not None:
+        refuse_ignored(server_options(chosen), "means nothing with --still, which opens no page")
+        return _still(chosen)
+    refuse_ignored({"--overwrite": chosen.overwrite}, "goes with --still")
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
-    if chosen.still is not None:
-        return _still(chosen)
     from drake_leg.scene.viewer import view_robot
     from drake_leg.scene.views import view_named
 

@@ -19,6 +19,7 @@ from drake_leg.diagrams.mechanism import add_scope, add_stops
 from drake_leg.diagrams.wiring import plant_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
+from drake_leg.models.state_targets import initial_state
 from drake_leg.quantities import STANDARD_GRAVITY, require_angle
 from drake_leg.robot import Robot
 from drake_leg.systems.energy_sensor import EnergySensor
@@ -29,12 +30,17 @@ class PendulumConfig:
     """A pendulum let go at rest; damping and spring are the robot's joint mechanics."""
 
     robot: Robot
-    q0: float = 0.0  # [rad], the state target: where the simulation starts
+    q0: float | None = None  # [rad], where the simulation starts; None: the robot's state target
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
 
     def __post_init__(self) -> None:
         PendulumModel.from_robot(self.robot)
-        require_angle("the state target", self.q0)
+        require_angle("the state target", self.start)
+
+    @property
+    def start(self) -> float:
+        """Where the simulation starts [rad]."""
+        return initial_state(self.robot).q[0] if self.q0 is None else self.q0
 
 
 def build(config: PendulumConfig) -> Diagram:
@@ -54,7 +60,7 @@ def build(config: PendulumConfig) -> Diagram:
     plant = builder.AddNamedSystem(
         config.robot.name, build_plant(config.robot, gravity=config.gravity)
     )
-    plant.SetDefaultPositions([config.q0])
+    plant.SetDefaultPositions([config.start])
     joint = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([1, 1]))
     energy = builder.AddNamedSystem("Energy", EnergySensor(plant)).GetOutputPort("energy")
     stops = add_stops(builder, config.robot, plant)

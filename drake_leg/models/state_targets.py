@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import StateTarget
+from drake_leg.joint_mechanics import JointMechanics, StateTarget
 from drake_leg.robot import Robot
 
 CLOSE = 1e-9  # relative and absolute difference of a target met
@@ -77,6 +78,30 @@ def initial_state(
             f"{', '.join(str(segment.joint) for segment in robot.moving)}"
         )
     return InitialState(q=tuple(positions), qdot=tuple(velocities), unmet=tuple(unmet))
+
+
+def starting_posture(robot: Robot) -> tuple[float, ...]:
+    """Choose a posture where nobody gave one: state targets, else as near to 0 as limits allow.
+
+    Parameters
+    ----------
+    robot : Robot
+        With its joints' targets and limits.
+
+    Returns
+    -------
+    tuple of float
+        In the robot's order [rad or m].
+    """
+    return tuple(_beginning(segment.mechanics) for segment in robot.moving)
+
+
+def _beginning(mechanics: JointMechanics) -> float:
+    if mechanics.position_target is not None:
+        return mechanics.position_target.value
+    low = -math.inf if mechanics.lower is None else mechanics.lower
+    high = math.inf if mechanics.upper is None else mechanics.upper
+    return min(max(0.0, low), high)
 
 
 def _value(target: StateTarget | None, given: float | None) -> float:

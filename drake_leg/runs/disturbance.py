@@ -145,7 +145,7 @@ def push_torques(robot: Robot, run: Run, disturbance: Disturbance) -> Array:
 
 def _push(options: StepOptions) -> Push | None:
     given = {"push_at": options.push_at, "push_for": options.push_for}
-    if not options.push:
+    if options.push is None:
         for name, value in given.items():
             if value is not None:
                 raise InvalidValueError(

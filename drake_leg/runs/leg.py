@@ -101,6 +101,7 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
     SingularConfigurationError
         If the robot is singular where it starts.
     """
+    options.refuse_ignored()
     config = straight_config(robot, options)
     along = np.array(config.direction)
 
@@ -139,6 +140,7 @@ def run_ellipse(options: EllipseOptions, progress: Progress | None = None) -> Ou
     SingularConfigurationError
         If the leg is singular where it starts.
     """
+    options.refuse_ignored()
     config = ellipse_config(options)
     along = np.array(config.direction)
 
@@ -252,7 +254,7 @@ def _outcome(
     columns |= {f"det_j[m^{power}]": det_j, "sigma_min[m]": sigma_min}
     exact = exact_tip(start, path, _exact_angles(config, start + path.displacement))
     findings = {
-        "q0_deg": options.q0 if any(options.q0) else _as_options(robot, config.q0),
+        "q0_deg": _as_options(robot, config.q0) if options.q0 is None else options.q0,
         **control_findings(config.control),
         **tip_findings(run, start, path, np.array(config.direction), across, config.disturbance),
         "max_torque_error_n_m": torque_error(robot, run, config.gravity, config.disturbance),

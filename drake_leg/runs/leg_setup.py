@@ -10,7 +10,7 @@ from pydrake.systems.framework import Diagram
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
-from drake_leg.models.state_targets import initial_state
+from drake_leg.models.state_targets import initial_state, starting_posture
 from drake_leg.robot import Robot
 from drake_leg.robots import LegVariant
 from drake_leg.robots import hexabot_leg as leg_robot
@@ -146,7 +146,10 @@ def ellipse_config(options: EllipseOptions) -> ellipse.EllipseConfig:
 
 
 def _posture(robot: Robot, options: StraightOptions) -> tuple[float, float, float]:
-    """Take q0 in rad where a joint turns, in m where it slides, or the robot's state targets."""
+    """Take q0 in rad where a joint turns, in m where it slides, or where the robot begins."""
+    if options.q0 is None and len(robot.moving) == 3:
+        q1, q2, q3 = starting_posture(robot)
+        return q1, q2, q3
     angles = options.posture()
     if len(robot.moving) != 3:
         return angles
@@ -154,8 +157,6 @@ def _posture(robot: Robot, options: StraightOptions) -> tuple[float, float, floa
         angle if segment.row.joint == "revolute" else math.degrees(angle)
         for angle, segment in zip(angles, robot.moving, strict=True)
     )
-    if (q1, q2, q3) == (0.0, 0.0, 0.0):  # where nobody said anything
-        q1, q2, q3 = initial_state(robot).q
     joints = (str(segment.joint) for segment in robot.moving)
     initial_state(robot, {joint: (q, 0.0) for joint, q in zip(joints, (q1, q2, q3), strict=True)})
     return q1, q2, q3

@@ -5,7 +5,8 @@ annotations of the fields as types, so that they must not be postponed to string
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 from drake_leg.errors import InvalidValueError
@@ -21,6 +22,7 @@ from drake_leg.robots import (
 )
 
 STATE_TARGET = 30.0  # [deg], report A, section 1.2
+EXACT = "exact"  # the inverse that stops where the Jacobian is singular
 
 # One text for an option that several runs have.
 DURATION = "simulated time"
@@ -106,8 +108,10 @@ class RunOptions:
 class DampingOptions(RunOptions):
     """What every run has whose robot comes from here."""
 
-    damping: float = option(0.0, DAMPING)
-    damping_unit: str = option("N*m*s/rad", f"unit of --damping: {' or '.join(DAMPING_UNITS)}")
+    damping: float | None = option(None, DAMPING, shown="0")
+    damping_unit: str | None = option(
+        None, f"unit of --damping: {' or '.join(DAMPING_UNITS)}", shown="N*m*s/rad"
+    )
 
     def si_damping(self) -> float:
         """Return the damping in N*m*s/rad.
@@ -119,22 +123,29 @@ class DampingOptions(RunOptions):
         Raises
         ------
         InvalidValueError
-            If the unit is unknown.
+            If the unit is unknown, or there is no damping whose unit it were.
         """
-        return in_si("damping", self.damping, self.damping_unit, DAMPING_UNITS)
+        unit = _unit("damping", self.damping_unit, DAMPING_UNITS)
+        if self.damping is not None:
+            return in_si("damping", self.damping, unit, DAMPING_UNITS)
+        if self.damping_unit is not None:
+            raise InvalidValueError(
+                f"the damping unit is {unit!r} and there is no damping: give it, as --damping 0.01"
+            )
+        return 0.0
 
 
 @dataclass(kw_only=True)
 class StepOptions(RunOptions):
     """What every robot has whose tip follows a sine."""
 
-    q0: list[float] = option([], Q0, "deg")
+    q0: list[float] | None = option(None, Q0, "deg")
     amplitude: float = option(0.0, AMPLITUDE, "m/s")
     frequency: float = option(1.0, "of the sine", "rad/s")
     direction: list[float] = option([1.0, 0.0, 0.0], "of the motion, in the base frame")
     force: bool = option(False, "go up to a singularity that is foreseen, and save the way there")
     inverse: str = option(
-        "exact", "of the Jacobian: exact stops where it is singular, damped and limited go on"
+        EXACT, "of the Jacobian: exact stops where it is singular, damped and limited go on"
     )
     damped_below: float | None = option(
         None,
@@ -155,8 +166,11 @@ class StepOptions(RunOptions):
     q0_error: list[float] = option(
         [0.0, 0.0, 0.0], "where the joints really start, minus q0", "deg"
     )
-    push: list[float] = option(
-        [], "greatest force of a push on the foot or the tool, half a sine wave", "N", shown="none"
+    push: list[float] | None = option(
+        None,
+        "greatest force of a push on the foot or the tool, half a sine wave",
+        "N",
+        shown="none",
     )
     push_at: float | None = option(None, "when the push begins", "s", shown="2")
     push_for: float | None = option(None, "how long the push lasts", "s", shown="0.1")
@@ -197,6 +211,34 @@ class StepOptions(RunOptions):
         x, y, z = (value / length for value in self.direction)
         return x, y, z
 
+    def refuse_ignored(self) -> None:
+        """Refuse what would mean nothing beside the other options.
+
+        Raises
+        ------
+        InvalidValueError
+            With the option and what makes it meaningless.
+        """
+        if self.force and self.inverse != EXACT:
+            raise InvalidValueError(
+                f"--force means nothing with --inverse {self.inverse}, which goes on past a "
+                "singularity: leave one of the two out"
+            )
+        for name in self._idle():
+            value = getattr(self, name)
+            if value != _default(type(self), name):
+                raise InvalidValueError(
+                    f"{name} is {value!r}, which means nothing where the {self._still()}: leave it "
+                    "out"
+                )
+
+    def _idle(self) -> tuple[str, ...]:
+        """Name the options that mean nothing, for the tip stands still."""
+        return () if self.amplitude else ("frequency", "direction")
+
+    def _still(self) -> str:
+        return "amplitude is 0"
+
     def start_error(self) -> list[float]:
         """Return q0_error as it was given.
 
@@ -227,7 +269,7 @@ class StepOptions(RunOptions):
         InvalidValueError
             If it has not three finite angles.
         """
-        if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
+        if self.q0 is None or len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(
                 f"q0 is {self.q0}; it must be three finite angles in degrees, as 90,-50,-90"
             )
@@ -251,7 +293,9 @@ class LegOptions(StepOptions, DampingOptions):
 class StraightOptions(StepOptions):
     """The straight step of a robot from a file."""
 
-    q0: list[float] = option([0.0, 0.0, 0.0], Q0, "deg")
+    q0: list[float] | None = option(
+        None, Q0, "deg", shown="the joints' state targets; zero, or the limit that is nearest"
+    )
     amplitude: float = option(0.050, AMPLITUDE, "m/s")
     gain: float = option(
         1.0, "of a gain block after the sine, whose own amplitude is amplitude / gain; 1: no block"
@@ -260,6 +304,9 @@ class StraightOptions(StepOptions):
     feedback: str = option(
         "sensed", f"what the inverse Jacobian takes as joint positions: {' or '.join(FEEDBACKS)}"
     )
+
+    def _idle(self) -> tuple[str, ...]:
+        return () if self.amplitude else (*super()._idle(), "gain")
 
 
 @dataclass(kw_only=True)
@@ -281,6 +328,13 @@ class EllipseOptions(LegOptions):
     lift: float = option(0.040, "height of the ellipse", "m")
     filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
 
+    def _idle(self) -> tuple[str, ...]:
+        idle = super()._idle()
+        return tuple(name for name in idle if name == "direction") if self.lift else idle
+
+    def _still(self) -> str:
+        return "amplitude is 0" if self.lift else "amplitude and the lift are 0"
+
 
 @dataclass(kw_only=True)
 class ScaraOptions(StepOptions, DampingOptions):
@@ -298,16 +352,20 @@ class ScaraOptions(StepOptions, DampingOptions):
 class PendulumOptions(DampingOptions):
     """The pendulum, whatever acts at its joint."""
 
-    q0: list[float] = option([0.0], Q0, "deg")
+    q0: list[float] | None = option(None, Q0, "deg", shown="0")
     size: list[float] = option(list(PENDULUM_SIZE), "length, width, height of the link", "m")
-    density: float = option(ALUMINIUM, "of the solids", "kg/m^3")
+    density: float = option(WATER, "of the solids", "kg/m^3")
     velocity_target: float = option(0.0, "speed at the start", "deg/s")
     lower_limit: float | None = option(None, LIMIT.format("least"), "deg", shown="none")
     upper_limit: float | None = option(None, LIMIT.format("greatest"), "deg", shown="none")
-    limit_stiffness: float = option(1e4, "of the springs at the limits", "N*m/deg")
-    limit_damping: float = option(10.0, "of the dampers at the limits", "N*m/(deg/s)")
-    limit_width: float = option(
-        0.1, "depth beyond a limit at which spring and damper act in full", "deg"
+    limit_stiffness: float | None = option(
+        None, "of the springs at the limits", "N*m/deg", shown="10000"
+    )
+    limit_damping: float | None = option(
+        None, "of the dampers at the limits", "N*m/(deg/s)", shown="10"
+    )
+    limit_width: float | None = option(
+        None, "depth beyond a limit at which spring and damper act in full", "deg", shown="0.1"
     )
 
     def limits(self) -> dict[str, Any]:
@@ -320,12 +378,24 @@ class PendulumOptions(DampingOptions):
         Raises
         ------
         InvalidValueError
-            If a bound is not finite, or stiffness, damping or width make no sense.
+            If a bound is not finite, if stiffness, damping or width make no sense, or if there is
+            no limit to have them.
         """
         bounds = {"lower": self.lower_limit, "upper": self.upper_limit}
-        stop = HardStop.rotational(self.limit_stiffness, self.limit_damping, self.limit_width)
+        of_stop = {
+            "stiffness": self.limit_stiffness,
+            "damping": self.limit_damping,
+            "transition_width": self.limit_width,
+        }
+        stop = {name: value for name, value in of_stop.items() if value is not None}
         given = {side: math.radians(angle) for side, angle in bounds.items() if angle is not None}
-        return {**given, **{f"{side}_stop": stop for side in given}}
+        if stop and not given:
+            name = next(iter(stop))
+            raise InvalidValueError(
+                f"the limit's {name.replace('_', ' ')} is {stop[name]!r} and there is no limit: "
+                "give one, as --lower-limit 20"
+            )
+        return {**given, **{f"{side}_stop": HardStop.rotational(**stop) for side in given}}
 
     def start(self) -> float:
         """Return the initial angle in rad.
@@ -339,9 +409,7 @@ class PendulumOptions(DampingOptions):
         InvalidValueError
             If q0 is not one finite angle.
         """
-        if len(self.q0) != 1 or not math.isfinite(self.q0[0]):
-            raise InvalidValueError(f"q0 is {self.q0}; it must be one finite angle in degrees")
-        return math.radians(self.q0[0])
+        return math.radians(_one_angle([0.0] if self.q0 is None else self.q0))
 
 
 @dataclass(kw_only=True)
@@ -358,7 +426,7 @@ class DampedPendulumOptions(PendulumOptions):
     duration: float = option(30.0, DURATION, "s")
     damping: float = option(0.01, DAMPING)
     target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
-    q0: list[float] = option([], Q0, "deg", shown="as --target")
+    q0: list[float] | None = option(None, Q0, "deg", shown="as --target")
 
     def start(self) -> float:
         """Return the state target in rad, under either of its names.
@@ -372,16 +440,16 @@ class DampedPendulumOptions(PendulumOptions):
         InvalidValueError
             If it is not one finite angle, or the two names disagree.
         """
-        if not self.q0:
+        if self.q0 is None:
             target = STATE_TARGET if self.target is None else self.target
-            return replace(self, q0=[target], target=None).start()
-        start = super().start()
-        if self.target not in (None, self.q0[0]):
+            return math.radians(_one_angle([target]))
+        angle = _one_angle(self.q0)
+        if self.target not in (None, angle):
             raise InvalidValueError(
-                f"q0 is {self.q0[0]:g} deg and the state target {self.target:g} deg, two names "
+                f"q0 is {angle:g} deg and the state target {self.target:g} deg, two names "
                 "of the angle where the simulation starts: give one of them"
             )
-        return start
+        return math.radians(angle)
 
 
 @dataclass(kw_only=True)
@@ -391,8 +459,29 @@ class SpringPendulumOptions(PendulumOptions):
     duration: float = option(30.0, DURATION, "s")
     damping: float = option(0.01, DAMPING)
     spring_stiffness: float = option(5.0, "of the spring at the joint, in --spring-unit")
-    spring_unit: str = option("N*m/rad", f"unit of --spring-stiffness: {' or '.join(SPRING_UNITS)}")
-    target: float = option(30.0, TARGET, "deg")
+    spring_unit: str | None = option(
+        None, f"unit of --spring-stiffness: {' or '.join(SPRING_UNITS)}", shown="N*m/rad"
+    )
+    target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
+
+    def equilibrium(self) -> float:
+        """Return the angle in rad at which the spring is at rest.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        InvalidValueError
+            If there is no spring whose rest it were.
+        """
+        if self.target is not None and self.spring_stiffness == 0.0:
+            raise InvalidValueError(
+                f"the target is {self.target:g} deg and the spring stiffness is 0, so that nothing "
+                "pulls there: give a --spring-stiffness, or leave the target out"
+            )
+        return math.radians(STATE_TARGET if self.target is None else self.target)
 
     def si_stiffness(self) -> float:
         """Return the spring's stiffness in N*m/rad.
@@ -406,4 +495,26 @@ class SpringPendulumOptions(PendulumOptions):
         InvalidValueError
             If the unit is unknown.
         """
-        return in_si("spring", self.spring_stiffness, self.spring_unit, SPRING_UNITS)
+        unit = _unit("spring", self.spring_unit, SPRING_UNITS)
+        return in_si("spring", self.spring_stiffness, unit, SPRING_UNITS)
+
+
+def _unit(what: str, unit: str | None, units: Mapping[str, float]) -> str:
+    """Return the unit that was given, or the first, which is SI."""
+    if unit is None:
+        return next(iter(units))
+    in_si(what, 0.0, unit, units)
+    return unit
+
+
+def _one_angle(q0: list[float]) -> float:
+    """Return the only angle of a pendulum [deg]."""
+    if len(q0) != 1 or not math.isfinite(q0[0]):
+        raise InvalidValueError(f"q0 is {q0}; it must be one finite angle in degrees")
+    return q0[0]
+
+
+def _default(options: type[RunOptions], name: str) -> object:
+    """Return the default of an option."""
+    (found,) = (option for option in fields(options) if option.name == name)
+    return found.default_factory() if callable(found.default_factory) else found.default

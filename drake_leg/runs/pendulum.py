@@ -76,7 +76,7 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
             "energy[J]": run.scopes["energy"][:, 0],
         }
     )
-    q, qdot = exact_motion(model, config.q0, run.time, rate)
+    q, qdot = exact_motion(model, config.start, run.time, rate)
     return outcome_of(
         robot,
         run,
@@ -116,7 +116,7 @@ def pendulum_config(options: PendulumOptions) -> pendulum.PendulumConfig:
     if len(options.size) != 3:
         raise InvalidValueError(
             f"the size is {options.size}; it must be length, width and height in m, "
-            "as 0.30,0.02,0.01"
+            "as 0.4,0.01,0.01"
         )
     length, width, height = options.size
     robot = pendulum_robot(
@@ -195,7 +195,7 @@ def _mechanics(options: PendulumOptions) -> JointMechanics:
     return replace(
         mechanics,
         spring_stiffness=options.si_stiffness(),
-        equilibrium_position=math.radians(options.target),
+        equilibrium_position=options.equilibrium(),
     )
 
 
@@ -210,12 +210,12 @@ def _findings(
     tail = run.time >= 0.9 * run.time[-1]
     moves = max(np.abs(qdot[tail]).max(), np.abs(recording["qddot"][tail]).max())
     rested = (model.damping > 0.0 or model.limits is not None) and moves < AT_REST
-    period = exact_period(model, config.q0) if recording["qdot"][0] == 0.0 else None
+    period = exact_period(model, config.start) if recording["qdot"][0] == 0.0 else None
     conservative = model.damping == 0.0 and model.limits is None
     scale = model.gravity_torque or 1.0
     drift = float(np.abs(energy - energy[0]).max() / scale)
     return {
-        "q0_rad": config.q0,
+        "q0_rad": config.start,
         "period_s": None if period is None else measured_period(recording),
         "exact_period_s": period,
         "energy_drift": drift if conservative else None,

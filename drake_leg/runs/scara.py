@@ -56,6 +56,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     SingularConfigurationError
         If the arm is stretched or folded where it starts.
     """
+    options.refuse_ignored()
     config = scara_config(options)
     along = np.array(config.direction)
     plan = _plan(config, options.duration)

@@ -584,8 +584,8 @@ def test_cylinder_for_a_brick(compared):
 
 
 def test_custom_inertia(compared):
-    custom = {"InertiaType": "Custom", "Mass": "0.162"}
-    same = custom | {"MomentsOfInertia": "0.162/12*[.02^2+.01^2 .3^2+.01^2 .3^2+.02^2]"}
+    custom = {"InertiaType": "Custom", "Mass": "0.04"}
+    same = custom | {"MomentsOfInertia": "0.04/12*[.01^2+.01^2 .4^2+.01^2 .4^2+.01^2]"}
     assert compared(published_pendulum().set("Brick Solid", **same), "pendulum").agrees
     other = custom | {"MomentsOfInertia": "[1e-5 1e-5 1e-5]"}
     found = compared(published_pendulum().set("Brick Solid", **other), "pendulum")

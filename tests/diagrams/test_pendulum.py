@@ -8,7 +8,7 @@ from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B, PENDULUM, pendulum
 from drake_leg.simulation import simulate
 
-MASS, LENGTH, WIDTH = 2700 * 0.30 * 0.02 * 0.01, 0.30, 0.02  # [kg], [m]
+MASS, LENGTH, WIDTH = 1000 * 0.4 * 0.01 * 0.01, 0.4, 0.01  # [kg], [m]
 INERTIA = MASS * (LENGTH**2 + WIDTH**2) / 12 + MASS * LENGTH**2 / 4
 TORQUE = MASS * 9.80665 * LENGTH / 2
 STEP = IntegratorSettings(max_step=0.002)

@@ -329,10 +329,10 @@ def test_without_gravity_and_spring_the_pendulum_rests_where_it_is():
 def test_the_model_is_read_off_the_robots_data():
     mechanics = JointMechanics(damping=0.1, spring_stiffness=2.0, equilibrium_position=0.3)
     model = PendulumModel.from_robot(pendulum(mechanics=mechanics), gravity=1.62)
-    assert (model.mass, model.length) == (pytest.approx(0.162), 0.30)
-    assert model.inertia == pytest.approx(0.162 * ((0.09 + 0.0004) / 12 + 0.0225))
+    assert (model.mass, model.length) == (pytest.approx(0.04), 0.4)
+    assert model.inertia == pytest.approx(0.04 * ((0.16 + 0.0001) / 12 + 0.04))
     assert (model.damping, model.spring_stiffness, model.equilibrium_position) == (0.1, 2.0, 0.3)
-    assert model.gravity_torque == pytest.approx(0.162 * 1.62 * 0.15)
+    assert model.gravity_torque == pytest.approx(0.04 * 1.62 * 0.2)
     assert model.natural_frequency**2 == pytest.approx(model.gravity_torque / model.inertia)
 
 

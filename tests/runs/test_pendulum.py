@@ -13,7 +13,7 @@ from drake_leg.runs.options import (
 )
 from drake_leg.runs.pendulum import run_pendulum
 
-MASS, LENGTH, WIDTH, GRAVITY = 2700 * 0.30 * 0.02 * 0.01, 0.30, 0.02, 9.80665
+MASS, LENGTH, WIDTH, GRAVITY = 1000 * 0.4 * 0.01 * 0.01, 0.4, 0.01, 9.80665
 INERTIA = MASS * (LENGTH**2 + WIDTH**2) / 12 + MASS * LENGTH**2 / 4
 TORQUE = MASS * GRAVITY * LENGTH / 2
 OMEGA = np.sqrt(TORQUE / INERTIA)

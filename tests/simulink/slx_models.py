@@ -229,7 +229,7 @@ def published_pendulum(
         {
             "TranslationMethod": "StandardAxis",
             "TranslationStandardAxis": "+X",
-            "TranslationStandardOffset": "15",
+            "TranslationStandardOffset": "20",
             "TranslationStandardOffsetUnits": "cm",
         },
         ports={"lconn": 1, "rconn": 1},
@@ -238,9 +238,9 @@ def published_pendulum(
         BRICK,
         "Brick Solid",
         {
-            "BrickDimensions": "[0.30 0.02 0.01]",
+            "BrickDimensions": "[0.4 0.01 0.01]",
             "BrickDimensionsUnits": "m",
-            "Density": "2700",
+            "Density": "1000",
             "DensityUnits": "kg/m^3",
         },
         ports={"rconn": 1},

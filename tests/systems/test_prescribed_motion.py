@@ -90,7 +90,7 @@ def test_a_spring_and_a_damper_at_the_joint_are_part_of_the_torque():
     time, state, torque = driven(build_plant(pendulum(mechanics=mechanics)), amplitude=[0.8])
     q, qdot, qddot = (column[:, 0] for column in commanded(time, [0.8]))
     np.testing.assert_allclose(state[:, 0], q, atol=1e-9)
-    mass, length, width = 2700 * 0.30 * 0.02 * 0.01, 0.30, 0.02
+    mass, length, width = 1000 * 0.4 * 0.01 * 0.01, 0.4, 0.01
     inertia = mass * (length**2 + width**2) / 12 + mass * length**2 / 4
     gravity = mass * 9.80665 * length / 2 * np.cos(q)
     expected = inertia * qddot + 0.05 * qdot + 5.0 * (q - 0.3) - gravity
