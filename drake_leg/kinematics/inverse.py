@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.damped import damped_task, rate_box
+from drake_leg.kinematics.damped import damped_task
+from drake_leg.kinematics.rate_box import RateBox
 from drake_leg.kinematics.task import Task
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Segment
@@ -68,9 +69,10 @@ class Inverse:
         if self.method == "damped":
             return damped_task(task, below)
         mechanics = [segment.mechanics for segment in joints]
-        box = rate_box(
-            [-math.inf if joint.lower is None else joint.lower for joint in mechanics],
-            [math.inf if joint.upper is None else joint.upper for joint in mechanics],
+        lower, upper = zip(*(joint.bounds for joint in mechanics), strict=True)
+        box = RateBox(
+            lower,
+            upper,
             [self._fastest(segment) for segment in joints],
             SETTLING,
         )
