@@ -31,17 +31,18 @@ class Inverse:
             raise InvalidValueError(
                 f"the inverse is {self.method!r}; it must be one of {', '.join(METHODS)}"
             )
+        rate = None if self.rate_limit is None else math.degrees(self.rate_limit)
         for name, value, unit, methods in (
             ("the singular value at which damping begins", self.damped_below, "m", METHODS[1:]),
-            ("the rate limit", self.rate_limit, "rad/s", METHODS[2:]),
+            ("the rate limit", rate, "deg/s", METHODS[2:]),
         ):
             if value is None:
                 continue
             require_positive(name, value, unit)
             if self.method not in methods:
                 raise InvalidValueError(
-                    f"{name} is {value!r}, which means nothing to the inverse {self.method!r}: "
-                    f"leave it out, or choose --inverse {' or '.join(methods)}"
+                    f"{name} is {value:.9g} {unit}, which means nothing to the inverse "
+                    f"{self.method!r}: leave it out, or choose --inverse {' or '.join(methods)}"
                 )
 
     @property

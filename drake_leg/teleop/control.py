@@ -17,6 +17,7 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.kinematics.task import Task, singular_posture
+from drake_leg.quantities import beyond
 from drake_leg.robot import Robot
 
 State = Literal["free", "near", "slowed", "stopped"]
@@ -247,10 +248,8 @@ def _crossed(drive: Drive, q: Array, moved: Array) -> bool:
 def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
     """Name a joint that goes further out of its limits."""
     for segment, now, then in zip(robot.moving, q, moved, strict=True):
-        lower, upper = segment.mechanics.lower, segment.mechanics.upper
-        if lower is not None and then < min(lower, now):
-            return segment.joint
-        if upper is not None and then > max(upper, now):
+        low, high = segment.mechanics.bounds
+        if beyond(then, min(low, now), max(high, now)):
             return segment.joint
     return None
 
