@@ -35,7 +35,7 @@ class Drive:
 
     robot: Robot
     task: Task
-    length: float  # [m], sum of all lengths in the table
+    length: float  # [m], sum of all lengths in the table; 1 m where there are none
     rate: float = GREATEST_RATE
 
     @property
@@ -125,7 +125,7 @@ def drive_of(robot: Robot) -> Drive:
     InvalidValueError
         If the robot has not three joint positions.
     """
-    length = sum(math.hypot(row.d, row.r) for row in robot.rows)
+    length = sum(math.hypot(row.d, row.r) for row in robot.rows) or 1.0
     return Drive(robot=robot, task=foot_task(robot), length=length)
 
 
