@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -103,7 +104,7 @@ class SingularConfigurationError(DrakeLegError):
         when = "" if time is None else f" at t = {time:.9g} s"
         posture = ", ".join(f"{value:.6g}" for value in self.q)
         super().__init__(
-            f"the Jacobian is singular{when} (q = {posture} rad; "
+            f"the Jacobian is singular{when} (q = {posture} in rad, or m where a joint slides; "
             f"smallest singular value {self.sigma_min:.3g}): choose another posture, "
             "a smaller amplitude or a higher frequency"
         )
@@ -197,13 +198,21 @@ class JointLimitError(DrakeLegError):
     """
 
     def __init__(
-        self, *, joint: str, position: float, limits: tuple[float, float], time: float
+        self,
+        *,
+        joint: str,
+        position: float,
+        limits: tuple[float, float],
+        time: float,
+        slides: bool = False,
+        remedy: str = "choose another posture or a smaller amplitude",
     ) -> None:
         self.joint = joint
         self.position = float(position)
         self.time = time
-        low, high = limits
+        unit, size = ("m", 1.0) if slides else ("deg", math.degrees(1.0))
+        low, high = (size * limit for limit in limits)
         super().__init__(
-            f"joint {joint} is at {self.position:.6g} at t = {time:.9g} s, outside its limits "
-            f"{low:.6g} ... {high:.6g} (rad or m): choose another posture or a smaller amplitude"
+            f"joint {joint} is at {size * self.position:.9g} {unit} at t = {time:.9g} s, outside "
+            f"its limits {low:.6g} ... {high:.6g} {unit}: {remedy}"
         )

@@ -155,6 +155,14 @@ class JointMechanics:
             )
 
     @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and greatest position [rad] or [m]; infinite where there is no limit."""
+        return (
+            -math.inf if self.lower is None else self.lower,
+            math.inf if self.upper is None else self.upper,
+        )
+
+    @property
     def stops(self) -> tuple[tuple[int, float, HardStop], ...]:
         """The limits that push back: side (-1 lower, 1 upper), bound [rad or m], stop."""
         limits = ((-1, self.lower, self.lower_stop), (1, self.upper, self.upper_stop))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
+from typing import Any
 
 from drake_leg.errors import InvalidValueError
 
@@ -12,6 +13,10 @@ from drake_leg.errors import InvalidValueError
 # overflow inside a parser or a solver.
 LEAST, MOST = 1e-30, 1e15
 LARGEST_ANGLE = 1e6  # [rad] or [m]
+
+# [rad or m], how far beyond a limit a joint is still at it: the rounding of degrees, and what the
+# integration of a motion that turns back at a limit errs by, is less; nobody sees a micrometre.
+AT_LIMIT = 1e-6
 
 STANDARD_GRAVITY = 9.80665  # [m/s^2], Simscape's default; Drake's own is 9.81
 
@@ -97,6 +102,68 @@ def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> flo
     if unit not in units:
         raise InvalidValueError(f"the {what} unit is {unit!r}; it must be {' or '.join(units)}")
     return value * units[unit]
+
+
+def beyond(position: float, low: float, high: float) -> float:
+    """Tell how far a joint is outside its limits.
+
+    Parameters
+    ----------
+    position, low, high : float
+        [rad or m]; a limit may be infinite.
+
+    Returns
+    -------
+    float
+        Negative below the lower limit, positive above the upper one; 0 within them and up to
+        ``AT_LIMIT`` beyond.
+    """
+    if position < low - AT_LIMIT:
+        return position - low
+    return position - high if position > high + AT_LIMIT else 0.0
+
+
+def in_words(position: float, *, slides: bool) -> str:
+    """Write a joint's position as a person gives it: in m where it slides, else in degrees.
+
+    Parameters
+    ----------
+    position : float
+        [rad or m].
+    slides : bool
+        Whether the joint is prismatic.
+
+    Returns
+    -------
+    str
+        ``120 deg``.
+    """
+    return f"{position:.9g} m" if slides else f"{math.degrees(position):.9g} deg"
+
+
+def joint_entries(name: str, q: Sequence[float], slides: Sequence[bool]) -> dict[str, Any]:
+    """Name joint positions for a summary: ``q0_deg``, or ``q0`` and its units where a joint slides.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``q0``.
+    q : (n,) sequence of float
+        [rad or m].
+    slides : (n,) sequence of bool
+        Which joints are prismatic.
+
+    Returns
+    -------
+    dict
+    """
+    shown = [
+        position if sliding else round(math.degrees(position), 9)
+        for position, sliding in zip(q, slides, strict=True)
+    ]
+    if not any(slides):
+        return {f"{name}_deg": shown}
+    return {name: shown, f"{name}_units": ["m" if sliding else "deg" for sliding in slides]}
 
 
 def require_angle(what: str, value: float) -> None:

@@ -395,3 +395,28 @@ def test_whatever_is_typed_ends_in_a_robot_or_a_sentence(text):
     for candidate in (text, ARM + text, ARM.replace("0.4", text)):
         with contextlib.suppress(InvalidValueError):
             read_robot(candidate, "x.toml")
+
+
+@pytest.mark.parametrize(
+    ("line", "remedy"),
+    [
+        ('mimic = "slide"', "joints do not follow one another here"),
+        ("theta_offset = 90", "adds its position to theta where it turns"),
+        ("offset = 0.1", "to r (classic: d) where it slides"),
+        ("theta_0 = 0.1", "write the offset there"),
+        ('name = "shoulder"', 'write joint = "..." and link = "..."'),
+        ('type = "revolute"', "write sigma = 0 (revolute)"),
+        ("min = -90", "write lower, under [row.limits]"),
+        ("max = 90", "write upper, under [row.limits]"),
+        ("mass = 1.2", "under [row.inertial]"),
+        ("inertia = [1, 1, 1]", "moments and products"),
+        ("a = 0.3", "belongs to the classic convention"),
+        ("home = 30", "write position_target"),
+        ("friction = 0.1", "damping, under [row.mechanics]"),
+    ],
+)
+def test_usual_keys_of_other_programs_are_answered_with_what_to_write(line, remedy):
+    key = line.split()[0]
+    sentence = broken("[[row]]\n", f"[[row]]\n{line}\n")
+    assert f"row 1: there is no key '{key}'" in sentence
+    assert remedy in sentence

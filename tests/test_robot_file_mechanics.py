@@ -83,6 +83,8 @@ def test_it_is_read_back_as_it_was():
         ("lower_stop = {}", "lower_stop = 5", "lower_stop is 5; it must be a table"),
         ("stiffness = 5,", "stiffness = 0,", "upper_stop: the limit's stiffness is 0.0"),
         ("damping = 2,", "damping = -2,", "damping is -2 N*m*s/rad; it must not be negative"),
+        ("upper = 0.1", "max = 0.1", "there is no key 'max'; write upper"),
+        ("position_target = 30", "home = 30", "there is no key 'home'; write position_target"),
         ("transition_width = 0.5", "width = 1", "there is no key 'width'; the keys are stiffness"),
         ("transition_width = 0.5", "transition_width = 0", "transition_width is 0 deg; it must be"),
     ],

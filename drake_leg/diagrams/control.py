@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 
+from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.kinematics.inverse import Inverse
 from drake_leg.kinematics.task import Task
 from drake_leg.quantities import require_angle, require_non_negative
@@ -20,6 +21,7 @@ from drake_leg.systems.speed_limit import SpeedLimit
 CORRECTION = "Drift Correction"
 SPEED_LIMIT = "Speed Limit"
 TOP_SPEED = 1.25  # of a corrected command, times the greatest speed of the uncorrected one
+OF_KINKS = 400.0  # [1/s^2], stiffness of a motion within limits: 20 rad/s
 LEAST_TOP = 0.5  # [1/s], of the arm's length: the limit of a corrected command at least
 EXACT_INVERSE = Inverse()
 
@@ -69,6 +71,25 @@ class Control:
         """
         q1, q2, q3 = (q + error for q, error in zip(q0, self.q0_error, strict=True))
         return q1, q2, q3
+
+    def followed(self, disturbance: Disturbance) -> Disturbance:
+        """Pull the joints firmly onto a motion with kinks, unless a stiffness was chosen.
+
+        What the integration errs by at a kink is gone before a joint comes to its limit.
+
+        Parameters
+        ----------
+        disturbance : Disturbance
+            Of the motion.
+
+        Returns
+        -------
+        Disturbance
+        """
+        chosen = disturbance.stiffness is not None or disturbance.acts
+        if chosen or self.inverse.method != "limited":
+            return disturbance
+        return replace(disturbance, stiffness=OF_KINKS)
 
     def top_speed(self, task: Task, commanded: float) -> float:
         """Return how fast a corrected command may be.

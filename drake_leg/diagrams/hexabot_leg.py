@@ -140,7 +140,7 @@ def add_leg(
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q0[i - 1]])) for i in (1, 2, 3)
     ]
     converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(3))
-    leg = add_mechanism(builder, config.robot, config.gravity, config.disturbance)
+    leg = add_mechanism(builder, config.robot, config.gravity, control.followed(config.disturbance))
 
     command = corrected(
         builder,

@@ -105,7 +105,9 @@ def build(config: ScaraConfig) -> Diagram:
     qddot = builder.AddNamedSystem(
         "Simulink-PS Converters of the accelerations", Multiplexer([3, 1])
     )
-    scara = add_mechanism(builder, config.robot, config.gravity, config.disturbance)
+    scara = add_mechanism(
+        builder, config.robot, config.gravity, control.followed(config.disturbance)
+    )
     angles = builder.AddNamedSystem("Angles", Demultiplexer([3, 1]))
 
     builder.Connect(sine.GetOutputPort("y0"), v.get_input_port())

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.quantities import AT_LIMIT
 
 Array = NDArray[np.float64]
 
@@ -187,7 +188,8 @@ def within_turns(angle: float, low: float, high: float) -> bool:
     if math.isinf(low) or math.isinf(high):
         return True
     turn = 2.0 * math.pi
-    return angle + turn * math.ceil((low - angle) / turn - 1e-12) <= high + 1e-12
+    least = angle + turn * math.ceil((low - AT_LIMIT - angle) / turn)
+    return least <= high + AT_LIMIT
 
 
 def in_blocks(

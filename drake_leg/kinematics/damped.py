@@ -8,7 +8,6 @@ In the eyes of the singular value decomposition J = U S V^T the rates of an exac
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
@@ -17,14 +16,13 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.rate_box import RateBox
 from drake_leg.kinematics.task import Floats, Task
 
 FLOOR = 0.25  # of lambda: about where sigma comes to rest while the command pushes outwards
 DIFFERENCE = 1e-7  # [s], of the derivative of damped rates
 TYPICAL = 0.2  # of the arm's length: slope of sigma along w at a boundary
 STEEPEST = 0.5  # [1/rad] of the arm's length: bound of the slope of the smallest singular value
-
-Box = Callable[[Floats], tuple[Array, Array]]  # q -> lowest and highest rates
 
 
 class _Damping(NamedTuple):
@@ -36,7 +34,7 @@ class _Damping(NamedTuple):
     outwards: Array  # w, signed so that J becomes more regular, and 0 where that changes nothing
 
 
-def damped_task(task: Task, below: float, box: Box | None = None) -> Task:
+def damped_task(task: Task, below: float, box: RateBox | None = None) -> Task:
     """Damp a task's inverse where its Jacobian is nearly singular.
 
     The rates are those that minimise ``|J qdot - v|^2 + lambda^2 |qdot - b|^2`` with
@@ -56,8 +54,8 @@ def damped_task(task: Task, below: float, box: Box | None = None) -> Task:
         Exact.
     below : float
         Singular value at which damping begins [m].
-    box : callable, optional
-        Posture to the lowest and the highest rates.
+    box : RateBox, optional
+        The lowest and the highest rates of every posture.
 
     Returns
     -------
@@ -92,15 +90,14 @@ def damped_task(task: Task, below: float, box: Box | None = None) -> Task:
         return np.linalg.solve(normal, right), here
 
     def rates(q: Floats, v: Floats) -> Floats:
-        qdot, here = free_rates(q, v)
-        if box is not None:
-            low, high = box(q)
-            if (qdot < low).any() or (qdot > high).any():
-                qdot = bounded(q, v, here, low, high)
-        found: list[float] = qdot.tolist()
-        return found
+        free, here = free_rates(q, v)
+        found: list[float] = free.tolist()
+        if box is None or box.holds(q, found):
+            return found
+        within: list[float] = bounded(q, v, here, *box.bounds(q)).tolist()
+        return within
 
-    def bounded(q: Floats, v: Floats, here: _Damping | None, low: Array, high: Array) -> Array:
+    def bounded(q: Floats, v: Floats, here: _Damping | None, low: Floats, high: Floats) -> Array:
         weighted = lengths * np.asarray(v)
         matrix, right = lengths[:, np.newaxis] * task.jacobian(q), weighted
         if here is not None:
@@ -120,10 +117,10 @@ def damped_task(task: Task, below: float, box: Box | None = None) -> Task:
     def is_exact_at(q: Floats, qdot: Floats) -> bool:
         if damping(q) is not None:
             return False
-        if box is None:
-            return True
-        low, high = box(q)
-        return bool((np.asarray(qdot) > low).all() and (np.asarray(qdot) < high).all())
+        return box is None or not any(box.regime(q, qdot))
+
+    def regime(q: Floats, v: Floats) -> tuple[int, ...]:
+        return () if box is None else box.regime(q, rates(q, v))
 
     def stiffness(q: Floats, v: Floats) -> tuple[float, float]:
         speed = float(np.linalg.norm(lengths * np.asarray(v)))
@@ -133,37 +130,9 @@ def damped_task(task: Task, below: float, box: Box | None = None) -> Task:
             return most, 0.0
         return most, here.steepness * speed / max(here.squared, (below / 2.0) ** 2)
 
-    return replace(task, rates=rates, accelerations=accelerations, stiffness=stiffness)
-
-
-def rate_box(lower: Floats, upper: Floats, fastest: Floats, settling: float) -> Box:
-    """Bound rates by what the joints can do, and slow them down before their limits.
-
-    ``(lower - q) / settling <= qdot <= (upper - q) / settling``: a joint comes to its limit
-    exponentially and does not cross it.
-
-    Parameters
-    ----------
-    lower, upper : (n,) sequence of float
-        Limits of the positions [rad or m]; they may be infinite.
-    fastest : (n,) sequence of float
-        Limits of the rates [rad/s or m/s].
-    settling : float
-        [s].
-
-    Returns
-    -------
-    callable
-        Posture to the lowest and the highest rates.
-    """
-    low, high, most = (np.asarray(bound, dtype=np.float64) for bound in (lower, upper, fastest))
-
-    def box(q: Floats) -> tuple[Array, Array]:
-        down = np.clip((low - q) / settling, -most, most)
-        up = np.clip((high - q) / settling, -most, most)
-        return np.minimum(down, up - 1e-9 * most), up
-
-    return box
+    return replace(
+        task, rates=rates, accelerations=accelerations, stiffness=stiffness, regime=regime
+    )
 
 
 def _rest(v: Array, here: _Damping, strongest: float) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from drake_leg.kinematics.arms import Arm, lost_direction
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.edges import Family
+from drake_leg.quantities import joint_entries
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,10 +62,7 @@ class Encounter:
             "family": self.family,
             "time_s": self.time,
             "foot_m": list(self.foot),
-            "q_deg": [
-                math.degrees(value) if turns else value
-                for value, turns in zip(self.q, self.turning, strict=True)
-            ],
+            **joint_entries("q", self.q, [not turns for turns in self.turning]),
             "lost_direction": list(self.lost_direction),
             "greatest_amplitude_m_s": self.greatest_amplitude,
             "grazing": self.grazing,

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.damped import damped_task, rate_box
+from drake_leg.kinematics.damped import damped_task
+from drake_leg.kinematics.rate_box import RateBox
 from drake_leg.kinematics.task import Task
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Segment
@@ -30,17 +31,18 @@ class Inverse:
             raise InvalidValueError(
                 f"the inverse is {self.method!r}; it must be one of {', '.join(METHODS)}"
             )
+        rate = None if self.rate_limit is None else math.degrees(self.rate_limit)
         for name, value, unit, methods in (
             ("the singular value at which damping begins", self.damped_below, "m", METHODS[1:]),
-            ("the rate limit", self.rate_limit, "rad/s", METHODS[2:]),
+            ("the rate limit", rate, "deg/s", METHODS[2:]),
         ):
             if value is None:
                 continue
             require_positive(name, value, unit)
             if self.method not in methods:
                 raise InvalidValueError(
-                    f"{name} is {value!r}, which means nothing to the inverse {self.method!r}: "
-                    f"leave it out, or choose --inverse {' or '.join(methods)}"
+                    f"{name} is {value:.9g} {unit}, which means nothing to the inverse "
+                    f"{self.method!r}: leave it out, or choose --inverse {' or '.join(methods)}"
                 )
 
     @property
@@ -68,9 +70,10 @@ class Inverse:
         if self.method == "damped":
             return damped_task(task, below)
         mechanics = [segment.mechanics for segment in joints]
-        box = rate_box(
-            [-math.inf if joint.lower is None else joint.lower for joint in mechanics],
-            [math.inf if joint.upper is None else joint.upper for joint in mechanics],
+        lower, upper = zip(*(joint.bounds for joint in mechanics), strict=True)
+        box = RateBox(
+            lower,
+            upper,
             [self._fastest(segment) for segment in joints],
             SETTLING,
         )

@@ -52,6 +52,8 @@ class Task:
     row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0)  # that make the rows of J lengths [m/unit]
     # q, v -> how fast the rates change with the posture: at most, and here [1/s]
     stiffness: Callable[[Floats, Floats], tuple[float, float]] | None = None
+    # q, v -> what bounds the rate of each joint: where that changes, the rates have a kink
+    regime: Callable[[Floats, Floats], tuple[int, ...]] | None = None
     size: int = 3
 
 

@@ -37,6 +37,26 @@ def volume(shape: Shape) -> float:
     return 4.0 / 3.0 * math.pi * shape.radius**3
 
 
+def bounding_radius(shape: Shape) -> float:
+    """Distance of a shape's farthest point from its centre.
+
+    Parameters
+    ----------
+    shape : Brick, Cylinder or Sphere
+        Dimensions in m.
+
+    Returns
+    -------
+    float
+        [m].
+    """
+    if isinstance(shape, Brick):
+        return math.hypot(shape.length, shape.width, shape.height) / 2
+    if isinstance(shape, Cylinder):
+        return math.hypot(shape.radius, shape.length / 2)
+    return shape.radius
+
+
 def mass_properties(solid: Solid) -> MassProperties:
     """Mass and principal moments of a homogeneous solid.
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.joint_mechanics import JointMechanics, StateTarget
+from drake_leg.quantities import in_words
 from drake_leg.robot import Robot
 
 CLOSE = 1e-9  # relative and absolute difference of a target met
@@ -62,10 +63,12 @@ def initial_state(
             strict=True,
         ):
             values.append(_value(target, given))
-            if target is not None and not _met(target, given):
+            if target is not None and given is not None and not _met(target, given):
+                slides, per = segment.row.joint == "prismatic", "/s" * (quantity == "velocity")
+                there, starts = (in_words(x, slides=slides) + per for x in (target.value, given))
                 sentence = (
-                    f"the {quantity} target of joint {name} is {target.value:.9g}, but its motion "
-                    f"starts at {given:.9g}"
+                    f"the {quantity} target of joint {name} is {there}, but its motion starts at "
+                    f"{starts}"
                 )
                 if target.priority == "high":
                     raise InvalidValueError(
@@ -110,5 +113,5 @@ def _value(target: StateTarget | None, given: float | None) -> float:
     return 0.0 if target is None else target.value
 
 
-def _met(target: StateTarget, given: float | None) -> bool:
-    return given is None or abs(target.value - given) <= CLOSE * max(1.0, abs(given))
+def _met(target: StateTarget, given: float) -> bool:
+    return abs(target.value - given) <= CLOSE * max(1.0, abs(given))

@@ -22,6 +22,20 @@ _INSTEAD_OF_SOLID = {
     "mass": "a mass stands with centre and moments under [row.inertial], beside the solid",
     "color": "did you mean 'colour'?",
     "center": "did you mean 'centre'?",
+    "inertia": "inertia is moments and products, under [row.inertial], beside the solid",
+    "type": "did you mean 'shape'?",
+    "box": 'write shape = "brick", length, width, height',
+    "size": "write length, width, height, or radius",
+    "origin": "write centre, in the link's frame",
+    "material": "write density",
+}
+_INSTEAD_OF_INERTIAL = {
+    "center": "did you mean 'centre'?",
+    **dict.fromkeys(("com", "cog", "origin"), "write centre, of mass in the link's frame"),
+    "inertia": "write moments = [Ixx, Iyy, Izz] and products = [Ixy, Ixz, Iyz]",
+    **dict.fromkeys(("Ixx", "Iyy", "Izz", "ixx", "iyy", "izz"), "write moments = [Ixx, Iyy, Izz]"),
+    **dict.fromkeys(("Ixy", "Ixz", "Iyz", "ixy", "ixz", "iyz"), "write products = [Ixy, Ixz, Iyz]"),
+    "density": "mass, centre and moments stand here; a density makes them under [row.solid]",
 }
 
 
@@ -88,7 +102,7 @@ def read_inertial(table: object, where: str) -> Inertial:
     InvalidValueError
         With file, key and value.
     """
-    keys = Keys(table, where, _INERTIAL_KEYS, {"center": "did you mean 'centre'?"})
+    keys = Keys(table, where, _INERTIAL_KEYS, _INSTEAD_OF_INERTIAL)
     return keys.make(
         Inertial,
         mass=keys.positive("mass", "kg"),

@@ -24,6 +24,19 @@ _STOP_KEYS = ("stiffness", "spring_unit", "damping", "damping_unit", "transition
 _INSTEAD_OF_MECHANICS = {
     **dict.fromkeys(("limits", *_LIMIT_KEYS), "limits stand under [row.limits]"),
     "stiffness": "did you mean 'spring_stiffness'?",
+    "mimic": "joints do not follow one another here, each row that moves has a position of its own",
+    "friction": "friction that grows with speed is damping; there is no other",
+    **dict.fromkeys(("q0", "home", "initial_position"), "write position_target"),
+}
+_INSTEAD_OF_LIMITS = {
+    "min": "write lower",
+    "max": "write upper",
+    **dict.fromkeys(("speed", "rate", "velocity_limit"), "write velocity, the greatest speed"),
+    **dict.fromkeys(("torque", "force", "effort_limit"), "write effort, the greatest of the motor"),
+    **dict.fromkeys(
+        ("stiffness", "damping"),
+        "a limit that pushes back has them: lower_stop = { stiffness = ..., damping = ... }",
+    ),
 }
 
 
@@ -51,7 +64,7 @@ def read_mechanics(
         With file, key and value.
     """
     acting = Keys(mechanics, f"{where}, mechanics", _MECHANICS_KEYS, _INSTEAD_OF_MECHANICS)
-    bounds = Keys(limits, f"{where}, limits", _LIMIT_KEYS)
+    bounds = Keys(limits, f"{where}, limits", _LIMIT_KEYS, _INSTEAD_OF_LIMITS)
     lower, upper = (bounds.optional(key, units.position) for key in ("lower", "upper"))
     if lower is not None and upper is not None and lower >= upper:
         raise bounds.error(

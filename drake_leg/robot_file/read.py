@@ -25,9 +25,42 @@ _INSTEAD_OF_ROBOT = {
     "lengths": "lengths are in m throughout",
     "rows": "rows are tables of their own, each under [[row]]",
     "units": 'lengths are in m throughout, and angles = "deg" or "rad"',
+    "dh": "the table's rows stand under [[row]]",
+    "joints": "a joint stands with its link in a row, under [[row]]",
+    "links": "a link stands with its joint in a row, under [[row]]",
+    "gravity": "gravity is an option of a run, --gravity",
+    "q0": "where it starts is an option of a run, --q0, or position_target under [row.mechanics]",
+    "tool": 'a tool is a last [[row]] with sigma = "~"',
+    "base": 'what raises or turns the base is a first [[row]] with sigma = "~"',
 }
 _NO_PARENTS = "a robot is one chain, and every row's parent is the row before it"
+_OFFSET = (
+    "the joint's position adds to theta where it turns, to r (classic: d) where it slides: write "
+    "the offset there"
+)
 _INSTEAD_OF_ROW = {
+    "mimic": "joints do not follow one another here, each row that moves has a position of its own",
+    **dict.fromkeys(("theta_offset", "offset", "theta_0", "theta0", "q_offset"), _OFFSET),
+    **dict.fromkeys(("d_offset", "r_offset", "d_0", "d0", "r_0", "r0"), _OFFSET),
+    "name": 'write joint = "..." and link = "...", each has a name',
+    **dict.fromkeys(
+        ("type", "joint_type"), 'write sigma = 0 (revolute), 1 (prismatic) or "~" (fixed)'
+    ),
+    **dict.fromkeys(("min", "lower"), "write lower, under [row.limits]"),
+    **dict.fromkeys(("max", "upper"), "write upper, under [row.limits]"),
+    "velocity": "the greatest speed stands under [row.limits]",
+    "effort": "the greatest torque or force stands under [row.limits]",
+    **dict.fromkeys(("q0", "home", "position"), "write position_target, under [row.mechanics]"),
+    "inertia": "inertia is moments and products, with mass and centre, under [row.inertial]",
+    **dict.fromkeys(
+        ("length", "width", "height", "radius", "shape", "colour", "color"),
+        "what a link looks like stands under [row.solid]",
+    ),
+    "friction": "friction that grows with speed is damping, under [row.mechanics]; there is no other",
+    **dict.fromkeys(
+        ("stiffness", "spring_stiffness"), "write spring_stiffness, under [row.mechanics]"
+    ),
+    "axis": "every joint turns about or slides along its z; alpha turns that axis",
     "parent": _NO_PARENTS,
     "child": _NO_PARENTS,
     "children": _NO_PARENTS,

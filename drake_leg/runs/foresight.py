@@ -161,10 +161,15 @@ def control_findings(control: Control) -> dict[str, Any]:
     dict
         Entries of the summary.
     """
+    sliding = [joint.row.joint == "prismatic" for joint in control.joints or ()]
+    error: dict[str, Any] = {"q0_error_rad": list(control.q0_error)}
+    if any(sliding):
+        units = ["m" if slides else "rad" for slides in sliding]
+        error = {"q0_error": list(control.q0_error), "q0_error_units": units}
     return {
         "inverse": control.inverse.method,
         "correction_1_s": control.correction,
-        "q0_error_rad": list(control.q0_error),
+        **error,
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
@@ -21,6 +21,7 @@ from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
 from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.quantities import joint_entries
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 from drake_leg.robots import LegVariant
@@ -222,18 +223,19 @@ def _exceeded_limits(robot: Robot, recording: Recording) -> list[str]:
         ):
             greatest = float(np.abs(recording[column]).max())
             if limit is not None and greatest > limit:
+                size, unit = _typed(what, slides=segment.row.joint == "prismatic")
                 said.append(
-                    f"joint {segment.joint} takes {what} {greatest:.4g}, its limit is {limit:.4g}"
+                    f"joint {segment.joint} takes {what} {size * greatest:.4g} {unit}, its limit "
+                    f"is {size * limit:.4g} {unit}"
                 )
     return said
 
 
-def _as_options(robot: Robot, q0: Sequence[float]) -> list[float]:
-    """Give a posture as --q0 takes it."""
-    return [
-        round(math.degrees(q), 9) if segment.row.joint == "revolute" else q
-        for q, segment in zip(q0, robot.moving, strict=True)
-    ]
+def _typed(what: str, *, slides: bool) -> tuple[float, str]:
+    """Return the unit of a speed or an effort as a person gives it, and how many make an SI one."""
+    if what == "effort":
+        return 1.0, "N" if slides else "N*m"
+    return (1.0, "m/s") if slides else (math.degrees(1.0), "deg/s")
 
 
 def _outcome(
@@ -254,7 +256,7 @@ def _outcome(
     columns |= {f"det_j[m^{power}]": det_j, "sigma_min[m]": sigma_min}
     exact = exact_tip(start, path, _exact_angles(config, start + path.displacement))
     findings = {
-        "q0_deg": _as_options(robot, config.q0) if options.q0 is None else options.q0,
+        **joint_entries("q0", config.q0, [s.row.joint == "prismatic" for s in robot.moving]),
         **control_findings(config.control),
         **tip_findings(run, start, path, np.array(config.direction), across, config.disturbance),
         "max_torque_error_n_m": torque_error(robot, run, config.gravity, config.disturbance),

@@ -18,6 +18,7 @@ from drake_leg.kinematics.scara import (
     task_jacobian,
     tool_position,
 )
+from drake_leg.quantities import joint_entries
 from drake_leg.recording import Recording
 from drake_leg.robots import scara as scara_robot
 from drake_leg.runs.disturbance import disturbance_of, step_under
@@ -88,7 +89,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     }
     across = np.eye(3) - np.outer(along, along)
     findings = {
-        "q0_deg": options.q0,
+        **joint_entries("q0", config.q0, [False, False, False]),
         **control_findings(config.control),
         **tip_findings(run, start, path, along, across, config.disturbance),
         "max_yaw_error_rad": float(np.abs(yaw - yaw0).max()),

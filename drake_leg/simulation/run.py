@@ -9,10 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Joint, PrismaticJoint
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Context, Diagram, EventStatus
 from pydrake.systems.primitives import VectorLogSink
 
+from drake_leg.diagrams.disturbance import is_disturbed
 from drake_leg.errors import (
     DrakeLegError,
     InvalidValueError,
@@ -24,7 +26,7 @@ from drake_leg.errors import (
 )
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
-from drake_leg.quantities import require_positive
+from drake_leg.quantities import beyond, require_positive
 from drake_leg.simulation.guard import Guard
 
 STEP_BUDGET = 2_000_000  # steps that one run may take
@@ -179,29 +181,38 @@ class _Limits:
     """The joint limits of the plants that have any: a continuous plant does not heed them."""
 
     def __init__(self, diagram: Diagram) -> None:
+        weaker = ", or a weaker disturbance" if is_disturbed(diagram) else ""
+        self._remedy = f"choose another posture or a smaller amplitude{weaker}"
         self._limited = []
         for plant in diagram.GetSystems():
             if isinstance(plant, MultibodyPlant):
                 low, high = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
                 if np.isfinite(low).any() or np.isfinite(high).any():
-                    self._limited.append((plant, low, high))
+                    self._limited.append((plant, low.tolist(), high.tolist()))
 
     def check(self, root: Context) -> None:
         """Stop where a joint has left its limits."""
         for plant, low, high in self._limited:
-            q = plant.GetPositions(plant.GetMyContextFromRoot(root))
-            outside = np.flatnonzero((q < low) | (q > high))
-            if len(outside):
-                joint = int(outside[0])
-                names = plant.GetPositionNames(
-                    add_model_instance_prefix=False, always_add_suffix=False
-                )
-                raise JointLimitError(
-                    joint=names[joint],
-                    position=q[joint],
-                    limits=(low[joint], high[joint]),
-                    time=root.get_time(),
-                )
+            q = plant.GetPositions(plant.GetMyContextFromRoot(root)).tolist()
+            for index, position in enumerate(q):
+                if beyond(position, low[index], high[index]):
+                    joint = _joint_at(plant, index)
+                    raise JointLimitError(
+                        joint=joint.name(),
+                        position=position,
+                        limits=(low[index], high[index]),
+                        time=root.get_time(),
+                        slides=isinstance(joint, PrismaticJoint),
+                        remedy=self._remedy,
+                    )
+
+
+def _joint_at(plant: MultibodyPlant, position: int) -> Joint:
+    """Find the joint that has a position."""
+    joints = (plant.get_joint(index) for index in plant.GetJointIndices())
+    return next(
+        joint for joint in joints if 0 <= position - joint.position_start() < joint.num_positions()
+    )
 
 
 def _read_scopes(diagram: Diagram, context: Context) -> tuple[Array, dict[str, Array]]:

@@ -165,6 +165,28 @@ class InverseJacobian(LeafSystem):
             return 0.0, 0.0
         return self._task.stiffness(self._q.Eval(context), self._v.Eval(context))
 
+    def meets_kink(self, context: Context, step: float) -> bool:
+        """Tell whether something else bounds the joints' rates at the end of a step than now.
+
+        Parameters
+        ----------
+        context : Context
+            This system's own.
+        step : float
+            [s].
+
+        Returns
+        -------
+        bool
+        """
+        if self._task.regime is None:
+            return False
+        rates = self._w if self._w.HasValue(context) else self._qdot
+        q, v = self._q.Eval(context), self._v.Eval(context)
+        later = [q + step * rates.Eval(context), v + step * self._a.Eval(context)]
+        now, then = (self._task.regime(*map(list, pair)) for pair in ((q, v), later))
+        return now != then
+
     def look_ahead(self, context: Context, *, disturbed: bool = False) -> LookAhead:
         """Take the present rates and, if ``a`` is wired, accelerations.
 

@@ -17,6 +17,7 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.kinematics.task import Task, singular_posture
+from drake_leg.quantities import beyond
 from drake_leg.robot import Robot
 
 State = Literal["free", "near", "slowed", "stopped"]
@@ -34,7 +35,7 @@ class Drive:
 
     robot: Robot
     task: Task
-    length: float  # [m], sum of all lengths in the table
+    length: float  # [m], sum of all lengths in the table; 1 m where there are none
     rate: float = GREATEST_RATE
 
     @property
@@ -124,7 +125,7 @@ def drive_of(robot: Robot) -> Drive:
     InvalidValueError
         If the robot has not three joint positions.
     """
-    length = sum(math.hypot(row.d, row.r) for row in robot.rows)
+    length = sum(math.hypot(row.d, row.r) for row in robot.rows) or 1.0
     return Drive(robot=robot, task=foot_task(robot), length=length)
 
 
@@ -247,10 +248,8 @@ def _crossed(drive: Drive, q: Array, moved: Array) -> bool:
 def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
     """Name a joint that goes further out of its limits."""
     for segment, now, then in zip(robot.moving, q, moved, strict=True):
-        lower, upper = segment.mechanics.lower, segment.mechanics.upper
-        if lower is not None and then < min(lower, now):
-            return segment.joint
-        if upper is not None and then > max(upper, now):
+        low, high = segment.mechanics.bounds
+        if beyond(then, min(low, now), max(high, now)):
             return segment.joint
     return None
 

@@ -74,7 +74,7 @@ def _turned(q1: float) -> Array:
 
 def _postures(robot: Robot) -> Array:
     """Try postures between the joints' limits [rad or m]."""
-    free = sum(np.hypot(row.d, row.r) for row in robot.rows)
+    free = sum(np.hypot(row.d, row.r) for row in robot.rows) or 1.0
     bounds = []
     for segment in robot.moving:
         widest = np.pi if segment.row.joint == "revolute" else free

@@ -1,5 +1,6 @@
 """The linter: every slip with its row and its remedy."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from drake_leg.check.rows import COLUMNS, Table, TableRow, table_of_document
 from drake_leg.check.shifts import repaired
 from drake_leg.check.sizes import lint_sizes
 from drake_leg.check.table import lint_table
+from drake_leg.robot import Inertial
 from drake_leg.robot_file import read_robot, robot_toml
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
@@ -216,3 +218,23 @@ def test_millimetres_in_the_place_of_metres_are_found_in_solids_too():
     assert "the link's end is 100 m" in faults
     assert all(finding.severity == "warning" for finding in lint_sizes(long))
     assert read_robot(robot_toml(long), "x.toml") == long
+
+
+def with_inertial(mass, moment):
+    hip, *rest = hexabot_leg("B").segments
+    body = Inertial(mass=mass, centre=(0.02, 0.0, 0.0), moments=(moment, moment, moment))
+    link = replace(hip.link, inertial=body)
+    return replace(hexabot_leg("B"), segments=(replace(hip, link=link), *rest))
+
+
+def test_an_inertia_that_no_such_link_has_is_a_warning():
+    (finding,) = lint_sizes(with_inertial(0.1, 0.1 * 0.141**2))
+    assert finding.severity == "warning"
+    assert finding.place == "row 1"
+    assert "radius of gyration of 141 mm" in finding.fault
+    assert not list(lint_sizes(with_inertial(0.1, 0.1 * 0.02**2)))
+
+
+def test_no_robot_of_the_reports_has_such_an_inertia():
+    for robot in ROBOTS:
+        assert not list(lint_sizes(robot))

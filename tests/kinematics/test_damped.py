@@ -7,9 +7,10 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.damped import damped_task, rate_box
+from drake_leg.kinematics.damped import damped_task
 from drake_leg.kinematics.inverse import Inverse
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, leg_task
+from drake_leg.kinematics.rate_box import HEADROOM, MARGIN, RateBox
 from drake_leg.kinematics.scara import ScaraGeometry, scara_task, task_jacobian
 from drake_leg.robots import LEG_B, SCARA
 
@@ -87,33 +88,34 @@ def test_a_leg_pushed_against_its_boundary_comes_to_rest_before_it():
 
 def test_limited_rates_are_the_least_squares_in_the_box(rng):
     most = 2.0
-    box = rate_box([-math.inf] * 3, [math.inf] * 3, [most] * 3, 0.1)
+    box = RateBox([-math.inf] * 3, [math.inf] * 3, [most] * 3, 0.1)
     limited = damped_task(EXACT, 1e-9, box)
     bound = 0
     for q in rng.uniform(-np.pi, np.pi, (40, 3)):
         v = rng.normal(size=3) * 0.3
         rates = np.array(limited.rates(q.tolist(), v.tolist()))
-        assert np.abs(rates).max() <= most
-        bound += np.abs(rates).max() == pytest.approx(most)
+        assert np.abs(rates).max() < most
+        bound += np.abs(rates).max() == pytest.approx((1.0 - HEADROOM) * most)
         J = foot_jacobian(LEG, q)
 
         def miss(x, J=J, v=v):
             return float(np.sum((J @ x - v) ** 2))
 
-        best = minimize(miss, np.zeros(3), bounds=[(-most, most)] * 3, tol=1e-14)
+        bounds = [(-(1.0 - HEADROOM) * most, (1.0 - HEADROOM) * most)] * 3
+        best = minimize(miss, np.zeros(3), bounds=bounds, tol=1e-14)
         assert miss(rates) <= best.fun + 1e-9
     assert bound > 10
 
 
 def test_a_limited_joint_comes_to_its_limit_and_does_not_cross_it():
-    box = rate_box([-math.inf, -1.0, -math.inf], [math.inf] * 3, [3.0] * 3, 0.1)
+    box = RateBox([-math.inf, -1.0, -math.inf], [math.inf] * 3, [3.0] * 3, 0.1)
     limited = damped_task(EXACT, BELOW, box)
     q = np.array([1.5, -0.8, -1.5])
     lowest = q[1]
     for _ in range(1500):
         q = q + 1e-3 * np.array(limited.rates(q.tolist(), [0.0, 0.0, -0.1]))
         lowest = min(lowest, q[1])
-    assert -1.0 <= lowest < -0.99
+    assert lowest == pytest.approx(MARGIN - 1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -123,7 +125,8 @@ def test_a_limited_joint_comes_to_its_limit_and_does_not_cross_it():
         ({"damped_below": 0.01}, "--inverse damped or limited"),
         ({"method": "damped", "rate_limit": 1.0}, "--inverse limited"),
         ({"method": "damped", "damped_below": 0.0}, "0.0"),
-        ({"method": "limited", "rate_limit": -1.0}, "-1.0"),
+        ({"method": "limited", "rate_limit": math.radians(-10.0)}, "-10.0 deg/s"),
+        ({"method": "exact", "rate_limit": math.radians(10.0)}, "is 10 deg/s, which"),
     ],
 )
 def test_senseless_numbers_are_refused(numbers, named):
