@@ -192,15 +192,20 @@ def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
 
 
 def _metavar(field: dataclasses.Field[Any]) -> str:
-    if typing.get_origin(field.type) is list:
+    if _takes_list(field.type):
         return "X,Y,Z"
-    return "TEXT" if field.type is str else "X"
+    return "TEXT" if str in (field.type, *typing.get_args(field.type)) else "X"
+
+
+def _takes_list(kind: object) -> bool:
+    """Tell whether an option takes several numbers, if any."""
+    return any(typing.get_origin(part) is list for part in (kind, *typing.get_args(kind)))
 
 
 def _value(name: str, kind: object, text: str) -> object:
-    if kind in (str, bool):
+    if kind in (str, bool) or str in typing.get_args(kind):
         return text
     option = f"--{name.replace('_', '-')}"
-    if typing.get_origin(kind) is list:
+    if _takes_list(kind):
         return numbers(option, text)
     return numbers(option, text, 1)[0]

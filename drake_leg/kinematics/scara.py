@@ -269,6 +269,7 @@ def scara_task(arm: ScaraGeometry) -> Task:
         determinant_scale=arm.l1 * arm.l2,
         length=arm.l1 + arm.l2,
         row_lengths=(1.0, 1.0, arm.l1 + arm.l2),
+        twists=np.eye(6)[:, [3, 4, 2]],
     )
 
 

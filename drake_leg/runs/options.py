@@ -5,6 +5,7 @@ annotations of the fields as types, so that they must not be postponed to string
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,6 +13,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
 from drake_leg.joint_mechanics import HardStop
 from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
+from drake_leg.robot import Segment
 from drake_leg.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
@@ -29,6 +31,9 @@ Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where i
 AMPLITUDE = "greatest speed of the foot or of the tool"
 FILTER = "time constant of input filters at the joints, which lag as Simscape's do (there 0.001)"
 FEEDBACKS = ("sensed", "integrated")
+TASK = (
+    "position moves the foot and lets it turn as the joints want; pose keeps its orientation, too"
+)
 NO_FILTER = "none, the motion's derivatives are wired"
 L1 = "length of the coxa or of the first arm"
 L2 = "length of the femur or of the second arm"
@@ -58,6 +63,39 @@ def option(default: Any, help_text: str, unit: str = "", *, shown: str = "") -> 
     if isinstance(default, list):
         return field(default_factory=lambda: list(default), metadata=metadata)
     return field(default=default, metadata=metadata)
+
+
+def joint_values(name: str, values: Sequence[float], joints: Sequence[Segment]) -> list[float]:
+    """Take values in degrees where a joint turns, in m where it slides.
+
+    Parameters
+    ----------
+    name : str
+        Of the option.
+    values : (n,) sequence of float
+        As they were given.
+    joints : sequence of Segment
+        n of them, that move.
+
+    Returns
+    -------
+    (n,) list of float
+        [rad or m].
+
+    Raises
+    ------
+    InvalidValueError
+        If there are not n finite numbers.
+    """
+    if len(values) != len(joints) or not all(map(math.isfinite, values)):
+        raise InvalidValueError(
+            f"{name} is {list(values)}; it must be {len(joints)} finite numbers, one for each "
+            "joint: degrees where it turns, m where it slides"
+        )
+    return [
+        math.radians(value) if joint.row.joint == "revolute" else value
+        for value, joint in zip(values, joints, strict=True)
+    ]
 
 
 @dataclass(kw_only=True)
@@ -152,8 +190,8 @@ class StepOptions(RunOptions):
         "1/s",
         shown="0; 5 with damped and limited",
     )
-    q0_error: list[float] = option(
-        [0.0, 0.0, 0.0], "where the joints really start, minus q0", "deg"
+    q0_error: list[float] | None = option(
+        None, "where the joints really start, minus q0", "deg", shown="0"
     )
     push: list[float] = option(
         [], "greatest force of a push on the foot or the tool, half a sine wave", "N", shown="none"
@@ -197,24 +235,6 @@ class StepOptions(RunOptions):
         x, y, z = (value / length for value in self.direction)
         return x, y, z
 
-    def start_error(self) -> list[float]:
-        """Return q0_error as it was given.
-
-        Returns
-        -------
-        (3,) list of float
-
-        Raises
-        ------
-        InvalidValueError
-            If it has not three finite numbers.
-        """
-        if len(self.q0_error) != 3 or not all(map(math.isfinite, self.q0_error)):
-            raise InvalidValueError(
-                f"q0_error is {self.q0_error}; it must be three finite angles in degrees, as 1,0,0"
-            )
-        return self.q0_error
-
     def posture(self) -> tuple[float, float, float]:
         """Return q0 in rad.
 
@@ -251,7 +271,7 @@ class LegOptions(StepOptions, DampingOptions):
 class StraightOptions(StepOptions):
     """The straight step of a robot from a file."""
 
-    q0: list[float] = option([0.0, 0.0, 0.0], Q0, "deg")
+    q0: list[float] | None = option(None, Q0, "deg", shown="the joints' state targets, or 0")
     amplitude: float = option(0.050, AMPLITUDE, "m/s")
     gain: float = option(
         1.0, "of a gain block after the sine, whose own amplitude is amplitude / gain; 1: no block"
@@ -259,6 +279,14 @@ class StraightOptions(StepOptions):
     filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
     feedback: str = option(
         "sensed", f"what the inverse Jacobian takes as joint positions: {' or '.join(FEEDBACKS)}"
+    )
+    direction: list[float] | None = option(
+        None,
+        "of the motion, in the base frame",
+        shown="1,0,0, or the first of y and z that the foot can follow",
+    )
+    task: str | None = option(
+        None, TASK, shown="pose where the joints can keep it, otherwise position"
     )
 
 

@@ -157,6 +157,6 @@ def scara_config(options: ScaraOptions) -> scara.ScaraConfig:
         frequency=options.frequency,
         direction=options.unit_direction(),
         gravity=options.gravity,
-        control=control_of(options, robot.moving),
+        control=control_of(options, robot.moving[:3]),
         disturbance=disturbance_of(options),
     )
