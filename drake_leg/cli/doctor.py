@@ -109,8 +109,10 @@ def _write_maps(target: Path, maps: Maps, diagnosis: Diagnosis) -> None:
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:
     """Convert degrees where a joint turns; the SCARA's lift may be left out."""
+    from drake_leg.kinematics.scara import is_scara
+
     kinds = [segment.row.joint for segment in robot.moving]
-    if robot.name == "scara" and len(values) == 3:
+    if is_scara(robot) and len(values) == 3:
         kinds = kinds[:3]
     if len(values) != len(kinds):
         raise InvalidValueError(

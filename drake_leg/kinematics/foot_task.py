@@ -92,13 +92,19 @@ def _twists(robot: Robot, q0: Sequence[float], keep: str | None) -> Array:
     return np.vstack([np.zeros((3, position.rank)), U[:, : position.rank]])
 
 
-def first_direction(task: Task) -> tuple[float, float, float]:
+def first_direction(
+    robot: Robot, task: Task, q0: Sequence[float]
+) -> tuple[float, float, float]:
     """Return x, or the first of y and z that a foot can go along, or some direction else.
 
     Parameters
     ----------
+    robot : Robot
+        Any.
     task : Task
-        Of the foot.
+        Of the robot.
+    q0 : (n,) sequence of float
+        Where it starts [rad or m].
 
     Returns
     -------
@@ -106,7 +112,8 @@ def first_direction(task: Task) -> tuple[float, float, float]:
         Unit vector, base frame.
     """
     U, _, _ = np.linalg.svd(task.twists[3:])
-    x, y, z = next((one for one in [*np.eye(3), U[:, 0]] if _is_commanded(task, one))).tolist()
+    ways = (one for one in np.eye(3) if _is_commanded(task, one) and _straight(robot, task, q0, one))
+    x, y, z = next(ways, U[:, 0]).tolist()
     return x, y, z
 
 
@@ -132,20 +139,28 @@ def require_direction(
         With what the foot can do.
     """
     if not _is_commanded(task, np.asarray(direction)):
-        where = "at q0 " if _turns_on_its_way(robot, task) else ""
+        where = "at q0 " if turns_on_its_way(robot, task) else ""
         raise InvalidValueError(
             f"{where}the foot of {robot.name!r} {motion_in_words(task)}: it cannot go along "
             f"{_vector(np.asarray(direction))}; choose another --direction"
         )
-    if _turns_on_its_way(robot, task):
-        size = size_of(robot.rows)
-        way = chain_stroke(robot.rows, q0, direction, task=task, farthest=STRAIGHT * size).stroke
-        if way.length < STRAIGHT * size:
-            raise InvalidValueError(
-                f"{robot.name!r} takes its foot along a curve with its {_joints(robot)}: from q0 it "
-                f"cannot go straight along {_vector(np.asarray(direction))}; choose another "
-                "--direction, or a robot with more joints"
-            )
+    if not _straight(robot, task, q0, direction):
+        raise InvalidValueError(
+            f"{robot.name!r} takes its foot along a curve with its {_joints(robot)}: from q0 it "
+            f"cannot go straight along {_vector(np.asarray(direction))}; choose another "
+            "--direction, or a robot with more joints"
+        )
+
+
+def _straight(
+    robot: Robot, task: Task, q0: Sequence[float], direction: Sequence[float] | Array
+) -> bool:
+    """Tell whether a foot that can go along a direction stays on the line."""
+    if not turns_on_its_way(robot, task):
+        return True
+    enough = STRAIGHT * size_of(robot.rows)
+    way = chain_stroke(robot.rows, q0, direction, task=task, farthest=enough).stroke
+    return way.length > enough
 
 
 def _is_commanded(task: Task, direction: Array) -> bool:
@@ -154,8 +169,20 @@ def _is_commanded(task: Task, direction: Array) -> bool:
     return float(np.linalg.norm(outside)) <= OUTSIDE
 
 
-def _turns_on_its_way(robot: Robot, task: Task) -> bool:
-    """Tell whether what a foot can do changes from posture to posture."""
+def turns_on_its_way(robot: Robot, task: Task) -> bool:
+    """Tell whether what a foot can do changes from posture to posture.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any.
+    task : Task
+        Of its foot.
+
+    Returns
+    -------
+    bool
+    """
     return not task.keeps_orientation and freedoms(robot.rows)[0].span is None
 
 

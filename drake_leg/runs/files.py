@@ -35,6 +35,6 @@ def write_outcome(folder: Path, name: str, title: str, outcome: Outcome) -> None
     summary = json.dumps({"run": name, **outcome.summary}, indent=2, allow_nan=False)
     (folder / "summary.json").write_text(summary + "\n", encoding="utf-8")
     for file_name, draw in figures_of_run(
-        name, title, outcome.robot, outcome.recording, outcome.summary
+        outcome.subject, title, outcome.robot, outcome.recording, outcome.summary
     ):
         save(draw(), folder, file_name)

@@ -165,7 +165,7 @@ def _direction(
 ) -> tuple[float, float, float]:
     """Take the direction that was asked for, or the first one that the foot can go along."""
     if options.direction is None:
-        return first_direction(foot_task(robot, q0, options.task))
+        return first_direction(robot, foot_task(robot, q0, options.task), q0)
     return options.unit_direction()
 
 

@@ -100,7 +100,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
         plan.arm, run, forecast, config.robot.name, disturbed=config.disturbance.acts
     )
     return outcome_of(
-        config.robot, run, settings, options.duration, Recording(columns), exact, findings
+        config.robot, run, settings, options.duration, Recording(columns), exact, findings, "tool"
     )
 
 
