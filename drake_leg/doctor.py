@@ -11,9 +11,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array, within_turns
 from drake_leg.kinematics.chain_stroke import chain_stroke
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
+from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import branches
-from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, task_jacobian
+from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, is_scara, task_jacobian
 from drake_leg.kinematics.singularity import RankReport, examine
 from drake_leg.kinematics.stroke import (
     Stroke,
@@ -238,9 +238,6 @@ class _Chain:
 
 
 def _patient(robot: Robot) -> _Leg | _Scara | _Chain:
-    for closed_form in (_Leg, _Scara):
-        try:
-            return closed_form(robot)
-        except InvalidValueError:
-            continue
-    return _Chain(robot)
+    if is_hexabot_leg(robot):
+        return _Leg(robot)
+    return _Scara(robot) if is_scara(robot) else _Chain(robot)

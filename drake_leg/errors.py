@@ -97,7 +97,14 @@ class SingularConfigurationError(DrakeLegError):
         Simulated time [s], where there is one.
     """
 
-    def __init__(self, *, q: Sequence[float], sigma_min: float, time: float | None = None) -> None:
+    def __init__(
+        self,
+        *,
+        q: Sequence[float],
+        sigma_min: float,
+        time: float | None = None,
+        remedy: str = "choose another posture, a smaller amplitude or a higher frequency",
+    ) -> None:
         self.q = tuple(float(value) for value in q)
         self.sigma_min = float(sigma_min)
         self.time = time
@@ -105,8 +112,7 @@ class SingularConfigurationError(DrakeLegError):
         posture = ", ".join(f"{value:.6g}" for value in self.q)
         super().__init__(
             f"the Jacobian is singular{when} (q = {posture} in rad, or m where a joint slides; "
-            f"smallest singular value {self.sigma_min:.3g}): choose another posture, "
-            "a smaller amplitude or a higher frequency"
+            f"smallest singular value {self.sigma_min:.3g}): {remedy}"
         )
 
 

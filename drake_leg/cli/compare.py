@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.common import Commands
-from drake_leg.cli.run_options import add_run_options, kind_of, options_of, robot_of
+from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS
 
@@ -69,7 +69,7 @@ def _compare(chosen: argparse.Namespace) -> int:
     live = LiveModel(
         diagram=diagram,
         root=root,
-        robot=robot_of(chosen.name, diagram),
+        robot=kind.robot(options),
         duration=options.duration,
         scheme=options.integrator,
     )

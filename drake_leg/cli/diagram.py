@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, get_args
 
 from drake_leg.cli.common import Commands
 from drake_leg.cli.pictures import picture
-from drake_leg.cli.run_options import kind_of, robot_of
+from drake_leg.cli.run_options import kind_of
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError
 from drake_leg.imports import require_matplotlib
@@ -134,8 +134,9 @@ def _frames(chosen: argparse.Namespace) -> str:
     from drake_leg.figures.style import svg_text
 
     _refuse_signal_options(chosen, "is for signals and means nothing to frames")
-    title, _, robot = _subject(chosen.name)
-    return svg_text(free_body(robot, title=title), background=chosen.background)
+    kind = kind_of(chosen.name)
+    robot = kind.robot(kind.options())
+    return svg_text(free_body(robot, title=kind.title), background=chosen.background)
 
 
 def _refuse_signal_options(chosen: argparse.Namespace, why: str) -> None:
@@ -148,5 +149,6 @@ def _refuse_signal_options(chosen: argparse.Namespace, why: str) -> None:
 def _subject(name: str) -> tuple[str, Diagram, Robot]:
     """Find a run's title, its diagram as it is by default, and its robot."""
     kind = kind_of(name)
-    diagram, _ = kind.diagram(kind.options())
-    return kind.title, diagram, robot_of(name, diagram)
+    options = kind.options()
+    diagram, _ = kind.diagram(options)
+    return kind.title, diagram, kind.robot(options)

@@ -115,8 +115,10 @@ def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> int:
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:
     """Convert degrees where a joint turns; the SCARA's lift may be left out."""
+    from drake_leg.kinematics.scara import is_scara
+
     kinds = [segment.row.joint for segment in robot.moving]
-    if robot.name == "scara" and len(values) == 3:
+    if is_scara(robot) and len(values) == 3:
         kinds = kinds[:3]
     if len(values) != len(kinds):
         raise InvalidValueError(

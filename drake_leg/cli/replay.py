@@ -137,14 +137,16 @@ def _clearer(error: OtherRobotError, folder: Path, robot: Robot) -> DrakeLegErro
         return error
     if name == robot.name:
         return error
-    remedy = "leave --robot out" if _known(name) else f"give its TOML file, --robot {name}.toml"
+    remedy = (
+        "leave --robot out" if _known(name, folder) else f"give its TOML file, --robot {name}.toml"
+    )
     return OutputError(f"{folder} is a run of {name!r}, not of {robot.name!r}: {remedy}")
 
 
 def _recorded_robot(folder: Path) -> Robot:
     """Find the robot of the reports that moved."""
     name = _recorded_name(folder)
-    robot = _known(name)
+    robot = _known(name, folder)
     if robot is None:
         raise OutputError(
             f"{folder} is a run of {name!r}, a robot of your own: give its TOML file with --robot, "
@@ -153,7 +155,10 @@ def _recorded_robot(folder: Path) -> Robot:
     return robot
 
 
-def _known(name: str) -> Robot | None:
+def _known(name: str, folder: Path) -> Robot | None:
+    """Return a robot of the reports; one from a file is none of them, whatever its name."""
+    if str(_summary(folder).get("run")).lower().endswith(".toml"):
+        return None
     return ROBOT_NAMES.get(name.replace("_", "-"))
 
 

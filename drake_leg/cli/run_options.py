@@ -13,8 +13,6 @@ from drake_leg.cli.common import numbers
 from drake_leg.cli.config_file import options_from_file
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot import Robot
-from drake_leg.robots import ROBOTS
 from drake_leg.runs.catalogue import RUNS, STEP, Progress, RunKind, Start, run_kind
 from drake_leg.runs.options import RunOptions, StraightOptions
 
@@ -93,31 +91,8 @@ def kind_of(name: str) -> RunKind:
         options=StraightOptions,
         run=step,
         diagram=diagram,
+        robot=lambda _options: robot,
     )
-
-
-def robot_of(name: str, diagram: Diagram) -> Robot:
-    """Find the robot of a run: the file's, or the one whose plant is in the diagram.
-
-    Parameters
-    ----------
-    name : str
-        Of the run, as on the command line.
-    diagram : Diagram
-        Of the run.
-
-    Returns
-    -------
-    Robot
-
-    Raises
-    ------
-    InvalidValueError
-        If the file describes no robot.
-    """
-    if name.lower().endswith(".toml"):
-        return robot_source(name).robot()
-    return next(robot for robot in ROBOTS if diagram.HasSubsystemNamed(robot.name))
 
 
 def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:

@@ -11,6 +11,7 @@ from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.cli.server import LEAVING, add_server, start_server
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.robot import Robot
+from drake_leg.runs.options import TASK
 
 if TYPE_CHECKING:
     from drake_leg.teleop.control import Step
@@ -33,16 +34,22 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser(
         "teleop",
         help="drive a leg's foot by hand, in real time",
-        description="Open a robot of three joints in the browser, in Meshcat, and drive its foot: "
+        description="Open a robot in the browser, in Meshcat, and drive its foot: "
         "sliders set its velocity along x, y, z, buttons or the keys A D, S W, F R drive it while "
         "they are held, the space bar halts. It halts, too, when the page is left or not heard. "
         "A leg's section of reach is shown, the smallest singular value too; near a singularity a "
         "guard slows the foot and stops it (green, orange, red), and lets it go back. What it does "
-        "is said in the terminal, too.",
+        "is said in the terminal, too. A robot with fewer joints goes where they let it; the "
+        "page says along what.",
         epilog=LEAVING,
     )
     add_robot_source(parser)
     add_posture(parser)
+    parser.add_argument(
+        "--task",
+        metavar="TEXT",
+        help=f"{TASK} (default pose where the joints can keep it, otherwise position)",
+    )
     add_server(parser)
     parser.set_defaults(command=_teleop)
 
@@ -52,28 +59,29 @@ def _teleop(chosen: argparse.Namespace) -> int:
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
-    start = _start(robot, q)
+    start = _start(robot, q, chosen.task)
     try:
         with start_server(chosen, f"{robot.title}, driven by A D, S W, F R") as server:
             _say(f"{KEYS}\nat the start sigma_min is {_mm(start)}, {start.sentence or IDLE}")
-            step = drive_robot(robot, q, server, say=_say, once=chosen.once)
+            step = drive_robot(robot, q, server, say=_say, keep=chosen.task, once=chosen.once)
     except KeyboardInterrupt:
         return 0
     print(f"the robot was left at --q {as_option(robot, step.q.tolist())}")
     return 0
 
 
-def _start(robot: Robot, q: list[float]) -> Step:
+def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
     """Describe where the robot starts, or refuse a singular posture."""
     from drake_leg.teleop.control import at_rest, drive_of, singular_words
 
-    drive = drive_of(robot)
+    drive = drive_of(robot, keep)
     try:
         return at_rest(drive, q)
     except SingularConfigurationError as error:
         error.args = (
             f"at --q {as_option(robot, q)} {singular_words(drive, q, '')}: from this singular "
-            "posture the foot cannot be driven; choose another --q",
+            "posture the foot cannot be driven; choose another --q"
+            + (", or --task position" if drive.task.keeps_orientation else ""),
         )
         raise
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from pydrake.multibody.plant import MultibodyPlant
+import numpy as np
 from pydrake.systems.primitives import ConstantVectorSource, Sine
 
 from drake_leg.compare.comparison import Item
 from drake_leg.compare.correspondence import Correspondence, function_role, same_factors
 from drake_leg.compare.inverse import Match, match_function
 from drake_leg.compare.signals import Atom, Scalar, close
+from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block
 from drake_leg.simulink.values import number
 from drake_leg.systems.inverse_jacobian import InverseJacobian
@@ -78,9 +79,10 @@ def _compare_positions(c: Correspondence, sid: str, name: str, joints_from: dict
 
 def _compare_velocity(c: Correspondence, sid: str, name: str, found: Match) -> None:
     live = c.live_role(c.live.input(name, "v"))
-    axes = ("x", "y", "yaw") if c.live.of_type(MultibodyPlant) == ["scara"] else ("x", "y", "z")
-    for index, (axis, mine, theirs) in enumerate(zip(axes, found.velocity, live, strict=False)):
-        unit = "rad/s" if axis == "yaw" else "m/s"
+    parts = [_part(twist) for twist in c.live.systems[name].twists.T]
+    for index, ((axis, unit), mine, theirs) in enumerate(
+        zip(parts, found.velocity, live, strict=False)
+    ):
         _match_sources(c, mine, theirs)
         port = found.ports[index] if found.ports else f"{sid}#in:1"
         if mine.shape != theirs.shape or not same_factors(mine, theirs):
@@ -97,6 +99,14 @@ def _compare_velocity(c: Correspondence, sid: str, name: str, found: Match) -> N
                 unit=unit,
             )
         _compare_sines(c, port, mine, theirs)
+
+
+def _part(twist: Array) -> tuple[str, str]:
+    """Name what a part of a commanded velocity is, and its unit."""
+    turning, translation = np.split(np.abs(twist), 2)
+    if turning.any():
+        return ("roll", "pitch", "yaw")[int(turning.argmax())], "rad/s"
+    return "xyz"[int(translation.argmax())], "m/s"
 
 
 def _match_sources(c: Correspondence, ours: Scalar, live: Scalar) -> None:

@@ -33,7 +33,7 @@ class Control:
     inverse: Inverse = EXACT_INVERSE
     joints: tuple[Segment, ...] | None = None  # whose limits an inverse heeds; None: the robot's
     correction: float = 0.0  # K, of the drift correction [1/s]; 0 is no correction
-    q0_error: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [rad or m], start minus q0
+    q0_error: tuple[float, ...] = ()  # [rad or m], start minus q0; empty: none
 
     def __post_init__(self) -> None:
         require_non_negative("the gain of the drift correction", self.correction, "1/s")
@@ -55,22 +55,23 @@ class Control:
         Task
         """
         joints = robot.moving if self.joints is None else self.joints
-        return self.inverse.of(task, joints[: task.size])
+        return self.inverse.of(task, joints[: task.joints])
 
-    def start(self, q0: tuple[float, float, float]) -> tuple[float, float, float]:
+    def start(self, q0: tuple[float, ...]) -> tuple[float, ...]:
         """Return where the joints really start.
 
         Parameters
         ----------
-        q0 : (3,) tuple of float
+        q0 : (n,) tuple of float
             Where the command believes them [rad or m].
 
         Returns
         -------
-        (3,) tuple of float
+        (n,) tuple of float
         """
-        q1, q2, q3 = (q + error for q, error in zip(q0, self.q0_error, strict=True))
-        return q1, q2, q3
+        if not self.q0_error:
+            return q0
+        return tuple(q + error for q, error in zip(q0, self.q0_error, strict=True))
 
     def followed(self, disturbance: Disturbance) -> Disturbance:
         """Pull the joints firmly onto a motion with kinks, unless a stiffness was chosen.

@@ -11,6 +11,7 @@ The signal blocks, left to right::
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,8 +31,9 @@ from drake_leg.diagrams.control import EXACT, Command, Control, corrected
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.foot_task import foot_task
+from drake_leg.kinematics.foot_task import foot_task, require_direction
 from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.kinematics.task import Task
 from drake_leg.quantities import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
 from drake_leg.robot import Robot
 from drake_leg.systems.input_filter import InputFilter
@@ -39,13 +41,19 @@ from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 Vector = tuple[float, float, float]
 
+TASK = ("Task", "Task of the derivatives")
+ALL = np.eye(3)  # of x, y, z are commanded: no block is needed
+
 
 @dataclass(frozen=True, kw_only=True)
 class HexabotLegConfig:
-    """A step of the leg: the foot's velocity is ``amplitude * sin(frequency t) * direction``."""
+    """A step of the leg: the foot's velocity is ``amplitude * sin(frequency t) * direction``.
+
+    The leg may be any chain whose foot can go that way.
+    """
 
     robot: Robot
-    q0: Vector  # [rad], initial hip, knee, ankle
+    q0: tuple[float, ...]  # [rad or m], initial hip, knee, ankle
     amplitude: float = 0.070  # [m/s], of the foot
     frequency: float = 1.0  # [rad/s]
     direction: Vector = (1.0, 0.0, 0.0)  # unit vector in the base frame
@@ -53,13 +61,14 @@ class HexabotLegConfig:
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
     filter_time_constant: float | None = None  # [s], of the joints' input filters; None: no filter
     feedback: str = "sensed"  # joint positions for the inverse Jacobian, or "integrated" ones
+    keep: str | None = None  # what of the foot is commanded: "position", "pose"; None: as it can
     control: Control = EXACT
     disturbance: Disturbance = UNDISTURBED
 
     def __post_init__(self) -> None:
-        foot_task(self.robot)
-        if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
-            raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
+        if not all(map(math.isfinite, self.q0)):
+            raise InvalidValueError(f"q0 is {self.q0!r}; its numbers must be finite")
+        task = self.exact_task()
         for angle in self.control.start(self.q0):
             require_angle("an angle of q0", angle)
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
@@ -68,12 +77,22 @@ class HexabotLegConfig:
             raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
+        require_direction(self.robot, task, self.q0, self.direction)
         if self.feedback not in ("sensed", "integrated"):
             raise InvalidValueError(
                 f"the feedback is {self.feedback!r}; it must be sensed or integrated"
             )
         if self.filter_time_constant is not None:
             require_positive("the filter's time constant", self.filter_time_constant, "s")
+
+    def exact_task(self) -> Task:
+        """Return what the foot is commanded.
+
+        Returns
+        -------
+        Task
+        """
+        return foot_task(self.robot, self.q0, self.keep)
 
     @property
     def greatest_speed(self) -> float:
@@ -132,14 +151,15 @@ def add_leg(
         The foot's commanded velocity [m/s] and acceleration [m/s^2] in the base frame.
     """
     control = config.control
-    task = control.task(foot_task(config.robot), config.robot)
+    task = control.task(config.exact_task(), config.robot)
     inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
-    demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
+    demux = builder.AddNamedSystem("Demux", Demultiplexer(task.joints))
     q0 = control.start(config.q0)
     integrators = [
-        builder.AddNamedSystem(f"Integrator {i}", Integrator([q0[i - 1]])) for i in (1, 2, 3)
+        builder.AddNamedSystem(f"Integrator {i}", Integrator([q]))
+        for i, q in enumerate(q0, start=1)
     ]
-    converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(3))
+    converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(task.joints))
     leg = add_mechanism(builder, config.robot, config.gravity, control.followed(config.disturbance))
 
     command = corrected(
@@ -151,6 +171,7 @@ def add_leg(
         pdot=leg.foot.GetOutputPort("velocity"),
         top_speed=control.top_speed(task, config.greatest_speed),
     )
+    command = _commanded(builder, task, command)
     builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
     if config.feedback == "sensed":
@@ -179,11 +200,22 @@ def add_leg(
     add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
 
 
+def _commanded(builder: DiagramBuilder, task: Task, command: Command) -> Command:
+    """Take of the foot's velocity what the task commands; a foot whose pose is kept turns not."""
+    matrix = task.twists[3:].T
+    if np.array_equal(matrix, ALL):
+        return command
+    v, a = (builder.AddNamedSystem(name, MatrixGain(matrix)) for name in TASK)
+    builder.Connect(command.v, v.get_input_port())
+    builder.Connect(command.a, a.get_input_port())
+    return Command(v.get_output_port(), a.get_output_port())
+
+
 def _filter(
-    builder: DiagramBuilder, time_constant: float, q0: Vector, signal: OutputPort
+    builder: DiagramBuilder, time_constant: float, q0: Sequence[float], signal: OutputPort
 ) -> dict[str, OutputPort]:
     """Let the joints follow the filtered angles; q, qdot, qddot are consistent by themselves."""
-    block = builder.AddNamedSystem("Input Filters", InputFilter(3, time_constant, initial=q0))
+    block = builder.AddNamedSystem("Input Filters", InputFilter(len(q0), time_constant, initial=q0))
     builder.Connect(signal, block.get_input_port())
     return {name: block.GetOutputPort(name) for name in ("q", "qdot", "qddot")}
 

@@ -12,14 +12,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from drake_leg.colours import PURPLE
-from drake_leg.errors import InvalidValueError
+from drake_leg.figures.chain import chain
 from drake_leg.figures.sketch import Sketch, direction
 from drake_leg.figures.style import BODY, GREY, new_figure
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.kinematics.scara import ScaraGeometry, lift_position
+from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
+from drake_leg.kinematics.scara import ScaraGeometry, is_scara, lift_position
 from drake_leg.robot import Robot
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two
@@ -32,7 +32,7 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     Parameters
     ----------
     robot : Robot
-        A pendulum, a hexabot leg or a SCARA, of any lengths.
+        Any: the reports' robots are drawn as there, another chain seen askew, beside its table.
     title : str, optional
         By default the robot's.
 
@@ -40,22 +40,15 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     -------
     Figure
         In a posture in which everything is seen.
-
-    Raises
-    ------
-    InvalidValueError
-        If it is another robot.
     """
     heading = f"{title or robot.title}: bodies and frames"
     if is_hexabot_leg(robot):
         return leg(robot, heading)
-    if len(robot.moving) == 1:
+    if is_pendulum(robot):
         return pendulum(robot, heading)
-    if robot.name == "scara":
+    if is_scara(robot):
         return scara(robot, heading)
-    raise InvalidValueError(
-        f"the robot is {robot.name!r}; frames are drawn of a pendulum, a hexabot leg or the SCARA"
-    )
+    return chain(robot, heading)
 
 
 def _frames(robot: Robot, q: list[float]) -> Array:

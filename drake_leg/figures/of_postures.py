@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from drake_leg.errors import InvalidValueError
 from drake_leg.figures import dexterity, singularities
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.scara import ScaraGeometry, lift_position
+from drake_leg.kinematics.scara import ScaraGeometry, is_scara, lift_position
 from drake_leg.robot import Robot
 
 Maps = dict[str, Callable[[], Figure]]
@@ -37,7 +37,7 @@ def maps_of_posture(robot: Robot, q: Sequence[float]) -> Maps:
     """
     if is_hexabot_leg(robot):
         return _of_leg(robot, q)
-    if robot.name == "scara":
+    if is_scara(robot):
         return _of_scara(robot, q)
     raise InvalidValueError(
         f"the robot is {robot.name!r}; maps are drawn of a hexabot leg or the SCARA: leave --out "

@@ -1,9 +1,9 @@
-"""Which figures a run leaves, by its name."""
+"""Which figures a run leaves, by what it shows."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,18 +18,20 @@ from drake_leg.robot import Robot
 LEG_JOINTS = {1: "hip", 2: "knee", 3: "ankle"}
 SCARA_JOINTS = {1: "shoulder", 2: "elbow", 3: "wrist"}
 
+Subject = Literal["swing", "foot", "tool"]  # what a run shows
+
 Named = Iterator[tuple[str, Callable[[], Figure]]]
 
 
 def figures_of_run(
-    name: str, title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]
+    subject: Subject, title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]
 ) -> Named:
     """Name the figures of a run and tell how each is drawn.
 
     Parameters
     ----------
-    name : str
-        Of the run, as on the command line.
+    subject : {"swing", "foot", "tool"}
+        What the run shows: a pendulum that swings, a foot or a tool that is moved.
     title : str
         Of the run, for the figures' titles.
     robot : Robot
@@ -44,9 +46,9 @@ def figures_of_run(
     tuple of str and callable
         File name without ending, and a function that draws the figure.
     """
-    if name.startswith("pendulum"):
+    if subject == "swing":
         yield from _pendulum(title, robot, recording, summary)
-    elif name == "scara":
+    elif subject == "tool":
         yield from _scara(title, robot, recording)
     else:
         yield from _leg(title, robot, recording)

@@ -84,6 +84,26 @@ class Sketch:
                 zorder=order,
             )
 
+    def slider(self, at: Point, along: Point) -> None:
+        """Draw a prismatic joint: a block on its axis, which lies in the paper."""
+        (x, y), (dx, dy) = at, along
+        for half, colour, points, order in (
+            (0.6, INK, 1.2, 1.9),
+            (0.28, INK, 13.0, 2.0),
+            (0.25, BODY, 10.5, 2.1),
+        ):
+            ends = [
+                (x + side * half * self.unit * dx, y + side * half * self.unit * dy)
+                for side in (-1, 1)
+            ]
+            self.axes.plot(
+                *zip(*ends, strict=True),
+                color=colour,
+                linewidth=points,
+                solid_capstyle="butt",
+                zorder=order,
+            )
+
     def ground(self, at: Point, half: float) -> None:
         """Draw what does not move: a hatched line."""
         x, y = at

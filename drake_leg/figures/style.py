@@ -19,7 +19,14 @@ FORMATS = ("png", "svg", "pdf")
 GREY, INK, GRID, BODY = "#6B6B6B", "#1A1A1A", "#D9D9D9", "#D5DCE3"
 
 # Told apart without their colours, too.
-LINES = ((BLUE, "-"), (VERMILLION, "--"), (GREEN, "-."), (PURPLE, ":"))
+COLOURS = (BLUE, VERMILLION, GREEN, PURPLE)
+STYLES: tuple[Any, ...] = ("-", "--", "-.", ":")
+LONG, SPARSE = (0, (7, 1.5, 1, 1.5, 1, 1.5)), (0, (1, 2.5))
+LINES = (
+    *zip(COLOURS, STYLES, strict=True),
+    *zip(COLOURS, ("--", "-", LONG, "-."), strict=True),
+    *zip(COLOURS, (SPARSE, LONG, "-", "--"), strict=True),
+)
 
 STYLE: dict[Any, Any] = {
     "font.size": 10.0,

@@ -8,29 +8,31 @@ from typing import Protocol
 
 import numpy as np
 
-from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.chain_task import chain_task
 from drake_leg.kinematics.edges import Edges, Family, leg_edges, leg_extremes, scara_edges
-from drake_leg.kinematics.khalil import foot_pose, jacobian
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
+from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.scara import ScaraGeometry, task_jacobian, tool_position
 from drake_leg.kinematics.scara import inverse_kinematics as scara_inverse
 from drake_leg.kinematics.stroke import facing
+from drake_leg.kinematics.task import TRANSLATION, Task
 from drake_leg.robot import Robot
 
 
 class Arm(Protocol):
-    """A robot, or its three joints that a command moves."""
+    """A robot, or its joints that a command moves."""
 
     turning: tuple[bool, ...]  # joint by joint: revolute, not prismatic
+    twists: Array  # (6, m): turning, then translation of the foot, that each row of J is
 
     def foot(self, q: Sequence[float]) -> Array:
         """Return the foot's or the tool's position, (3,) [m]."""
         ...
 
     def jacobian(self, q: Sequence[float]) -> Array:
-        """Return the Jacobian of the commanded translation, (m, n) [m/rad]."""
+        """Return the Jacobian of what is commanded, its rows made lengths, (m, n) [m/rad]."""
         ...
 
     def family(self, q: Sequence[float]) -> Family | None:
@@ -58,6 +60,7 @@ class LegArm:
     """The hexabot's leg."""
 
     turning: tuple[bool, ...] = (True, True, True)
+    twists = TRANSLATION
 
     def __init__(self, leg: LegGeometry) -> None:
         self._leg = leg
@@ -94,6 +97,7 @@ class ScaraArm:
     """The SCARA in its plane, its yaw held."""
 
     turning: tuple[bool, ...] = (True, True, True)
+    twists = TRANSLATION[:, :2]
 
     def __init__(self, arm: ScaraGeometry, lift: float = 0.0) -> None:
         self._arm = arm
@@ -126,10 +130,12 @@ class ScaraArm:
 
 
 class ChainArm:
-    """Any chain of three joints; nothing of it is known in closed form."""
+    """Any chain; nothing of it is known in closed form."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, task: Task | None = None) -> None:
         self.rows = robot.rows
+        self.task = task or chain_task(robot.rows, TRANSLATION)
+        self.twists = self.task.twists
         self.turning = tuple(segment.row.joint == "revolute" for segment in robot.moving)
 
     def foot(self, q: Sequence[float]) -> Array:
@@ -138,34 +144,49 @@ class ChainArm:
         return p
 
     def jacobian(self, q: Sequence[float]) -> Array:
-        """Return the translation's Jacobian, (3, 3)."""
-        J: Array = jacobian(self.rows, q)[3:]
+        """Return the task's Jacobian."""
+        J: Array = np.array(self.task.row_lengths)[:, np.newaxis] * self.task.jacobian(q)
         return J
 
     def family(self, _q: Sequence[float]) -> None:
         """Name none."""
 
 
-def arm_of(robot: Robot) -> LegArm | ScaraArm | ChainArm:
-    """Return what is known of a robot.
+def arm_of(robot: Robot, task: Task) -> LegArm | ChainArm:
+    """Return what is known of a robot whose foot follows a task.
 
     Parameters
     ----------
     robot : Robot
-        The leg, the SCARA, or any chain.
+        The leg, or any chain.
+    task : Task
+        Its exact one.
 
     Returns
     -------
-    LegArm, ScaraArm or ChainArm
+    LegArm or ChainArm
     """
-    try:
+    if is_hexabot_leg(robot):
         return LegArm(LegGeometry.from_robot(robot))
-    except InvalidValueError:
-        pass
-    try:
-        return ScaraArm(ScaraGeometry.from_robot(robot))
-    except InvalidValueError:
-        return ChainArm(robot)
+    return ChainArm(robot, task)
+
+
+def loses_turning(arm: Arm, q: Sequence[float]) -> bool:
+    """Tell whether it is rather a turning of the foot that is lost than a translation.
+
+    Parameters
+    ----------
+    arm : Arm
+        The robot.
+    q : (n,) sequence of float
+        A posture that is singular, or nearly [rad or m].
+
+    Returns
+    -------
+    bool
+    """
+    turning, translation = np.split(_lost_twist(arm, q), 2)
+    return bool(np.linalg.norm(turning) > np.linalg.norm(translation))
 
 
 def lost_direction(arm: Arm, q: Sequence[float]) -> tuple[float, float, float]:
@@ -175,17 +196,25 @@ def lost_direction(arm: Arm, q: Sequence[float]) -> tuple[float, float, float]:
     ----------
     arm : Arm
         The robot.
-    q : (3,) sequence of float
+    q : (n,) sequence of float
         A posture that is singular, or nearly [rad or m].
 
     Returns
     -------
     (3,) tuple of float
-        Unit vector in the base frame, its first component that is not zero positive.
+        Unit vector in the base frame, its first component that is not zero positive: of a
+        translation, or of an axis of turning.
     """
-    U, _, _ = np.linalg.svd(arm.jacobian(q))
-    lost = np.zeros(3)
-    lost[: len(U)] = np.where(np.abs(U[:, -1]) < 1e-9, 0.0, U[:, -1])
+    turning, translation = np.split(_lost_twist(arm, q), 2)
+    lost = turning if loses_turning(arm, q) else translation
+    lost = np.where(np.abs(lost) < 1e-9, 0.0, lost / np.linalg.norm(lost))
     sign = np.sign(lost[np.flatnonzero(lost)[0]])
     x, y, z = (sign * lost + 0.0).tolist()
     return x, y, z
+
+
+def _lost_twist(arm: Arm, q: Sequence[float]) -> Array:
+    """Turning, then translation that the joints do least, (6,), both as lengths."""
+    U, _, _ = np.linalg.svd(arm.jacobian(q))
+    lost: Array = arm.twists @ U[:, -1]
+    return lost

@@ -1,4 +1,4 @@
-"""How far the foot of any three-joint chain can go along a line, found numerically."""
+"""How far the foot of any chain can go along a line, found numerically."""
 
 from __future__ import annotations
 
@@ -9,85 +9,114 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.khalil import foot_pose, jacobian, moving_rows
+from drake_leg.kinematics.chain_task import chain_task, size_of
+from drake_leg.kinematics.khalil import moving_rows
 from drake_leg.kinematics.stroke import Stroke, unit
+from drake_leg.kinematics.sweep import Sweep, sweep
+from drake_leg.kinematics.task import TRANSLATION, Task
 from drake_leg.robot import Row
 
 CHAIN_STEPS = 200  # steps of a numerical stroke over the length of the chain
 CHAIN_RESOLUTION = 1e-10  # smallest step, of the length of the chain
 LARGEST_CHANGE = 0.5  # [rad or m] of a joint in one step; more is a jump to another branch
+FARTHEST = 10.0  # of the length of the chain: what is looked at where nothing else is said
 
 
 class ChainStroke(NamedTuple):
     """A way found numerically, and where it ends."""
 
     stroke: Stroke
-    q: Array  # (3,), [rad or m], just before the singularity
+    q: Array  # (n,), [rad or m], just before the singularity
 
 
-def chain_stroke(rows: Sequence[Row], q: ArrayLike, direction: ArrayLike) -> ChainStroke:
-    """Way of any three-joint chain's foot along a direction to the first singularity, numerically.
+def chain_stroke(
+    rows: Sequence[Row],
+    q: ArrayLike,
+    direction: ArrayLike,
+    *,
+    task: Task | None = None,
+    farthest: float | None = None,
+) -> ChainStroke:
+    """Way of any chain's foot along a direction to the first singularity, numerically.
 
     The posture is followed along the line in small steps, each closed by Newton's method, until
-    a step fails or the determinant changes its sign; the last step is then bisected.
+    a step fails or the determinant changes its sign; the last step is then bisected. A redundant
+    chain takes the least rates on its way.
 
     Parameters
     ----------
     rows : sequence of Row
-        The table; three rows move.
-    q : (3,) array_like
+        The table; n rows move.
+    q : (n,) array_like
         Joint positions at the start [rad or m], not singular.
     direction : (3,) array_like
         Unit vector in the base frame.
+    task : Task, optional
+        What the foot is commanded; its translation by default.
+    farthest : float, optional
+        Way that is looked at [m]; by default ten times the chain's length.
 
     Returns
     -------
     ChainStroke
-        Of no named family; infinite where no singularity is met within ten times the chain's
-        length.
+        Of no named family; infinite where no singularity is met.
 
     Raises
     ------
     InvalidValueError
-        If the chain has not three joints, a shape is wrong or a value is not finite.
+        If a shape is wrong or a value is not finite.
     """
-    if len(moving_rows(rows)) != 3:
-        raise InvalidValueError(
-            f"the chain has {len(moving_rows(rows))} joints; a stroke needs exactly three"
-        )
     d = unit(direction)
-    posture = one_vector("q", q, 3)
-    start = foot_pose(rows, posture)[:3, 3]
-    size = sum(math.hypot(row.d, row.r) for row in rows) or 1.0
-    way, step = 0.0, size / CHAIN_STEPS
-    sign = np.sign(np.linalg.det(jacobian(rows, posture)[3:]))
-    while way < 10.0 * size:
-        closed = _closed(rows, posture, start + (way + step) * d, step)
-        if closed is None or np.sign(np.linalg.det(jacobian(rows, closed)[3:])) != sign:
+    posture = one_vector("q", q, len(moving_rows(rows)))
+    task = task or chain_task(tuple(rows), TRANSLATION)
+    start = sweep(rows, posture.tolist())
+    size = size_of(rows)
+    longest = max(size, farthest or 0.0) / CHAIN_STEPS
+    farthest = FARTHEST * size if farthest is None else farthest
+    way, step = 0.0, longest
+    sign = np.sign(task.determinant(posture.tolist()))
+    while way < farthest:
+        goal = start._replace(foot=tuple(start.foot + (way + step) * d))
+        closed = _closed(rows, task, posture, goal, step * d)
+        if closed is None or np.sign(task.determinant(closed.tolist())) != sign:
             step /= 2.0
             if step < CHAIN_RESOLUTION * size:
                 return ChainStroke(Stroke(length=way, family=None), posture)
         else:
             way, posture = way + step, closed
-            step = min(2.0 * step, size / CHAIN_STEPS)
+            step = min(2.0 * step, longest)
     return ChainStroke(Stroke(length=math.inf, family=None), posture)
 
 
-def _closed(rows: Sequence[Row], q: Array, goal: Array, step: float) -> Array | None:
-    """Move the foot onto the goal by Newton's method; None where that fails or jumps."""
-    posture = q.copy()
-    for _ in range(12):
-        miss = goal - foot_pose(rows, posture)[:3, 3]
-        if float(np.abs(miss).max()) < 1e-14:
-            break
-        try:
-            change = np.linalg.solve(jacobian(rows, posture)[3:], miss)
-        except np.linalg.LinAlgError:
-            return None
-        if float(np.abs(change).max()) > LARGEST_CHANGE:
-            return None
-        posture = posture + change
-    reached = float(np.abs(goal - foot_pose(rows, posture)[:3, 3]).max()) < 1e-6 * step
-    return posture if reached else None
+def _closed(rows: Sequence[Row], task: Task, q: Array, goal: Sweep, way: Array) -> Array | None:
+    """Bring the foot to the goal by Newton's method; None where that fails or jumps."""
+    try:
+        posture = _ahead(task, q, task.command(way)) if task.is_redundant else q.copy()
+        for _ in range(12):
+            miss = _miss(goal, sweep(rows, posture.tolist()))
+            if float(np.abs(miss).max()) < 1e-14:
+                break
+            change = np.array(task.rates(posture.tolist(), (task.twists.T @ miss).tolist()))
+            if float(np.abs(change).max()) > LARGEST_CHANGE:
+                return None
+            posture = posture + change
+    except SingularConfigurationError:
+        return None
+    translation = _miss(goal, sweep(rows, posture.tolist()))[3:]
+    return posture if float(np.abs(translation).max()) < 1e-6 * np.linalg.norm(way) else None
+
+
+def _ahead(task: Task, q: Array, v: Array) -> Array:
+    """Follow the least rates for a step by the midpoint rule; Newton's method does the rest."""
+    half = 0.5 * np.array(task.rates(q.tolist(), v.tolist()))
+    there = q + half * min(1.0, LARGEST_CHANGE / float(np.abs(half).max() or 1.0))
+    return q + np.array(task.rates(there.tolist(), v.tolist()))
+
+
+def _miss(goal: Sweep, here: Sweep) -> Array:
+    """Twist that takes the foot to the goal, (6,), turning first; small ones are exact."""
+    pairs = zip(here.rotation, goal.rotation, strict=True)
+    turning = 0.5 * sum((np.cross(axis, there) for axis, there in pairs), np.zeros(3))
+    return np.concatenate([turning, np.subtract(goal.foot, here.foot)])

@@ -20,6 +20,7 @@ from drake_leg.kinematics.rate_box import RateBox
 from drake_leg.kinematics.task import Floats, Task
 
 FLOOR = 0.25  # of lambda: about where sigma comes to rest while the command pushes outwards
+LEAST = 1e-7  # of the arm's length: what chooses the least of a redundant task's rates
 DIFFERENCE = 1e-7  # [s], of the derivative of damped rates
 TYPICAL = 0.2  # of the arm's length: slope of sigma along w at a boundary
 STEEPEST = 0.5  # [1/rad] of the arm's length: bound of the slope of the smallest singular value
@@ -71,7 +72,7 @@ def damped_task(task: Task, below: float, box: RateBox | None = None) -> Task:
     @lru_cache(maxsize=2)  # rates, their derivative and their stiffness ask at the same posture
     def damping_at(q: tuple[float, ...]) -> _Damping | None:
         J = lengths[:, np.newaxis] * task.jacobian(q)
-        U, sigma, Vt = np.linalg.svd(J)
+        U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
         if sigma[-1] >= below:
             return None
         w = Vt[-1]
@@ -85,9 +86,9 @@ def damped_task(task: Task, below: float, box: RateBox | None = None) -> Task:
         if here is None:
             return np.array(task.rates(q, v)), None
         weighted = lengths * np.asarray(v)
-        normal = here.J.T @ here.J + here.squared * np.eye(task.size)
-        right = here.J.T @ weighted + here.squared * _rest(weighted, here, strongest)
-        return np.linalg.solve(normal, right), here
+        rest = _rest(weighted, here, strongest)
+        normal = here.J @ here.J.T + here.squared * np.eye(task.size)
+        return rest + here.J.T @ np.linalg.solve(normal, weighted - here.J @ rest), here
 
     def rates(q: Floats, v: Floats) -> Floats:
         free, here = free_rates(q, v)
@@ -100,10 +101,12 @@ def damped_task(task: Task, below: float, box: RateBox | None = None) -> Task:
     def bounded(q: Floats, v: Floats, here: _Damping | None, low: Floats, high: Floats) -> Array:
         weighted = lengths * np.asarray(v)
         matrix, right = lengths[:, np.newaxis] * task.jacobian(q), weighted
+        damper, rest = LEAST * task.length * task.is_redundant, np.zeros(task.joints)
         if here is not None:
-            damper = math.sqrt(here.squared)
-            matrix = np.vstack([matrix, damper * np.eye(task.size)])
-            right = np.concatenate([weighted, damper * _rest(weighted, here, strongest)])
+            damper, rest = math.sqrt(here.squared), _rest(weighted, here, strongest)
+        if damper > 0.0:
+            matrix = np.vstack([matrix, damper * np.eye(task.joints)])
+            right = np.concatenate([weighted, damper * rest])
         solution = lsq_linear(matrix, right, bounds=(low, high), method="bvls", tol=1e-14)
         inside: Array = np.clip(solution.x, low, high)
         return inside

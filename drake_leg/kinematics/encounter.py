@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.kinematics.arms import Arm, lost_direction
+from drake_leg.kinematics.arms import Arm, loses_turning, lost_direction
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.edges import Family
 from drake_leg.quantities import joint_entries
@@ -24,6 +24,7 @@ class Encounter:
     q: tuple[float, ...]  # [rad or m]
     foot: tuple[float, ...]  # base frame [m]
     lost_direction: tuple[float, ...]  # unit vector, base frame
+    loses_turning: bool = False  # about that direction, not translation along it
     greatest_amplitude: float | None  # [m/s], below which the motion stays inside; None: unknown
     grazing: bool = False  # the command leaves the workspace by less than forecast.GRAZE
     numerical: bool = False  # found by small steps, not in closed form
@@ -43,11 +44,12 @@ class Encounter:
             f"{_listed([math.degrees(value)], 4)} deg" if turns else f"{_listed([value], 6)} m"
             for value, turns in zip(self.q, self.turning, strict=True)
         )
+        lost = "turning left about" if self.loses_turning else "motion left along"
         amplitude = self.greatest_amplitude
         inside = f"; an amplitude below {amplitude:.9g} m/s stays inside" if amplitude else ""
         return (
             f"singular{family} at t = {about}{at} s, with the foot at ({_listed(self.foot, 6)}) m, "
-            f"the joints at ({joints}) and no motion left along "
+            f"the joints at ({joints}) and no {lost} "
             f"({_listed(self.lost_direction, 4)}){inside}"
         )
 
@@ -64,6 +66,7 @@ class Encounter:
             "foot_m": list(self.foot),
             **joint_entries("q", self.q, [not turns for turns in self.turning]),
             "lost_direction": list(self.lost_direction),
+            "loses_turning": self.loses_turning,
             "greatest_amplitude_m_s": self.greatest_amplitude,
             "grazing": self.grazing,
         }
@@ -135,7 +138,7 @@ def encounter_at(
     ----------
     arm : Arm
         The robot.
-    q : (3,) sequence of float
+    q : (n,) sequence of float
         [rad or m].
     time : float
         [s].
@@ -153,6 +156,7 @@ def encounter_at(
         q=posture,
         foot=tuple(arm.foot(posture).tolist()),
         lost_direction=lost_direction(arm, posture),
+        loses_turning=loses_turning(arm, posture),
         greatest_amplitude=greatest_amplitude,
         turning=arm.turning,
     )

@@ -158,7 +158,7 @@ def _posture_at(arm: ClosedArm, q0: Sequence[float], path: Path, first: Approach
 
 
 def _forecast_chain(arm: ChainArm, q0: Sequence[float], step: SineStep, end: float) -> Forecast:
-    stroke, q = chain_stroke(arm.rows, q0, step.heading)
+    stroke, q = chain_stroke(arm.rows, q0, step.heading, task=arm.task, farthest=end)
     if stroke.length > end:
         return Forecast()
     found = encounter_at(arm, q.tolist(), step.time(stroke.length))

@@ -22,7 +22,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_energy, limit_force
 from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative, require_positive
-from drake_leg.robot import Brick, JointMechanics, Robot
+from drake_leg.robot import Brick, JointMechanics, Robot, Row, Solid
 
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright
 IN_AND_OUT = 0.002  # [s], greatest step where a limit may be met: none is stepped over
@@ -74,11 +74,10 @@ class PendulumModel:
         InvalidValueError
             If the robot has not one joint and one brick.
         """
-        segment = robot.segments[0]
-        solid = segment.link.solid if segment.link else None
-        if len(robot.moving) != 1 or solid is None or not isinstance(solid.shape, Brick):
+        segment, body = robot.segments[0], _body(robot)
+        if body is None:
             raise InvalidValueError(f"{robot.name!r} is no pendulum of one brick")
-        brick = solid.shape
+        solid, brick = body
         mass = solid.density * brick.length * brick.width * brick.height
         inertia = mass * (brick.length**2 + brick.width**2) / 12 + mass * (brick.length / 2) ** 2
         return cls(
@@ -101,6 +100,35 @@ class PendulumModel:
     def natural_frequency(self) -> float:
         """Frequency of small swings ``sqrt(m g (L/2) / I)`` [rad/s]."""
         return math.sqrt(self.gravity_torque / self.inertia)
+
+
+def is_pendulum(robot: Robot) -> bool:
+    """Tell whether a robot is the report's pendulum, whatever its size.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any.
+
+    Returns
+    -------
+    bool
+        One brick turns about the base's y axis; the last frame is at its centre.
+    """
+    return _body(robot) is not None
+
+
+def _body(robot: Robot) -> tuple[Solid, Brick] | None:
+    """Return the only body of a pendulum; None where the robot is none."""
+    first, *others = robot.segments
+    solid = first.link.solid if first.link else None
+    if solid is None or not isinstance(solid.shape, Brick) or first.link.inertial is not None:
+        return None
+    brick = solid.shape
+    centre = (brick.length / 2, 0.0, 0.0)
+    turns = first.row == Row(joint="revolute", alpha=-math.pi / 2) and solid.centre == centre
+    ends = [segment.row for segment in others] == [Row(joint="fixed", d=brick.length / 2)]
+    return (solid, brick) if turns and ends and not any(s.link for s in others) else None
 
 
 def energy(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:

@@ -1,4 +1,6 @@
-"""A square task: as many commanded velocities as joints, and the Jacobian between them.
+"""A task: commanded velocities of the foot, and the Jacobian from the joints' rates to them.
+
+A task is square where it commands as many velocities as joints move, redundant where fewer.
 
 This is what runs inside a simulation, thousands of times a second, for one configuration at a
 time: plain floats go in and out.
@@ -7,7 +9,7 @@ time: plain floats go in and out.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +19,9 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.rates import exact_rates, smallest_singular_value
 
 Floats = Sequence[float]
+
+TRANSLATION = np.eye(6)[:, 3:]  # twists of the foot, turning first: x, y, z
+TRANSLATION.setflags(write=False)
 
 
 class Accelerations(Protocol):
@@ -30,7 +35,7 @@ class Accelerations(Protocol):
     def __call__(
         self, q: Floats, qdot: Floats, a: Floats, v: Floats = ..., w: Floats = ...
     ) -> Floats:
-        """Return ``J^-1 (a - dJ/dt qdot)`` for an exact inverse, J changing along w."""
+        """Return the derivative of ``J^-1 v``: ``J^-1 (a - dJ/dt qdot)`` where J is square."""
         ...
 
 
@@ -42,19 +47,67 @@ class Task:
     no inverse. A task that has a ``stiffness`` goes through such places.
     """
 
-    jacobian: Callable[[Floats], Array]  # q -> J, (n, n)
-    bias: Callable[[Floats, Floats], Array]  # q, qdot -> dJ/dt qdot, (n,)
-    determinant: Callable[[Floats], float]  # q -> det J
-    rates: Callable[[Floats, Floats], Floats]  # q, v -> J^-1 v
+    jacobian: Callable[[Floats], Array]  # q -> J, (m, n)
+    bias: Callable[[Floats, Floats], Array]  # q, qdot -> dJ/dt qdot, (m,)
+    determinant: Callable[[Floats], float]  # q -> det J; sqrt(det(J J^T)) of a redundant task
+    rates: Callable[[Floats, Floats], Floats]  # q, v -> J^-1 v; the least rates if redundant
     accelerations: Accelerations
-    determinant_scale: float  # bound of the determinant over all postures, in the same unit
+    determinant_scale: float  # what the determinant comes to at most, about, in the same unit
     length: float  # of the stretched arm [m]
     row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0)  # that make the rows of J lengths [m/unit]
     # q, v -> how fast the rates change with the posture: at most, and here [1/s]
     stiffness: Callable[[Floats, Floats], tuple[float, float]] | None = None
     # q, v -> what bounds the rate of each joint: where that changes, the rates have a kink
     regime: Callable[[Floats, Floats], tuple[int, ...]] | None = None
-    size: int = 3
+    joints: int = 3  # n
+    # (6, m): turning, then translation of the foot, base frame, that each part of a command is
+    twists: Array = field(default_factory=lambda: TRANSLATION)
+
+    @property
+    def size(self) -> int:
+        """How many velocities are commanded: m."""
+        return self.twists.shape[1]
+
+    @property
+    def is_redundant(self) -> bool:
+        """Whether more joints move than velocities are commanded."""
+        return self.joints > self.size
+
+    @property
+    def keeps_orientation(self) -> bool:
+        """Whether the foot's turning is commanded, too."""
+        return bool(self.twists[:3].any())
+
+    def command(self, v: Sequence[float] | Array) -> Array:
+        """Return the task's velocities for a velocity of the foot that does not turn.
+
+        Parameters
+        ----------
+        v : (3,) sequence of float
+            Base frame [m/s].
+
+        Returns
+        -------
+        (m,) ndarray
+            The part of it that the task commands.
+        """
+        return np.asarray(self.twists[3:].T @ np.asarray(v))
+
+    def sigma_min(self, q: Floats) -> float:
+        """Return the smallest singular value of J, all of its rows made lengths [m].
+
+        Parameters
+        ----------
+        q : (n,) sequence of float
+            Joint positions [rad or m].
+
+        Returns
+        -------
+        float
+        """
+        return float(
+            smallest_singular_value(np.array(self.row_lengths)[:, None] * self.jacobian(q))
+        )
 
 
 def task_from_jacobian(
@@ -64,8 +117,9 @@ def task_from_jacobian(
     determinant_scale: float,
     length: float,
     row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0),
+    twists: Array = TRANSLATION,
 ) -> Task:
-    """Make a task of any Jacobian, inverted numerically.
+    """Make a square task of any Jacobian, inverted numerically.
 
     Parameters
     ----------
@@ -79,6 +133,8 @@ def task_from_jacobian(
         Of the stretched arm [m].
     row_lengths : tuple of float
         What makes each row of J a length.
+    twists : (6, n) ndarray
+        Turning, then translation, that each part of a command is.
 
     Returns
     -------
@@ -103,6 +159,8 @@ def task_from_jacobian(
         determinant_scale=determinant_scale,
         length=length,
         row_lengths=row_lengths,
+        joints=twists.shape[1],
+        twists=twists,
     )
 
 

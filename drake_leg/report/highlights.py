@@ -38,7 +38,9 @@ def highlights(outcomes: Mapping[str, Outcome]) -> str:
 def _answers(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, str, str, str]]:
     """Question, answer, anchor and its label."""
     step, options = outcomes["leg-b"], LegBOptions()
-    room = leg_stroke(LegGeometry.from_robot(step.robot), options.posture(), options.direction)
+    room = leg_stroke(
+        LegGeometry.from_robot(step.robot), options.posture(), options.unit_direction()
+    )
     yield (
         "Can the leg make a strictly forward step?",
         f"<b>Yes.</b> The foot goes {number(1e3 * step.summary['stroke_m'])}&nbsp;mm along x and "

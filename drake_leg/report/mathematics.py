@@ -254,7 +254,7 @@ def stroke(item: Item) -> str:
     """
     subject, options = SUBJECTS[item.subject], LegBOptions()
     leg = LegGeometry.from_robot(subject.robot)
-    room = leg_stroke(leg, subject.q, options.direction)
+    room = leg_stroke(leg, subject.q, options.unit_direction())
     sigma_min = examine(foot_jacobian(leg, subject.q)).sigma_min
     wanted = 2.0 * options.amplitude / options.frequency
     below = greatest_amplitude(room, options.frequency)

@@ -24,7 +24,7 @@ from drake_leg.kinematics.khalil import (
     row_transform,
 )
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.scara import ScaraGeometry
+from drake_leg.kinematics.scara import ScaraGeometry, is_scara
 from drake_leg.models.plant import build_plant
 from drake_leg.report.formulas import (
     LEG,
@@ -113,7 +113,7 @@ def methods(subject: Subject) -> BothMethods:
 
 
 def _formulas(subject: Subject) -> tuple[dict[str, Formula], Values]:
-    if subject.name == "scara":
+    if is_scara(subject.robot):
         return SCARA, scara_symbols(ScaraGeometry.from_robot(subject.robot), subject.q)
     leg = LegGeometry.from_robot(subject.robot)
     formulas = {name: of_variant(formula, leg.sign) for name, formula in LEG.items()}

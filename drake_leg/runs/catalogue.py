@@ -16,6 +16,7 @@ from drake_leg.runs.options import (
     FreePendulumOptions,
     LegAOptions,
     LegBOptions,
+    LegOptions,
     RunOptions,
     ScaraOptions,
     SpringPendulumOptions,
@@ -24,6 +25,7 @@ from drake_leg.runs.options import (
 if TYPE_CHECKING:
     from pydrake.systems.framework import Context, Diagram
 
+    from drake_leg.robot import Robot
     from drake_leg.runs.outcome import Outcome
 
 Progress = Callable[[float], None]
@@ -43,6 +45,7 @@ class RunKind:
     options: type[RunOptions]
     run: Callable[[Any, Progress | None], Outcome]
     diagram: Callable[[Any], tuple[Diagram, Start]]  # what it simulates, and how that starts
+    robot: Callable[[Any], Robot]  # what moves
 
     @property
     def heading(self) -> str:
@@ -117,6 +120,30 @@ def _scara_diagram(options: ScaraOptions) -> tuple[Diagram, Start]:
     return build(scara_config(options)), start_on_motion
 
 
+def _pendulum_robot(options: Any) -> Robot:  # noqa: ANN401
+    from drake_leg.runs.pendulum import pendulum_config
+
+    return pendulum_config(options).robot
+
+
+def _leg_a_robot(options: LegOptions) -> Robot:
+    from drake_leg.runs.leg_setup import leg_of
+
+    return leg_of("A", options)
+
+
+def _leg_b_robot(options: LegOptions) -> Robot:
+    from drake_leg.runs.leg_setup import leg_of
+
+    return leg_of("B", options)
+
+
+def _scara_robot(options: ScaraOptions) -> Robot:
+    from drake_leg.runs.scara import scara_config
+
+    return scara_config(options).robot
+
+
 RUNS = {
     "pendulum": RunKind(
         title="Free pendulum",
@@ -124,6 +151,7 @@ RUNS = {
         options=FreePendulumOptions,
         run=_pendulum,
         diagram=_pendulum_diagram,
+        robot=_pendulum_robot,
     ),
     "pendulum-damped": RunKind(
         title="Damped pendulum",
@@ -131,6 +159,7 @@ RUNS = {
         options=DampedPendulumOptions,
         run=_pendulum,
         diagram=_pendulum_diagram,
+        robot=_pendulum_robot,
     ),
     "pendulum-spring": RunKind(
         title="Pendulum with a spring",
@@ -138,6 +167,7 @@ RUNS = {
         options=SpringPendulumOptions,
         run=_pendulum,
         diagram=_pendulum_diagram,
+        robot=_pendulum_robot,
     ),
     "leg-a": RunKind(
         title="Hexabot leg A",
@@ -146,6 +176,7 @@ RUNS = {
         options=LegAOptions,
         run=_leg_a,
         diagram=_leg_a_diagram,
+        robot=_leg_a_robot,
     ),
     "leg-b": RunKind(
         title="Hexabot leg B",
@@ -154,6 +185,7 @@ RUNS = {
         options=LegBOptions,
         run=_leg_b,
         diagram=_leg_b_diagram,
+        robot=_leg_b_robot,
     ),
     "ellipse": RunKind(
         title="Leg B on an ellipse",
@@ -161,6 +193,7 @@ RUNS = {
         options=EllipseOptions,
         run=_ellipse,
         diagram=_ellipse_diagram,
+        robot=_leg_b_robot,
     ),
     "scara": RunKind(
         title="SCARA arm",
@@ -169,6 +202,7 @@ RUNS = {
         options=ScaraOptions,
         run=_scara,
         diagram=_scara_diagram,
+        robot=_scara_robot,
     ),
 }
 

@@ -33,7 +33,7 @@ def figure_files(
         File name without ending, and a function that writes the figure into a folder.
     """
     for file_name, draw in figures_of_run(
-        name, title, outcome.robot, outcome.recording, outcome.summary
+        outcome.subject, title, outcome.robot, outcome.recording, outcome.summary
     ):
         yield file_name, partial(_write, draw, file_name)
 

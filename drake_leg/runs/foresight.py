@@ -11,14 +11,15 @@ import numpy as np
 
 from drake_leg.diagrams.control import Control
 from drake_leg.errors import ForeseenSingularityError, SingularConfigurationError
-from drake_leg.kinematics.arms import Arm, ChainArm, ClosedArm
+from drake_leg.kinematics.arms import Arm, ChainArm, ClosedArm, loses_turning
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.encounter import Encounter, Forecast, SineStep, encounter_at
 from drake_leg.kinematics.forecast import forecast_path, forecast_step
 from drake_leg.kinematics.inverse import Inverse
 from drake_leg.kinematics.paths import CommandedMotion
+from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.robot import Segment
-from drake_leg.runs.options import StepOptions
+from drake_leg.runs.options import StepOptions, joint_values
 from drake_leg.simulation import Run
 
 CORRECTION = 5.0  # [1/s], of a damped or limited inverse where none is asked for
@@ -34,7 +35,7 @@ class Plan:
     """A commanded motion and how it is followed."""
 
     arm: ClosedArm | ChainArm
-    q0: tuple[float, float, float]  # where the command believes the joints [rad or m]
+    q0: tuple[float, ...]  # where the command believes the joints [rad or m]
     control: Control
     motion: Motion
     amplitude: float  # [m/s]
@@ -100,6 +101,7 @@ class Plan:
         ForeseenSingularityError
             If it meets a singularity.
         """
+        self._require_pose()
         forecast = self.forecast()
         encounter = forecast.encounter
         if encounter and self.control.inverse.is_exact and not force:
@@ -107,6 +109,18 @@ class Plan:
                 name=name, description=encounter.describe(), q=encounter.q, time=encounter.time
             )
         return forecast
+
+    def _require_pose(self) -> None:
+        """Refuse to keep the foot's orientation from a posture in which the joints cannot."""
+        start = self.control.start(self.q0)
+        exact = self.control.inverse.is_exact
+        if exact and _is_singular(self.arm, start) and loses_turning(self.arm, start):
+            raise SingularConfigurationError(
+                q=start,
+                sigma_min=float(smallest_singular_value(self.arm.jacobian(start))),
+                time=0.0,
+                remedy="choose another --q0, or --task position, which lets the foot turn",
+            )
 
 
 def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
@@ -117,7 +131,7 @@ def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
     options : StepOptions
         In a person's units.
     joints : sequence of Segment
-        The moving ones, with their limits.
+        Those that the command moves, with their limits.
 
     Returns
     -------
@@ -135,16 +149,12 @@ def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
         rate_limit=None if rate is None else math.radians(rate),
     )
     default = 0.0 if inverse.is_exact else CORRECTION
-    kinds = [segment.row.joint for segment in joints[:3]]
-    q1, q2, q3 = (
-        error if kind == "prismatic" else math.radians(error)
-        for error, kind in zip(options.start_error(), [*kinds, "", "", ""][:3], strict=True)
-    )
+    error = [0.0] * len(joints) if options.q0_error is None else options.q0_error
     return Control(
         inverse=inverse,
         joints=tuple(joints),
         correction=default if options.correction is None else options.correction,
-        q0_error=(q1, q2, q3),
+        q0_error=tuple(joint_values("q0_error", error, joints)),
     )
 
 
@@ -223,7 +233,7 @@ def singularity_findings(
         "grazing": graze.describe() if graze else None,
     }
     if isinstance(run.stopped_by, SingularConfigurationError):
-        q = run.scopes["joint positions"][-1, :3].tolist()
+        q = run.scopes["joint positions"][-1, : len(arm.turning)].tolist()
         greatest = foreseen.greatest_amplitude if foreseen else None
         met = encounter_at(arm, q, float(run.time[-1]), greatest)
         findings["singularity"] = met.as_json()

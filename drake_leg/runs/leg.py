@@ -1,4 +1,4 @@
-"""The leg's runs: a straight step and an ellipse; the step of any robot of three joints, too."""
+"""The leg's runs: a straight step and an ellipse; the straight step of any other robot, too."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pydrake.systems.framework import Diagram
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.integrator import IntegratorSettings
-from drake_leg.kinematics.arms import ChainArm, ScaraArm, arm_of
+from drake_leg.kinematics.arms import arm_of
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.encounter import SineStep
 from drake_leg.kinematics.khalil import foot_pose, jacobian
@@ -21,6 +21,8 @@ from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
 from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.kinematics.rotation import rotation_matrices
+from drake_leg.kinematics.task import Task
 from drake_leg.quantities import joint_entries
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
@@ -79,12 +81,12 @@ def run_straight(
 
 
 def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None = None) -> Outcome:
-    """Make the foot of any robot of three joints step along a straight line.
+    """Make the foot of any robot step along a straight line.
 
     Parameters
     ----------
     robot : Robot
-        With three joint positions.
+        Any whose foot can make the step.
     options : StraightOptions
         Posture, in degrees where a joint turns and in m where it slides, step, integrator.
     progress : callable, optional
@@ -98,7 +100,7 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
     Raises
     ------
     InvalidValueError
-        If an option makes no sense, or the robot has not three joint positions.
+        If an option makes no sense, or the foot cannot go that way.
     SingularConfigurationError
         If the robot is singular where it starts.
     """
@@ -165,9 +167,8 @@ def _plan(
     motion: Motion,
     step: SineStep | None,
 ) -> Plan:
-    arm = arm_of(config.robot)
     return Plan(
-        arm=ChainArm(config.robot) if isinstance(arm, ScaraArm) else arm,
+        arm=arm_of(config.robot, config.exact_task()),
         q0=config.q0,
         control=config.control,
         motion=motion,
@@ -248,27 +249,47 @@ def _outcome(
 ) -> Outcome:
     robot = config.robot
     start = foot_pose(robot.rows, config.q0)[:3, 3]
-    J = jacobian(robot.rows, run.scopes["joint positions"])[:, 3:, :]
-    sigma_min = smallest_singular_value(J)
+    task = config.exact_task()
+    J = task.twists.T @ jacobian(robot.rows, run.scopes["joint positions"])
+    sigma_min = smallest_singular_value(np.array(task.row_lengths)[:, np.newaxis] * J)
     det_j = run.scopes["singularity check"][:, 0]
-    power = sum(segment.row.joint == "revolute" for segment in robot.moving)
+    name, unit = _determinant(robot, task)
     columns = tip_columns(robot, run)
-    columns |= {f"det_j[m^{power}]": det_j, "sigma_min[m]": sigma_min}
+    columns |= {f"{name}[{unit}]" if unit else name: det_j, "sigma_min[m]": sigma_min}
     exact = exact_tip(start, path, _exact_angles(config, start + path.displacement))
     findings = {
         **joint_entries("q0", config.q0, [s.row.joint == "prismatic" for s in robot.moving]),
+        "task": "pose" if task.keeps_orientation else "position",
         **control_findings(config.control),
         **tip_findings(run, start, path, np.array(config.direction), across, config.disturbance),
         "max_torque_error_n_m": torque_error(robot, run, config.gravity, config.disturbance),
         "sigma_min_m": float(sigma_min.min()),
-        f"det_j_min_m{power}": float(det_j.min()),
-        f"det_j_max_m{power}": float(det_j.max()),
+        f"{name}_min_{unit}".replace("^", "").rstrip("_"): float(det_j.min()),
+        f"{name}_max_{unit}".replace("^", "").rstrip("_"): float(det_j.max()),
     }
+    if task.keeps_orientation:
+        findings["max_rotation_error_rad"] = _greatest_turn(run.scopes["Q"])
     if config.filter_time_constant is not None:
         behind = run.scopes["foot positions"][-1] - (start + path.displacement[-1])
         findings["filter_time_constant_s"] = config.filter_time_constant
         findings["end_error_m"] = behind.tolist()  # of the filters' making
     return outcome_of(robot, run, settings, options.duration, Recording(columns), exact, findings)
+
+
+def _determinant(robot: Robot, task: Task) -> tuple[str, str]:
+    """Name what the singularity check records, and its unit: none where a redundant one mixes."""
+    sliding = sum(segment.row.joint == "prismatic" for segment in robot.moving)
+    power = int(np.linalg.matrix_rank(task.twists[3:])) - sliding
+    if not task.is_redundant:
+        return "det_j", f"m^{power}"
+    return "manipulability", "" if sliding else f"m^{power}"
+
+
+def _greatest_turn(quaternions: Array) -> float:
+    """Greatest angle by which a foot has turned from where it was at the start [rad]."""
+    R_BF = rotation_matrices(quaternions)
+    farthest = np.linalg.norm(R_BF - R_BF[0], axis=(1, 2))  # 2 sqrt(2) sin(angle / 2)
+    return float(2.0 * np.arcsin(np.minimum(farthest / math.sqrt(8.0), 1.0)).max())
 
 
 def _exact_angles(config: hexabot_leg.HexabotLegConfig, feet: Array) -> Array | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 from pydrake.systems.framework import Diagram
@@ -10,6 +10,7 @@ from pydrake.systems.framework import Diagram
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.foot_task import first_direction, foot_task
 from drake_leg.models.state_targets import initial_state, starting_posture
 from drake_leg.robot import Robot
 from drake_leg.robots import LegVariant
@@ -22,6 +23,7 @@ from drake_leg.runs.options import (
     EllipseOptions,
     LegOptions,
     StraightOptions,
+    joint_values,
 )
 from drake_leg.simulation import Start
 
@@ -61,7 +63,7 @@ def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.Hexab
     Parameters
     ----------
     robot : Robot
-        With three joint positions.
+        Any whose foot can make the step.
     options : StraightOptions
         Posture and step.
 
@@ -72,15 +74,17 @@ def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.Hexab
     Raises
     ------
     InvalidValueError
-        If an option makes no sense, or the robot has not three joint positions.
+        If an option makes no sense, or the foot cannot go that way.
     """
     _require_mass(robot)
+    q0 = _posture(robot, options)
     return hexabot_leg.HexabotLegConfig(
         robot=_unsaturated(robot),
-        q0=_posture(robot, options),
+        q0=q0,
+        keep=options.task,
         amplitude=options.amplitude,
         frequency=options.frequency,
-        direction=options.unit_direction(),
+        direction=_direction(robot, options, q0),
         gain=options.gain,
         gravity=options.gravity,
         filter_time_constant=options.filter_time_constant,
@@ -96,7 +100,7 @@ def straight_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, S
     Parameters
     ----------
     robot : Robot
-        With three joint positions.
+        Any whose foot can make the step.
     options : StraightOptions
         Posture and step.
 
@@ -108,7 +112,7 @@ def straight_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, S
     Raises
     ------
     InvalidValueError
-        If an option makes no sense, or the robot has not three joint positions.
+        If an option makes no sense, or the foot cannot go that way.
     """
     return hexabot_leg.build(straight_config(robot, options)), start_on_motion
 
@@ -145,21 +149,24 @@ def ellipse_config(options: EllipseOptions) -> ellipse.EllipseConfig:
     )
 
 
-def _posture(robot: Robot, options: StraightOptions) -> tuple[float, float, float]:
+def _posture(robot: Robot, options: StraightOptions) -> tuple[float, ...]:
     """Take q0 in rad where a joint turns, in m where it slides, or where the robot begins."""
-    if options.q0 is None and len(robot.moving) == 3:
-        q1, q2, q3 = starting_posture(robot)
-        return q1, q2, q3
-    angles = options.posture()
-    if len(robot.moving) != 3:
-        return angles
-    q1, q2, q3 = (
-        angle if segment.row.joint == "revolute" else math.degrees(angle)
-        for angle, segment in zip(angles, robot.moving, strict=True)
-    )
+    if options.q0 is None:
+        q0 = starting_posture(robot)
+    else:
+        q0 = tuple(joint_values("q0", options.q0, robot.moving))
     joints = (str(segment.joint) for segment in robot.moving)
-    initial_state(robot, {joint: (q, 0.0) for joint, q in zip(joints, (q1, q2, q3), strict=True)})
-    return q1, q2, q3
+    initial_state(robot, {joint: (q, 0.0) for joint, q in zip(joints, q0, strict=True)})
+    return q0
+
+
+def _direction(
+    robot: Robot, options: StraightOptions, q0: Sequence[float]
+) -> tuple[float, float, float]:
+    """Take the direction that was asked for, or the first one that the foot can go along."""
+    if options.direction is None:
+        return first_direction(robot, foot_task(robot, q0, options.task), q0)
+    return options.unit_direction()
 
 
 def _unsaturated(robot: Robot) -> Robot:

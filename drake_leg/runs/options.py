@@ -5,7 +5,7 @@ annotations of the fields as types, so that they must not be postponed to string
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -13,6 +13,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
 from drake_leg.joint_mechanics import HardStop
 from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
+from drake_leg.robot import Segment
 from drake_leg.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
@@ -31,6 +32,9 @@ Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where i
 AMPLITUDE = "greatest speed of the foot or of the tool"
 FILTER = "time constant of input filters at the joints, which lag as Simscape's do (there 0.001)"
 FEEDBACKS = ("sensed", "integrated")
+TASK = (
+    "position moves the foot and lets it turn as the joints want; pose keeps its orientation, too"
+)
 NO_FILTER = "none, the motion's derivatives are wired"
 L1 = "length of the coxa or of the first arm"
 L2 = "length of the femur or of the second arm"
@@ -60,6 +64,39 @@ def option(default: Any, help_text: str, unit: str = "", *, shown: str = "") -> 
     if isinstance(default, list):
         return field(default_factory=lambda: list(default), metadata=metadata)
     return field(default=default, metadata=metadata)
+
+
+def joint_values(name: str, values: Sequence[float], joints: Sequence[Segment]) -> list[float]:
+    """Take values in degrees where a joint turns, in m where it slides.
+
+    Parameters
+    ----------
+    name : str
+        Of the option.
+    values : (n,) sequence of float
+        As they were given.
+    joints : sequence of Segment
+        n of them, that move.
+
+    Returns
+    -------
+    (n,) list of float
+        [rad or m].
+
+    Raises
+    ------
+    InvalidValueError
+        If there are not n finite numbers.
+    """
+    if len(values) != len(joints) or not all(map(math.isfinite, values)):
+        raise InvalidValueError(
+            f"{name} is {list(values)}; it must be {len(joints)} finite numbers, one for each "
+            "joint: degrees where it turns, m where it slides"
+        )
+    return [
+        math.radians(value) if joint.row.joint == "revolute" else value
+        for value, joint in zip(values, joints, strict=True)
+    ]
 
 
 @dataclass(kw_only=True)
@@ -142,7 +179,7 @@ class StepOptions(RunOptions):
     q0: list[float] | None = option(None, Q0, "deg")
     amplitude: float = option(0.0, AMPLITUDE, "m/s")
     frequency: float = option(1.0, "of the sine", "rad/s")
-    direction: list[float] = option([1.0, 0.0, 0.0], "of the motion, in the base frame")
+    direction: list[float] | None = option([1.0, 0.0, 0.0], "of the motion, in the base frame")
     force: bool = option(False, "go up to a singularity that is foreseen, and save the way there")
     inverse: str = option(
         EXACT, "of the Jacobian: exact stops where it is singular, damped and limited go on"
@@ -163,8 +200,8 @@ class StepOptions(RunOptions):
         "1/s",
         shown="0; 5 with damped and limited",
     )
-    q0_error: list[float] = option(
-        [0.0, 0.0, 0.0], "where the joints really start, minus q0", "deg"
+    q0_error: list[float] | None = option(
+        None, "where the joints really start, minus q0", "deg", shown="0"
     )
     push: list[float] | None = option(
         None,
@@ -199,7 +236,7 @@ class StepOptions(RunOptions):
         InvalidValueError
             If it has not three finite numbers, or is zero.
         """
-        if len(self.direction) != 3:
+        if self.direction is None or len(self.direction) != 3:
             raise InvalidValueError(
                 f"the direction is {self.direction}; it must have three numbers, as 1,0,0"
             )
@@ -238,24 +275,6 @@ class StepOptions(RunOptions):
 
     def _still(self) -> str:
         return "amplitude is 0"
-
-    def start_error(self) -> list[float]:
-        """Return q0_error as it was given.
-
-        Returns
-        -------
-        (3,) list of float
-
-        Raises
-        ------
-        InvalidValueError
-            If it has not three finite numbers.
-        """
-        if len(self.q0_error) != 3 or not all(map(math.isfinite, self.q0_error)):
-            raise InvalidValueError(
-                f"q0_error is {self.q0_error}; it must be three finite angles in degrees, as 1,0,0"
-            )
-        return self.q0_error
 
     def posture(self) -> tuple[float, float, float]:
         """Return q0 in rad.
@@ -304,6 +323,14 @@ class StraightOptions(StepOptions):
     feedback: str = option(
         "sensed", f"what the inverse Jacobian takes as joint positions: {' or '.join(FEEDBACKS)}"
     )
+    direction: list[float] | None = option(
+        None,
+        "of the motion, in the base frame",
+        shown="1,0,0, or the first of y and z that the foot can follow",
+    )
+    task: str | None = option(
+        None, TASK, shown="pose where the joints can keep it, otherwise position"
+    )
 
     def _idle(self) -> tuple[str, ...]:
         return () if self.amplitude else (*super()._idle(), "gain")
@@ -312,6 +339,8 @@ class StraightOptions(StepOptions):
 @dataclass(kw_only=True)
 class LegBOptions(LegOptions, StraightOptions):
     """The straight step of variant B."""
+
+    q0: list[float] = option([90.0, -50.0, -90.0], Q0, "deg")
 
 
 @dataclass(kw_only=True)

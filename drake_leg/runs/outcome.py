@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from drake_leg.figures.of_runs import Subject
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.recording import Recording
@@ -23,6 +24,7 @@ class Outcome:
     recording: Recording
     exact: Mapping[str, Array]  # by column name: what the recording ought to hold
     summary: Mapping[str, Any]  # as in summary.json
+    subject: Subject  # what it shows
 
     def write(self, folder: Path, name: str) -> None:
         """Write ``recording.csv`` and ``summary.json``.
@@ -54,6 +56,7 @@ def outcome_of(
     recording: Recording,
     exact: Mapping[str, Array],
     findings: Mapping[str, Any],
+    subject: Subject = "foot",
 ) -> Outcome:
     """Put a run's summary together: first what all runs have, then the findings.
 
@@ -73,6 +76,8 @@ def outcome_of(
         Exact values of some of the columns.
     findings : mapping
         The entries of the summary that belong to this kind of run.
+    subject : {"swing", "foot", "tool"}
+        What it shows.
 
     Returns
     -------
@@ -89,4 +94,10 @@ def outcome_of(
         "rows": len(run.time),
         "real_time_factor": run.real_time_factor,
     }
-    return Outcome(robot=robot, recording=recording, exact=exact, summary={**common, **findings})
+    return Outcome(
+        robot=robot,
+        recording=recording,
+        exact=exact,
+        summary={**common, **findings},
+        subject=subject,
+    )

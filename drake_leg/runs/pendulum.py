@@ -85,6 +85,7 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
         recording,
         {"q": q, "qdot": qdot},
         _findings(model, config, run, recording, q),
+        "swing",
     )
 
 

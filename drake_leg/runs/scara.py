@@ -102,7 +102,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
         plan.arm, run, forecast, config.robot.name, disturbed=config.disturbance.acts
     )
     return outcome_of(
-        config.robot, run, settings, options.duration, Recording(columns), exact, findings
+        config.robot, run, settings, options.duration, Recording(columns), exact, findings, "tool"
     )
 
 
@@ -159,6 +159,6 @@ def scara_config(options: ScaraOptions) -> scara.ScaraConfig:
         frequency=options.frequency,
         direction=options.unit_direction(),
         gravity=options.gravity,
-        control=control_of(options, robot.moving),
+        control=control_of(options, robot.moving[:3]),
         disturbance=disturbance_of(options),
     )

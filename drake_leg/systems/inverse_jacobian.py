@@ -8,7 +8,8 @@ from collections.abc import Callable
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.task import Floats, Task, singular_posture
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.task import Floats, Task
 
 
 class LookAhead:
@@ -91,13 +92,16 @@ class InverseJacobian(LeafSystem):
     port       kind  size  unit         meaning
     ========== ===== ===== ============ ===========================================
     ``q``      in    n     rad          joint positions, as sensed
-    ``v``      in    n     m/s          commanded task velocity, base frame
-    ``a``      in    n     m/s^2        commanded task acceleration; may be left open
+    ``v``      in    m     m/s          commanded task velocity, base frame
+    ``a``      in    m     m/s^2        commanded task acceleration; may be left open
     ``w``      in    n     rad/s        joint rates, as sensed; may be left open
     ``qdot``   out   n     rad/s        ``J^-1 v``
-    ``qddot``  out   n     rad/s^2      ``J^-1 (a - dJ/dt qdot)``, dJ/dt along ``w``
+    ``qddot``  out   n     rad/s^2      its derivative, J changing along ``w``
     ``det_j``  out   1     m^3          determinant of J: the singularity check
     ========== ===== ===== ============ ===========================================
+
+    With as many joints n as commanded velocities m, ``qddot`` is ``J^-1 (a - dJ/dt qdot)``. With
+    more, ``qdot`` is the least of all rates that give v, and ``det_j`` is ``sqrt(det(J J^T))``.
 
     Parameters
     ----------
@@ -117,10 +121,10 @@ class InverseJacobian(LeafSystem):
     def __init__(self, task: Task) -> None:
         super().__init__()
         self._task = task
-        n = task.size
+        n, m = task.joints, task.size
         self._q = self.DeclareVectorInputPort("q", n)
-        self._v = self.DeclareVectorInputPort("v", n)
-        self._a = self.DeclareVectorInputPort("a", n)
+        self._v = self.DeclareVectorInputPort("v", m)
+        self._a = self.DeclareVectorInputPort("a", m)
         q, v, a = self._q.ticket(), self._v.ticket(), self._a.ticket()
         self._w = self.DeclareVectorInputPort("w", n)
         sources = {q, v, a, self._w.ticket()}
@@ -142,6 +146,11 @@ class InverseJacobian(LeafSystem):
             Dimensionless.
         """
         return float(self._det_j.Eval(context)[0]) / self._task.determinant_scale
+
+    @property
+    def twists(self) -> Array:
+        """Turning, then translation of the foot, that each part of ``v`` is, (6, m)."""
+        return self._task.twists
 
     @property
     def is_exact(self) -> bool:
@@ -220,7 +229,10 @@ class InverseJacobian(LeafSystem):
         SingularConfigurationError
             To be raised; it carries q, sigma_min and the time.
         """
-        return singular_posture(self._task.jacobian, self._q.Eval(context), context.get_time())
+        q = self._q.Eval(context).tolist()
+        return SingularConfigurationError(
+            q=q, sigma_min=self._task.sigma_min(q), time=context.get_time()
+        )
 
     def _calc_qdot(self, context: Context, qdot: BasicVector) -> None:
         q, v = self._q.Eval(context).tolist(), self._v.Eval(context).tolist()

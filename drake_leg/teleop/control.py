@@ -12,11 +12,10 @@ from numpy.typing import ArrayLike
 
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.foot_task import foot_task
+from drake_leg.kinematics.foot_task import foot_task, motion_in_words, turns_on_its_way
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.rates import smallest_singular_value
-from drake_leg.kinematics.task import Task, singular_posture
+from drake_leg.kinematics.task import Task
 from drake_leg.quantities import beyond
 from drake_leg.robot import Robot
 
@@ -35,8 +34,34 @@ class Drive:
 
     robot: Robot
     task: Task
-    length: float  # [m], sum of all lengths in the table; 1 m where there are none
+    keep: str | None = None  # as foot_task takes it
     rate: float = GREATEST_RATE
+
+    @property
+    def length(self) -> float:
+        """Sum of all lengths in the table [m]."""
+        return self.task.length
+
+    @property
+    def wanders(self) -> bool:
+        """Whether what the foot can do changes from posture to posture."""
+        return turns_on_its_way(self.robot, self.task)
+
+    def task_at(self, q: ArrayLike) -> Task:
+        """What of the foot is commanded in a posture.
+
+        Parameters
+        ----------
+        q : (n,) array_like
+            Joint positions [rad or m].
+
+        Returns
+        -------
+        Task
+        """
+        if not self.wanders:
+            return self.task
+        return foot_task(self.robot, np.asarray(q).tolist(), self.keep)
 
     @property
     def stop(self) -> float:
@@ -53,7 +78,7 @@ class Drive:
 
         Parameters
         ----------
-        q : (3,) array_like
+        q : (n,) array_like
             Joint positions [rad or m].
 
         Returns
@@ -61,7 +86,7 @@ class Drive:
         float
             [m].
         """
-        return float(smallest_singular_value(self.task.jacobian(np.asarray(q).tolist())))
+        return self.task_at(q).sigma_min(np.asarray(q).tolist())
 
     def room(self, sigma_min: float) -> float:
         """Share of a way towards the singularity that the guard lets go.
@@ -83,7 +108,7 @@ class Drive:
 
         Parameters
         ----------
-        q : (3,) array_like
+        q : (n,) array_like
             Joint positions [rad or m].
 
         Returns
@@ -99,7 +124,7 @@ class Drive:
 class Step:
     """What one step came to."""
 
-    q: Array  # (3,) [rad or m]
+    q: Array  # (n,) [rad or m]
     foot: Array  # (3,) p_BF [m]
     sigma_min: float  # [m]
     share: float | None  # of the commanded way that was gone: 0 ... 1; None at rest
@@ -107,13 +132,15 @@ class Step:
     sentence: str  # for a person; empty where nothing is in the way
 
 
-def drive_of(robot: Robot) -> Drive:
+def drive_of(robot: Robot, keep: str | None = None) -> Drive:
     """Make a robot ready to be driven.
 
     Parameters
     ----------
     robot : Robot
-        With three joint positions.
+        Any whose foot its joints move.
+    keep : {"position", "pose"}, optional
+        Whether the foot may turn, as ``foot_task`` takes it.
 
     Returns
     -------
@@ -123,10 +150,9 @@ def drive_of(robot: Robot) -> Drive:
     Raises
     ------
     InvalidValueError
-        If the robot has not three joint positions.
+        If the robot cannot do that.
     """
-    length = sum(math.hypot(row.d, row.r) for row in robot.rows) or 1.0
-    return Drive(robot=robot, task=foot_task(robot), length=length)
+    return Drive(robot=robot, task=foot_task(robot, [0.0] * len(robot.moving), keep), keep=keep)
 
 
 def at_rest(drive: Drive, q: ArrayLike) -> Step:
@@ -136,7 +162,7 @@ def at_rest(drive: Drive, q: ArrayLike) -> Step:
     ----------
     drive : Drive
         What is driven.
-    q : (3,) array_like
+    q : (n,) array_like
         Joint positions [rad or m].
 
     Returns
@@ -146,13 +172,14 @@ def at_rest(drive: Drive, q: ArrayLike) -> Step:
     Raises
     ------
     InvalidValueError
-        If ``q`` has not three finite numbers.
+        If ``q`` has not n finite numbers.
     SingularConfigurationError
         If the posture is singular: no velocity has joint rates there.
     """
-    posture = one_vector("q", q, 3)
-    if drive.sigma_min(posture) < 1e-3 * drive.stop:
-        raise singular_posture(drive.task.jacobian, posture.tolist())
+    posture = one_vector("q", q, len(drive.robot.moving))
+    sigma_min = drive.sigma_min(posture)
+    if sigma_min < 1e-3 * drive.stop:
+        raise SingularConfigurationError(q=posture.tolist(), sigma_min=sigma_min)
     return _rest(drive, posture)
 
 
@@ -162,13 +189,13 @@ def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
     The joints follow ``qdot = J^-1 (share v)`` in substeps of at most ``LARGEST_TURN``. Whatever
     lowers the smallest singular value is slowed in proportion to what is left of it above
     ``drive.stop``; whatever raises it is not. No joint goes faster than ``drive.rate`` or
-    further out of its limits.
+    further out of its limits. Of v acts what the foot can do.
 
     Parameters
     ----------
     drive : Drive
         What is driven.
-    q : (3,) array_like
+    q : (n,) array_like
         Joint positions at the beginning [rad or m].
     v : (3,) array_like
         Commanded velocity of the foot, base frame [m/s].
@@ -182,17 +209,22 @@ def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
     Raises
     ------
     InvalidValueError
-        If ``q`` or ``v`` has not three finite numbers.
+        If ``q`` or ``v`` has another count of numbers, or one is not finite.
     """
-    posture, command = one_vector("q", q, 3), one_vector("v", v, 3)
-    if not command.any() or dt <= 0.0:
+    posture, velocity = one_vector("q", q, len(drive.robot.moving)), one_vector("v", v, 3)
+    if not velocity.any() or dt <= 0.0:
         return _rest(drive, posture)
+    if float(np.linalg.norm(drive.task_at(posture).command(velocity))) < 1e-9:
+        sentence = f"the foot {motion_in_words(drive.task_at(posture))}; drive it another way"
+        return _described(drive, posture, 0.0, "stopped", sentence)
     left, gone, obstacle = dt, 0.0, ""
     while left > 1e-12 * dt:
         try:
-            peak = float(np.abs(drive.task.rates(posture.tolist(), command.tolist())).max())
+            task = drive.task_at(posture)
+            command = task.command(velocity)
+            peak = float(np.abs(task.rates(posture.tolist(), command.tolist())).max())
             span = min(left, LARGEST_TURN / min(peak, drive.rate) if peak > 0.0 else left)
-            moved, share, here = _substep(drive, posture, command, span, peak)
+            moved, share, here = _substep(drive, task, posture, command, span, peak)
         except SingularConfigurationError:
             obstacle = singular_words(drive, posture)
             break
@@ -204,20 +236,20 @@ def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
 
 
 def _substep(
-    drive: Drive, q: Array, v: Array, span: float, peak: float
+    drive: Drive, task: Task, q: Array, v: Array, span: float, peak: float
 ) -> tuple[Array, float, str]:
     """Return the posture after a short time, the share of v that acted, and what was in the way."""
     share, obstacle = 1.0, ""
     if peak > drive.rate:
         share, obstacle = drive.rate / peak, "a joint is at its greatest speed"
     before = drive.sigma_min(q)
-    moved = _advance(drive.task.rates, q, share * v, span)
-    if drive.sigma_min(moved) < before or _crossed(drive, q, moved):
+    moved = _advance(task.rates, q, share * v, span)
+    if drive.sigma_min(moved) < before or _crossed(task, q, moved):
         room = drive.room(before)
         if room < 1.0:
             share, obstacle = share * max(room, 0.0), singular_words(drive, q)
-            moved = _advance(drive.task.rates, q, share * v, span)
-        if drive.sigma_min(moved) < min(drive.stop, before) or _crossed(drive, q, moved):
+            moved = _advance(task.rates, q, share * v, span)
+        if drive.sigma_min(moved) < min(drive.stop, before) or _crossed(task, q, moved):
             return q, 0.0, singular_words(drive, q)
     beyond = _joint_beyond(drive.robot, q, moved)
     if beyond:
@@ -239,9 +271,9 @@ def _advance(rates: Callable[..., object], q: Array, v: Array, span: float) -> A
     return np.asarray(q + span / 6.0 * (a + 2.0 * b + 2.0 * c + d))
 
 
-def _crossed(drive: Drive, q: Array, moved: Array) -> bool:
+def _crossed(task: Task, q: Array, moved: Array) -> bool:
     """Tell whether a singularity lies between two postures."""
-    determinant = drive.task.determinant
+    determinant = task.determinant
     return determinant(q.tolist()) * determinant(moved.tolist()) <= 0.0
 
 
@@ -261,7 +293,7 @@ def singular_words(drive: Drive, q: ArrayLike, nearly: str = "nearly ") -> str:
     ----------
     drive : Drive
         What is driven.
-    q : (3,) array_like
+    q : (n,) array_like
         Joint positions [rad or m].
     nearly : str
         Put before what it is; empty at the singularity itself.

@@ -10,6 +10,7 @@ import numpy as np
 
 from drake_leg.colours import BLUE, GREEN, ORANGE, VERMILLION, rgb
 from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.foot_task import motion_in_words
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.robot import Robot
 from drake_leg.scene.live.page import AXES, Entry, key_line, live_sheet
@@ -48,7 +49,7 @@ def teleop_scene(drive: Drive, q: Array) -> Scene:
     ----------
     drive : Drive
         What is driven.
-    q : (3,) ndarray
+    q : (n,) ndarray
         Where it starts [rad or m].
 
     Returns
@@ -114,6 +115,7 @@ def teleop_page(drive: Drive, scene: Scene, session: str) -> str:
         square=f"{1e3 * scene.floor_square:g}",
         stop=f"{1e3 * drive.stop:.3g}",
         slow=f"{1e3 * drive.slow:.3g}",
+        note=escape(_note(drive)),
     )
     sheet = live_sheet(
         scene,
@@ -135,6 +137,24 @@ def _legend(leg: LegGeometry | None) -> str:
     return key_line(*AXES, ("trace", TRACE), *shown, guard)
 
 
+def _note(drive: Drive) -> str:
+    """Say what of a command acts."""
+    if drive.wanders:
+        return "The foot goes along a curve or a surface: what of a command lies in it acts."
+    said = []
+    if not all(_movable(drive)) or drive.task.size < 3:
+        said.append(f"The foot {motion_in_words(drive.task)}: what of a command lies there acts.")
+    if drive.task.keeps_orientation:
+        said.append("It does not turn.")
+    return " ".join(said)
+
+
+def _movable(drive: Drive) -> list[bool]:
+    """Tell of x, y, z along which of them the foot can be driven."""
+    moved = np.linalg.norm(drive.task.twists[3:], axis=1) > 1e-6
+    return [True] * 3 if drive.wanders else moved.tolist()
+
+
 def _data(drive: Drive, scene: Scene) -> dict[str, Any]:
     count = len(drive.robot.rows)
     region = ["/drake/region"] if is_hexabot_leg(drive.robot) else []
@@ -146,6 +166,7 @@ def _data(drive: Drive, scene: Scene) -> dict[str, Any]:
     return {
         "paths": [drake_path(index) for index in range(1, count + 1)] + region,
         "keys": KEYS,
+        "movable": _movable(drive),
         "fastest": FASTEST,
         "stop": 1e3 * drive.stop,
         "slow": 1e3 * drive.slow,

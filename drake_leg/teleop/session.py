@@ -35,6 +35,7 @@ def drive_robot(
     server: Server,
     *,
     say: Callable[[str], None],
+    keep: str | None = None,
     once: bool = False,
     wait: Callable[[float], None] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
@@ -44,13 +45,15 @@ def drive_robot(
     Parameters
     ----------
     robot : Robot
-        With three joint positions.
-    q : (3,) array_like
+        Any whose foot its joints move.
+    q : (n,) array_like
         Where it starts [rad or m].
     server : Server
         Not yet serving.
     say : callable
         Called with each new sentence of the guard, also when it lets the foot go.
+    keep : {"position", "pose"}, optional
+        Whether the foot may turn, as ``foot_task`` takes it.
     once : bool
         Whether to end after one step.
     wait, clock : callable
@@ -64,11 +67,11 @@ def drive_robot(
     Raises
     ------
     InvalidValueError
-        If the robot has not three joint positions, or ``q`` not three finite numbers.
+        If the foot cannot be driven so, or ``q`` has not n finite numbers.
     SingularConfigurationError
         If the robot is singular where it starts.
     """
-    drive = drive_of(robot)
+    drive = drive_of(robot, keep)
     start = step = at_rest(drive, q)
     scene = teleop_scene(drive, start.q)
     trace = Trace(scene.size)

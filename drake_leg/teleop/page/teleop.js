@@ -48,7 +48,7 @@ if (live) (() => {
   setInterval(() => { if (driving) live.send({ do: "alive", tab }); }, KEEP_UP);
 
   function press(source, axis, sign) {
-    if (held.has(source)) return;
+    if (held.has(source) || !data.movable[axis]) return;
     held.set(source, [axis, sign]);
     set[axis] = 0;
     markPads();
@@ -101,6 +101,10 @@ if (live) (() => {
       change(value) { set[axis] = value; drive(); },
     });
     row.querySelector("input[type=range]").after(makePad(row, axis, 1, more));
+    if (!data.movable[axis]) {
+      row.classList.add("fixed");
+      row.querySelectorAll("button, input").forEach((part) => { part.disabled = true; });
+    }
     return dial;
   });
 
