@@ -64,8 +64,7 @@ def _replay(chosen: argparse.Namespace) -> int:
     _require_run(chosen.run)
     motion = _motion(chosen)
     summary = _summary(chosen.run)
-    bar = ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s")
-    try:
+    with ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s") as bar:
         write_show(
             chosen.out,
             motion,
@@ -75,8 +74,6 @@ def _replay(chosen: argparse.Namespace) -> int:
             overwrite=chosen.overwrite,
             progress=bar,
         )
-    finally:
-        bar.close()
     print(f"wrote {chosen.out}: {motion.duration:g} s of {motion.robot.title}")
     return 0
 

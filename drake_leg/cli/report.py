@@ -36,12 +36,11 @@ def _report(chosen: argparse.Namespace) -> int:
     require_pillow()
     from drake_leg.report.page import STAGES, write_report
 
-    bar = ProgressBar(sys.stderr, "report", STAGES, "stages")
-    try:
-        with results_folder(chosen.out) as folder:
-            write_report(folder, bar)
-    finally:
-        bar.close()
+    with (
+        ProgressBar(sys.stderr, "report", STAGES, "stages") as bar,
+        results_folder(chosen.out) as folder,
+    ):
+        write_report(folder, bar)
     print(f"wrote {chosen.out / 'report.html'} and its figures and replays")
     say_if_sketched()
     return 0

@@ -51,20 +51,21 @@ def _run(chosen: argparse.Namespace) -> int:
     shows = Shows.of(chosen)
     shows.check()
     require_pillow()
-    bar = ProgressBar(sys.stderr, chosen.name, max(options.duration, 1e-300), "s")
-    try:
+    with ProgressBar(sys.stderr, chosen.name, max(options.duration, 1e-300), "s") as bar:
         outcome = kind.run(options, bar)
-    finally:
-        bar.close()
-    from drake_leg.runs.files import write_outcome
+        bar.turn_to("recording and figures")
+        from drake_leg.runs.files import write_outcome
 
-    with results_folder(chosen.out) as folder:
-        write_outcome(folder, chosen.name, kind.title, outcome)
-        shows.write_into(folder, outcome)
+        with results_folder(chosen.out) as folder:
+            write_outcome(folder, chosen.name, kind.title, outcome)
+            shows.write_into(folder, outcome)
     summary = outcome.summary
     rows = f"{summary['rows']} rows, {summary['real_time_factor']:.0f} x real time"
     print(f"wrote {chosen.out}: {rows}{_quality(summary)}")
-    for path in shows.write(kind.heading, outcome):
+    with ProgressBar(sys.stderr, chosen.name, 1.0, "") as bar:
+        bar.turn_to("replay and video")
+        shown = [*shows.write(kind.heading, outcome)]
+    for path in shown:
         print(f"wrote {path}")
     remarks = [*summary.get("limits_exceeded", ()), summary.get("grazing")]
     for sentence in filter(None, remarks):
