@@ -172,6 +172,20 @@ class StepBudgetError(DrakeLegError):
         )
 
 
+class TimeBudgetError(DrakeLegError):
+    """Something was not done within the seconds that it was given.
+
+    Attributes
+    ----------
+    seconds : float
+        What it was given.
+    """
+
+    def __init__(self, *, seconds: float) -> None:
+        self.seconds = seconds
+        super().__init__(f"not done within {seconds:g} s: give it more with --budget")
+
+
 class UnstableRunError(DrakeLegError):
     """The integration blew up: its step is too large for the model's stiffness.
 

@@ -11,23 +11,30 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from functools import cache, partial
+from itertools import combinations
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drake_leg.check.sampling import chain_size, random_configurations
 from drake_leg.check.witness import DrakeWitness
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, TimeBudgetError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.batches import Array
+from drake_leg.quantities import require_positive
 from drake_leg.robot import Robot, Row
 from drake_leg.symbolic.optional import require_sympy
+from drake_leg.time_budget import BUDGET, TimeBudget
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
 SAMPLES = 32
 MOST_SAMPLES = 10_000
+WITNESSES = ("chain", "SymPy", "Drake", "differences")
+TOO_DEEP = "beyond SymPy: the formulas of so many rows are nested too deeply"
 
 Function = Callable[[Array], Array]  # of configurations (N, m), with the same first axis
+Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +67,20 @@ class Comparison:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Missing:
+    """A witness that was not heard."""
+
+    quantity: str  # foot or Jacobian
+    witness: str  # chain, SymPy, Drake or differences
+    why: str
+
+    @property
+    def sentence(self) -> str:
+        """What is missing, and why."""
+        return f"the {self.quantity} by {self.witness} is {self.why}"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Proof:
     """What the witnesses say of a robot."""
 
@@ -68,16 +89,26 @@ class Proof:
     seed: int
     size: float  # [m], lengths are compared relative to it
     comparisons: tuple[Comparison, ...]
+    missing: tuple[Missing, ...] = ()
 
     @property
     def holds(self) -> bool:
-        """Whether all witnesses agree."""
+        """Whether all witnesses that were heard agree."""
         return all(comparison.agrees for comparison in self.comparisons)
 
     @property
-    def worst(self) -> Comparison:
+    def complete(self) -> bool:
+        """Whether all witnesses were heard."""
+        return not self.missing
+
+    @property
+    def worst(self) -> Comparison | None:
         """Where two witnesses differ most; one that has no number is worse than any."""
-        return max(self.comparisons, key=lambda c: (math.isnan(c.difference), c.difference))
+        return max(
+            self.comparisons,
+            key=lambda c: (math.isnan(c.difference), c.difference),
+            default=None,
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Return everything by name; units in the names.
@@ -88,6 +119,8 @@ class Proof:
         """
         return {
             "holds": self.holds,
+            "complete": self.complete,
+            "missing": [asdict(missing) for missing in self.missing],
             "samples": self.samples,
             "seed": self.seed,
             "size_m": self.size,
@@ -96,11 +129,18 @@ class Proof:
         }
 
 
-def prove(robot: Robot, *, samples: int = SAMPLES, seed: int = 0) -> Proof:
+def prove(
+    robot: Robot,
+    *,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    budget: float = BUDGET,
+    progress: Progress | None = None,
+) -> Proof:
     """Compare the chain with SymPy, with Drake and with its own differences.
 
     Entries of a rotation are compared as they are, lengths relative to ``chain_size``; both must
-    agree to 1e-12.
+    agree to 1e-12. SymPy's derivation of a long chain may take for ever: it comes last.
 
     Parameters
     ----------
@@ -110,6 +150,10 @@ def prove(robot: Robot, *, samples: int = SAMPLES, seed: int = 0) -> Proof:
         Random configurations within the joints' limits.
     seed : int
         Of their random numbers.
+    budget : float
+        Time that it may take [s]; what is not compared by then is missing.
+    progress : callable, optional
+        Called with what goes on.
 
     Returns
     -------
@@ -119,7 +163,7 @@ def prove(robot: Robot, *, samples: int = SAMPLES, seed: int = 0) -> Proof:
     Raises
     ------
     InvalidValueError
-        If there is no sample, or the seed is negative.
+        If there is no sample, the seed is negative, or the budget is not positive.
     MissingSymPyError
         If SymPy is not installed.
     """
@@ -127,43 +171,73 @@ def prove(robot: Robot, *, samples: int = SAMPLES, seed: int = 0) -> Proof:
         raise InvalidValueError(f"samples is {samples}; it must be 1 to {MOST_SAMPLES}")
     if seed < 0:
         raise InvalidValueError(f"the seed is {seed}; it must not be negative")
+    require_positive("the budget", budget, "s")
     require_sympy("drake-leg check")
     configurations = random_configurations(robot, samples, np.random.default_rng(seed))
-    feet, jacobians = _witnesses(robot)
+    heard, missing = _hear(_testimonies(robot), configurations, TimeBudget(budget), progress)
     size = chain_size(robot)
+    scales = {"foot": _pose_scale(size), "Jacobian": _twist_scale(robot, size)}
     return Proof(
         robot=robot.name,
         samples=samples,
         seed=seed,
         size=size,
-        comparisons=(
-            *_compare_all("foot", feet, configurations, _pose_scale(size)),
-            *_compare_all("Jacobian", jacobians, configurations, _twist_scale(robot, size)),
+        comparisons=tuple(
+            comparison
+            for quantity, scale in scales.items()
+            for comparison in _compare_all(quantity, heard[quantity], configurations, scale)
         ),
+        missing=tuple(missing),
     )
 
 
-def _witnesses(robot: Robot) -> tuple[dict[str, Function], dict[str, Function]]:
-    """Return every witness's foot and Jacobian as functions of all configurations."""
-    from drake_leg.symbolic.chain import chain_functions
+class _Testimony(NamedTuple):
+    """One witness's word on one quantity, not yet heard."""
 
-    symbolic, drake = chain_functions(robot.rows), DrakeWitness(robot)
-    feet: dict[str, Function] = {
-        "chain": lambda q: khalil.foot_pose(robot.rows, q),
-        "SymPy": _one_by_one(symbolic.foot),
-        "Drake": _one_by_one(drake.foot),
-    }
-    jacobians: dict[str, Function] = {
-        "chain": lambda q: khalil.jacobian(robot.rows, q),
-        "SymPy": _one_by_one(symbolic.jacobian),
-        "Drake": _one_by_one(drake.jacobian),
-        "differences": lambda q: difference_jacobian(robot.rows, q),
-    }
-    return feet, jacobians
+    quantity: str
+    witness: str
+    function: Function
 
 
-def _one_by_one(function: Function) -> Function:
-    return lambda configurations: np.array([function(q) for q in configurations])
+def _testimonies(robot: Robot) -> list[_Testimony]:
+    """List every witness's foot and Jacobian, the quickest first."""
+    from drake_leg.symbolic.chain import foot_function, jacobian_function
+
+    rows = robot.rows
+    drake = cache(lambda: DrakeWitness(robot))
+    return [
+        _Testimony("foot", "chain", lambda q: khalil.foot_pose(rows, q)),
+        _Testimony("Jacobian", "chain", lambda q: khalil.jacobian(rows, q)),
+        _Testimony("Jacobian", "differences", lambda q: difference_jacobian(rows, q)),
+        _Testimony("foot", "Drake", lambda q: _one_by_one(drake().foot, q)),
+        _Testimony("Jacobian", "Drake", lambda q: _one_by_one(drake().jacobian, q)),
+        _Testimony("foot", "SymPy", lambda q: _one_by_one(foot_function(rows), q)),
+        _Testimony("Jacobian", "SymPy", lambda q: _one_by_one(jacobian_function(rows), q)),
+    ]
+
+
+def _hear(
+    testimonies: Sequence[_Testimony],
+    configurations: Array,
+    budget: TimeBudget,
+    progress: Progress | None,
+) -> tuple[dict[str, dict[str, Array]], list[Missing]]:
+    """Hear the witnesses one after the other, as long as the budget lasts."""
+    heard: dict[str, dict[str, Array]] = {"foot": {}, "Jacobian": {}}
+    missing = []
+    for quantity, witness, function in testimonies:
+        if progress is not None:
+            progress(f"{quantity} by {witness}")
+        try:
+            heard[quantity][witness] = budget.spend(partial(function, configurations))
+        except (TimeBudgetError, RecursionError) as error:
+            why = str(error) if isinstance(error, TimeBudgetError) else TOO_DEEP
+            missing.append(Missing(quantity=quantity, witness=witness, why=why))
+    return heard, missing
+
+
+def _one_by_one(function: Function, configurations: Array) -> Array:
+    return np.array([function(q) for q in configurations])
 
 
 def difference_jacobian(rows: Sequence[Row], q: Array) -> Array:
@@ -208,13 +282,14 @@ def _twist_scale(robot: Robot, size: float) -> Array:
 
 
 def _compare_all(
-    quantity: str, witnesses: dict[str, Function], configurations: Array, scale: Array
+    quantity: str, values: dict[str, Array], configurations: Array, scale: Array
 ) -> list[Comparison]:
     """Compare every witness with every other."""
-    values = {name: witness(configurations) for name, witness in witnesses.items()}
-    names = list(values)
-    pairs = [(a, b) for i, a in enumerate(names) for b in names[i + 1 :]]
-    return [_compare(quantity, a, b, values[a], values[b], configurations, scale) for a, b in pairs]
+    names = [name for name in WITNESSES if name in values]
+    return [
+        _compare(quantity, a, b, values[a], values[b], configurations, scale)
+        for a, b in combinations(names, 2)
+    ]
 
 
 def _compare(

@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import Commands, refuse_ignored
+from drake_leg.cli.common import STOPPED_EARLY, Commands, add_budget, budget_of, refuse_ignored
 from drake_leg.cli.robot_source import RobotSource, add_robot_source, robot_source
+from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
 
 if TYPE_CHECKING:
@@ -37,7 +39,8 @@ def add(commands: Commands) -> None:
         "derivation, with Drake's plant on its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
         "the robot instead. A printed table alone (CSV or TOML) is only read for slips.",
-        epilog="Exit status: 0 nothing is wrong, 1 something is, 2 bad input.",
+        epilog="Exit status: 0 nothing is wrong, 1 something is, 2 bad input, 3 nothing is wrong "
+        "so far, but not all was compared.",
     )
     add_robot_source(parser)
     parser.add_argument(
@@ -49,6 +52,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--seed", type=int, metavar="N", help=f"of the random numbers (default {SEED})"
     )
+    add_budget(parser, "of a proof")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(command=_check)
 
@@ -80,13 +84,19 @@ def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
     robot = source.robot()
     findings += lint_sizes(robot)
     samples = SAMPLES if chosen.samples is None else chosen.samples
-    proof = prove(robot, samples=samples, seed=_seed(chosen))
+    budget = budget_of(chosen)
+    with ProgressBar(sys.stderr, f"check of {source.where}", budget, "s") as bar:
+        proof = prove(
+            robot, samples=samples, seed=_seed(chosen), budget=budget, progress=bar.turn_to
+        )
     if chosen.json:
         _print_json(source.where, findings, proof)
     else:
         _print_findings(source.where, findings, "no slip in the table")
         print("\n".join(_proof_lines(robot, proof)))
-    return 0 if proof.holds else FOUND
+    if not proof.holds:
+        return FOUND
+    return 0 if proof.complete else STOPPED_EARLY
 
 
 def _seed(chosen: argparse.Namespace) -> int:
@@ -141,7 +151,7 @@ def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> 
 
     content = {
         "checked": what,
-        "ok": not errors(findings) and (proof is None or proof.holds),
+        "ok": not errors(findings) and (proof is None or (proof.holds and proof.complete)),
         "findings": [finding.as_json() for finding in findings],
         "proof": proof and proof.as_json(),
     }
@@ -159,9 +169,15 @@ def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
         pair = f"{comparison.first} - {comparison.second}"
         mark = "" if comparison.agrees else "  !"
         yield f"  {comparison.quantity:<10} {pair:<20} {comparison.difference:.1e}{mark}"
-    worst = proof.worst
-    yield f"the greatest of all: {_where(robot, worst)}"
-    verdict = "proved: none is" if proof.holds else "NOT proved: at least one is"
+    for missing in proof.missing:
+        yield f"  {missing.quantity:<10} {missing.witness:<20} {missing.why}"
+    if proof.worst is not None:
+        yield f"the greatest of all: {_where(robot, proof.worst)}"
+    verdict = "proved: none is" if proof.complete else "proved in part: none of these is"
+    if not proof.comparisons:
+        verdict = "NOT proved: nothing was compared that might be"
+    elif not proof.holds:
+        verdict = "NOT proved: at least one is"
     yield f"{verdict} above {TOLERANCE:g}"
 
 

@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from drake_leg.errors import InvalidValueError, OutputError
+from drake_leg.quantities import require_positive
 from drake_leg.robots import ROBOTS
+from drake_leg.time_budget import BUDGET
 
 FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 
@@ -102,6 +104,49 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--overwrite", action="store_true", help="replace DIR if it holds older results"
     )
+
+
+def add_budget(parser: argparse.ArgumentParser, what: str) -> None:
+    """Add the option that bounds how long a derivation may take.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of the command.
+    what : str
+        Whose time it is.
+    """
+    parser.add_argument(
+        "--budget",
+        metavar="SECONDS",
+        help=f"time {what}; what is not done by then is said, and the exit status is 3 (default "
+        f"{BUDGET:g})",
+    )
+
+
+def budget_of(chosen: argparse.Namespace) -> float:
+    """Read ``--budget``.
+
+    Parameters
+    ----------
+    chosen : Namespace
+        What was given.
+
+    Returns
+    -------
+    float
+        [s].
+
+    Raises
+    ------
+    InvalidValueError
+        If it is no positive number.
+    """
+    if chosen.budget is None:
+        return BUDGET
+    (seconds,) = numbers("--budget", chosen.budget, 1)
+    require_positive("--budget", seconds, "s")
+    return seconds
 
 
 def numbers(option: str, text: str, count: int | None = None) -> list[float]:

@@ -68,20 +68,19 @@ def _replay(chosen: argparse.Namespace) -> int:
     _require_run(chosen.run)
     summary = _summary(chosen.run)
     motion = _motion(chosen, summary)
-    bar = ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s")
-    try:
-        with picture(f"the replay {chosen.out}"):
-            write_show(
-                chosen.out,
-                motion,
-                title=_title(summary, motion.robot),
-                note=stop_note(summary),
-                view=view,
-                overwrite=chosen.overwrite,
-                progress=bar,
-            )
-    finally:
-        bar.close()
+    with (
+        ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s") as bar,
+        picture(f"the replay {chosen.out}"),
+    ):
+        write_show(
+            chosen.out,
+            motion,
+            title=_title(summary, motion.robot),
+            note=stop_note(summary),
+            view=view,
+            overwrite=chosen.overwrite,
+            progress=bar,
+        )
     print(f"wrote {chosen.out}: {motion.duration:g} s of {motion.robot.title}")
     return 0
 

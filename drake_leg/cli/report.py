@@ -36,12 +36,8 @@ def _report(chosen: argparse.Namespace) -> int:
     require_matplotlib()
     from drake_leg.report.page import STAGES, write_report
 
-    bar = ProgressBar(sys.stderr, "report", STAGES, "stages")
-    try:
-        with folder.begun() as scratch:
-            failures = write_report(scratch, bar)
-    finally:
-        bar.close()
+    with ProgressBar(sys.stderr, "report", STAGES, "stages") as bar, folder.begun() as scratch:
+        failures = write_report(scratch, bar)
     print(f"wrote {folder.path / 'report.html'} and its figures and replays")
     say_if_sketched()
     for error in failures:

@@ -75,8 +75,10 @@ def _run(chosen: argparse.Namespace) -> int:
         print(f"wrote {folder.path}: {rows}{_quality(summary)}")
     pictures = Pictures()
     try:
-        _draw(chosen.name, kind, outcome, folder, pictures)
-        shows.write(kind.heading, outcome, folder, pictures)
+        with ProgressBar(sys.stderr, chosen.name, 1.0, "") as bar:
+            bar.turn_to("pictures")
+            _draw(chosen.name, kind, outcome, folder, pictures)
+            shows.write(kind.heading, outcome, folder, pictures)
     except KeyboardInterrupt:
         return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
     remarks = [*summary.get("limits_exceeded", ()), summary.get("grazing")]
@@ -89,17 +91,14 @@ def _carried_out(
     name: str, kind: RunKind, options: RunOptions, hold: Callable[[], None]
 ) -> Outcome:
     """Simulate; from the end on, signals wait until the recording is saved."""
-    bar = ProgressBar(sys.stderr, name, max(options.duration, 1e-300), "s")
+    with ProgressBar(sys.stderr, name, max(options.duration, 1e-300), "s") as bar:
 
-    def progress(time: float) -> None:
-        if time >= options.duration:
-            hold()
-        bar(time)
+        def progress(time: float) -> None:
+            if time >= options.duration:
+                hold()
+            bar(time)
 
-    try:
         return kind.run(options, progress)
-    finally:
-        bar.close()
 
 
 def _draw(

@@ -11,7 +11,6 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -41,13 +40,6 @@ class SymbolicChain:
     rows: tuple[SymbolicRow, ...]
     q: tuple[sp.Symbol, ...]  # joint positions, q1 ... qm
     values: Mapping[sp.Symbol, float]  # of the other symbols [m or rad]
-
-
-class ChainFunctions(NamedTuple):
-    """A chain's foot and Jacobian as functions of one vector of joint positions."""
-
-    foot: Function  # q (m,) -> X_BF (4, 4) [-, m]
-    jacobian: Function  # q (m,) -> Jv_BF (6, m), rotation first [rad, m per rad or m]
 
 
 def symbolic_chain(rows: Sequence[Row]) -> SymbolicChain:
@@ -277,11 +269,8 @@ def evaluator(chain: SymbolicChain, expression: sp.Matrix) -> Function:
     return evaluate
 
 
-def chain_functions(rows: Sequence[Row]) -> ChainFunctions:
-    """Derive any chain's foot and Jacobian, as a witness of the numeric ones.
-
-    The Jacobian is the indirect method's, so that it shares no formula with
-    ``kinematics.khalil.jacobian``.
+def foot_function(rows: Sequence[Row]) -> Function:
+    """Derive any chain's foot.
 
     Parameters
     ----------
@@ -290,11 +279,27 @@ def chain_functions(rows: Sequence[Row]) -> ChainFunctions:
 
     Returns
     -------
-    ChainFunctions
-        ``foot(q)`` and ``jacobian(q)`` of one vector q (m,) [rad or m].
+    callable
+        Of one vector q (m,) [rad or m]: X_BF (4, 4) [-, m].
     """
     chain = symbolic_chain(rows)
-    return ChainFunctions(
-        foot=evaluator(chain, base_transforms(chain)[-1]),
-        jacobian=evaluator(chain, indirect_jacobian(chain)),
-    )
+    return evaluator(chain, base_transforms(chain)[-1])
+
+
+def jacobian_function(rows: Sequence[Row]) -> Function:
+    """Derive any chain's Jacobian by the indirect method.
+
+    It shares no formula with ``kinematics.khalil.jacobian``.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table, of which m rows move.
+
+    Returns
+    -------
+    callable
+        Of one vector q (m,) [rad or m]: Jv_BF (6, m), rotation first [rad, m per rad or m].
+    """
+    chain = symbolic_chain(rows)
+    return evaluator(chain, indirect_jacobian(chain))
