@@ -13,6 +13,8 @@ from drake_leg.errata import Erratum, errata
 from drake_leg.errata.erratum import angles, number, vector
 from drake_leg.errata.formulas import angle_values, evaluate, evaluate_entry, multiplied, shown
 from drake_leg.errata.printed import (
+    LEG_B_J12_PRINTED,
+    LEG_B_J12_RIGHT,
     LEG_B_PRINTED,
     LEG_B_RIGHT,
     LEG_B_SIGMAS_PRINTED,
@@ -114,10 +116,11 @@ def is_rotation(R):
 # The list
 
 
-def test_there_are_25_in_the_reports_order():
-    assert list(FOUND) == list(range(1, 26))
-    sources = [erratum.source for erratum in FOUND.values()]
-    assert sources == ["Report A"] * 11 + ["Report B"] * 14
+def test_they_are_numbered_through_both_reports_and_then_once_more():
+    assert [erratum.number for erratum in errata()] == list(range(1, 39))
+    sources = [erratum.source for erratum in errata()]
+    first, second = ["Report A"] * 11 + ["Report B"] * 14, ["Report A"] * 7 + ["Report B"] * 6
+    assert sources == first + second
 
 
 @pytest.mark.parametrize("erratum", FOUND.values(), ids=lambda e: str(e.number))
@@ -188,11 +191,7 @@ PRINTED_WRONGLY = {
     "leg J": (
         LEG_B_PRINTED,
         LEG_B_RIGHT,
-        {
-            (0, 1): "-50*cos(θ1)*(2*sin(θ2 - θ3) + 2*sin(θ2) + 1)",
-            (0, 2): "100*sin(θ2 - θ3)*cos(θ1)",
-            (1, 2): "100*sin(θ2 - θ3)*sin(θ1)",
-        },
+        {(0, 2): "100*sin(θ2 - θ3)*cos(θ1)", (1, 2): "100*sin(θ2 - θ3)*sin(θ1)"},
     ),
 }
 
@@ -210,6 +209,15 @@ def test_the_abbreviations_are_quoted_as_printed():
         "σ1": "2*cos(θ2 - θ3) + 2*cos(θ2) + 1",
         "σ2": "2*sin(θ2 - θ3) + 2*sin(θ2)",
     }
+
+
+def test_the_plus_one_is_in_the_list_of_entries_alone():
+    assert LEG_B_PRINTED["J"][0][1] == "-50*cos(θ1)*σ2"
+    assert LEG_B_J12_PRINTED == "-50*cos(θ1)*(2*sin(θ2 - θ3) + 2*sin(θ2) + 1)"
+    listed, matrix = FOUND[21].printed.split("in the matrix")
+    assert "+ 1)" in listed
+    assert "−50·cos(θ1)·σ2" in matrix
+    assert "+ 1)" not in matrix
 
 
 # Report A, the pendulum
@@ -502,23 +510,29 @@ def test_20_the_pose_has_the_difference_for_the_sum():
 
 def test_21_the_jacobian_sends_the_foot_elsewhere(rng):
     q = rng.uniform(-3.0, 3.0, 3)
-    right = evaluate(LEG_B_RIGHT["J"], leg_b_values(q, LEG_B_SIGMAS_RIGHT))
+    values = leg_b_values(q, LEG_B_SIGMAS_RIGHT)
+    right = evaluate(LEG_B_RIGHT["J"], values)
     np.testing.assert_allclose(right, 1000 * jacobian(LEG_B.rows, q)[3:], atol=1e-12)
-    corrected = evaluate(LEG_B_PRINTED["J"], leg_b_values(q, LEG_B_SIGMAS_RIGHT))
-    assert np.argwhere(np.abs(corrected - right) > 1e-9).tolist() == [[0, 1], [0, 2], [1, 2]]
-    expected = []
-    for posture in (LEG_B_START, far_end(LEG_B, LEG_B_START)):
-        printed = evaluate(LEG_B_PRINTED["J"], leg_b_values(posture, LEG_B_SIGMAS_PRINTED))
+    assert evaluate_entry(LEG_B_J12_RIGHT, values) == pytest.approx(right[0, 1], abs=1e-12)
+    corrected = evaluate(LEG_B_PRINTED["J"], values)
+    assert np.argwhere(np.abs(corrected - right) > 1e-9).tolist() == [[0, 2], [1, 2]]
+    end = far_end(LEG_B, LEG_B_START)
+    matrix = LEG_B_PRINTED["J"]
+    listed = ((matrix[0][0], LEG_B_J12_PRINTED, matrix[0][2]), *matrix[1:])
+    ways = []
+    for formula, posture in ((matrix, LEG_B_START), (matrix, end), (listed, end)):
+        printed = evaluate(formula, leg_b_values(posture, LEG_B_SIGMAS_PRINTED))
         qdot = np.linalg.inv(printed)[:, 0]
         step = 1e-3
         feet = [foot_pose(LEG_B.rows, posture + s * qdot)[:3, 3] for s in (step, -step)]
-        v = 1000 * (feet[0] - feet[1]) / (2 * step)
-        assert np.abs(v - [1, 0, 0]).max() > 0.1
-        expected += [*v, *np.degrees(posture)]
-    got = numbers(FOUND[21].effect)
-    assert got[:3] == [1, 0, 0]
-    assert got[3:] == pytest.approx(expected, abs=0.51)
-    assert [*got[3:6], *got[9:12]] == pytest.approx([*expected[:3], *expected[6:9]], abs=0.0051)
+        ways.append(1000 * (feet[0] - feet[1]) / (2 * step))
+        assert np.abs(ways[-1] - [1, 0, 0]).max() > 0.1
+    text, _, rest = FOUND[21].effect.partition(" at θ")
+    assert numbers(text) == pytest.approx([1, 0, 0, *ways[0]], abs=0.0051)
+    got = numbers(rest)
+    assert got[:3] == [90, -50, -90]
+    assert [*got[3:6], *got[-3:]] == pytest.approx([*ways[1], *ways[2]], abs=0.0051)
+    assert got[6:9] == pytest.approx(np.degrees(end), abs=0.51)
 
 
 # Report B, the simulation
@@ -554,3 +568,173 @@ def test_25_the_position_is_a_quarter_period_behind():
     assert np.argmax(correlations) == 720 // 4
     assert abs(velocity @ swing) < 1e-9
     said(25, 90.0, 0.0, 1.0)
+
+
+# Words, headings and references of both reports
+
+
+def turned(axis, angle):
+    """A rotation about one axis, as a transform."""
+    X = np.eye(4)
+    X[:3, :3] = Rotation.from_euler(axis, angle).as_matrix()
+    return X
+
+
+def moved(*p):
+    X = np.eye(4)
+    X[:3, 3] = p
+    return X
+
+
+def foot_of(*steps):
+    X = np.eye(4)
+    for step in steps:
+        X = X @ step
+    return X[:3, 3]
+
+
+def test_26_two_figures_have_one_caption():
+    assert "Pundulum" in FOUND[26].printed
+    assert numbers(FOUND[26].effect) == [1.2, 2, 3]
+
+
+def test_27_on_the_ground_the_hip_would_be_there_too():
+    z = 1000 * foot_pose(LEG_A.rows, LEG_A_START)[2, 3]
+    assert foot_pose(LEG_A.rows, far_end(LEG_A, LEG_A_START))[2, 3] * 1000 == pytest.approx(z)
+    np.testing.assert_array_equal(base_transforms(LEG_A.rows, LEG_A_START)[0][:3, 3], 0.0)
+    said(27, 90, 50, 90, -z)
+
+
+def test_28_a_length_is_no_angle():
+    q1, q2, q3 = LEG_A_START
+
+    def foot(ankle):
+        up_to_knee = [turned("z", q1), moved(0.05, 0, 0), turned("x", -math.pi / 2)]
+        rest = [turned("z", q2), moved(0.1, 0, 0), turned("z", ankle), moved(0.1, 0, 0)]
+        return foot_of(*up_to_knee, *rest)
+
+    np.testing.assert_allclose(foot(q3), foot_pose(LEG_A.rows, LEG_A_START)[:3, 3], atol=1e-15)
+    away = 1000 * np.linalg.norm(foot(q3) - foot(0.1))
+    said(28, 0.1, 0.1, away, 90, 50, 90)
+
+
+def test_29_r_and_theta_belong_to_the_axis_of_their_own_frame():
+    def chain(q, order):
+        rows = [(q[0], 0, 0), (q[1], 0.05, -math.pi / 2), (q[2], 0.1, 0), (0, 0.1, 0)]
+        steps = [(turned("x", a), moved(d, 0, 0), turned("z", t)) for t, d, a in rows]
+        return foot_of(*(row[place] for row in steps for place in order))
+
+    khalil, classic = (0, 1, 2), (2, 1, 0)
+    right = foot_pose(LEG_A.rows, LEG_A_START)[:3, 3]
+    np.testing.assert_allclose(chain(LEG_A_START, khalil), right, atol=1e-15)
+    said_foot = chain(LEG_A_START, classic)
+    step = 1e-6 * np.eye(3)
+    columns = [
+        (chain(LEG_A_START + d, classic) - chain(LEG_A_START - d, classic)) / 2e-6 for d in step
+    ]
+    rank = np.linalg.matrix_rank(np.transpose(columns), tol=1e-6)
+    assert numbers(FOUND[29].effect) == pytest.approx(
+        [rank, 90, 50, 90, *(1000 * said_foot), *(1000 * right)], abs=0.051
+    )
+    np.testing.assert_allclose(columns[0], columns[1], atol=1e-9)  # one axis
+
+
+def test_30_joint_rates_are_no_rates_of_euler_angles():
+    q = far_end(LEG_A, LEG_A_START)
+    R = foot_pose(LEG_A.rows, q)[:3, :3]
+    natural = Rotation.from_euler("ZXZ", [q[0], -math.pi / 2, q[1] + q[2]])
+    np.testing.assert_allclose(R, natural.as_matrix(), atol=1e-12)
+    J = jacobian(LEG_A.rows, q)[3:]
+    rates = np.linalg.inv(J)[:, 0]
+    v = J @ np.array([rates[0], 0.0, rates[1] + rates[2]])
+    assert np.abs(v - [1, 0, 0]).max() > 0.02
+    got = numbers(FOUND[30].effect)
+    assert got[0] == -90
+    assert got[1:4] == [1, 0, 0]
+    assert got[4:7] == pytest.approx(np.degrees(q), abs=0.51)
+    assert got[7:] == pytest.approx(v, abs=0.0051)
+
+
+def test_31_references_that_lead_nowhere():
+    for slip, mended in (
+        ("Appendix??", "appendix"),
+        ("session", "section"),
+        ("in 10", "figure 10"),
+    ):
+        assert slip in FOUND[31].printed
+        assert mended in FOUND[31].right
+    assert not numbers(FOUND[31].effect)
+
+
+def test_32_joint_rates_are_demuxed():
+    J = jacobian(LEG_A.rows, LEG_A_START)[3:]
+    assert numbers(FOUND[32].effect) == [len(np.linalg.inv(J) @ [1.0, 0.0, 0.0])]
+
+
+def test_33_the_scaras_axes_are_vertical(rng):
+    for q in (SCARA_START, (*rng.uniform(-3.0, 3.0, 3), 0.03)):
+        for X in base_transforms(SCARA.rows, q)[:3]:
+            np.testing.assert_allclose(X[:3, 2], [0, 0, 1], atol=1e-15)
+    q1, q2, _, _ = SCARA_START
+    wrist = foot_of(turned("x", q1), moved(220, 0, 0), turned("y", q2), moved(240, 0, 0))
+    assert numbers(FOUND[33].effect) == pytest.approx([1, 3, 0, wrist[2], 30, 90, -120], abs=0.051)
+
+
+def test_34_the_lift_goes_along_the_axis_of_its_own_frame():
+    q1, q2, q3, q4 = SCARA_START
+    rows = [(q1, 452.4, 0, 0), (q2, 0, 220, 0), (q3, 0, 240, 0), (0, 1000 * q4, 0, math.pi)]
+    classic = foot_of(
+        *(
+            step
+            for theta, r, d, alpha in rows
+            for step in (turned("z", theta), moved(0, 0, r), moved(d, 0, 0), turned("x", alpha))
+        )
+    )
+    right = 1000 * foot_pose(SCARA.rows, SCARA_START)[:3, 3]
+    assert numbers(FOUND[34].effect) == pytest.approx(
+        [1, 2, 30, 90, -120, *classic, *right, 62.4], abs=0.051
+    )
+    assert classic[2] - 452.4 == pytest.approx(452.4 - right[2])
+
+
+def test_35_half_a_turn_is_180_degrees():
+    z = turned("x", 180.0)[:3, 2]
+    lean = math.degrees(math.acos(-z[2]))
+    rest = (180.0 - 28 * 2 * math.pi) * 180 / math.pi
+    assert numbers(FOUND[35].effect) == pytest.approx([180, rest, lean], abs=0.051)
+    assert SCARA.rows[3].alpha == math.pi
+
+
+def test_36_the_arms_have_lengths_of_their_own():
+    def determinant(l1, l2):
+        q1, q12 = SCARA_START[0], SCARA_START[0] + SCARA_START[1]
+        a, b = -l1 * math.sin(q1) - l2 * math.sin(q12), -l2 * math.sin(q12)
+        c, d = l1 * math.cos(q1) + l2 * math.cos(q12), l2 * math.cos(q12)
+        return np.linalg.det([[a, b, 0], [c, d, 0], [1, 1, 1]])
+
+    assert [row.d for row in SCARA.rows[1:3]] == [0.220, 0.240]
+    expected = [30, 90, -120, determinant(50, 100), determinant(220, 240), 1.6]
+    assert numbers(FOUND[36].effect) == pytest.approx(expected, abs=0.051)
+
+
+def test_37_lengths_lie_along_the_x_axis_before():
+    q1, q2, q3 = LEG_B_START
+    literal = foot_of(
+        turned("z", q1),
+        turned("x", math.pi / 2),
+        turned("z", q2),
+        moved(50, 0, 0),
+        turned("z", q3),
+        moved(100, 0, 0),
+        moved(100, 0, 0),
+    )
+    right = 1000 * foot_pose(LEG_B.rows, LEG_B_START)[:3, 3]
+    assert numbers(FOUND[37].effect) == pytest.approx([90, -50, -90, *literal, *right], abs=0.051)
+
+
+def test_38_three_joints_move_the_foot():
+    assert numbers(FOUND[38].effect) == [1.4, 3, 90, -50, -90]
+    assert np.linalg.matrix_rank(jacobian(LEG_B.rows, LEG_B_START)[3:]) == 3
+    for joint in range(3):
+        other = foot_pose(LEG_B.rows, LEG_B_START + 0.1 * np.eye(3)[joint])
+        assert np.abs(other - foot_pose(LEG_B.rows, LEG_B_START)).max() > 0.005

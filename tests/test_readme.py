@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import main
+from drake_leg.errata import errata
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -56,6 +57,10 @@ def test_the_config_is_taken(tmp_path, text):
     config.write_text(text, encoding="utf-8")
     words = ["run", "leg-b", "--config", str(config), "--out", str(tmp_path / "step")]
     assert main([*words, "--duration", "0.2"]) == 0
+
+
+def test_the_errata_are_counted():
+    assert re.findall(r"(\d+) errata", README) == [str(len(errata()))]
 
 
 def test_every_command_of_the_readme_is_taken(monkeypatch):

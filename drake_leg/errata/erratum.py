@@ -11,7 +11,7 @@ from dataclasses import dataclass
 class Erratum:
     """One error of a report."""
 
-    number: int  # 1 ... 25, through both reports
+    number: int  # from 1 through both reports, and from 26 through both once more
     source: str  # the report
     where: str  # section, equation, table or figure there
     printed: str  # what it prints: text in quotation marks, a formula without

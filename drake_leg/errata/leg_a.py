@@ -27,12 +27,16 @@ def leg_a_errata() -> tuple[Erratum, ...]:
     Returns
     -------
     tuple of Erratum
-        Numbers 6 to 11.
+        Numbers 6 to 11, and 27 to 32 but for the table's.
 
     References
     ----------
     Report A, chapter 2.
     """
+    return (*_of_the_derivation(), *_of_the_words())
+
+
+def _of_the_derivation() -> tuple[Erratum, ...]:
     return (
         Erratum(
             number=6,
@@ -86,6 +90,58 @@ def leg_a_errata() -> tuple[Erratum, ...]:
             printed="“For these values of q3, the motion would be impossible”",
             right="The rank falls to 2: one direction is lost, the others stay",
             effect=_stretched(),
+        ),
+    )
+
+
+def _of_the_words() -> tuple[Erratum, ...]:
+    return (
+        Erratum(
+            number=27,
+            source=SOURCE,
+            where="section 2.2.1, the base frame",
+            printed="“we also place the base frame on the ground”; “The first revolute joint has a "
+            "frame (X1, Y1, Z1) which is placed at the same origin as the base frame”",
+            right="The base frame is at the hip, on the robot's body; the ground is below it",
+            effect=_base_on_the_ground(),
+        ),
+        Erratum(
+            number=28,
+            source=SOURCE,
+            where="section 2.2.1, from frame to frame",
+            printed="“a translation of q2 around the q2 axis to obtain the frame 2”; “from frame 2 "
+            "to frame 2, there is a translation of L2 along the L2 axis and a rotation of L3 "
+            "around the L3 axis”",
+            right="A translation by L1 along X1, a rotation by −90° about X1, and one by q2 about "
+            "Z2; from frame 2 to frame 3 a translation by L2 along X2 and a rotation by q3 about "
+            "Z3",
+            effect=_length_for_angle(),
+        ),
+        Erratum(
+            number=30,
+            source=SOURCE,
+            where="eq. 16",
+            printed="(φ̇, θ̇, ψ̇) behind J",
+            right="(q̇1, q̇2, q̇3)",
+            effect=_euler_rates(),
+        ),
+        Erratum(
+            number=31,
+            source=SOURCE,
+            where="sections 2.3 to 2.5, references",
+            printed="“(see Appendix?? and the attached matrixcomputation.mlx MATLAB LiveScript)”; "
+            "“verified from the Simulink model in the next session”; “as shown in 10”",
+            right="The appendix, which has no number; the next section; figure 10",
+            effect="No number is wrong, but a reference leads nowhere.",
+        ),
+        Erratum(
+            number=32,
+            source=SOURCE,
+            where="section 2.5",
+            printed="“to obtain the q̇ matrix”; “the max output is demuxed and passed through an "
+            "integrator”",
+            right="The vector q̇; it is the output of inverseJacobian that is demuxed",
+            effect=_demuxed(),
         ),
     )
 
@@ -174,4 +230,44 @@ def _stretched() -> str:
         f"Stretched at q = {angles(q)}, the rank is {report.rank} and the singular values are "
         f"{number(MM * sigma[0])}, {number(MM * sigma[1])} and {number(MM * sigma[2])} mm; the "
         f"direction that is lost lies {number(angle)}° off the leg."
+    )
+
+
+def _base_on_the_ground() -> str:
+    q = LegAOptions().posture()
+    depth = -MM * float(foot_position(GEOMETRY, q)[2])
+    return (
+        f"At q = {angles(q)} and along the whole default step the foot would go {number(depth)} mm "
+        "under the ground. The matrices have the base frame at the hip and are right."
+    )
+
+
+def _length_for_angle() -> str:
+    q1, q2, q3 = LegAOptions().posture()
+    foot, turned = (foot_position(GEOMETRY, (q1, q2, angle)) for angle in (q3, GEOMETRY.l3))
+    return (
+        "A revolute joint does not translate, and a length is no angle: turned by L3, that is by "
+        f"{number(GEOMETRY.l3)} rad for {number(GEOMETRY.l3)} m, the ankle puts the foot "
+        f"{number(MM * math.dist(foot, turned))} mm from its place at q = {angles((q1, q2, q3))}. "
+        "Table 1 and the second forms of eq. 3 and 4 are right."
+    )
+
+
+def _euler_rates() -> str:
+    q = far_end(GEOMETRY, LegAOptions())
+    J = foot_jacobian(GEOMETRY, q)
+    rates = np.linalg.solve(J, FORWARDS)
+    v = J @ [rates[0], 0.0, rates[1] + rates[2]]
+    return (
+        "These are names of Euler angles, and the foot's own, Z–X–Z, are q1, −90° and q2 + q3. "
+        f"With their rates, J gives for a foot that goes (1, 0, 0) mm/s at q = {angles(q)} a "
+        f"velocity of {vector(v, 2)} mm/s."
+    )
+
+
+def _demuxed() -> str:
+    rates = np.linalg.solve(foot_jacobian(GEOMETRY, LegAOptions().posture()), FORWARDS)
+    return (
+        f"J⁻¹ v is a column of {rates.size} joint rates, each of which an integrator turns into an "
+        "angle; no maximum is taken."
     )

@@ -19,6 +19,8 @@ from drake_leg.errata.formulas import (
     shown,
 )
 from drake_leg.errata.printed import (
+    LEG_B_J12_PRINTED,
+    LEG_B_J12_RIGHT,
     LEG_B_PRINTED,
     LEG_B_RIGHT,
     LEG_B_SIGMAS_PRINTED,
@@ -48,7 +50,7 @@ def leg_b_errata() -> tuple[Erratum, ...]:
     Returns
     -------
     tuple of Erratum
-        Numbers 17 to 25.
+        Numbers 17 to 25, and 38.
 
     References
     ----------
@@ -95,9 +97,19 @@ def _of_the_matrices() -> tuple[Erratum, ...]:
             number=21,
             source=SOURCE,
             where="section 2.5.2, J",
-            printed=_rows("J", LEG_B_PRINTED, LEG_B_SIGMAS_PRINTED),
-            right=_rows("J", LEG_B_RIGHT, LEG_B_SIGMAS_RIGHT),
+            printed=f"in the list j12 = {_entry(LEG_B_J12_PRINTED)}; in the matrix "
+            + _rows("J", LEG_B_PRINTED, LEG_B_SIGMAS_PRINTED),
+            right=f"in the list j12 = {_entry(LEG_B_J12_RIGHT)}; in the matrix "
+            + _rows("J", LEG_B_RIGHT, LEG_B_SIGMAS_RIGHT),
             effect=_wrong_jacobian(),
+        ),
+        Erratum(
+            number=38,
+            source=SOURCE,
+            where="heading of section 2.4",
+            printed="“Homogeneous Transform Matrix for First Two DOF [0-3]”",
+            right="Three DOF [0–4], as the matrix under it, T04, says",
+            effect=_three_joints(),
         ),
     )
 
@@ -117,11 +129,12 @@ def _of_the_simulation() -> tuple[Erratum, ...]:
         Erratum(
             number=23,
             source=SOURCE,
-            where="figure 9",
-            printed="“Figure 9: Foot Position”",
-            right="Figure 9: Foot velocity",
-            effect="No number is wrong; figures 8 and 9 have one caption, and a reader takes a "
-            "velocity for a position.",
+            where="section 3.5, figure 9",
+            printed="“Figure 9: Foot Position”; “The graph demonstrates the path followed by the "
+            "foot”",
+            right="Figure 9: Foot velocity; the graph shows how fast the foot goes along each axis",
+            effect="No number is wrong; figures 8 and 9 have one caption and one description, and "
+            "a reader takes a velocity for a position.",
         ),
         Erratum(
             number=24,
@@ -146,9 +159,13 @@ def _of_the_simulation() -> tuple[Erratum, ...]:
 def _rows(name: str, formulas: Mapping[str, Formula], sigmas: Mapping[str, str]) -> str:
     """Show the rows in which a matrix is wrong, and the abbreviations in them."""
     rows = shown(formulas[name][:2])
-    used = {sigma: shown(((text,),))[1:-1] for sigma, text in sigmas.items() if sigma in rows}
+    used = {sigma: _entry(text) for sigma, text in sigmas.items() if sigma in rows}
     where = ", ".join(f"{sigma} = {text}" for sigma, text in used.items())
     return f"first rows {rows} where {where}"
+
+
+def _entry(formula: str) -> str:
+    return shown(((formula,),))[1:-1]
 
 
 def _values(q: Array) -> Values:
@@ -203,12 +220,32 @@ def _wrong_pose() -> str:
 
 
 def _wrong_jacobian() -> str:
-    told = []
-    for q in (_start(), far_end(GEOMETRY, LegBOptions())):
-        printed = evaluate(LEG_B_PRINTED["J"], _values(q))
-        v = MM * foot_jacobian(GEOMETRY, q) @ np.linalg.solve(printed, FORWARDS)
-        told.append(f"{vector(v, 2)} mm/s at θ = {angles(q)}")
-    return f"Told to go (1, 0, 0) mm/s through this J, the foot goes {' and '.join(told)}."
+    start, end = _start(), far_end(GEOMETRY, LegBOptions())
+    row, *others = LEG_B_PRINTED["J"]
+    listed = ((row[0], LEG_B_J12_PRINTED, row[2]), *others)
+    first, second, third = (
+        f"{vector(_sent(printed, q), 2)} mm/s"
+        for printed, q in ((LEG_B_PRINTED["J"], start), (LEG_B_PRINTED["J"], end), (listed, end))
+    )
+    return (
+        f"Told to go (1, 0, 0) mm/s through this matrix, the foot goes {first} at "
+        f"θ = {angles(start)} and {second} at θ = {angles(end)}; there, with the j12 of the list, "
+        f"{third}."
+    )
+
+
+def _sent(printed: Formula, q: Array) -> Array:
+    """Say where the foot goes when it is told to go forwards through a printed Jacobian."""
+    rates = np.linalg.solve(evaluate(printed, _values(q)), FORWARDS)
+    return MM * foot_jacobian(GEOMETRY, q) @ rates
+
+
+def _three_joints() -> str:
+    rank = examine(foot_jacobian(GEOMETRY, _start())).rank
+    return (
+        "The heading is that of section 1.4. This matrix leads from the base through all three "
+        f"joints to the foot, whose Jacobian has rank {rank} at θ = {angles(_start())}."
+    )
 
 
 def _path() -> tuple[Array, CommandedMotion]:

@@ -29,7 +29,7 @@ def pendulum_errata() -> tuple[Erratum, ...]:
     Returns
     -------
     tuple of Erratum
-        Numbers 1 to 5.
+        Numbers 1 to 5, and 26.
 
     References
     ----------
@@ -58,9 +58,10 @@ def pendulum_errata() -> tuple[Erratum, ...]:
             number=3,
             source=SOURCE,
             where="section 1.3, figure 7",
-            printed="“the velocities are maximum where the positions are zero”",
+            printed="“the velocities are maximum where the positions are zero and the velocities "
+            "are zeros and the maximum position”",
             right="The speed is greatest where the link is vertical, at q = 90° in the report's "
-            "own frames",
+            "own frames, and zero where it turns back, at q = 0 and at q = 180°",
             effect=_greatest_speed(),
         ),
         Erratum(
@@ -81,6 +82,17 @@ def pendulum_errata() -> tuple[Erratum, ...]:
             right="The damped motion is in figure 6, the angular velocities are in figures 7 and 8",
             effect="No number is wrong, but a reader is sent to the undamped motion for the damped "
             "one.",
+        ),
+        Erratum(
+            number=26,
+            source=SOURCE,
+            where="figures 2 and 3",
+            printed="“Figure 2: Simulink Multibody Model of a Simple Pundulum”, and the same under "
+            "figure 3",
+            right="Figure 2: Frames on the link of the pendulum; figure 3: Simulink Multibody "
+            "model of a simple pendulum",
+            effect="No number is wrong, but section 1.2 sends a reader to figure 2 for the frames "
+            "and to figure 3 for the model, and the captions do not tell which is which.",
         ),
     )
 

@@ -101,11 +101,7 @@ LEG_B_PRINTED: dict[str, Formula] = {
         BOTTOM,
     ),
     "J": (
-        (
-            "-50*sin(θ1)*σ1",
-            "-50*cos(θ1)*(2*sin(θ2 - θ3) + 2*sin(θ2) + 1)",
-            "100*sin(θ2 - θ3)*cos(θ1)",
-        ),
+        ("-50*sin(θ1)*σ1", "-50*cos(θ1)*σ2", "100*sin(θ2 - θ3)*cos(θ1)"),
         ("50*cos(θ1)*σ1", "-50*sin(θ1)*σ2", "100*sin(θ2 - θ3)*sin(θ1)"),
         ("0", "100*cos(θ2 + θ3) + 100*cos(θ2)", "100*cos(θ2 + θ3)"),
     ),
@@ -158,3 +154,7 @@ LEG_B_SIGMAS_RIGHT = {
     "σ1": "2*cos(θ2 + θ3) + 2*cos(θ2) + 1",
     "σ2": "2*sin(θ2 + θ3) + 2*sin(θ2)",
 }
+
+# j12 in the list of entries before J; the list's other entries are those of the matrix.
+LEG_B_J12_PRINTED = "-50*cos(θ1)*(2*sin(θ2 - θ3) + 2*sin(θ2) + 1)"
+LEG_B_J12_RIGHT = "-50*cos(θ1)*(2*sin(θ2 + θ3) + 2*sin(θ2))"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from scipy.spatial.transform import Rotation
+
 from drake_leg.errata.erratum import Erratum, angles, number
 from drake_leg.errata.formulas import (
     Formula,
@@ -16,6 +18,8 @@ from drake_leg.errata.formulas import (
 from drake_leg.errata.printed import SCARA_PRINTED, SCARA_RIGHT
 from drake_leg.errata.step import MM
 from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.scara import (
     ScaraGeometry,
     determinant,
@@ -24,7 +28,7 @@ from drake_leg.kinematics.scara import (
     tool_position,
 )
 from drake_leg.kinematics.singularity import examine
-from drake_leg.robots import SCARA
+from drake_leg.robots import LEG_B, SCARA
 from drake_leg.runs.options import ScaraOptions
 
 SOURCE = "Report B"
@@ -37,7 +41,7 @@ def scara_errata() -> tuple[Erratum, ...]:
     Returns
     -------
     tuple of Erratum
-        Numbers 12 to 16.
+        Numbers 12 to 16, 33, 35 and 36.
 
     References
     ----------
@@ -84,6 +88,32 @@ def scara_errata() -> tuple[Erratum, ...]:
             printed="“Angle θ1 = 0”, “Angle θ2 = 0”",
             right="θ2 = kπ, π included, whatever θ1 is",
             effect=_singular(),
+        ),
+        Erratum(
+            number=33,
+            source=SOURCE,
+            where="section 1, base frame",
+            printed="“The X and Y axes are typically aligned with the robot's two rotary joints, "
+            "and the Z-axis is oriented vertically”",
+            right="The axes of the three rotary joints are vertical, as Z is; X and Y are "
+            "horizontal",
+            effect=_axes(),
+        ),
+        Erratum(
+            number=35,
+            source=SOURCE,
+            where="table 1.2, units",
+            printed="“180”, “220”, “240”, “452.4-340-R”, without a unit",
+            right="180°; the lengths are in mm",
+            effect=_half_turn(),
+        ),
+        Erratum(
+            number=36,
+            source=SOURCE,
+            where="section 1.5, J",
+            printed="L1 and L2, which only section 2.2 gives values, 50 mm and 100 mm",
+            right="220 mm and 240 mm, as in table 1.2; those of section 2.2 are the leg's",
+            effect=_lengths(),
         ),
     )
 
@@ -146,4 +176,37 @@ def _singular() -> str:
         f"At θ = {angles(said)}, said to be singular, the determinant is {number(square[0], 0)} "
         f"mm², the greatest there is, and the rank {rank[0]}. At {angles(unsaid)} it is "
         f"{number(square[1], 0)} and the rank {rank[1]}."
+    )
+
+
+def _axes() -> str:
+    options = ScaraOptions()
+    q1, q2, q3 = options.posture()
+    lift = lift_position(GEOMETRY, options.tool_height)
+    axes = [X_B[:3, 2] for X_B in base_transforms(SCARA.rows, (q1, q2, q3, lift))[:3]]
+    leaning = max(math.degrees(math.acos(min(1.0, float(z[2])))) for z in axes)
+    wrist = Rotation.from_euler("XY", (q1, q2)).apply([MM * GEOMETRY.l2, 0.0, 0.0])
+    return (
+        f"The axes of joints 1 to 3 are {number(leaning)}° from Z at every posture. Two joints "
+        f"about X and Y would move the wrist by {number(wrist[2])} mm in height at "
+        f"θ = {angles((q1, q2, q3))}; these leave it where it is."
+    )
+
+
+def _half_turn() -> str:
+    turned = math.degrees(180.0) % 360.0
+    return (
+        f"MATLAB's cos and sin take radians: 180 rad are {number(turned)}°, and the tool leans "
+        f"{number(abs(turned - 180.0))}° from the vertical."
+    )
+
+
+def _lengths() -> str:
+    q = ScaraOptions().posture()
+    right = MM**2 * float(determinant(GEOMETRY, q))
+    leg = LegGeometry.from_robot(LEG_B)
+    said = right * (leg.l1 * leg.l2) / (GEOMETRY.l1 * GEOMETRY.l2)
+    return (
+        f"With the leg's lengths the determinant at θ = {angles(q)} is {number(said, 0)} mm² "
+        f"instead of the {number(right, 0)} mm² that section 1.6 has."
     )

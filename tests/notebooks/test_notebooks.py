@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from slx_models import published_leg
 
+from drake_leg.errata import errata
+
 FOLDER = Path(__file__).parents[2] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
@@ -74,6 +76,16 @@ def test_says_first_what_one_learns_and_which_errata_it_touches(notebook):
     assert first.startswith("# ")
     assert "**You will learn**" in first
     assert "**Errata on the way**" in first
+
+
+def test_every_erratum_is_shown_by_one_of_them():
+    calls = [
+        re.search(r"^errata\((.*)\)$", "".join(cell["source"]), flags=re.MULTILINE)
+        for path in NOTEBOOKS
+        for cell in code(json.loads(path.read_text(encoding="utf-8")))
+    ]
+    shown = [number for call in calls if call for number in eval(f"[{call[1]}]")]
+    assert sorted(shown) == [erratum.number for erratum in errata()]
 
 
 def test_exercises_are_open_and_have_a_check_and_a_hidden_answer(notebook):

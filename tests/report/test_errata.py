@@ -57,7 +57,7 @@ def test_a_note_says_what_is_printed_and_what_is_right_and_leads_to_the_effect()
 def test_names_have_subscripts_and_nothing_else(chapter):
     assert "<sub>12</sub>" in chapter
     assert "θ<sub>2</sub>" in chapter
-    assert set(re.findall(r"(.)<sub>", chapter)) <= set("cdjlqsJLTVθσ")
+    assert set(re.findall(r"(.)<sub>", chapter)) <= set("cdjlqsJLTVXYZθσ")
 
 
 def test_the_tags_are_balanced(chapter):
