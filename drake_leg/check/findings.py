@@ -9,15 +9,17 @@ from typing import Literal
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """One fault of a table or of a printed matrix.
+    """One fault of a table or of a printed matrix, or a part of it that cannot be read.
 
-    An error cannot be right; a warning can, but is seldom meant.
+    An error cannot be right; a warning can, but is seldom meant. What is not understood is neither
+    right nor wrong: its remedy says what to write instead.
     """
 
     place: str  # row 2, or T12 (3, 2)
     fault: str
     remedy: str
     severity: Literal["error", "warning"] = "error"
+    understood: bool = True  # False: it cannot be read, and may be right
 
     def sentence(self) -> str:
         """Say it in one sentence.
@@ -28,9 +30,11 @@ class Finding:
             Without a full stop.
         """
         mark = "" if self.severity == "error" else " (a guess)"
+        if not self.understood:
+            mark = " (not understood)"
         return f"{self.place}{mark}: {self.fault}; {self.remedy}"
 
-    def as_json(self) -> dict[str, str]:
+    def as_json(self) -> dict[str, str | bool]:
         """Return the fields by name.
 
         Returns
@@ -46,10 +50,25 @@ def errors(findings: Iterable[Finding]) -> list[Finding]:
     Parameters
     ----------
     findings : iterable of Finding
-        Errors and warnings.
+        Errors, warnings, and what is not understood.
 
     Returns
     -------
     list of Finding
     """
-    return [finding for finding in findings if finding.severity == "error"]
+    return [f for f in findings if f.severity == "error" and f.understood]
+
+
+def not_understood(findings: Iterable[Finding]) -> list[Finding]:
+    """Keep what cannot be read.
+
+    Parameters
+    ----------
+    findings : iterable of Finding
+        Errors, warnings, and what is not understood.
+
+    Returns
+    -------
+    list of Finding
+    """
+    return [finding for finding in findings if not finding.understood]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -14,7 +14,7 @@ from drake_leg.check.claims import Claim, claim_of, right_values, scales
 from drake_leg.check.diagnosis import explain
 from drake_leg.check.expressions import evaluate, names_in
 from drake_leg.check.findings import Finding
-from drake_leg.check.notation import readable, spelled_as
+from drake_leg.check.notation import is_joint_variable, readable, spelled_as
 from drake_leg.check.postures import COUNT, Postures, draw_postures
 from drake_leg.check.printed_file import Printed, PrintedMatrix
 from drake_leg.check.printed_table import grade_table
@@ -48,13 +48,13 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     Returns
     -------
     list of Finding
-        One for every wrong row, entry, rotation and caption; empty for a print without fault.
+        One for every row, entry, rotation and caption that is wrong or not understood; empty for
+        a print without fault.
 
     Raises
     ------
     InvalidValueError
-        If the print's units are not said, a matrix's name means nothing, or a definition is no
-        formula.
+        If the print's units are not said, or a definition is no formula.
     """
     if printed.table is not None and printed.lengths is None and not printed.matrices:
         return lint_table(printed.table)
@@ -87,8 +87,13 @@ class _Grader:
             self._right_forms = RightForms(robot, printed, reader)
 
     def grade(self, matrix: PrintedMatrix) -> Iterator[Finding]:
-        """Find everything that is wrong with a matrix."""
-        claim = claim_of(matrix, self._robot)
+        """Find everything that is wrong with a matrix, or not understood in it."""
+        try:
+            claim = claim_of(matrix, self._robot)
+            definitions = self._reader.definitions(matrix.where)
+        except InvalidValueError as error:
+            yield _unread(matrix.name, error)
+            return
         caption = grade_caption(matrix.caption, claim, self._robot)
         if caption:
             yield caption
@@ -100,7 +105,6 @@ class _Grader:
                 remedy=f"it should have {claim.shape[0]} rows and {claim.shape[1]} columns",
             )
             return
-        definitions = self._reader.definitions(matrix.where)
         right = right_values(claim, self._robot, self._postures)
         margin = TOLERANCE * scales(claim, self._length)
         values = np.full(right.shape, np.nan)
@@ -122,27 +126,31 @@ class _Grader:
             yield from _grade_rotation(claim, values[:, :3, :3])
 
     def _grade_entry(self, entry: _Entry) -> tuple[Array, Finding | None]:
-        """Evaluate an entry; say what is wrong with it."""
+        """Evaluate an entry; say what is wrong with it, or what to write to be understood."""
         nothing = np.full(COUNT, np.nan)
         try:
             tree = self._reader.formula(entry.text, entry.definitions)
         except InvalidValueError as error:
-            return nothing, entry.finding(str(error), self._remedy(entry))
+            return nothing, entry.unread(str(error), self._remedy(entry))
         strangers = sorted(names_in(tree) - set(self._postures.values))
         if strangers:
-            fault = (
-                f"printed {readable(entry.text)}, in which {' and '.join(strangers)} has no value"
-            )
-            return nothing, entry.finding(
-                spelled_as(entry.spelling, fault),
-                f"{self._remedy(entry)}, or give it one under symbols",
-            )
+            return nothing, self._stranger_finding(entry, strangers)
         values = self._values(tree)
         if entry.agrees(values):
-            return values, None
+            return entry.right, None
         wrong = explain(tree, len(self._robot.moving), lambda t: entry.agrees(self._values(t)))
         fault = f"printed {readable(entry.text)}" + (f", in which {wrong}" if wrong else "")
         return values, entry.finding(spelled_as(entry.spelling, fault), self._remedy(entry))
+
+    def _stranger_finding(self, entry: _Entry, strangers: Sequence[str]) -> Finding:
+        """Say which symbols have no value: one more joint is wrong, others may be anything."""
+        names = " and ".join(strangers)
+        fault = f"printed {readable(entry.text)}, in which {names} has no value"
+        fault, remedy = spelled_as(entry.spelling, fault), self._remedy(entry)
+        if all(is_joint_variable(name) for name in strangers):
+            return entry.finding(fault, remedy)
+        say = f"or say what {names} is: a number under [symbols], a formula under [where]"
+        return entry.unread(fault, f"{remedy}, {say}")
 
     def _spelling(self, matrix: PrintedMatrix) -> str:
         """Join all formulas that belong to a matrix, as examples of its notation."""
@@ -182,6 +190,17 @@ class _Entry:
         """Name the entry by row and column, from 1."""
         place = f"{self.claim.name} ({self.row + 1}, {self.column + 1})"
         return Finding(place=place, fault=fault, remedy=remedy)
+
+    def unread(self, fault: str, remedy: str) -> Finding:
+        """Say of the entry what is not understood."""
+        return replace(self.finding(fault, remedy), understood=False)
+
+
+def _unread(place: str, error: InvalidValueError) -> Finding:
+    """Part an error's sentence into what is not understood and what to write instead."""
+    fault, _, remedy = str(error).partition("; ")
+    remedy = remedy or "write it another way"
+    return Finding(place=place, fault=fault, remedy=remedy, understood=False)
 
 
 def _grade_rotation(claim: Claim, R: Array) -> Iterator[Finding]:
