@@ -112,7 +112,7 @@ def _identity(like: Array) -> Array:
 
 def running_products(steps: Array) -> Array:
     """Multiply transforms from the left: 1, X1, X1 X2, ..., (N, n + 1, 4, 4)."""
-    products = [np.broadcast_to(np.eye(4), steps.shape[:1] + (4, 4))]
+    products = [np.broadcast_to(np.eye(4), (*steps.shape[:1], 4, 4))]
     for index in range(steps.shape[1]):
         products.append(products[-1] @ steps[:, index])
     return np.stack(products, axis=1)

@@ -107,9 +107,26 @@ def right_values(claim: Claim, chain: Chain) -> Array:
     if claim.kind in ("transform", "position"):
         first, last = claim.frames
         X_B = chain.frames()
-        relative: Array = np.linalg.solve(X_B[:, first], X_B[:, last])
-        return claimed_part(claim, relative)
+        return claimed_part(claim, between(X_B, first, last))
     return claimed_part(claim, chain.jacobian())
+
+
+def between(X_B: Array, first: int, last: int) -> Array:
+    """Transform from one frame to another.
+
+    Parameters
+    ----------
+    X_B : (N, n + 1, 4, 4) ndarray
+        Poses of all frames in the base.
+    first, last : int
+        To which frame, and from which.
+
+    Returns
+    -------
+    (N, 4, 4) ndarray
+    """
+    relative: Array = np.linalg.inv(X_B[:, first]) @ X_B[:, last]
+    return relative
 
 
 def claimed_part(claim: Claim, whole: Array) -> Array:

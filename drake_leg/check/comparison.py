@@ -11,7 +11,7 @@ import numpy as np
 from drake_leg.check.bindings import Binding, same
 from drake_leg.check.chains import Chain
 from drake_leg.check.expressions import evaluate, names_in
-from drake_leg.check.formula_trees import replace_node
+from drake_leg.check.formula_trees import number_of, replace_node
 from drake_leg.check.postures import COUNT
 from drake_leg.check.samples import Sampler, Samples
 from drake_leg.kinematics.batches import Array
@@ -111,12 +111,12 @@ class Comparison:
     def _with_symbols(self, tree: ast.expr) -> Iterator[ast.expr]:
         """Read the numbers of a formula that has symbols, too, as lengths in all ways."""
         bound = {name for name in names_in(tree) if name in self.binding}
-        numbers = [node for node in ast.walk(tree) if isinstance(node, ast.Constant)]
         choices = []
-        for number in numbers if bound else ():
-            equal = [n for n in self.binding if same(self._length(n), float(number.value))]
-            if equal:
-                choices.append([(number, None), *((number, name) for name in equal)])
+        for node in ast.walk(tree) if bound else ():
+            value = number_of(node)
+            equal = [n for n in self.binding if value and same(self._length(n), value)]
+            if isinstance(node, ast.Constant) and equal:
+                choices.append([(node, None), *((node, name) for name in equal)])
         for chosen in itertools.islice(itertools.product(*choices), 1, None):
             other = tree
             for number, name in chosen:

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from drake_leg.check.bindings import same
+from drake_leg.check.bindings import Cell, same
 from drake_leg.check.formula_trees import (
     distinct,
     exchange_functions,
     exchange_names,
+    number_of,
     outside_calls,
     replace_alike,
     replace_node,
@@ -20,7 +21,7 @@ from drake_leg.check.formula_trees import (
 
 LARGEST = 60  # nodes; a longer entry has too many changes to try
 # Changes that one misunderstanding can bring into many entries of a matrix.
-COMMON = ("sum of angles", "joint", "function", "length")
+COMMON = ("sum of angles", "joint", "function", "length", "number")
 
 
 class Change(NamedTuple):
@@ -39,12 +40,20 @@ class Vocabulary:
     symbols: Mapping[str, float] = field(default_factory=dict)  # of lengths, as printed
     lengths: tuple[float, ...] = ()  # of the robot, in the print's unit
     unit: str = ""  # of the print's lengths
-    units: Mapping[str, float] = field(default_factory=dict)  # others, in the print's unit
+    units: Mapping[str, float] = field(default_factory=dict)  # of lengths, in the print's unit
+    names: Mapping[Cell, str] = field(default_factory=dict)  # of the table's cells, as printed
+
+
+class Diagnosis(NamedTuple):
+    """What is wrong with a formula: in words, angles as q1, q2, ..., and of which kind."""
+
+    kind: str
+    words: str
 
 
 def explain(
     tree: ast.expr, vocabulary: Vocabulary, is_right: Callable[[ast.expr], bool]
-) -> str | None:
+) -> Diagnosis | None:
     """Search for one or two changes that make a formula right.
 
     Parameters
@@ -58,29 +67,35 @@ def explain(
 
     Returns
     -------
-    str or None
-        What is wrong in words, angles as q1, q2, ...; None where no two changes help.
+    Diagnosis or None
+        None where no two changes help.
     """
     once = list(changes(tree, vocabulary))
     for change in once:
         if is_right(change.tree):
-            return change.words
+            return Diagnosis(change.kind, change.words)
     for first in once if not isinstance(tree, ast.Constant) else ():
         for second in changes(first.tree, vocabulary):
             if is_right(second.tree):
-                return f"{first.words}, and {second.words}"
+                return Diagnosis(first.kind, f"{first.words}, and {second.words}")
     return None
 
 
 def remedies(
     tree: ast.expr, vocabulary: Vocabulary, is_right: Callable[[ast.expr], bool]
-) -> dict[str, Change]:
-    """List all single changes that make a formula right, by their words."""
-    return {
-        change.words: change
-        for change in changes(tree, vocabulary)
-        if is_right(change.tree)
-    }
+) -> Iterator[Change]:
+    """List all single changes that make a formula right.
+
+    Parameters
+    ----------
+    tree, vocabulary, is_right
+        As for ``explain``.
+
+    Yields
+    ------
+    Change
+    """
+    return (change for change in changes(tree, vocabulary) if is_right(change.tree))
 
 
 def changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
@@ -146,9 +161,7 @@ def _other_terms(tree: ast.expr) -> Iterator[Change]:
 def _other_sign(tree: ast.expr) -> Change:
     if isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.USub):
         return Change("sign", "the minus in front is too much", tree.operand)
-    return Change(
-        "sign", "a minus in front is missing", ast.UnaryOp(op=ast.USub(), operand=tree)
-    )
+    return Change("sign", "a minus in front is missing", ast.UnaryOp(op=ast.USub(), operand=tree))
 
 
 def _other_functions(tree: ast.expr) -> Iterator[Change]:
@@ -238,13 +251,14 @@ def _factors(node: ast.expr) -> Iterator[ast.expr]:
 
 def _ratio(product: ast.expr, number: ast.expr) -> float | None:
     """How many times a number of a product takes the rest: 2, or 1/2 if it divides."""
-    if not isinstance(number, ast.Constant) or not number.value:
+    value = number_of(number)
+    if not value:
         return None
     divides = any(
         isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and node.right is number
         for node in ast.walk(product)
     )
-    return 1.0 / float(number.value) if divides else float(number.value)
+    return 1.0 / value if divides else value
 
 
 def _multiple(size: float, name: str) -> str:
@@ -254,9 +268,10 @@ def _multiple(size: float, name: str) -> str:
 def _other_numbers(tree: ast.expr, lengths: tuple[float, ...]) -> Iterator[Change]:
     """Read a number as one of the robot's lengths."""
     for old in distinct(outside_calls(tree)):
-        if isinstance(old, ast.Constant):
+        value = number_of(old)
+        if value:
             for length in lengths:
-                if not same(float(old.value), length):
+                if not same(value, length):
                     yield _should_be("number", tree, old, ast.Constant(value=length))
 
 

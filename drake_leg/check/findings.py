@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from typing import Literal
+from typing import Any, Literal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,6 +20,9 @@ class Finding:
     remedy: str
     severity: Literal["error", "warning"] = "error"
     understood: bool = True  # False: it cannot be read, and may be right
+    kind: str = ""  # of the mistake, in a word or a few: transposed, unit, sign
+    matrix: str = ""  # name as printed; empty where it is of a table
+    entries: tuple[tuple[int, int], ...] = ()  # rows and columns, from 1, that it is about
 
     def sentence(self) -> str:
         """Say it in one sentence.
@@ -34,7 +37,7 @@ class Finding:
             mark = " (not understood)"
         return f"{self.place}{mark}: {self.fault}; {self.remedy}"
 
-    def as_json(self) -> dict[str, str | bool]:
+    def as_json(self) -> dict[str, Any]:
         """Return the fields by name.
 
         Returns

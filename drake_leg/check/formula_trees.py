@@ -90,6 +90,14 @@ def distinct(nodes: Iterable[ast.AST]) -> Iterator[ast.expr]:
             yield node
 
 
+def number_of(node: ast.AST) -> float | None:
+    """Take the number out of a node that is one."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return float(value)
+    return None
+
+
 def text_of(node: ast.AST) -> str:
     """Write a formula."""
     return ast.unparse(node)

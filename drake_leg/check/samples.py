@@ -1,4 +1,4 @@
-"""The robot and a print's symbols at random samples: lengths as they are, or drawn independently."""
+"""The robot and a print's symbols at random samples: lengths as they are, or drawn freely."""
 
 from __future__ import annotations
 
