@@ -88,6 +88,23 @@ def fits(text: str, sort: Sort, variables: Collection[str] = ()) -> bool:
     return kind_of(text, variables) in _FITTING[sort]
 
 
+def unreadable(text: str, variables: Collection[str] = ()) -> bool:
+    """Whether a cell's text is no formula, so that nobody can say what it is.
+
+    Parameters
+    ----------
+    text : str
+        As printed.
+    variables : collection of str
+        As for ``kind_of``.
+
+    Returns
+    -------
+    bool
+    """
+    return kind_of(text, variables) == "other"
+
+
 def described(text: str, variables: Collection[str] = ()) -> str:
     """Show a cell with what it is.
 

@@ -8,12 +8,11 @@ from typing import Literal
 
 import numpy as np
 
+from drake_leg.check.chains import Chain
 from drake_leg.check.notation import plain
-from drake_leg.check.postures import Postures
 from drake_leg.check.printed_file import PrintedMatrix
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import base_transforms, jacobian
 from drake_leg.robot import Robot
 
 Kind = Literal["transform", "position", "jacobian", "determinant"]
@@ -90,17 +89,15 @@ def _row_indices(matrix: PrintedMatrix, count: int) -> tuple[int, ...]:
     return tuple(JACOBIAN_ROWS[name] for name in names)
 
 
-def right_values(claim: Claim, robot: Robot, postures: Postures) -> Array:
-    """Evaluate what is claimed, in the print's unit of lengths.
+def right_values(claim: Claim, chain: Chain) -> Array:
+    """Evaluate what is claimed, in the chain's unit of lengths.
 
     Parameters
     ----------
     claim : Claim
         A transform, a position, a Jacobian or a determinant.
-    robot : Robot
-        The robot as it is.
-    postures : Postures
-        N of them.
+    chain : Chain
+        The robot at N samples.
 
     Returns
     -------
@@ -109,26 +106,53 @@ def right_values(claim: Claim, robot: Robot, postures: Postures) -> Array:
     """
     if claim.kind in ("transform", "position"):
         first, last = claim.frames
-        X_B = base_transforms(robot.rows, postures.q)
-        eye = np.broadcast_to(np.eye(4), (*X_B.shape[:-3], 1, 4, 4))
-        X = np.concatenate([eye, X_B], axis=-3)
-        relative = np.linalg.solve(X[..., first, :, :], X[..., last, :, :])
-        relative[..., :3, 3] /= postures.metres
-        return relative if claim.kind == "transform" else relative[..., :3, 3:]
-    Jv_BF = _printed_jacobian(robot, postures)[..., list(claim.rows), :]
+        X_B = chain.frames()
+        return claimed_part(claim, between(X_B, first, last))
+    return claimed_part(claim, chain.jacobian())
+
+
+def between(X_B: Array, first: int, last: int) -> Array:
+    """Transform from one frame to another.
+
+    Parameters
+    ----------
+    X_B : (N, n + 1, 4, 4) ndarray
+        Poses of all frames in the base.
+    first, last : int
+        To which frame, and from which.
+
+    Returns
+    -------
+    (N, 4, 4) ndarray
+    """
+    relative: Array = np.linalg.inv(X_B[:, first]) @ X_B[:, last]
+    return relative
+
+
+def claimed_part(claim: Claim, whole: Array) -> Array:
+    """Take what is claimed out of a pose, or out of a Jacobian of six rows.
+
+    Parameters
+    ----------
+    claim : Claim
+        What a matrix is.
+    whole : (N, 4, 4) or (N, 6, m) ndarray
+        Pose, or Jacobian with the rotation first.
+
+    Returns
+    -------
+    (N, r, c) ndarray
+        Of the claim's shape.
+    """
+    if claim.kind == "transform":
+        return whole
+    if claim.kind == "position":
+        return whole[:, :3, 3:]
+    Jv_BF = whole[:, list(claim.rows)]
     if claim.kind == "jacobian":
         return Jv_BF[..., : claim.shape[1]]
     determinants: Array = np.linalg.det(Jv_BF[..., : len(claim.rows)])
-    return determinants[..., np.newaxis, np.newaxis]
-
-
-def _printed_jacobian(robot: Robot, postures: Postures) -> Array:
-    """Return the Jacobian with the print's unit of lengths above and below."""
-    Jv_BF = jacobian(robot.rows, postures.q)
-    sliding = [segment.row.joint == "prismatic" for segment in robot.moving]
-    Jv_BF[..., 3:, :] /= postures.metres
-    Jv_BF[..., sliding] *= postures.metres
-    return Jv_BF
+    return determinants[:, np.newaxis, np.newaxis]
 
 
 def scales(claim: Claim, length: float) -> Array:

@@ -3,135 +3,286 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from drake_leg.check.bindings import Cell, same
+from drake_leg.check.formula_trees import (
+    distinct,
+    exchange_functions,
+    exchange_names,
+    number_of,
+    outside_calls,
+    replace_alike,
+    replace_node,
+    text_of,
+)
 
 LARGEST = 60  # nodes; a longer entry has too many changes to try
+# Changes that one misunderstanding can bring into many entries of a matrix.
+COMMON = ("sum of angles", "joint", "function", "length", "number")
 
-Change = tuple[str, ast.expr]  # what is wrong in words, and the formula without that
+
+class Change(NamedTuple):
+    """What is wrong with a formula, and the formula without that."""
+
+    kind: str
+    words: str
+    tree: ast.expr
 
 
-def explain(tree: ast.expr, angles: int, is_right: Callable[[ast.expr], bool]) -> str | None:
+@dataclass(frozen=True, kw_only=True)
+class Vocabulary:
+    """What a print can write for one another."""
+
+    angles: int  # joints: q1, q2, ...
+    symbols: Mapping[str, float] = field(default_factory=dict)  # of lengths, as printed
+    lengths: tuple[float, ...] = ()  # of the robot, in the print's unit
+    unit: str = ""  # of the print's lengths
+    units: Mapping[str, float] = field(default_factory=dict)  # of lengths, in the print's unit
+    names: Mapping[Cell, str] = field(default_factory=dict)  # of the table's cells, as printed
+
+
+class Diagnosis(NamedTuple):
+    """What is wrong with a formula: in words, angles as q1, q2, ..., and of which kind."""
+
+    kind: str
+    words: str
+
+
+def explain(
+    tree: ast.expr, vocabulary: Vocabulary, is_right: Callable[[ast.expr], bool]
+) -> Diagnosis | None:
     """Search for one or two changes that make a formula right.
 
     Parameters
     ----------
     tree : ast.expr
         A wrong entry.
-    angles : int
-        How many joints there are: q1 ... may stand for one another.
+    vocabulary : Vocabulary
+        What may stand for one another.
     is_right : callable
         Says of a formula whether it agrees with what is right.
 
     Returns
     -------
-    str or None
-        What is wrong in words, angles as q1, q2, ...; None where no two changes help.
+    Diagnosis or None
+        None where no two changes help.
     """
-    if isinstance(tree, ast.Constant) or sum(1 for _ in ast.walk(tree)) > LARGEST:
-        return None
-    once = list(_changes(tree, angles))
-    for words, changed in once:
-        if is_right(changed):
-            return words
-    for first, changed in once:
-        for second, twice in _changes(changed, angles):
-            if is_right(twice):
-                return f"{first}, and {second}"
+    once = list(changes(tree, vocabulary))
+    for change in once:
+        if is_right(change.tree):
+            return Diagnosis(change.kind, change.words)
+    for first in once if not isinstance(tree, ast.Constant) else ():
+        for second in changes(first.tree, vocabulary):
+            if is_right(second.tree):
+                return Diagnosis(first.kind, f"{first.words}, and {second.words}")
     return None
 
 
-def _changes(tree: ast.expr, angles: int) -> Iterator[Change]:
+def remedies(
+    tree: ast.expr, vocabulary: Vocabulary, is_right: Callable[[ast.expr], bool]
+) -> Iterator[Change]:
+    """List all single changes that make a formula right.
+
+    Parameters
+    ----------
+    tree, vocabulary, is_right
+        As for ``explain``.
+
+    Yields
+    ------
+    Change
+    """
+    return (change for change in changes(tree, vocabulary) if is_right(change.tree))
+
+
+def changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
+    """List what can be wrong with a formula.
+
+    Parameters
+    ----------
+    tree : ast.expr
+        A wrong entry.
+    vocabulary : Vocabulary
+        What may stand for one another.
+
+    Yields
+    ------
+    Change
+        Nothing for an entry that is too long.
+    """
+    if sum(1 for _ in ast.walk(tree)) > LARGEST:
+        return
+    yield from _other_units(tree, vocabulary)
+    if isinstance(tree, ast.Constant):
+        return
     yield from _other_angle_sums(tree)
     yield from _other_terms(tree)
     yield _other_sign(tree)
     yield from _other_functions(tree)
-    yield from _other_angles(tree, angles)
+    yield from _other_angles(tree, vocabulary.angles)
+    yield from _other_symbols(tree, vocabulary.symbols)
+    yield from _other_numbers(tree, vocabulary.lengths)
+
+
+def _other_units(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
+    """Read metres as millimetres."""
+    for unit, size in vocabulary.units.items():
+        if unit != vocabulary.unit:
+            scaled = ast.BinOp(left=ast.Constant(value=size), op=ast.Mult(), right=tree)
+            words = f"lengths are in {unit} and should be in {vocabulary.unit}"
+            yield Change("unit", words, scaled)
 
 
 def _other_angle_sums(tree: ast.expr) -> Iterator[Change]:
     """Read q2 - q3 as q2 + q3, wherever it stands in a sine or cosine."""
     calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
-    for old in _distinct(node for call in calls for node in ast.walk(call.args[0])):
+    for old in distinct(node for call in calls for node in ast.walk(call.args[0])):
         if isinstance(old, ast.BinOp) and isinstance(old.op, ast.Add | ast.Sub):
             new = ast.BinOp(left=old.left, op=_opposite(old.op), right=old.right)
-            yield f"{_text(old)} should be {_text(new)}", _replace(tree, old, new)
+            yield _should_be("sum of angles", tree, old, new)
 
 
 def _other_terms(tree: ast.expr) -> Iterator[Change]:
     """Leave out a term of a sum, or turn its sign round."""
-    for old in _distinct(_outside_calls(tree)):
+    for old in distinct(outside_calls(tree)):
         if not (isinstance(old, ast.BinOp) and isinstance(old.op, ast.Add | ast.Sub)):
             continue
         here, there = ("+", "-") if isinstance(old.op, ast.Add) else ("-", "+")
-        term = _text(old.right)
-        yield f"{here} {term} is too much", _replace(tree, old, old.left)
+        term = text_of(old.right)
+        yield Change("term", f"{here} {term} is too much", replace_alike(tree, old, old.left))
         new = ast.BinOp(left=old.left, op=_opposite(old.op), right=old.right)
-        yield f"{here} {term} should be {there} {term}", _replace(tree, old, new)
+        words = f"{here} {term} should be {there} {term}"
+        yield Change("sign", words, replace_alike(tree, old, new))
 
 
 def _other_sign(tree: ast.expr) -> Change:
     if isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.USub):
-        return "the minus in front is too much", tree.operand
-    return "a minus in front is missing", ast.UnaryOp(op=ast.USub(), operand=tree)
+        return Change("sign", "the minus in front is too much", tree.operand)
+    return Change("sign", "a minus in front is missing", ast.UnaryOp(op=ast.USub(), operand=tree))
 
 
 def _other_functions(tree: ast.expr) -> Iterator[Change]:
-    """Read a sine as a cosine and the other way round."""
-    for old in _distinct(ast.walk(tree)):
-        match old:
-            case ast.Call(func=ast.Name(id="sin" | "cos" as name), args=arguments):
-                other = ast.Name(id="cos" if name == "sin" else "sin")
-                new = ast.Call(func=other, args=arguments, keywords=[])
-                yield f"{_text(old)} should be {_text(new)}", _replace(tree, old, new)
+    """Read a sine as a cosine and the other way round: one of them, or all."""
+    calls = [node for node in distinct(ast.walk(tree)) if isinstance(node, ast.Call)]
+    for old in calls:
+        if text_of(exchange_functions(old)) != text_of(old):
+            yield _should_be("function", tree, old, exchange_functions(old))
+    if len(calls) > 1:
+        words = "sines and cosines have changed places"
+        yield Change("function", words, exchange_functions(tree))
 
 
 def _other_angles(tree: ast.expr, angles: int) -> Iterator[Change]:
-    """Read q1 as q3, throughout."""
+    """Read q1 as q3, throughout; q1 and q3 as one another; q2 as q2 + q3 in one function."""
     names = [f"q{number}" for number in range(1, angles + 1)]
-    for old in _distinct(ast.walk(tree)):
-        if isinstance(old, ast.Name) and old.id in names:
+    yield from _other_names("joint", tree, names)
+    for old in distinct(ast.walk(tree)):
+        if isinstance(old, ast.Call):
+            for first in range(angles):
+                for last in range(first, angles):
+                    new = ast.Call(func=old.func, args=[_sum(names[first : last + 1])], keywords=[])
+                    yield _should_be("joint", tree, old, new)
+
+
+def _sum(names: list[str]) -> ast.expr:
+    return ast.parse(" + ".join(names), mode="eval").body
+
+
+def _other_names(kind: str, tree: ast.expr, names: list[str]) -> Iterator[Change]:
+    """Read one name as another, wherever it stands, or two as one another."""
+    used = [n for n in names if any(_is_name(node, n) for node in ast.walk(tree))]
+    for old in used:
+        for other in names:
+            if other != old:
+                new = replace_alike(tree, ast.Name(id=old), ast.Name(id=other))
+                yield Change(kind, f"{old} should be {other}", new)
+    for place, first in enumerate(used):
+        for second in used[place + 1 :]:
+            words = f"{first} and {second} have changed places"
+            yield Change(kind, words, exchange_names(tree, first, second))
+
+
+def _other_symbols(tree: ast.expr, symbols: Mapping[str, float]) -> Iterator[Change]:
+    """Read L2 as L3, throughout or in one place; 2*L1 as L2 where they are as long."""
+    names = list(symbols)
+    yield from _other_names("length", tree, names)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and node.id in symbols:
             for other in names:
-                if other != old.id:
-                    new = ast.Name(id=other)
-                    yield f"{old.id} should be {other}", _replace(tree, old, new)
+                if other != node.id:
+                    new = replace_node(tree, node, ast.Name(id=other))
+                    yield Change("length", f"one {node.id} should be {other}", new)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
+            yield from _other_multiples(tree, node, symbols)
 
 
-def _outside_calls(node: ast.AST) -> Iterator[ast.AST]:
-    """Walk through a formula without the arguments of its functions."""
-    yield node
-    if not isinstance(node, ast.Call):
-        for child in ast.iter_child_nodes(node):
-            yield from _outside_calls(child)
+def _other_multiples(
+    tree: ast.expr, product: ast.BinOp, symbols: Mapping[str, float]
+) -> Iterator[Change]:
+    """Read a number times a length as another length; the number may stand elsewhere in it."""
+    for length in _factors(product):
+        if not (isinstance(length, ast.Name) and length.id in symbols):
+            continue
+        for number in _factors(product):
+            size = _ratio(product, number)
+            if size is None:
+                continue
+            for other, value in symbols.items():
+                if other != length.id and same(size * symbols[length.id], value):
+                    renamed = replace_node(product, length, ast.Name(id=other))
+                    rest = replace_node(renamed, number, ast.Constant(value=1))
+                    words = f"{_multiple(size, length.id)} should be {other}"
+                    yield Change("length", words, replace_node(tree, product, rest))
 
 
-def _distinct(nodes: Iterator[ast.AST]) -> Iterator[ast.expr]:
-    """Keep one node of each spelling."""
-    seen: set[str] = set()
-    for node in nodes:
-        if isinstance(node, ast.expr) and _text(node) not in seen:
-            seen.add(_text(node))
-            yield node
+def _factors(node: ast.expr) -> Iterator[ast.expr]:
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div):
+        yield from _factors(node.left)
+        if isinstance(node.op, ast.Mult) or isinstance(node.right, ast.Constant):
+            yield from _factors(node.right)
+    elif isinstance(node, ast.UnaryOp):
+        yield from _factors(node.operand)
+    else:
+        yield node
+
+
+def _ratio(product: ast.expr, number: ast.expr) -> float | None:
+    """How many times a number of a product takes the rest: 2, or 1/2 if it divides."""
+    value = number_of(number)
+    if not value:
+        return None
+    divides = any(
+        isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and node.right is number
+        for node in ast.walk(product)
+    )
+    return 1.0 / value if divides else value
+
+
+def _multiple(size: float, name: str) -> str:
+    return f"{size:g}*{name}" if size >= 1.0 else f"{name}/{1.0 / size:g}"
+
+
+def _other_numbers(tree: ast.expr, lengths: tuple[float, ...]) -> Iterator[Change]:
+    """Read a number as one of the robot's lengths."""
+    for old in distinct(outside_calls(tree)):
+        value = number_of(old)
+        if value:
+            for length in lengths:
+                if not same(value, length):
+                    yield _should_be("number", tree, old, ast.Constant(value=length))
+
+
+def _is_name(node: ast.AST, name: str) -> bool:
+    return isinstance(node, ast.Name) and node.id == name
+
+
+def _should_be(kind: str, tree: ast.expr, old: ast.expr, new: ast.expr) -> Change:
+    words = f"{text_of(old)} should be {text_of(new)}"
+    return Change(kind, words, replace_alike(tree, old, new))
 
 
 def _opposite(sign: ast.operator) -> ast.operator:
     return ast.Sub() if isinstance(sign, ast.Add) else ast.Add()
-
-
-def _replace(tree: ast.expr, old: ast.expr, new: ast.expr) -> ast.expr:
-    """Put a node in the place of every node that is spelled like the old one."""
-    if _text(tree) == _text(old):
-        return new
-    match tree:
-        case ast.UnaryOp(op=sign, operand=operand):
-            return ast.UnaryOp(op=sign, operand=_replace(operand, old, new))
-        case ast.BinOp(left=left, op=sign, right=right):
-            return ast.BinOp(
-                left=_replace(left, old, new), op=sign, right=_replace(right, old, new)
-            )
-        case ast.Call(func=function, args=[argument]):
-            return ast.Call(func=function, args=[_replace(argument, old, new)], keywords=[])
-    return tree
-
-
-def _text(node: ast.AST) -> str:
-    return ast.unparse(node)

@@ -10,9 +10,10 @@ from fractions import Fraction
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+from drake_leg.check.bindings import Cell
 from drake_leg.check.claims import Claim
 from drake_leg.check.expressions import OPERATORS, SIGNS
-from drake_leg.check.notation import plain, readable, spelled_as
+from drake_leg.check.notation import plain, spelled_as
 from drake_leg.check.printed_file import METRES, Printed
 from drake_leg.check.reader import Reader
 from drake_leg.errors import InvalidValueError
@@ -37,12 +38,23 @@ class RightForms:
         Whose names of lengths and angles are used.
     reader : Reader
         Of the print.
+    names : mapping
+        Cells of the table to the names that the print has for them.
     """
 
-    def __init__(self, robot: Robot, printed: Printed, reader: Reader) -> None:
+    def __init__(
+        self, robot: Robot, printed: Printed, reader: Reader, names: Mapping[Cell, str]
+    ) -> None:
         self._chain = symbolic_chain(robot.rows)
         self._metres = METRES[printed.lengths or "m"]
         self._symbols = printed.symbols
+        self._names = {
+            symbol: names[Cell(index, column)]
+            for index, row in enumerate(self._chain.rows)
+            for column in ("d", "alpha", "r", "theta")
+            for symbol in getattr(row, column).free_symbols & set(self._chain.values)
+            if Cell(index, column) in names
+        }
         spelling = " ".join(printed.joints.values())
         self._joints = {
             self._chain.q[index]: _as_sympy(tree, spelling) for index, tree in reader.joints.items()
@@ -72,20 +84,18 @@ class RightForms:
     def _lengths(self, spelling: str) -> dict[sp.Symbol, sp.Expr]:
         """Name the table's lengths as the print does, or write their numbers."""
         spelled = re.sub(r"[_{}\\]", "", spelling.casefold())
-        used = {n: value for n, value in self._symbols.items() if plain(n) in spelled}
+        named = any(plain(name) in spelled for name in self._symbols)
         return {
-            symbol: self._length(symbol.name, value, used)
+            symbol: sp.Symbol(self._names[symbol], positive=True)
+            if named and symbol in self._names
+            else self._number(symbol.name, value)
             for symbol, value in self._chain.values.items()
         }
 
-    def _length(self, name: str, value: float, used: Mapping[str, float]) -> sp.Expr:
+    def _number(self, name: str, value: float) -> sp.Expr:
         if name.startswith(("alpha", "theta")):
             return sp.Float(value)
         number = Fraction(value / self._metres).limit_denominator(10**6)
-        same = [n for n, meant in used.items() if abs(meant - number) <= 1e-9 * abs(meant)]
-        if same:
-            best = next((n for n in same if plain(n) == name), same[0])
-            return sp.Symbol(readable(best), positive=True)
         return sp.Rational(number.numerator, number.denominator)
 
 

@@ -128,6 +128,21 @@ def as_python(text: str, declared: Collection[str] = ()) -> str:
     return "".join(pieces)
 
 
+def is_joint_variable(name: str) -> bool:
+    """Whether a formula's name is a joint's position, of this robot or of one with more joints.
+
+    Parameters
+    ----------
+    name : str
+        As ``as_python`` writes it.
+
+    Returns
+    -------
+    bool
+    """
+    return bool(re.fullmatch(r"q[1-9]", name))
+
+
 def spelled_as(spelling: str, text: str) -> str:
     """Name angles, sines and cosines as a print does.
 

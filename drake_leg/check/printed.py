@@ -2,39 +2,32 @@
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from importlib.util import find_spec
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from drake_leg.check.captions import grade_caption
-from drake_leg.check.claims import Claim, claim_of, right_values, scales
-from drake_leg.check.diagnosis import explain
-from drake_leg.check.expressions import evaluate, names_in
+from drake_leg.check.bindings import Binding, printed_cells, readings, said_cells
+from drake_leg.check.comparison import Comparison
+from drake_leg.check.constants import with_lengths_as_symbols
 from drake_leg.check.findings import Finding
-from drake_leg.check.notation import readable, spelled_as
-from drake_leg.check.postures import COUNT, Postures, draw_postures
-from drake_leg.check.printed_file import Printed, PrintedMatrix
+from drake_leg.check.matrices import Matrix, MatrixReader
+from drake_leg.check.matrix_grader import MatrixGrader
+from drake_leg.check.postures import draw_postures
+from drake_leg.check.printed_file import Printed
 from drake_leg.check.printed_table import grade_table
 from drake_leg.check.reader import Reader
-from drake_leg.check.rotations import rotation_fault
-from drake_leg.check.sampling import table_length
+from drake_leg.check.samples import Sampler
+from drake_leg.check.shifts import repaired
 from drake_leg.check.table import lint_table
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
-
-TOLERANCE = 1e-6  # of 1, or of the robot's size: a print's numbers are rounded
-LARGEST_SYMBOLIC = 4  # joints; right entries of longer chains are said as numbers
 
 
 def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     """Compare everything that is printed with the robot.
 
-    Every entry is evaluated at random postures, beside the chain of the robot's table; an entry
-    that differs somewhere is wrong.
+    Every entry is evaluated at random postures, and with random lengths where it has symbols for
+    them, beside the chain of the robot's table; an entry that differs somewhere is wrong.
 
     Parameters
     ----------
@@ -43,18 +36,18 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     printed : Printed
         A table, matrices, or both.
     seed : int
-        Of the random postures.
+        Of the random postures and lengths.
 
     Returns
     -------
     list of Finding
-        One for every wrong row, entry, rotation and caption; empty for a print without fault.
+        One for every row, matrix, entry, rotation and caption that is wrong or not understood;
+        empty for a print without fault.
 
     Raises
     ------
     InvalidValueError
-        If the print's units are not said, a matrix's name means nothing, or a definition is no
-        formula.
+        If the print's units are not said, or a definition is no formula.
     """
     if printed.table is not None and printed.lengths is None and not printed.matrices:
         return lint_table(printed.table)
@@ -62,134 +55,66 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
         raise InvalidValueError(f'{printed.origin}: lengths is missing; say lengths = "mm" or "m"')
     if seed < 0:
         raise InvalidValueError(f"the seed is {seed}; it must not be negative")
+    printed = with_lengths_as_symbols(printed, robot)
     reader = Reader(printed, robot)
-    postures = draw_postures(robot, reader, np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    postures = draw_postures(robot, reader, rng)
     findings = []
     if printed.table is not None:
         findings += grade_table(robot, printed.table, reader, postures)
-    grader = _Grader(robot, printed, reader, postures)
-    for matrix in printed.matrices:
-        findings += grader.grade(matrix)
+    matrix_reader = MatrixReader(robot, printed, reader, postures.values)
+    read = [matrix_reader.read(matrix) for matrix in printed.matrices]
+    matrices = [matrix for matrix in read if isinstance(matrix, Matrix)]
+    sampler = Sampler(robot, reader, postures, rng)
+    likely = _likeliest(sampler, _bindings(printed, reader, sampler), matrices)
+    findings += _ambiguities(likely, matrices, sampler)
+    grader = MatrixGrader(robot, printed, reader, Comparison(sampler, likely[0]), postures)
+    for matrix in read:
+        findings += grader.grade(matrix) if isinstance(matrix, Matrix) else [matrix]
     return findings
 
 
-class _Grader:
-    """Grades the matrices of one print."""
+def _bindings(printed: Printed, reader: Reader, sampler: Sampler) -> list[Binding]:
+    """List what the print's symbols of lengths can stand for."""
+    said = said_cells(printed.cells, sampler.lengths, printed.origin)
+    table = printed.table and repaired(printed.table)
+    known = {**printed_cells(table, reader.symbols, sampler.lengths), **said}
+    return readings(reader.symbols, sampler.lengths, known)
 
-    def __init__(self, robot: Robot, printed: Printed, reader: Reader, postures: Postures) -> None:
-        self._robot, self._printed = robot, printed
-        self._reader, self._postures = reader, postures
-        self._length = table_length(robot.rows) / self._postures.metres
-        self._right_forms = None
-        if find_spec("sympy") is not None and len(robot.moving) <= LARGEST_SYMBOLIC:
-            from drake_leg.check.formulas import RightForms
 
-            self._right_forms = RightForms(robot, printed, reader)
+def _likeliest(
+    sampler: Sampler, bindings: Sequence[Binding], matrices: Sequence[Matrix]
+) -> list[Binding]:
+    """Keep the readings of the symbols under which the fewest entries are wrong."""
+    if len(bindings) == 1:
+        return list(bindings)
+    counts = [_wrong_by_reading(Comparison(sampler, binding), matrices) for binding in bindings]
+    return [b for b, count in zip(bindings, counts, strict=True) if count == min(counts)]
 
-    def grade(self, matrix: PrintedMatrix) -> Iterator[Finding]:
-        """Find everything that is wrong with a matrix."""
-        claim = claim_of(matrix, self._robot)
-        caption = grade_caption(matrix.caption, claim, self._robot)
-        if caption:
-            yield caption
-        shape = (len(matrix.entries), len(matrix.entries[0]))
-        if shape != claim.shape:
+
+def _wrong_by_reading(comparison: Comparison, matrices: Sequence[Matrix]) -> int:
+    """Count the entries whose numbers are right and whose symbols are not."""
+    return sum(
+        matrix.is_chance(place, comparison)
+        for matrix in matrices
+        for place in matrix.wrong(comparison)
+    )
+
+
+def _ambiguities(
+    likely: Sequence[Binding], matrices: Sequence[Matrix], sampler: Sampler
+) -> Iterator[Finding]:
+    """Ask what symbols stand for, where that decides what is wrong with an entry."""
+    if len(likely) == 1 or not _wrong_by_reading(Comparison(sampler, likely[0]), matrices):
+        return
+    for name in sorted({name for binding in likely for name in binding}):
+        options = {tuple(sorted(binding.get(name, ()))) for binding in likely}
+        if len(options) > 1:
+            cells = sorted({str(cell) for option in options for cell in option})
             yield Finding(
-                place=claim.name,
-                fault=f"it has {shape[0]} rows and {shape[1]} columns",
-                remedy=f"it should have {claim.shape[0]} rows and {claim.shape[1]} columns",
+                place="symbols",
+                fault=f"{name} can stand for {' or for '.join(cells)} of the robot's table",
+                remedy=f'say cells = {{ {name} = "{cells[0]}" }}, or as it is meant',
+                severity="warning",
+                kind="ambiguous symbol",
             )
-            return
-        definitions = self._reader.definitions(matrix.where)
-        right = right_values(claim, self._robot, self._postures)
-        margin = TOLERANCE * scales(claim, self._length)
-        values = np.full(right.shape, np.nan)
-        for row, column in np.ndindex(*shape):
-            entry = _Entry(
-                claim=claim,
-                row=row,
-                column=column,
-                text=matrix.entries[row][column].strip(),
-                definitions=definitions,
-                spelling=self._spelling(matrix),
-                right=right[:, row, column],
-                margin=float(margin[row, column]),
-            )
-            values[:, row, column], finding = self._grade_entry(entry)
-            if finding:
-                yield finding
-        if claim.kind == "transform":
-            yield from _grade_rotation(claim, values[:, :3, :3])
-
-    def _grade_entry(self, entry: _Entry) -> tuple[Array, Finding | None]:
-        """Evaluate an entry; say what is wrong with it."""
-        nothing = np.full(COUNT, np.nan)
-        try:
-            tree = self._reader.formula(entry.text, entry.definitions)
-        except InvalidValueError as error:
-            return nothing, entry.finding(str(error), self._remedy(entry))
-        strangers = sorted(names_in(tree) - set(self._postures.values))
-        if strangers:
-            fault = (
-                f"printed {readable(entry.text)}, in which {' and '.join(strangers)} has no value"
-            )
-            return nothing, entry.finding(
-                spelled_as(entry.spelling, fault),
-                f"{self._remedy(entry)}, or give it one under symbols",
-            )
-        values = self._values(tree)
-        if entry.agrees(values):
-            return values, None
-        wrong = explain(tree, len(self._robot.moving), lambda t: entry.agrees(self._values(t)))
-        fault = f"printed {readable(entry.text)}" + (f", in which {wrong}" if wrong else "")
-        return values, entry.finding(spelled_as(entry.spelling, fault), self._remedy(entry))
-
-    def _spelling(self, matrix: PrintedMatrix) -> str:
-        """Join all formulas that belong to a matrix, as examples of its notation."""
-        cells = [cell for row in matrix.entries for cell in row]
-        return " ".join([*cells, *matrix.where.values(), *self._printed.where.values()])
-
-    def _values(self, tree: ast.expr) -> Array:
-        return np.broadcast_to(evaluate(tree, self._postures.values), COUNT)
-
-    def _remedy(self, entry: _Entry) -> str:
-        """Write what is right: as a formula, or as a number at a posture."""
-        if self._right_forms is not None:
-            form = self._right_forms.text(entry.claim, entry.row, entry.column, entry.spelling)
-            return f"it should be {form}"
-        numbers = f"at {self._postures.at(0)} it should be {entry.right[0]:.6g}"
-        return spelled_as(entry.spelling, numbers)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Entry:
-    """One entry of a matrix and what is right there."""
-
-    claim: Claim
-    row: int  # from 0
-    column: int
-    text: str  # as printed
-    definitions: Mapping[str, ast.expr]  # that hold in its matrix
-    spelling: str  # examples of the print's notation
-    right: Array  # (N,) in the print's units
-    margin: float  # how far from it counts as equal
-
-    def agrees(self, values: Array) -> bool:
-        """Whether values are right at all postures; one that is not finite is not."""
-        return bool(np.all(np.abs(values - self.right) <= self.margin))
-
-    def finding(self, fault: str, remedy: str) -> Finding:
-        """Name the entry by row and column, from 1."""
-        place = f"{self.claim.name} ({self.row + 1}, {self.column + 1})"
-        return Finding(place=place, fault=fault, remedy=remedy)
-
-
-def _grade_rotation(claim: Claim, R: Array) -> Iterator[Finding]:
-    fault = rotation_fault(R, TOLERANCE) if np.isfinite(R).all() else None
-    if fault:
-        yield Finding(
-            place=claim.name,
-            fault=f"its rotation part is no rotation: {fault}",
-            remedy=f"its columns are the axes of frame {claim.frames[1]}: of length 1, at right "
-            "angles, right-handed",
-        )

@@ -2,7 +2,8 @@
 
 ``angles,deg`` and ``lengths,mm`` say the units; two cells of which the second is a number give a
 symbol its value (``L1,50``), otherwise its formula (``sigma1,2*cos(θ2)+1``). Three cells that
-begin with ``joint``, ``caption`` or ``rows`` say something about a joint or a matrix. A heading
+begin with ``joint``, ``cells``, ``caption`` or ``rows`` say something about a joint, a symbol or a
+matrix. A heading
 with σ, d, α, r, θ begins a table, which an empty line ends. Every other line is a row of a
 matrix, its name first.
 """
@@ -77,7 +78,7 @@ class _Reading:
             self._add_row(cells, line)
         elif len(cells) == 2 and not _is_matrix(cells[0]):
             self._add_pair(*cells)
-        elif len(cells) == 3 and cells[0] in ("joint", "caption", "rows"):
+        elif len(cells) == 3 and cells[0] in ("joint", "cells", "caption", "rows"):
             self._add_remark(*cells)
         elif len(cells) >= 2:
             self._matrix(cells[0]).setdefault("entries", []).append(cells[1:])
@@ -109,6 +110,8 @@ class _Reading:
     def _add_remark(self, what: str, name: str, value: str) -> None:
         if what == "joint":
             self.document.setdefault("joints", {})[name] = value
+        elif what == "cells":
+            self.document.setdefault("cells", {})[name] = value
         elif what == "rows":
             self._matrix(name)["rows"] = value.split()
         else:

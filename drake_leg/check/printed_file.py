@@ -15,7 +15,7 @@ from drake_leg.robot_file.keys import Keys, shown
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
-_KEYS = ("title", "angles", "lengths", "symbols", "where", "joints", "table", "matrix")
+_KEYS = ("title", "angles", "lengths", "symbols", "cells", "where", "joints", "table", "matrix")
 _TABLE_KEYS = ("frame", "sigma", "d", "alpha", "r", "theta")
 _MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
 
@@ -39,6 +39,7 @@ class Printed:
     angles: str | None = None  # deg or rad, of bare numbers in a table
     lengths: str | None = None  # mm, cm or m, of bare numbers
     symbols: Mapping[str, float] = field(default_factory=dict)  # name to value in these units
+    cells: Mapping[str, str] = field(default_factory=dict)  # symbol to the table's cells: d2
     where: Mapping[str, str] = field(default_factory=dict)  # name to formula: sigma1 and the like
     joints: Mapping[str, str] = field(default_factory=dict)  # joint to formula of its position
     table: Table | None = None
@@ -114,6 +115,7 @@ def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
         angles=angles,
         lengths=lengths,
         symbols=_symbols(keys),
+        cells=_formulas(keys, "cells"),
         where=_formulas(keys, "where"),
         joints=_formulas(keys, "joints"),
         table=table,

@@ -89,8 +89,12 @@ class _TableGrader:
         try:
             value = self._value(column, text)
         except InvalidValueError as error:
-            remedy = f"write {right}, or say its value"
-            yield Finding(place=place, fault=f"{column} is {text}: {error}", remedy=remedy)
+            yield Finding(
+                place=place,
+                fault=f"{column} is {text}: {error}",
+                remedy=f"write {right}, or say its value under [symbols]",
+                understood=False,
+            )
             return
         apart = value - self._right_value(index, column)
         if column in ANGLES:

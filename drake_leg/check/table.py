@@ -6,9 +6,9 @@ import difflib
 import re
 from collections.abc import Iterator
 
-from drake_leg.check.cells import described, fits
+from drake_leg.check.cells import described, fits, unreadable
 from drake_leg.check.expressions import names_in, parse_formula
-from drake_leg.check.findings import Finding, errors
+from drake_leg.check.findings import Finding
 from drake_leg.check.rows import Table, TableRow
 from drake_leg.check.shifts import UNKNOWN, Shift, Swap, find_shift, find_swap, likely_sigma
 from drake_leg.check.slips import lint_convention, lint_numbers
@@ -40,7 +40,7 @@ def lint_table(table: Table) -> list[Finding]:
     findings = list(_lint_frames(table))
     for number, row in enumerate(table.rows, start=1):
         findings += _lint_row(table, row, f"row {number}")
-    if errors(findings):
+    if any(finding.severity == "error" for finding in findings):
         faulty = {finding.place for finding in findings}
         return findings + [slip for slip in lint_numbers(table) if slip.place not in faulty]
     variables = _lint_variables(table) if table.symbolic else ()
@@ -81,7 +81,12 @@ def _lint_row(table: Table, row: TableRow, place: str) -> Iterator[Finding]:
             yield _missing_finding(table, row, place, column)
         else:
             fault = f"{column} is {described(text, table.variables)}"
-            yield Finding(place=place, fault=fault, remedy=_BELONGS[sort])
+            yield Finding(
+                place=place,
+                fault=fault,
+                remedy=_BELONGS[sort],
+                understood=not unreadable(text, table.variables),
+            )
 
 
 def _meant_as_sigma(column: str, text: str) -> bool:

@@ -10,7 +10,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import STOPPED_EARLY, Commands, add_budget, budget_of, refuse_ignored
+from drake_leg.cli.common import (
+    BAD_INPUT,
+    STOPPED_EARLY,
+    Commands,
+    add_budget,
+    budget_of,
+    refuse_ignored,
+)
 from drake_leg.cli.robot_source import RobotSource, add_robot_source, robot_source
 from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
@@ -39,8 +46,8 @@ def add(commands: Commands) -> None:
         "derivation, with Drake's plant on its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
         "the robot instead. A printed table alone (CSV or TOML) is only read for slips.",
-        epilog="Exit status: 0 nothing is wrong, 1 something is, 2 bad input, 3 nothing is wrong "
-        "so far, but not all was compared.",
+        epilog="Exit status: 0 nothing is wrong, 1 something is, 2 bad input, or nothing is wrong "
+        "and something is not understood, 3 nothing is wrong so far, but not all was compared.",
     )
     add_robot_source(parser)
     parser.add_argument(
@@ -72,14 +79,14 @@ def _check(chosen: argparse.Namespace) -> int:
 
 
 def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
-    from drake_leg.check.findings import errors
+    from drake_leg.check.findings import errors, not_understood
     from drake_leg.check.proof import prove
     from drake_leg.check.rows import table_of_document
     from drake_leg.check.sizes import lint_sizes
     from drake_leg.check.table import lint_table
 
     findings = lint_table(table_of_document(source.document()))
-    if errors(findings):
+    if errors(findings) or not_understood(findings):
         return _report(source.where, findings, chosen)
     robot = source.robot()
     findings += lint_sizes(robot)
@@ -130,28 +137,48 @@ def _check_print(robot: Robot, chosen: argparse.Namespace) -> int:
 
 
 def _report(what: str, findings: Sequence[Finding], chosen: argparse.Namespace) -> int:
-    from drake_leg.check.findings import errors
+    from drake_leg.check.findings import errors, not_understood
 
     if chosen.json:
         _print_json(what, findings, None)
     else:
         _print_findings(what, findings, "nothing is wrong")
-    return FOUND if errors(findings) else 0
+    if errors(findings):
+        return FOUND
+    return BAD_INPUT if not_understood(findings) else 0
 
 
 def _print_findings(what: str, findings: Sequence[Finding], praise: str) -> None:
-    count = f"{len(findings)} finding{'s' * (len(findings) != 1)}" if findings else praise
-    print(f"{what}: {count}")
+    print(f"{what}: {_summary(findings, praise)}")
     for finding in findings:
         print(f"  {finding.sentence()}")
 
 
-def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> None:
-    from drake_leg.check.findings import errors
+def _summary(findings: Sequence[Finding], praise: str) -> str:
+    """Count what is wrong, what is doubtful and what is not understood, each apart."""
+    from drake_leg.check.findings import errors, not_understood
 
+    wrong, unread = len(errors(findings)), len(not_understood(findings))
+    guesses = len(findings) - wrong - unread
+    counts = [f"{wrong} wrong" if wrong else praise]
+    if guesses:
+        counts.append(f"{guesses} guess{'es' * (guesses != 1)}")
+    if unread:
+        counts.append(f"{unread} not understood")
+    return ", ".join(counts)
+
+
+def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> None:
+    from drake_leg.check.findings import errors, not_understood
+
+    unread = not_understood(findings)
     content = {
         "checked": what,
-        "ok": not errors(findings) and (proof is None or (proof.holds and proof.complete)),
+        "ok": not errors(findings)
+        and not unread
+        and (proof is None or (proof.holds and proof.complete)),
+        "wrong": len(errors(findings)),
+        "not_understood": len(unread),
         "findings": [finding.as_json() for finding in findings],
         "proof": proof and proof.as_json(),
     }

@@ -92,7 +92,6 @@ def test_the_reports_robots_have_no_fault(robot):
             "d is '90°', an angle; alpha is 'L1', a length: d and alpha have changed",
         ),
         ("0|90°|L1|90°|θ1", "d is '90°', an angle; a length belongs there"),
-        ("0|0|0|0|foo(", "theta is 'foo(', neither a number nor a formula"),
         ("0|θ1|0|0|θ1", "d is 'θ1', a joint's variable; a length belongs there"),
         ("0|L1|90°|0|0", "sigma is 0 and no variable stands in the row"),
         ("0|0|0|q1|0", "sigma is 0 and r has the variable q1; sigma = 0 moves by theta"),
@@ -103,6 +102,12 @@ def test_the_reports_robots_have_no_fault(robot):
 def test_a_slip_in_a_symbolic_table_is_named_with_its_remedy(row, said):
     findings = lint_table(table(row, "0|0|0|0|θ9"))
     assert any(f.sentence().startswith(f"row 1: {said}") for f in findings), findings
+
+
+def test_a_cell_that_is_no_formula_is_not_understood():
+    (finding,) = lint_table(table("0|0|0|0|foo("))
+    assert not finding.understood
+    assert finding.fault == "theta is 'foo(', neither a number nor a formula"
 
 
 @pytest.mark.parametrize(

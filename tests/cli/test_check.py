@@ -1,6 +1,7 @@
 """``drake-leg check``, in process."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -61,7 +62,7 @@ def test_slips_in_a_robots_table_are_all_named_before_any_proof(tmp_path, capsys
     )
     status, out = checked(capsys, str(path))
     assert status == 1
-    assert "2 findings" in out
+    assert "arm.toml: 2 wrong\n" in out
     assert "row 1: sigma is missing" in out
     assert "row 2: sigma is '0.1'" in out
     assert "proved" not in out
@@ -78,23 +79,39 @@ def test_guesses_do_not_stop_the_proof(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("words", "status", "findings"),
+    ("words", "status", "counts"),
     [
-        (["leg-b", "--printed", LEG_PRINT], 1, 33),
-        (["leg-b", "--printed", LEG_TABLE], 1, 3),
-        (["scara", "--printed", SCARA_CSV], 1, 10),
-        ([LEG_PRINT], 1, 3),
-        ([LEG_TABLE], 1, 3),
-        ([str(CHECK / "printed" / "report_b_scara_table.txt")], 0, 2),
-        ([str(CHECK / "printed" / "report_b_scara.toml")], 0, 0),
+        (["leg-b", "--printed", LEG_PRINT], 1, "33 wrong"),
+        (["leg-b", "--printed", LEG_TABLE], 1, "3 wrong"),
+        (["scara", "--printed", SCARA_CSV], 1, "10 wrong"),
+        (["leg-a", "--printed", str(CHECK / "printed" / "report_a_leg.toml")], 1,
+         "1 wrong, 1 not understood"),
+        ([LEG_PRINT], 1, "3 wrong"),
+        ([LEG_TABLE], 1, "3 wrong"),
+        ([str(CHECK / "printed" / "report_b_scara_table.txt")], 0, "nothing is wrong, 2 guesses"),
+        ([str(CHECK / "printed" / "report_b_scara.toml")], 0, "nothing is wrong"),
     ],
-)
-def test_a_print_is_graded(words, status, findings, capsys):
+)  # fmt: skip
+def test_a_print_is_graded(words, status, counts, capsys):
     assert checked(capsys, *words, "--json")[0] == status
     status_of_text, out = checked(capsys, *words)
     assert status_of_text == status
-    assert len(out.splitlines()) == 1 + findings
-    assert (f"{findings} findings" if findings else "nothing is wrong") in out
+    summary, *findings = out.splitlines()
+    assert summary.endswith(f": {counts}")
+    assert len(findings) == sum(map(int, re.findall(r"\d+", counts)))
+
+
+def test_what_is_not_understood_is_no_fault_and_ends_in_status_2(tmp_path, capsys):
+    path = tmp_path / "print.csv"
+    path.write_text("lengths,mm\nP04,c1 +\nP04,s1 ?\nP04,100 s2 + 100 s23\n", encoding="utf-8")
+    status, out = checked(capsys, "leg-b", "--printed", str(path))
+    assert (status, out.splitlines()[0]) == (2, f"{path} against leg-b: nothing is wrong, "
+                                                "2 not understood")  # fmt: skip
+    _, out = checked(capsys, "leg-b", "--printed", str(path), "--json")
+    content = json.loads(out)
+    assert (content["ok"], content["wrong"], content["not_understood"]) == (False, 0, 2)
+    path.write_text(path.read_text(encoding="utf-8").replace("100 s2", "s2"), encoding="utf-8")
+    assert checked(capsys, "leg-b", "--printed", str(path))[0] == 1
 
 
 def test_a_graded_print_as_json(capsys):
@@ -102,7 +119,7 @@ def test_a_graded_print_as_json(capsys):
     content = json.loads(out)
     assert content["ok"] is False
     assert content["proof"] is None
-    assert {"place", "fault", "remedy", "severity"} == set(content["findings"][0])
+    assert {"place", "fault", "remedy", "severity", "understood"} == set(content["findings"][0])
 
 
 @pytest.mark.parametrize(
@@ -136,4 +153,4 @@ def test_without_sympy_the_check_says_what_is_missing(capsys, monkeypatch):
 def test_help_says_what_status_1_is(capsys):
     with pytest.raises(SystemExit, match="0"):
         main(["check", "--help"])
-    assert "1 something is" in capsys.readouterr().out
+    assert "1 something is wrong" in capsys.readouterr().out

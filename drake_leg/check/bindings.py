@@ -1,0 +1,249 @@
+"""Which cell of the robot's table each declared symbol stands for, also where lengths coincide.
+
+``L2 = 100`` and ``L3 = 100`` are two lengths: a printed table tells them apart, or the file's
+``cells``, or the numbers in their names. Where several readings remain, all of them are listed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from drake_leg.check.notation import plain
+from drake_leg.check.rows import Table
+from drake_leg.errors import InvalidValueError
+from drake_leg.robot import Robot
+
+MOST = 48  # readings that are compared
+_NEAR = 1e-6  # of a length: how far its declared value may be rounded
+
+
+class Cell(NamedTuple):
+    """A cell of the robot's table that is not zero."""
+
+    row: int  # from 0
+    column: str  # d, alpha, r or theta
+
+    def __str__(self) -> str:
+        """Write it as people do: d2."""
+        return f"{self.column}{self.row + 1}"
+
+
+Binding = Mapping[str, frozenset[Cell]]  # symbol to the cells that it stands for
+_Rule = Callable[[Sequence[Cell], int], Cell | None]  # finds the cell of a number
+
+
+def cell_values(robot: Robot, metres: float) -> dict[Cell, float]:
+    """List the cells of a table that are not zero, row by row.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot as it is.
+    metres : float
+        [m] of the print's unit of lengths.
+
+    Returns
+    -------
+    dict
+        Cell to value [rad, or the print's unit].
+    """
+    units = {"d": metres, "r": metres, "alpha": 1.0, "theta": 1.0}
+    return {
+        Cell(index, column): getattr(row, column) / unit
+        for index, row in enumerate(robot.rows)
+        for column, unit in units.items()
+        if getattr(row, column) != 0.0
+    }
+
+
+def same(a: float, b: float) -> bool:
+    """Whether two lengths are the same but for their signs and rounding."""
+    return math.isclose(abs(a), abs(b), rel_tol=_NEAR)
+
+
+def said_cells(said: Mapping[str, str], values: Mapping[Cell, float], origin: str) -> Binding:
+    """Read what a file says of its symbols under ``cells``.
+
+    Parameters
+    ----------
+    said : mapping
+        Symbol to cells, as ``d2`` or ``d3 d4``.
+    values : mapping
+        Of ``cell_values``.
+    origin : str
+        Name of the file, for the error's sentence.
+
+    Returns
+    -------
+    Binding
+
+    Raises
+    ------
+    InvalidValueError
+        If a cell is none, or zero in the robot's table.
+    """
+    known = {str(cell): cell for cell in values}
+    binding = {}
+    for name, text in said.items():
+        words = re.findall(r"[^\s,]+", text)
+        if not words or any(word not in known for word in words):
+            raise InvalidValueError(
+                f"{origin}: cells: {name} is {text!r}; the robot has {', '.join(known)}"
+            )
+        binding[plain(name)] = frozenset(known[word] for word in words)
+    return binding
+
+
+def printed_cells(
+    table: Table | None, symbols: Mapping[str, float], values: Mapping[Cell, float]
+) -> Binding:
+    """Find symbols that stand alone in a printed table where their value is the robot's.
+
+    Parameters
+    ----------
+    table : Table or None
+        As printed, its rows put right.
+    symbols : mapping
+        Name in lower case to value.
+    values : mapping
+        Of ``cell_values``.
+
+    Returns
+    -------
+    Binding
+    """
+    found: dict[str, set[Cell]] = {}
+    for cell, value in values.items():
+        if table is None or cell.row >= len(table.rows):
+            continue
+        name = plain(table.rows[cell.row].cells.get(cell.column, "")).lstrip("-+ ")
+        if name in symbols and same(symbols[name], value):
+            found.setdefault(name, set()).add(cell)
+    return {name: frozenset(cells) for name, cells in found.items()}
+
+
+def readings(
+    symbols: Mapping[str, float], values: Mapping[Cell, float], known: Binding
+) -> list[Binding]:
+    """List what the declared symbols can stand for.
+
+    Parameters
+    ----------
+    symbols : mapping
+        Name in lower case to value.
+    values : mapping
+        Of ``cell_values``.
+    known : Binding
+        Symbols of which it is said, or written into a table.
+
+    Returns
+    -------
+    list of Binding
+        The likeliest first, at most ``MOST``; a symbol without a cell is a mere number.
+    """
+    found = itertools.islice(_all_readings(symbols, values, known), MOST)
+    return list({_key(binding): binding for binding in found}.values())
+
+
+def _all_readings(
+    symbols: Mapping[str, float], values: Mapping[Cell, float], known: Binding
+) -> Iterator[Binding]:
+    rest = {name: value for name, value in symbols.items() if name not in known and value}
+    for indexed in _indexed_readings(rest, values):
+        by_number = {**known, **indexed}
+        for free in _free_readings(rest, values, by_number):
+            yield from _shared_readings({**by_number, **free}, symbols, values)
+
+
+def _key(binding: Binding) -> frozenset[tuple[str, frozenset[Cell]]]:
+    return frozenset(binding.items())
+
+
+def _indexed_readings(
+    symbols: Mapping[str, float], values: Mapping[Cell, float]
+) -> Iterator[Binding]:
+    """Bind L1, L2, ... by their numbers: each letter by the rules that fit most of its symbols."""
+    families: dict[str, dict[str, int]] = {}
+    for name in symbols:
+        numbered = re.fullmatch(r"([a-z]+?)_?(\d+)", name)
+        if numbered:
+            families.setdefault(numbered[1], {})[name] = int(numbered[2])
+    choices = [_family_readings(f, symbols, values) for f in families.values()]
+    for chosen in itertools.product(*choices):
+        yield {name: cells for binding in chosen for name, cells in binding.items()}
+
+
+def _family_readings(
+    family: Mapping[str, int], symbols: Mapping[str, float], values: Mapping[Cell, float]
+) -> list[Binding]:
+    found = []
+    for columns, rule in itertools.product(_COLUMNS, _RULES):
+        cells = [cell for cell in values if cell.column in columns]
+        placed = {name: rule(cells, number) for name, number in family.items()}
+        found.append(
+            {
+                name: frozenset([cell])
+                for name, cell in placed.items()
+                if cell and same(symbols[name], values[cell])
+            }
+        )
+    most = max(map(len, found))
+    best = [binding for binding in found if len(binding) == most]
+    return list({_key(binding): binding for binding in best}.values())
+
+
+def _at(cells: Sequence[Cell], place: int) -> Cell | None:
+    return cells[place] if 0 <= place < len(cells) else None
+
+
+def _in_row(cells: Sequence[Cell], row: int) -> Cell | None:
+    return next((cell for cell in cells if cell.row == row), None)
+
+
+_COLUMNS = (("d",), ("r",), ("d", "r"), ("alpha",), ("theta",))
+# L1 is the first length, or that of row 1; classic tables have it in the row after; L0 the first.
+_RULES: tuple[_Rule, ...] = (
+    lambda cells, number: _at(cells, number - 1),
+    lambda cells, number: _in_row(cells, number - 1),
+    lambda cells, number: _in_row(cells, number),
+    lambda cells, number: _at(cells, number),
+)
+
+
+def _free_readings(
+    symbols: Mapping[str, float], values: Mapping[Cell, float], bound: Binding
+) -> Iterator[Binding]:
+    """Bind symbols that have no number, or one that fits no length, by their values."""
+    taken = {cell for cells in bound.values() for cell in cells}
+    options: dict[str, list[frozenset[Cell]]] = {}
+    for name, value in symbols.items():
+        equal = [cell for cell in values if same(values[cell], value)]
+        free = [cell for cell in equal if cell not in taken] or equal
+        if name not in bound and free:
+            each = [frozenset([cell]) for cell in free]
+            options[name] = each if len(free) == 1 else [*each, frozenset(free)]
+    for chosen in itertools.product(*options.values()):
+        if len(set(chosen)) == len(chosen) or all(len(each) == 1 for each in options.values()):
+            yield dict(zip(options, chosen, strict=True))
+
+
+def _shared_readings(
+    bound: Binding, symbols: Mapping[str, float], values: Mapping[Cell, float]
+) -> Iterator[Binding]:
+    """Let a symbol stand for an equal length, too, that has no symbol of its own."""
+    taken = {cell for cells in bound.values() for cell in cells}
+    names: dict[Cell, list[str | None]] = {}
+    for cell, value in values.items():
+        equal = [name for name in bound if same(symbols[name], value)]
+        if cell not in taken and equal:
+            names[cell] = [None, *equal]
+    for chosen in itertools.product(*names.values()):
+        shared = dict(bound)
+        for cell, name in zip(names, chosen, strict=True):
+            if name is not None:
+                shared[name] = shared[name] | {cell}
+        yield shared

@@ -1,0 +1,103 @@
+"""Formulas changed here and there: a part put in the place of another."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable, Iterator
+
+Change = Callable[[ast.expr], ast.expr | None]  # of a node; None leaves it as it is
+
+
+def changed(tree: ast.expr, change: Change) -> ast.expr:
+    """Change every node for which there is something else, from the top down.
+
+    Parameters
+    ----------
+    tree : ast.expr
+        Of ``parse_formula``; stays as it is.
+    change : callable
+        Gives what stands in a node's place, or None.
+
+    Returns
+    -------
+    ast.expr
+    """
+    new = change(tree)
+    if new is not None:
+        return new
+    match tree:
+        case ast.UnaryOp(op=sign, operand=operand):
+            return ast.UnaryOp(op=sign, operand=changed(operand, change))
+        case ast.BinOp(left=left, op=sign, right=right):
+            return ast.BinOp(left=changed(left, change), op=sign, right=changed(right, change))
+        case ast.Call(func=function, args=[argument]):
+            return ast.Call(func=function, args=[changed(argument, change)], keywords=[])
+    return tree
+
+
+def replace_node(tree: ast.expr, old: ast.expr, new: ast.expr) -> ast.expr:
+    """Put a node in the place of this very one."""
+    return changed(tree, lambda node: new if node is old else None)
+
+
+def replace_alike(tree: ast.expr, old: ast.expr, new: ast.expr) -> ast.expr:
+    """Put a node in the place of every one that is spelled like the old one."""
+    spelling = text_of(old)
+    return changed(tree, lambda node: new if text_of(node) == spelling else None)
+
+
+def exchange_names(tree: ast.expr, first: str, second: str) -> ast.expr:
+    """Write one name for another and the other for the one."""
+    other = {first: second, second: first}
+
+    def exchange(node: ast.expr) -> ast.expr | None:
+        return ast.Name(id=other[node.id]) if _named(node) in other else None  # type: ignore[attr-defined]
+
+    return changed(tree, exchange)
+
+
+def exchange_functions(tree: ast.expr) -> ast.expr:
+    """Write a cosine for every sine and a sine for every cosine."""
+    other = {"sin": "cos", "cos": "sin"}
+
+    def exchange(node: ast.expr) -> ast.expr | None:
+        match node:
+            case ast.Call(func=ast.Name(id="sin" | "cos" as name), args=arguments):
+                return ast.Call(func=ast.Name(id=other[name]), args=arguments, keywords=[])
+        return None
+
+    return changed(tree, exchange)
+
+
+def _named(node: ast.expr) -> str | None:
+    return node.id if isinstance(node, ast.Name) else None
+
+
+def outside_calls(node: ast.AST) -> Iterator[ast.AST]:
+    """Walk through a formula without the arguments of its functions."""
+    yield node
+    if not isinstance(node, ast.Call):
+        for child in ast.iter_child_nodes(node):
+            yield from outside_calls(child)
+
+
+def distinct(nodes: Iterable[ast.AST]) -> Iterator[ast.expr]:
+    """Keep one node of each spelling."""
+    seen: set[str] = set()
+    for node in nodes:
+        if isinstance(node, ast.expr) and text_of(node) not in seen:
+            seen.add(text_of(node))
+            yield node
+
+
+def number_of(node: ast.AST) -> float | None:
+    """Take the number out of a node that is one."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return float(value)
+    return None
+
+
+def text_of(node: ast.AST) -> str:
+    """Write a formula."""
+    return ast.unparse(node)

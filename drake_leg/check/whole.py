@@ -1,0 +1,136 @@
+"""One explanation for many wrong entries of a matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from drake_leg.check.bindings import Cell
+from drake_leg.check.comparison import Comparison, Meaning
+from drake_leg.check.diagnosis import COMMON, Vocabulary, remedies
+from drake_leg.check.matrices import Matrix, Place
+from drake_leg.check.mistakes import mistakes
+from drake_leg.check.subject import Mistake
+from drake_leg.kinematics.batches import Array
+
+LEAST = 2  # entries that a mistake of the whole must explain
+EXCEPTIONS = 3  # explained entries to one that is not
+
+
+@dataclass(frozen=True, kw_only=True)
+class Explanation:
+    """What is wrong with a matrix as a whole, or with many of its entries alike."""
+
+    kind: str
+    fault: str
+    remedy: str
+    explained: tuple[Place, ...]  # wrong entries that need no finding of their own
+    exceptions: int = 0  # readable entries that it does not explain
+    throughout: bool = True  # whether the words are of the whole matrix, not of some entries
+
+
+def explain_whole(
+    matrix: Matrix, wrong: Sequence[Place], comparison: Comparison, vocabulary: Vocabulary
+) -> Explanation | None:
+    """Search for one mistake that explains all wrong entries, or all but a few.
+
+    Parameters
+    ----------
+    matrix : Matrix
+        As read.
+    wrong : sequence of places
+        Its entries that are wrong.
+    comparison : Comparison
+        Of the print.
+    vocabulary : Vocabulary
+        What the print can write for one another.
+
+    Returns
+    -------
+    Explanation or None
+        The one with the fewest exceptions, the likeliest of these.
+    """
+    if len(wrong) < LEAST:
+        return None
+    found = list(_common_changes(matrix, wrong, comparison, vocabulary))
+    if not any(explanation.exceptions == 0 for explanation in found):
+        found += _mistakes(matrix, wrong, comparison, vocabulary.names)
+    return min(found, key=lambda explanation: explanation.exceptions, default=None)
+
+
+def _common_changes(
+    matrix: Matrix, wrong: Sequence[Place], comparison: Comparison, vocabulary: Vocabulary
+) -> Iterator[Explanation]:
+    """Look for the same slip of the pen in many entries."""
+    helped: dict[str, list[Place]] = {}
+    kinds: dict[str, str] = {}
+    for place in wrong:
+        is_right = partial(matrix.is_right, place, comparison)
+        for change in remedies(matrix.trees[place], vocabulary, is_right):
+            if change.kind in COMMON and place not in helped.setdefault(change.words, []):
+                helped[change.words].append(place)
+                kinds[change.words] = change.kind
+    for words, places in helped.items():
+        if len(places) >= LEAST and 2 * len(places) >= len(wrong):
+            yield Explanation(
+                kind=kinds[words],
+                fault=words,
+                remedy=_remedy_of(words),
+                explained=tuple(places),
+                exceptions=len(wrong) - len(places),
+                throughout=False,
+            )
+
+
+def _remedy_of(words: str) -> str:
+    _, should, right = words.partition(" should be ")
+    return f"write {right} there" if should else "change them back"
+
+
+def _mistakes(
+    matrix: Matrix, wrong: Sequence[Place], comparison: Comparison, names: Mapping[Cell, str]
+) -> Iterator[Explanation]:
+    """Look for a misunderstanding that brings about what is printed."""
+    printed = {place: comparison.values(tree) for place, tree in matrix.trees.items()}
+    for mistake in mistakes(matrix.subject, names):
+        meaning = Meaning(mistake.printed)
+        margin = mistake.rough * matrix.margin
+        same = _same_in_number(printed, meaning.at(comparison.sampler.as_it_is), margin)
+        if not _explains(same, wrong, printed):
+            continue
+        same = {
+            place
+            for place in same
+            if comparison.agrees(matrix.trees[place], meaning, place, float(margin[place]))
+        }
+        if _explains(same, wrong, printed):
+            yield _explanation(mistake, same, wrong, len(printed))
+
+
+def _same_in_number(printed: Mapping[Place, Array], values: Array, margin: Array) -> set[Place]:
+    return {
+        (i, j)
+        for (i, j), found in printed.items()
+        if np.all(np.abs(found - values[:, i, j]) <= margin[i, j])
+    }
+
+
+def _explains(same: set[Place], wrong: Iterable[Place], readable: Iterable[Place]) -> bool:
+    explained = len(same & set(wrong))
+    exceptions = len(set(readable) - same)
+    return explained >= LEAST and explained >= EXCEPTIONS * exceptions
+
+
+def _explanation(
+    mistake: Mistake, same: set[Place], wrong: Sequence[Place], readable: int
+) -> Explanation:
+    return Explanation(
+        kind=mistake.kind,
+        fault=mistake.fault,
+        remedy=mistake.remedy,
+        explained=tuple(place for place in wrong if place in same),
+        exceptions=readable - len(same),
+    )
