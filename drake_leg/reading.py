@@ -39,16 +39,23 @@ def opened(path: Path, *, most: int = LARGEST_TEXT) -> Iterator[BufferedReader]:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except (OSError, ValueError) as error:
         raise _unreadable(path, error) from None
+    try:
+        _require_regular(path, os.fstat(descriptor), most)
+    except UnreadableFileError:
+        os.close(descriptor)
+        raise
     with os.fdopen(descriptor, "rb") as file:
-        status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode):
-            raise UnreadableFileError(path, f"it is {_kind(status.st_mode)}; give a file")
-        if status.st_size > most:
-            raise UnreadableFileError(path, _too_large(status.st_size, most))
         try:
             yield file
         except OSError as error:
             raise _unreadable(path, error) from None
+
+
+def _require_regular(path: Path, status: os.stat_result, most: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        raise UnreadableFileError(path, f"it is {_kind(status.st_mode)}; give a file")
+    if status.st_size > most:
+        raise UnreadableFileError(path, _too_large(status.st_size, most))
 
 
 def read_bytes(path: Path, *, most: int = LARGEST_TEXT) -> bytes:

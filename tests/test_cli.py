@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from drake_leg import cli
+from drake_leg.output import LIST
 from drake_leg.progress import ProgressBar
 from drake_leg.recording import read_csv
 from drake_leg.runs.catalogue import RUNS
@@ -123,9 +124,11 @@ def test_a_run_leaves_a_recording_a_summary_and_pictures(carried_out):
     name, status, out = carried_out
     assert status == 0
     names = {path.name for path in out.iterdir()}
-    assert {"recording.csv", "summary.json"} <= names
+    data = {LIST, "recording.csv", "summary.json"}
     pictures = {name for name in names if name.endswith((".png", ".svg", ".pdf"))}
-    assert pictures | {"recording.csv", "summary.json"} == names
+    assert pictures | data == names
+    listed = set((out / LIST).read_text(encoding="utf-8").splitlines()[1:])
+    assert listed == names - {LIST}
     assert len(pictures) >= 6
     stems = {Path(picture).stem for picture in pictures}
     assert pictures == {f"{stem}.{ending}" for stem in stems for ending in ("png", "svg", "pdf")}
@@ -303,7 +306,7 @@ BAD_CONFIGS = [
     ("integrator: 5\n", "integrator"),
     ("amplitude: [1, 2]\n", "amplitude is [1, 2]"),
     ("max_step: {a: 1}\n", "max_step is"),
-    ("accuracy: yes\n", "accuracy is True"),
+    ("accuracy: yes\n", "accuracy is 'yes'"),
     ("force: 3\n", "force is 3"),
     ("q0: [90, [1], 0]\n", "q0 is [1]"),
     ("direction: x\n", "direction is 'x'"),
@@ -539,7 +542,7 @@ def test_a_failure_while_writing_keeps_the_old_folder_and_leaves_nothing_half_wr
     def broken(*arguments):
         raise error
 
-    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", broken)
+    monkeypatch.setattr("drake_leg.runs.outcome.Outcome.write", broken)
     words = ["run", "leg-b", "--out", tmp_path / "out", "--duration", "0.2", "--overwrite"]
     assert status_of(*words) == status
     assert len(capsys.readouterr().err.splitlines()) == 1

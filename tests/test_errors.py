@@ -1,7 +1,9 @@
 """Every error that this package documents is provoked, and says its one sentence."""
 
+import copy
 import importlib
 import inspect
+import pickle
 import pkgutil
 import sys
 from dataclasses import replace
@@ -16,13 +18,16 @@ from drake_leg.errors import (
     JointLimitError,
     LostMotionError,
     OutputError,
+    PictureError,
     SingularConfigurationError,
     StepBudgetError,
+    UnreadableFileError,
     UnstableRunError,
 )
 from drake_leg.imports import BrokenPackageError
 from drake_leg.kinematics.rates import exact_rates
 from drake_leg.output import check_target
+from drake_leg.reading import read_text
 from drake_leg.report.replays import UnlikeReplaysError
 from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B
@@ -118,8 +123,18 @@ def no_encoder(monkeypatch, tmp_path):
     video.require_video(tmp_path / "a.mp4")
 
 
+def unreadable(monkeypatch, tmp_path):
+    read_text(tmp_path)
+
+
+def picture(monkeypatch, tmp_path):
+    raise PictureError("the figure angle", KeyError("q"))
+
+
 PROVOKED = {
     InvalidValueError: invalid,
+    UnreadableFileError: unreadable,
+    PictureError: picture,
     OutputError: output,
     SingularConfigurationError: singular,
     ForeseenSingularityError: foreseen,
@@ -139,6 +154,42 @@ def test_an_error_comes_where_it_is_due_in_one_sentence(kind, monkeypatch, tmp_p
     assert type(caught.value) is kind
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) > 20
+
+
+def same(error, other):
+    return (type(other), str(other), other.args, vars(other)) == (
+        type(error),
+        str(error),
+        error.args,
+        vars(error),
+    )
+
+
+@pytest.mark.parametrize("kind", PROVOKED, ids=lambda kind: kind.__name__)
+def test_an_error_that_was_raised_is_pickled_and_copied(kind, monkeypatch, tmp_path):
+    with pytest.raises(DrakeLegError) as caught:
+        PROVOKED[kind](monkeypatch, tmp_path)
+    for again in (pickle.loads(pickle.dumps(caught.value)), copy.deepcopy(caught.value)):
+        assert same(caught.value, again)
+
+
+@pytest.mark.parametrize("kind", PROVOKED_ELSEWHERE, ids=lambda kind: kind.__name__)
+def test_an_error_of_any_kind_is_pickled(kind):
+    error = kind.__new__(kind, "a sentence")
+    error.where = (1.0, "here")
+    error.add_note("a note")
+    assert same(error, pickle.loads(pickle.dumps(error)))
+
+
+def test_what_a_singularity_stopped_is_pickled(monkeypatch):
+    options = LegBOptions(amplitude=0.1, duration=4.0, force=True)
+    outcomes = []
+    stopped_by = cause(lambda: outcomes.append(run_straight("B", options)), monkeypatch)
+    assert same(stopped_by, pickle.loads(pickle.dumps(stopped_by)))
+    assert stopped_by.__traceback__ is None
+    again = pickle.loads(pickle.dumps(outcomes[0]))
+    assert again.summary == outcomes[0].summary
+    assert again.robot == outcomes[0].robot
 
 
 def test_none_is_forgotten():

@@ -1,3 +1,6 @@
+import gc
+import weakref
+from contextlib import suppress
 from functools import cache
 
 import numpy as np
@@ -382,3 +385,33 @@ def test_an_error_of_ours_in_the_progress_is_not_swallowed():
 
     with pytest.raises(ZeroDivisionError):
         leg_run(progress=broken)
+
+
+# --- memory ----------------------------------------------------------------------------------
+
+
+def stopped(now):
+    if now > 0.1:
+        raise KeyboardInterrupt
+
+
+def broken(now):
+    raise ZeroDivisionError
+
+
+@pytest.mark.parametrize("progress", [None, stopped, broken])
+@pytest.mark.parametrize("amplitude", [0.07, 0.5])
+def test_nothing_holds_a_simulation_that_is_over(monkeypatch, progress, amplitude):
+    integrators = []
+
+    def simulator(diagram):
+        made = Simulator(diagram)
+        integrators.append(weakref.ref(made))
+        return made
+
+    monkeypatch.setattr(simulation_run, "Simulator", simulator)
+    kept = []
+    with suppress(ZeroDivisionError):
+        kept.append(leg_run(duration=1.0, amplitude=amplitude, progress=progress))
+    gc.collect()
+    assert [reference() for reference in integrators] == [None]

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from drake_leg.cli import main
+from drake_leg.output import LIST
 
 LEG = ["doctor", "leg-b", "--q", "90,-50,-90"]
 MAPS = ("determinant", "sigma_min", "singular_feet", "singular_postures")
@@ -14,7 +15,7 @@ def test_maps_are_left_in_a_folder(tmp_path, capsys):
     target = tmp_path / "maps"
     assert main([*LEG, "--out", str(target)]) == 0
     expected = {f"{name}.{ending}" for name in MAPS for ending in ("png", "svg", "pdf")}
-    assert {path.name for path in target.iterdir()} == expected | {"summary.json"}
+    assert {path.name for path in target.iterdir()} == expected | {LIST, "summary.json"}
     assert json.loads((target / "summary.json").read_text(encoding="utf-8"))["rank"] == 3
     assert f"wrote {target}" in capsys.readouterr().out
     assert main([*LEG, "--out", str(target)]) == 2

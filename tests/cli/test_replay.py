@@ -1,6 +1,8 @@
 """``drake-leg replay``, in process."""
 
+import base64
 import json
+import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +11,7 @@ import numpy as np
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.recording import Recording
+from drake_leg.recording import Recording, read_csv
 from drake_leg.robots import LEG_B, hexabot_leg
 from drake_leg.scene.motion import Motion
 
@@ -110,7 +112,7 @@ def test_what_cannot_be_replayed_is_one_sentence(words, said, capsys):
         ("[]", "has no entry 'robot' with a name"),
         ('{"robot":\n', "is damaged in line 2, column 1"),
         ("[" * 100_000, "is damaged: it is no JSON"),
-        ("\udcff", "is damaged: it is no JSON"),
+        ("\udcff", "cannot be read (it is no text in UTF-8 (byte 0 is 0xff); save it as UTF-8)"),
         (None, "cannot be read (No such file or directory)"),
     ],
     ids=["empty", "list", "cut", "deep", "bytes", "gone"],
@@ -147,3 +149,88 @@ def test_a_value_that_is_no_number_is_found(capsys):
     file.write_text(file.read_text().replace("\n0.1,", "\nzero,"))
     said = refused(capsys, "leg", "--out", "a.html")
     assert "leg/recording.csv, line 3, has 'zero' in the column time[s], which is no number" in said
+
+
+# --- units, and what is not whole ------------------------------------------------------------
+
+
+def rewrite(change):
+    file = Path("leg/recording.csv")
+    file.write_bytes(change(file.read_bytes().decode()).encode())
+
+
+def page_of(capsys):
+    assert main(["replay", "leg", "--out", "leg.html", "--overwrite"]) == 0
+    return re.search(r'"poses": "([^"]*)"', Path("leg.html").read_text(encoding="utf-8"))[1]
+
+
+def test_units_in_the_headers_are_heeded(capsys):
+    before = page_of(capsys)
+    recording = read_csv(Path("leg/recording.csv"))
+    columns = {"time[ms]": 1e3 * recording["time"]}
+    columns |= {f"q{i}[deg]": np.degrees(recording[f"q{i}"]) for i in (1, 2, 3)}
+    columns |= {f"{letter}[mm]": 1e3 * recording[letter] for letter in "xyz"}
+    Recording(columns).write_csv(Path("leg/recording.csv"))
+    poses = [np.frombuffer(base64.b64decode(text), "<f4") for text in (before, page_of(capsys))]
+    np.testing.assert_allclose(*poses, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("header", "other", "said"),
+    [
+        ("q1[rad]", "q1[turns]", "column q1 is in 'turns'; it must be in rad or deg"),
+        ("q1[rad]", "q1[m]", "column q1 is in 'm'; it must be in rad or deg"),
+        ("time[s]", "time[h]", "column time is in 'h'; it must be in s or ms"),
+        ("x[m]", "x[in]", "column x is in 'in'; it must be in m or cm or mm"),
+        ("q1[rad]", "q1[deg]", "tip is up to 0."),
+    ],
+)
+def test_a_unit_that_is_another_is_refused(header, other, said, capsys):
+    rewrite(lambda text: text.replace(header, other))
+    assert said in refused(capsys, "leg", "--out", "a.html")
+
+
+def summarize(**entries):
+    Path("leg/summary.json").write_text(json.dumps({"robot": "leg_b", **entries}))
+
+
+@pytest.mark.parametrize(
+    ("cut", "said"),
+    [
+        (-1, "line 7, has no end: the file was cut short"),
+        (-4, "line 7, has no end: the file was cut short"),
+        (-80, "line 7, has no end: the file was cut short"),
+    ],
+)
+def test_a_recording_cut_in_a_line_is_refused(cut, said, capsys):
+    rewrite(lambda text: text.replace("\r\n", "\n")[:cut])
+    assert said in refused(capsys, "leg", "--out", "a.html")
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [
+        ({"rows": 7}, "has 6 rows and summary.json tells of 7: one of them is not whole"),
+        ({"rows": 6, "duration_s": 2.0}, "ends at 0.5 s and summary.json tells of 2 s"),
+        (
+            {"rows": 6, "duration_s": 2.0, "stopped_at_s": 0.4},
+            "ends at 0.5 s and summary.json tells of 0.4 s",
+        ),
+    ],
+)
+def test_a_recording_cut_between_lines_is_refused(entries, said, capsys):
+    summarize(**entries)
+    assert said in refused(capsys, "leg", "--out", "a.html")
+
+
+def test_a_recording_that_is_as_its_summary_says_is_played(capsys):
+    summarize(rows=6, duration_s=2.0, stopped_at_s=0.5)
+    assert main(["replay", "leg", "--out", "a.html"]) == 0
+    summarize(rows=6, duration_s=0.5, stopped_at_s=None)
+    assert main(["replay", "leg", "--out", "b.html"]) == 0
+
+
+def test_a_recording_that_is_a_pipe_is_refused_at_once(capsys):
+    Path("leg/recording.csv").unlink()
+    os.mkfifo("leg/recording.csv")
+    assert "leg is no folder of a run" in refused(capsys, "leg", "--out", "a.html")

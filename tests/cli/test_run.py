@@ -1,6 +1,7 @@
 """``drake-leg run``: disturbances, shows, interrupts, full disks, the same bytes twice."""
 
 import json
+import re
 import resource
 import signal
 import subprocess
@@ -199,23 +200,38 @@ def test_ctrl_c_leaves_a_whole_readable_recording(here, words):
     assert any(path.suffix == ".png" for path in (here / "out").iterdir())
 
 
-@pytest.mark.parametrize("most", [1000, 60_000])
-def test_a_full_disk_is_one_sentence_and_leaves_nothing(here, most):
+def on_a_small_disk(most):
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
 
-    done = subprocess.run(
+    return subprocess.run(
         [sys.executable, "-m", "drake_leg", "run", "leg-b", "--out", "out", "--duration", "2"],
         capture_output=True,
         text=True,
         check=False,
         preexec_fn=limit,
     )
+
+
+def test_a_full_disk_is_one_sentence_and_leaves_nothing(here):
+    done = on_a_small_disk(1000)
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr.count("\n") == 1
     assert "cannot be written" in done.stderr
     assert list(here.iterdir()) == []
+
+
+def test_a_disk_that_is_full_at_the_figures_costs_these_alone(here):
+    done = on_a_small_disk(60_000)
+    assert done.returncode == 1
+    assert done.stdout.startswith("wrote out: 51 rows")
+    *figures, last = done.stderr.splitlines()
+    assert last == "drake-leg: the data in out are whole"
+    for sentence in figures:
+        assert re.match(r"drake-leg: the figure \w+: out cannot be written \(File too", sentence)
+    assert len(read_csv(here / "out" / "recording.csv")["time"]) == 51
+    assert [path.name for path in here.iterdir()] == ["out"]
 
 
 # --- the same bytes --------------------------------------------------------------------------

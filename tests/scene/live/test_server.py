@@ -1,5 +1,6 @@
 import socket
 import urllib.request
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -64,3 +65,26 @@ def test_a_port_is_free_again_when_the_server_is_closed(service):
         socket.create_connection(("localhost", service.server.port), 1.0)
     with Server(port=service.server.port) as again:
         assert again.port == service.server.port
+
+
+def test_two_hundred_loads_at_once_are_answered(service):
+    loads = 200
+
+    def load(_):
+        with urllib.request.urlopen(service.server.url, timeout=30.0) as answer:
+            return answer.read().decode()
+
+    with ThreadPoolExecutor(loads) as pool:
+        assert list(pool.map(load, range(loads))) == ["<p>σ</p>"] * loads
+
+
+def test_many_may_wait_for_a_server_that_is_busy():
+    with Server("127.0.0.1") as server:  # which does not serve yet
+        callers = [socket.socket() for _ in range(200)]
+        try:
+            for caller in callers:
+                caller.settimeout(0.5)
+                caller.connect(("127.0.0.1", server.port))
+        finally:
+            for caller in callers:
+                caller.close()
