@@ -46,6 +46,17 @@ COMMANDS = (
 )
 
 
+class _Version(argparse.Action):
+    """Prints the version, looked up only then."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        """Print it and end."""
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('drake-leg')}")
+        parser.exit()
+
+
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one sentence, without the usage in front."""
 
@@ -109,6 +120,7 @@ def _build_parser() -> argparse.ArgumentParser:
         "0 all well, 1 a check found something wrong, 2 bad input, 3 a run stopped before its "
         "end, 130 interrupted.",
     )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:
         command.add(commands)
