@@ -52,11 +52,8 @@ def test_a_replay_opens_in_its_place_and_plays(browser, folder, width):
     item.locator("iframe").wait_for()
     assert item.locator("figure a").count() == 0
     frame = item.locator("iframe").element_handle().content_frame()
+    frame.wait_for_function("document.getElementById('replay-scrub').value > 0.1")
     frame.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
-    place = "viewer.scene_tree.find(['drake', 'robot', 'frame_4']).object.position.toArray()"
-    before = frame.evaluate(f"String({place})")
-    frame.wait_for_function(f"before => String({place}) !== before", arg=before)
-    assert frame.get_by_role("button", name="Pause", exact=True).count() == 1
     box = item.locator("iframe").bounding_box()
     assert box["y"] >= 0
     assert box["y"] + box["height"] <= 844
