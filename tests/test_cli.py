@@ -3,6 +3,7 @@ import json
 import math
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,12 @@ def test_the_help_of_the_program_tells_of_units_and_defaults(capsys):
     text = capsys.readouterr().out
     assert "unit" in text
     assert "default" in text
+
+
+def test_the_version_is_the_installed_one(capsys):
+    assert status_of("--version") == 0
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err) == (f"drake-leg {version('drake-leg')}\n", "")
 
 
 def test_the_help_of_run_gives_every_option_with_its_unit_and_default(capsys):
@@ -571,10 +578,11 @@ def test_the_module_is_the_program():
     assert done.stderr == ""
 
 
-def test_help_is_quick_for_it_imports_neither_drake_nor_matplotlib():
+@pytest.mark.parametrize("words", [["run", "--help"], ["--version"]])
+def test_help_is_quick_for_it_imports_neither_drake_nor_matplotlib(words):
     code = (
         "import sys, drake_leg.cli as c\n"
-        "try: c.main(['run', '--help'])\n"
+        f"try: c.main({words})\n"
         "except SystemExit: pass\n"
         "sys.exit(any(name in sys.modules for name in ('pydrake', 'matplotlib')))"
     )

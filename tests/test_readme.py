@@ -1,8 +1,10 @@
 """What README shows works as it stands."""
 
 import re
+import shlex
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -63,13 +65,80 @@ def test_the_errata_are_counted():
     assert re.findall(r"(\d+) errata", README) == [str(len(errata()))]
 
 
-def test_every_command_of_the_readme_is_taken(monkeypatch):
-    """Each is parsed as written; the runs themselves are other tests' business."""
+def commands():
+    """What README says to type, in its order: blocks for the shell, and lines inside sentences."""
+    found = []
+    pieces = re.findall(r"```(\w*)\n(.*?)```|`(drake-leg\s[^`]*)`", README, flags=re.DOTALL)
+    for language, block, inline in pieces:
+        lines = block.splitlines() if language == "sh" else [" ".join(inline.split())]
+        found += [line.partition("  #")[0].strip() for line in lines]
+    return [line for line in found if line and not re.search(r"\b(NAME|DIR|FILE)\b", line)]
+
+
+PROGRAM = [line for line in commands() if line.startswith("drake-leg ")]
+
+
+def words_of(command):
+    return shlex.split(command)[1:]
+
+
+def after(words, *options):
+    return [word for option, word in pairwise(words) if option in options]
+
+
+def test_every_command_of_the_readme_is_taken():
+    """Each is parsed as written, but for those that only tell something and end."""
     from drake_leg.cli import entry
 
+    assert len(PROGRAM) > 40
+    for command in PROGRAM:
+        words = words_of(command)
+        if not {"--help", "--version"} & set(words):
+            entry._build_parser().parse_args(entry._join_negative_values(words))
+
+
+def test_the_bare_program_is_called_once_the_environment_is_activated():
     lines = [line for block in blocks("sh") for line in block.splitlines()]
-    commands = [line.partition("#")[0] for line in lines if line.startswith("drake-leg")]
-    assert len(commands) > 10
-    for command in commands:
-        words = [word.strip("'") for word in command.split()[1:]]
-        entry._build_parser().parse_args(entry._join_negative_values(words))
+    bare = [index for index, line in enumerate(lines) if line.startswith("drake-leg ")]
+    assert lines.index(". .venv/bin/activate") < bare[0]
+
+
+def test_no_name_is_written_twice_and_none_is_read_before_it_is_there():
+    given = {"arm.toml", "step.yaml"}  # typed in by the reader
+    for command in PROGRAM:
+        words = words_of(command)
+        read = after(words, "--config", "--printed")
+        read += words[1:2] if words[0] == "replay" else []
+        read += [word for word in words[1:2] if word.endswith((".toml", ".slx"))]
+        for name in read:
+            assert name in given or (ROOT / name).exists(), command
+        for name in after(words, "--out", "--still"):
+            assert name not in given, f"{command}: {name} is there already"
+            given.add(name)
+
+
+STATUS = {
+    "drake-leg run leg-b --out far --amplitude 0.1 --force": 3,
+    "drake-leg check leg-b --printed tests/check/printed/report_b_leg.toml": 1,
+}
+SERVERS = ("drake-leg view leg-b", "drake-leg teleop leg-b")  # until they are interrupted
+VIDEOS = (".gif", ".mp4")  # drawn picture by picture
+
+
+@pytest.mark.slow
+def test_the_readmes_commands_work_one_after_the_other(tmp_path, monkeypatch, capsys):
+    """As a reader types them, in one folder; pictures of runs and videos are other tests'."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+    for folder in ("notebooks", "tests"):
+        Path(folder).symlink_to(ROOT / folder)
+    Path("arm.toml").write_text(*blocks("toml"), encoding="utf-8")
+    Path("step.yaml").write_text(*blocks("yaml"), encoding="utf-8")
+    for command in PROGRAM:
+        if command in SERVERS or command.endswith(VIDEOS):
+            continue
+        try:
+            status = main(words_of(command))
+        except SystemExit as stop:
+            status = stop.code
+        assert (status or 0) == STATUS.get(command, 0), f"{command}: {capsys.readouterr().err}"

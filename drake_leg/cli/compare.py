@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,7 +91,7 @@ def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
     for title, items, line in (
         ("matched", found.matched, _matched),
         ("missing in the Drake diagram", found.missing, _missing),
-        ("different", found.different, _different),
+        ("different", found.different, partial(_different, name=chosen.name)),
         ("different, but of no account without --strict", found.tolerated, _different),
         ("extra in the Drake diagram", found.extra, _extra),
     ):
@@ -127,7 +128,9 @@ def _missing(item: dict[str, Any]) -> str:
     return f"{_place(item)}: {item['why']}"
 
 
-def _different(item: dict[str, Any]) -> str:
+def _different(item: dict[str, Any], name: str = "") -> str:
+    if item["what"] == "scale":
+        return f"{_place(item)}: lengths are {_value(item['simulink'])} times those of {name}"
     ours, theirs = (_quantity(item[side], item["unit"]) for side in ("simulink", "drake"))
     return f"{_place(item)}: {item['parameter']} is {ours}, in Drake {theirs}"
 

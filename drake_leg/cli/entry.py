@@ -52,6 +52,17 @@ COMMANDS = (
 )
 
 
+class _Version(argparse.Action):
+    """Prints the version, looked up only then."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        """Print it and end."""
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('drake-leg')}")
+        parser.exit()
+
+
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one sentence, without the usage in front."""
 
@@ -128,6 +139,7 @@ def _build_parser() -> argparse.ArgumentParser:
         "3 a run stopped before its end, 70 an error that nobody foresaw, 130 interrupted, 128 + n "
         "ended by signal n.",
     )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:
         command.add(commands)

@@ -27,6 +27,7 @@ from drake_leg.compare.match_velocity import match_inverse_jacobian
 from drake_leg.compare.match_wires import match_wires, physical
 from drake_leg.compare.mechanism import Mechanism
 from drake_leg.compare.plant_mechanism import read_plant
+from drake_leg.compare.scale import scale_of, shrunk
 from drake_leg.compare.sensed import senses_rotation
 from drake_leg.compare.simulink_mechanism import Network, read_network
 from drake_leg.compare.simulink_signals import SimulinkSignals
@@ -81,7 +82,9 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     findings = Findings(strict=strict)
     plant = plant_of(live.diagram)
     drake = _mechanism(live, plant)
-    network, alignment = _aligned(flat, drake)
+    network, alignment, scale = _aligned(flat, drake)
+    if scale != 1.0:
+        findings.scale(scale)
     ours = SimulinkSignals(flat, network)
     signals = DiagramSignals(live.diagram, live.root)
     findings.used.update({plant.get_name(), *signals.of_type(PrescribedMotion)})
@@ -119,8 +122,11 @@ def _mechanism(live: LiveModel, plant: MultibodyPlant) -> Mechanism:
     )
 
 
-def _aligned(flat: Model, drake: Mechanism) -> tuple[Network, Alignment]:
-    """Lay the chains beside each other; joints that point backwards are read the likelier way."""
+def _aligned(flat: Model, drake: Mechanism) -> tuple[Network, Alignment, float]:
+    """Lay the chains beside each other, in one unit of length.
+
+    Joints that point backwards are read the likelier way.
+    """
 
     def beside(network: Network) -> Alignment:
         sensor = next((b for b in flat.blocks if b.sid == network.sensor), None)
@@ -134,8 +140,10 @@ def _aligned(flat: Model, drake: Mechanism) -> tuple[Network, Alignment]:
         for count in range(1, len(turned) + 1)
         for exchanged in combinations(turned, count)
     ]
-    both = [(reading, beside(reading)) for reading in readings]
-    return min(both, key=lambda pair: 2 * len(pair[1].misses) + len(pair[0].exchanged))
+    scale = scale_of(network.mechanism, drake)
+    both = [(reading, beside(reading)) for reading in (shrunk(one, scale) for one in readings)]
+    best = min(both, key=lambda pair: 2 * len(pair[1].misses) + len(pair[0].exchanged))
+    return (*best, scale)
 
 
 def _add_extra(signals: DiagramSignals, findings: Findings) -> None:

@@ -13,7 +13,8 @@ class Comparison:
     """Every block, wire and parameter of the model, and what became of it.
 
     The items are plain dictionaries, ready for JSON. ``what`` says what they are about:
-    ``block``, ``wire``, ``node`` (a physical connection), ``parameter``.
+    ``block``, ``wire``, ``node`` (a physical connection), ``parameter``, ``scale`` (one factor of
+    all lengths).
     """
 
     matched: list[Item] = field(default_factory=list)

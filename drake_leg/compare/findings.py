@@ -94,6 +94,26 @@ class Findings:
         if item not in known:
             known.append(item)
 
+    def scale(self, factor: float) -> None:
+        """Note that all lengths of the model are so many times the diagram's.
+
+        Parameters
+        ----------
+        factor : float
+            The model's over the diagram's.
+        """
+        self.comparison.different.append(
+            {
+                "what": "scale",
+                "sid": "",
+                "name": "(model)",
+                "parameter": "lengths",
+                "simulink": factor,
+                "drake": 1.0,
+                "unit": "",
+            }
+        )
+
     def check(
         self,
         block: Block,

@@ -112,16 +112,30 @@ def report(alignment: Alignment, blocks: dict[str, Block], findings: Findings) -
 
 
 def _pairs(simulink: tuple[Place, ...], drake: tuple[Place, ...]) -> list[Pair]:
-    """Find for every place of a body the plant's one of the same role, the nearest first."""
-    pairs = []
-    rest = list(drake)
-    for ours in sorted(simulink, key=lambda place: place.role != "joint"):
-        candidates = [p for p in rest if p.role == ours.role and p.number == ours.number]
-        if candidates:
-            nearest = min(candidates, key=lambda p: _distance(p, ours))
-            rest.remove(nearest)
-            pairs.append((ours, nearest))
-    return pairs
+    """Find for every place of a body the plant's one of the same role.
+
+    Solids of the same shape come first, then the nearest, whoever is drawn first.
+    """
+    candidates = [
+        (ours, theirs)
+        for ours in simulink
+        for theirs in drake
+        if ours.role == theirs.role and ours.number == theirs.number
+    ]
+    found: dict[int, Place] = {}
+    taken: set[int] = set()
+    for ours, theirs in sorted(candidates, key=_unlikeness):
+        if id(ours) not in found and id(theirs) not in taken:
+            found[id(ours)] = theirs
+            taken.add(id(theirs))
+    ordered = sorted(simulink, key=lambda place: place.role != "joint")
+    return [(place, found[id(place)]) for place in ordered if id(place) in found]
+
+
+def _unlikeness(pair: Pair) -> tuple[bool, float]:
+    """Tell how unlikely it is that two places are the same one."""
+    shapes = {place.solid.shape for place in pair if place.solid is not None}
+    return len(shapes) > 1, _distance(*pair)
 
 
 def _distance(a: Place, b: Place) -> float:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import permutations
+
 import numpy as np
 from pydrake.systems.primitives import ConstantVectorSource, Sine
 
 from drake_leg.compare.comparison import Item
 from drake_leg.compare.correspondence import Correspondence, function_role, same_factors
-from drake_leg.compare.inverse import Match, match_function
+from drake_leg.compare.function_probe import slots_of
+from drake_leg.compare.inverse import LENGTH_UNITS, Match, match_function
 from drake_leg.compare.signals import Atom, Scalar, close
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.model import Block
@@ -38,6 +44,8 @@ def match_inverse_jacobian(c: Correspondence) -> None:
     c.scales |= {role: rate_unit for role in found.names.values() if role.what == "qdot"}
     for parameter, ours, live in found.findings:
         c.findings.differ(sid, c.block(sid).name, parameter, ours, live)
+    if not found.velocity:
+        found = _wanted_all_the_same(c, sid, name, found)
     c.stands_for(sid, [name], unit_of_length_m=found.unit)
     if not found.names:
         _take_in_order(c, sid, name)
@@ -135,6 +143,34 @@ def _take_in_order(c: Correspondence, sid: str, name: str) -> None:
     ]
     roles = [*(function_role("qdot", index) for index in range(size)), function_role("det J")]
     c.names |= dict(zip(outputs, roles, strict=False))
+
+
+def _wanted_all_the_same(c: Correspondence, sid: str, name: str, found: Match) -> Match:
+    """Take what a function of another law is given for the wanted velocity, in the likeliest unit.
+
+    Which of its inputs is which is then told by what reaches them; the order decides the rest.
+    """
+    slots = [slot for row in slots_of(c.ours, sid, _commanded(c)) for slot in row if not slot.joint]
+    live = c.live_role(c.live.input(name, "v"))
+    if len(slots) != len(live):
+        return found
+    shapes = [scalar.shape for scalar in live]
+    ordered = next(
+        (order for order in permutations(slots) if [s.scalar.shape for s in order] == shapes), slots
+    )
+    unit = _likeliest_unit([slot.scalar for slot in ordered], live)
+    velocity = tuple(slot.scalar.scaled(unit) for slot in ordered)
+    return replace(found, unit=unit, velocity=velocity, ports=tuple(s.port for s in ordered))
+
+
+def _likeliest_unit(ours: Sequence[Scalar], live: Sequence[Scalar]) -> float:
+    """Find the unit of length in which the sines' amplitudes are nearest."""
+    for mine, theirs in zip(ours, live, strict=True):
+        sines = [[f for a, f in one.terms.items() if a.kind == "sine"] for one in (mine, theirs)]
+        if all(sines):
+            ratio = abs(sines[1][0] / sines[0][0])
+            return min(LENGTH_UNITS, key=lambda unit: abs(math.log(unit / ratio)))
+    return 1.0
 
 
 def _match_other_sources(c: Correspondence, sid: str) -> None:

@@ -182,8 +182,8 @@ def _replay(item: Item, workshop: Workshop) -> Exhibit:
     )
     poster = picture(light, item.caption, dark=dark)
     body = (
-        f'<figure class="still replay"><a href="{file.name}" title="{escape(item.title)}">{poster}'
-        '<span class="play">Play in 3D</span></a>'
+        f'<figure class="still replay"><a href="{file.name}#play" title="{escape(item.title)}">'
+        f'{poster}<span class="play">Play in 3D</span></a>'
         f"{_caption(item)}</figure>"
     )
     return Exhibit(

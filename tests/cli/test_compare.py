@@ -32,6 +32,17 @@ def test_a_difference_is_one_line_with_both_values_and_exit_1(slx, capsys):
     assert lines[-1] == "0 missing, 1 different: the diagram is not the model's."
 
 
+def test_another_unit_is_one_line(slx, capsys):
+    model = published_leg()
+    for block in model.blocks.values():
+        for key in ("TranslationCartesianOffset", "BrickDimensions", "SphereRadius"):
+            if key in block.parameters:
+                block.parameters[key] = f"1000*{block.parameters[key]}"
+    assert main(["compare", slx(model), "leg-b"]) == 1
+    text = capsys.readouterr().out
+    assert "different (1)\n  (model): lengths are 1000 times those of leg-b\n" in text
+
+
 def test_options_of_the_run(slx):
     model = slx(published_leg(amplitude="50", initial=("pi/2", "-pi/4", "-pi/2")))
     assert main(["compare", model, "leg-b"]) == 1

@@ -621,6 +621,83 @@ def test_function_that_is_something_else(compared):
     assert {item["name"] for item in found.different} == {"MATLAB Function"}
 
 
+ANOTHER_LAW = "function y = f(u)\ny = [u(4)*u(1) u(5)+u(2) u(6) 1];\n"
+FEWER_OUTPUTS = "function y = f(u)\ny = [u(4) u(5) 1 1];\n"
+WAVE = {"Amplitude": "50", "Frequency": "2", "Phase": "0.5"}
+WAVE_SI = {"Amplitude": (0.050, 0.070), "Frequency": (2.0, 1.0), "Phase": (0.5, 0.0)}
+
+
+@pytest.mark.parametrize("script", [ANOTHER_LAW, FEWER_OUTPUTS])
+@pytest.mark.parametrize("changed", [(), ("Amplitude",), ("Frequency",), ("Phase",), tuple(WAVE)])
+def test_another_law_hides_nothing_upstream(compared, script, changed):
+    model = published_leg(script=script)
+    model.set("Sine Wave", **{name: WAVE[name] for name in changed})
+    found = compared(model)
+    assert "MATLAB Function" in names(found.different)
+    waves = {
+        item["parameter"]: (item["simulink"], item["drake"])
+        for item in found.different
+        if item["name"] == "Sine Wave"
+    }
+    assert waves == {name: pytest.approx(WAVE_SI[name]) for name in changed}
+
+
+def test_a_gain_before_another_law_is_seen(compared):
+    model = published_leg(script=ANOTHER_LAW)
+    insert(model, "Gain", "Gain", f"{model.sid('Mux')}#in:4", {"Gain": "3"})
+    wave = [item for item in compared(model).different if item["name"] == "Sine Wave"]
+    assert [(item["parameter"], item["simulink"]) for item in wave] == [
+        ("Amplitude", pytest.approx(0.21))
+    ]
+
+
+def test_the_order_of_the_inputs_of_another_law_is_its_own(compared):
+    model = published_leg(script=ANOTHER_LAW)
+    mux = model.sid("Mux")
+    for old, new in (("4", "x"), ("5", "4"), ("x", "5")):
+        rewire(model, f"{mux}#in:{old}", f"{mux}#in:{new}")
+    assert names(compared(model).different) == ["MATLAB Function"]
+
+
+def times(model, factor):
+    """Write every length so many times as large, in the same unit, as who takes m for mm does."""
+    for block in model.blocks.values():
+        for key in ("TranslationCartesianOffset", "BrickDimensions", "SphereRadius"):
+            if key in block.parameters:
+                block.parameters[key] = f"{factor}*{block.parameters[key]}"
+    return model
+
+
+@pytest.mark.parametrize("factor", [1000.0, 0.001, 25.4, 3.0])
+def test_one_factor_of_all_lengths_is_one_difference(compared, factor):
+    found = compared(times(published_leg(), factor))
+    assert [(item["what"], item["simulink"]) for item in found.different] == [
+        ("scale", pytest.approx(factor))
+    ]
+    assert not found.missing
+    bodies = {item["name"]: item["counterpart"] for item in found.matched if "sid" in item}
+    assert bodies["Brick Solid2"] == "body 'tibia'"
+    assert bodies["Spherical Solid"] == "body 'foot'"
+
+
+def test_lengths_of_another_leg_in_metres(compared):
+    model = times(published_leg(lengths=(25, 50, 100), amplitude="50", stop_time="10"), 1000.0)
+    options = {"amplitude": 0.05, "duration": 10.0}
+    (one,) = compared(model, l1=0.025, l2=0.05, **options).different
+    assert one["what"] == "scale"
+    found = compared(model, **options)
+    assert not {"scale", "shape"} & {
+        item[key] for item in found.different for key in ("what", "parameter")
+    }
+    bodies = {item["name"]: item["counterpart"] for item in found.matched if "sid" in item}
+    assert (bodies["Brick Solid2"], bodies["Spherical Solid"]) == ("body 'tibia'", "body 'foot'")
+
+
+def test_one_other_length_is_no_scale(compared):
+    found = compared(published_leg(lengths=(60, 100, 100)))
+    assert "scale" not in {item["what"] for item in found.different}
+
+
 def test_thighs_in_subsystems(compared):
     model = published_leg()
     for place in range(3):

@@ -43,6 +43,16 @@ def test_the_play_button_moves_the_leg_along_the_recorded_path(visit, step):
     assert clock(visit) == "1.00 of 1.00 s"
 
 
+def test_a_link_may_ask_for_the_motion(open_page, file):
+    visit = open_page(f"{file}#play")
+    visit.page.wait_for_function("document.getElementById('replay-scrub').value > 0")
+
+
+def test_a_page_waits_until_it_is_asked(visit):
+    visit.page.wait_for_timeout(300)
+    assert clock(visit) == "0.00 of 1.00 s"
+
+
 def test_the_slider_of_time_goes_to_the_moment(visit, step):
     visit.page.evaluate(
         "(s => { s.value = 0.5; s.dispatchEvent(new Event('input')); })"

@@ -74,5 +74,11 @@ if (stage) (() => {
     actions[event.key]();
   });
 
+  // A page that holds this one asks for it with a message, a link with its ending.
+  window.addEventListener("message", (event) => {
+    if (event.source === window.parent && event.data === "play") setPlaying(true);
+  });
+
   show(0);
+  if (location.hash === "#play") setPlaying(true);
 })();
