@@ -40,6 +40,7 @@ from drake_leg.kinematics.stroke import (
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Robot, Segment
 
+ROUNDING = 1e-13  # of the length: singular values that are none
 LEAVING = 1e-4  # of the length: where a foot with few joints has left a line that it cannot follow
 
 
@@ -197,7 +198,7 @@ def examine_posture(
     patient = _patient(robot)
     lifted = _lifted(robot, q)
     X_BF = foot_pose(robot.rows, lifted)
-    rank = examine(patient.jacobian(q))
+    rank = examine(patient.jacobian(q), ROUNDING * chain_length(robot.rows))
     how = steering(robot.rows)
     forward = backward = None
     if patient.is_regular(q, rank, how):
@@ -315,7 +316,8 @@ class _Patient:
     def is_regular(self, q: Sequence[float], _rank: RankReport, how: Steering) -> bool:
         J = steered(self._robot.rows, _lifted(self._robot, q), how)
         most = how.pose_rank if how.holds else how.position_rank
-        return bool(examine(J).rank >= min(most, *J.shape))
+        least = ROUNDING * chain_length(self._robot.rows)
+        return bool(examine(J, least).rank >= min(most, *J.shape))
 
     def nearness(self, _q: Sequence[float]) -> list[Nearness]:
         return []

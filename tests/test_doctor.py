@@ -218,6 +218,17 @@ def test_a_planar_arm_is_not_called_singular(tmp_path, capsys):
     assert "none: the foot cannot go straight along it" in capsys.readouterr().out
 
 
+def test_a_foot_that_no_joint_moves_is_told_as_such(tmp_path, capsys):
+    path = tmp_path / "spindle.toml"
+    row = "[[row]]\nsigma = {}\nd = 0\nalpha = 0\nr = 0.1\ntheta = 0\n"
+    table = row.format(0) + row.format('"~"').replace("alpha = 0", "alpha = 90").replace("0.1", "0")
+    path.write_text(f'name = "spindle"\nangles = "deg"\n{table}', encoding="utf-8")
+    assert main(["doctor", str(path), "--q", "10", "--foot", "0,0,0.1"]) == 0
+    text = capsys.readouterr().out
+    assert "rank            0 of 1, and no posture of this table has more\n" in text
+    assert "4 found of infinitely many: joints can move while the foot stays" in text
+
+
 @pytest.mark.parametrize(
     ("name", "foot", "count"),
     [("leg-b", "0.1,0.05,-0.1", 4), (DESK, "0.255046439,0.0449715685,0.0756409142", 1)],

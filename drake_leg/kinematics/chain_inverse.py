@@ -21,6 +21,7 @@ REACHED = 1e-10  # of the length
 SAME = 1e-5  # [rad, or of the length]: postures that differ by less are one
 STUCK = 1e3  # damping from which on nothing moves any more
 LARGEST_STEP = 0.6  # [rad]
+LEAST_LEVER = 1e-3  # of the length: a joint on a shorter one is taken not to move the foot
 SHOWN = 4  # postures of infinitely many
 
 
@@ -174,7 +175,7 @@ class _Search:
     def loses_a_joint(self, q: Array) -> bool:
         """Tell whether joints can move while the foot stays."""
         sigma = np.linalg.svd(self._jacobian(q), compute_uv=False)
-        return len(sigma) < len(q) or bool(sigma[-1] < 1e-6 * sigma[0])
+        return len(sigma) < len(q) or bool(sigma[-1] < 1e-6 * max(sigma[0], LEAST_LEVER))
 
     def different(self, q: Array, miss: Array) -> tuple[Array, Array]:
         """Leave one of each posture, by whole turns within the limits, those within them first."""

@@ -16,7 +16,8 @@ from drake_leg.robot import Row
 
 SAMPLES = 24  # random postures that tell what a chain's foot can do
 RANK_TOLERANCE = 1e-9  # of the greatest singular value
-STEPS = 100  # over the length of the chain
+LEAST_LEVER = 1e-3  # of the length: a shorter lever than any that is meant
+STEPS = 50  # over the length of the chain
 RESOLUTION = 1e-9  # smallest step, of the length of the chain
 ROUNDING = 1e-13  # of the length of the chain: what a foot misses its goal by at best
 FARTHEST = 10.0  # of the length of the chain; farther is called infinite
@@ -98,8 +99,9 @@ def steering(rows: Sequence[Row]) -> Steering:
     Steering
     """
     scaled = _weights(rows)[:, np.newaxis] * sampled_jacobians(rows)
-    pose_rank, pose_span = _span(scaled)
-    position_rank, position_span = _span(np.concatenate([0.0 * scaled[:, :3], scaled[:, 3:]], 1))
+    only = np.concatenate([0.0 * scaled[:, :3], scaled[:, 3:]], axis=1)
+    pose_rank, pose_span = _span(scaled, LEAST_LEVER * chain_length(rows))
+    position_rank, position_span = _span(only, LEAST_LEVER * chain_length(rows))
     holds = pose_span is not None and pose_rank > position_rank
     twists = pose_span if holds else position_span
     if twists is None:
@@ -206,10 +208,10 @@ def _weights(rows: Sequence[Row]) -> Array:
     return np.array([chain_length(rows)] * 3 + [1.0] * 3)
 
 
-def _span(scaled: Array) -> tuple[int, Array | None]:
+def _span(scaled: Array, least: float) -> tuple[int, Array | None]:
     """Return the greatest rank of Jacobians, and the span of all, if it is no larger."""
     each = np.linalg.svd(scaled, compute_uv=False)
-    greatest = float(each.max()) or 1.0
+    greatest = max(float(each.max()), least)
     rank = int((each > RANK_TOLERANCE * greatest).sum(axis=1).max())
     U, sigma, _ = np.linalg.svd(np.hstack(list(scaled)), full_matrices=False)
     together = int((sigma > RANK_TOLERANCE * greatest).sum())

@@ -26,13 +26,15 @@ class RankReport:
     lost_directions: Array  # (full_rank - rank, rows), orthonormal; empty at full rank
 
 
-def examine(J: Array) -> RankReport:
+def examine(J: Array, least: float = 0.0) -> RankReport:
     """Take a Jacobian apart.
 
     Parameters
     ----------
     J : (m, n) ndarray
         Its rows in one unit.
+    least : float
+        Singular value that is nothing but rounding, in the Jacobian's unit.
 
     Returns
     -------
@@ -42,7 +44,7 @@ def examine(J: Array) -> RankReport:
     """
     U, sigma, _ = np.linalg.svd(J)
     smaller = len(sigma)
-    rank = int((sigma > RANK_TOLERANCE * sigma[0]).sum()) if sigma[0] > 0.0 else 0
+    rank = int((sigma > max(RANK_TOLERANCE * sigma[0], least)).sum())
     lost = U[:, rank:smaller].T
     cleaned = np.where(np.abs(lost) < 1e-12, 0.0, lost)
     signs = [np.sign(row[np.flatnonzero(row)[0]]) for row in cleaned]
