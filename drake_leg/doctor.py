@@ -7,14 +7,29 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, within_turns
-from drake_leg.kinematics.chain_stroke import chain_stroke
-from drake_leg.kinematics.khalil import jacobian
+import numpy as np
+
+from drake_leg.feet import Feet, Solution, feet, lift_limits, limits_of
+from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.euler import euler_angles
+from drake_leg.kinematics.foot_line import (
+    Steering,
+    chain_length,
+    outside,
+    steered,
+    steering,
+    straight_way,
+)
+from drake_leg.kinematics.khalil import foot_pose, jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, is_hexabot_leg
-from drake_leg.kinematics.leg_inverse import branches
-from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, is_scara, task_jacobian
-from drake_leg.kinematics.singularity import RankReport, examine
+from drake_leg.kinematics.scara import ScaraGeometry, is_scara, task_jacobian
+from drake_leg.kinematics.singularity import (
+    LostTwist,
+    RankReport,
+    WholeRank,
+    examine,
+    examine_whole,
+)
 from drake_leg.kinematics.stroke import (
     Stroke,
     greatest_amplitude,
@@ -23,6 +38,9 @@ from drake_leg.kinematics.stroke import (
 )
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Robot, Segment
+
+ROUNDING = 1e-13  # of the length: singular values that are none
+LEAVING = 1e-4  # of the length: where a foot with few joints has left a line that it cannot follow
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,24 +53,49 @@ class Nearness:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Solution:
-    """One way of putting the foot at a point."""
+class Outside:
+    """A joint outside its limits."""
 
-    name: str
-    q: tuple[float, ...] | None  # [rad]; None where out of reach
-    within_limits: bool
+    segment: Segment
+    position: float  # [rad or m]
+
+    @property
+    def sentence(self) -> str:
+        """Which joint, where, and its limits."""
+        turning = self.segment.row.joint == "revolute"
+        ((low, high),) = limits_of([self.segment])
+        position, low, high = (
+            math.degrees(value) if turning else value for value in (self.position, low, high)
+        )
+        unit = "deg" if turning else "m"
+        return (
+            f"joint {self.segment.joint} is at {position:.6g} {unit}, outside its limits "
+            f"{low:.6g} ... {high:.6g} {unit}"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
     """Everything the doctor says of a posture; lengths in m, angles in rad."""
 
+    position: tuple[float, float, float | None]  # of the foot; no height where no lift is given
+    orientation: tuple[float, float, float]  # of the foot: roll, pitch, yaw about x, y, z
+    moved: str  # what the rank is of: the foot's translation, or part of it
     rank: RankReport
+    most_rank: int  # in any posture
+    whole: WholeRank | None  # of the whole Jacobian; None where there are at most three joints
     nearness: tuple[Nearness, ...]  # nearest first; empty for a chain without named families
-    forward: Stroke | None  # None where the chain has not three joints, or is singular already
+    outside: tuple[Outside, ...]
+    holds_orientation: bool  # while the foot goes its stroke
+    forward: Stroke | None  # None where the posture is singular already
     backward: Stroke | None
     greatest_amplitude: float | None  # [m/s], at the frequency asked for
-    solutions: tuple[Solution, ...] | None  # of the inverse kinematics; None where not asked for
+    feet: Feet | None  # the inverse kinematics; None where not asked for
+
+    @property
+    def solutions(self) -> tuple[Solution, ...] | None:
+        """The ways of putting the foot where it was asked for; None where it was not."""
+        return None if self.feet is None else self.feet.solutions
 
     def as_json(self) -> dict[str, Any]:
         """Return the numbers under the command line's keys, with angles in degrees.
@@ -62,22 +105,56 @@ class Diagnosis:
         dict
         """
         lost = self.rank.lost_directions
-        solutions = self.solutions or ()
         return {
+            "foot_m": list(self.position),
+            "foot_rpy_deg": [math.degrees(angle) for angle in self.orientation],
             "rank": self.rank.rank,
+            "full_rank": self.rank.full_rank,
+            "greatest_rank": self.most_rank,
             "sigma_min_m": self.rank.sigma_min,
             "manipulability": self.rank.manipulability,
+            "whole_jacobian": self.whole and _whole_json(self.whole),
             "nearest_family": self.nearness[0].family if self.nearness else None,
             "lost_direction": lost[-1].tolist() if len(lost) else None,
+            "outside_limits": [outside.sentence for outside in self.outside],
+            "stroke_holds_orientation": self.holds_orientation,
             "stroke_forward_m": _finite(self.forward.length if self.forward else None),
+            "stroke_forward_ends": _end(self.forward),
             "stroke_backward_m": _finite(self.backward.length if self.backward else None),
+            "stroke_backward_ends": _end(self.backward),
             "max_amplitude_m_s": _finite(self.greatest_amplitude),
-            "branches_deg": [_degrees(s.q) for s in solutions if s.q is not None],
-            "branches": [
-                {"name": s.name, "q_deg": _degrees(s.q), "within_limits": s.within_limits}
-                for s in solutions
-            ],
+            **feet_json(self.feet),
         }
+
+
+def feet_json(found: Feet | None) -> dict[str, Any]:
+    """Return the inverse kinematics under the command line's keys, with angles in degrees.
+
+    Parameters
+    ----------
+    found : Feet or None
+        None gives empty lists.
+
+    Returns
+    -------
+    dict
+    """
+    solutions = found.solutions if found else ()
+    units = list(found.units) if found else []
+    turning = all(unit == "deg" for unit in units)
+    return {
+        "branches_heading": found and found.heading,
+        "units": units,
+        **({"branches_deg": [_typed(s.q, units) for s in solutions if s.q]} if turning else {}),
+        "branches": [
+            {
+                "name": s.name,
+                "q_deg" if turning else "q": _typed(s.q, units),
+                "within_limits": s.within_limits,
+            }
+            for s in solutions
+        ],
+    }
 
 
 def examine_posture(
@@ -87,6 +164,8 @@ def examine_posture(
     direction: Sequence[float] = (1.0, 0.0, 0.0),
     frequency: float = 1.0,
     foot: Sequence[float] | None = None,
+    yaw: float | None = None,
+    rpy: Sequence[float] | None = None,
 ) -> Diagnosis:
     """Examine a posture of a robot.
 
@@ -95,13 +174,15 @@ def examine_posture(
     robot : Robot
         A leg, the SCARA, or any chain.
     q : (n,) sequence of float
-        Joint positions [rad or m]; the SCARA's three angles.
+        Joint positions [rad or m]; the SCARA's lift may be left out.
     direction : (3,) sequence of float
         Of the stroke, in the base frame.
     frequency : float
         Of the sine whose greatest amplitude is asked for [rad/s].
     foot : (3,) sequence of float, optional
         Point whose inverse kinematics is asked for [m].
+    yaw, rpy : float and (3,) sequence of float, optional
+        How the foot is to be turned there, as ``feet`` takes them [rad].
 
     Returns
     -------
@@ -114,46 +195,143 @@ def examine_posture(
     """
     require_positive("the frequency", frequency, "rad/s")
     patient = _patient(robot)
-    J = patient.jacobian(q)
-    rank = examine(J)
+    lifted = _lifted(robot, q)
+    X_BF = foot_pose(robot.rows, lifted)
+    rank = examine(patient.jacobian(q), ROUNDING * chain_length(robot.rows))
+    how = steering(robot.rows)
     forward = backward = None
-    regular = rank.rank == rank.full_rank
-    if regular and (isinstance(patient, _Scara) or len(robot.moving) == rank.rank == 3):
-        forward = patient.stroke(q, direction)
-        backward = patient.stroke(q, [-value for value in direction])
+    if patient.is_regular(q, rank, how):
+        forward = _limited(robot, patient, q, direction, how)
+        backward = _limited(robot, patient, q, [-value for value in direction], how)
+    x, y, z = X_BF[:3, 3].tolist()
+    yaw_there, pitch, roll = euler_angles("ZYX", X_BF[:3, :3]).tolist()
+    many = len(robot.moving) > 3
     return Diagnosis(
+        position=(x, y, z if len(q) == len(lifted) else None),
+        orientation=(roll, pitch, yaw_there),
+        moved=patient.moved,
         rank=rank,
+        most_rank=min(patient.most_rank(how), rank.full_rank),
+        whole=examine_whole(robot.rows, lifted, chain_length(robot.rows)) if many else None,
         nearness=tuple(sorted(patient.nearness(q), key=lambda near: near.measure)),
+        outside=_outside(robot, q),
+        holds_orientation=how.holds,
         forward=forward,
         backward=backward,
         greatest_amplitude=greatest_amplitude(forward, frequency) if forward else None,
-        solutions=None if foot is None else patient.solutions(q, foot),
+        feet=None if foot is None else feet(robot, foot, q=q, yaw=yaw, rpy=rpy),
     )
+
+
+def _lifted(robot: Robot, q: Sequence[float]) -> Sequence[float]:
+    """Put in a lift that was left out: nothing but the height depends on it."""
+    if is_scara(robot) and len(q) == 3:
+        low, high = lift_limits(robot)
+        return [*q, low if math.isfinite(low) else min(high, 0.0)]
+    return q
+
+
+def _outside(robot: Robot, q: Sequence[float]) -> tuple[Outside, ...]:
+    joints = robot.moving[: len(q)]
+    return tuple(
+        Outside(segment=joints[index], position=float(q[index]))
+        for index in outside(q, limits_of(joints))
+    )
+
+
+def _limited(
+    robot: Robot, patient: _Patient, q: Sequence[float], direction: Sequence[float], how: Steering
+) -> Stroke:
+    """Return the way to the first singularity, or to the limit of a joint that comes before it."""
+    lifted, limits = _lifted(robot, q), limits_of(robot.moving)
+    already = outside(lifted, limits)
+    if already:
+        return Stroke(length=0.0, family=None, joint=robot.moving[already[0]].joint)
+    known = patient.stroke(q, direction)
+    if known is not None and not np.isfinite(limits).any():
+        return known
+    farthest = None if known is None else known.length
+    way = straight_way(robot.rows, lifted, direction, how, limits, farthest)
+    joint = None if way.joint is None else robot.moving[way.joint].joint
+    if known is not None and joint is None:
+        return known
+    leaves = joint is None and way.length < LEAVING * chain_length(robot.rows)
+    length = 0.0 if leaves and how.twists.shape[1] > len(limits) else way.length
+    return Stroke(length=length, family=None, joint=joint)
 
 
 def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def _degrees(q: Sequence[float] | None) -> list[float] | None:
-    return None if q is None else [math.degrees(angle) for angle in q]
+def _end(stroke: Stroke | None) -> str | None:
+    """Say what ends a stroke."""
+    if stroke is None or not math.isfinite(stroke.length):
+        return None
+    if stroke.joint is not None:
+        return f"the limit of joint {stroke.joint}"
+    return f"the {stroke.family} family" if stroke.family else None
 
 
-def _limits(segment: Segment) -> tuple[float, float]:
-    lower, upper = segment.mechanics.lower, segment.mechanics.upper
-    return (-math.inf if lower is None else lower, math.inf if upper is None else upper)
+def _typed(q: Sequence[float] | None, units: Sequence[str]) -> list[float] | None:
+    if q is None:
+        return None
+    return [
+        math.degrees(value) if unit == "deg" else value
+        for value, unit in zip(q, units, strict=True)
+    ]
 
 
-def _inside(q: Sequence[float], limits: Sequence[tuple[float, float]]) -> bool:
-    return all(within_turns(angle, *pair) for angle, pair in zip(q, limits, strict=True))
+def _whole_json(whole: WholeRank) -> dict[str, Any]:
+    def listed(twist: LostTwist) -> dict[str, Any]:
+        turning, moving = twist.turning, twist.moving
+        return {
+            "turning": None if turning is None else turning.tolist(),
+            "moving": None if moving is None else moving.tolist(),
+        }
+
+    return {
+        "rank": whole.rank,
+        "full_rank": whole.full_rank,
+        "sigma_min": whole.sigma_min,
+        "lost_twists": [listed(twist) for twist in whole.lost],
+    }
 
 
-class _Leg:
+class _Patient:
+    """Any chain, numerically."""
+
+    moved = "the foot's translation"
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+
+    def jacobian(self, q: Sequence[float]) -> Array:
+        return jacobian(self._robot.rows, q)[3:]
+
+    def most_rank(self, how: Steering) -> int:
+        return how.position_rank
+
+    def is_regular(self, q: Sequence[float], _rank: RankReport, how: Steering) -> bool:
+        J = steered(self._robot.rows, _lifted(self._robot, q), how)
+        most = how.pose_rank if how.holds else how.position_rank
+        least = ROUNDING * chain_length(self._robot.rows)
+        return bool(examine(J, least).rank >= min(most, *J.shape))
+
+    def nearness(self, _q: Sequence[float]) -> list[Nearness]:
+        return []
+
+    def stroke(self, _q: Sequence[float], _direction: Sequence[float]) -> Stroke | None:
+        """Return the way to the first singularity, where there is a closed form."""
+        return None
+
+
+class _Leg(_Patient):
     """The hexabot's leg, in closed form."""
 
     def __init__(self, robot: Robot) -> None:
+        super().__init__(robot)
         self._leg = LegGeometry.from_robot(robot)
-        self._limits = [_limits(segment) for segment in robot.moving]
 
     def jacobian(self, q: Sequence[float]) -> Array:
         return foot_jacobian(self._leg, q)
@@ -178,22 +356,25 @@ class _Leg:
     def stroke(self, q: Sequence[float], direction: Sequence[float]) -> Stroke:
         return leg_stroke(self._leg, q, direction)
 
-    def solutions(self, _q: Sequence[float], foot: Sequence[float]) -> tuple[Solution, ...]:
-        return tuple(
-            Solution(name=branch.name, q=branch.q, within_limits=branch.within_limits)
-            for branch in branches(self._leg, foot, self._limits)
-        )
 
+class _Scara(_Patient):
+    """The SCARA arm, in closed form."""
 
-class _Scara:
-    """The SCARA arm, in closed form; its rank is that of the horizontal motion."""
+    moved = "the tool's horizontal motion"
 
     def __init__(self, robot: Robot) -> None:
+        super().__init__(robot)
         self._arm = ScaraGeometry.from_robot(robot)
-        self._limits = [_limits(segment) for segment in robot.moving[:3]]
 
     def jacobian(self, q: Sequence[float]) -> Array:
+        one_vector("q", q, len(q))
         return task_jacobian(self._arm, q[:3])[:2, :2]
+
+    def most_rank(self, _how: Steering) -> int:
+        return 2
+
+    def is_regular(self, _q: Sequence[float], rank: RankReport, _how: Steering) -> bool:
+        return rank.rank == rank.full_rank
 
     def nearness(self, q: Sequence[float]) -> list[Nearness]:
         measure = abs(math.sin(q[1]))
@@ -203,41 +384,8 @@ class _Scara:
     def stroke(self, q: Sequence[float], direction: Sequence[float]) -> Stroke:
         return scara_stroke(self._arm, q[:3], direction)
 
-    def solutions(self, q: Sequence[float], foot: Sequence[float]) -> tuple[Solution, ...]:
-        """Keep the yaw of the posture; the height is the lift's alone."""
-        names = ("elbow left", "elbow right")
-        angles = branch_angles(self._arm, [foot[0], foot[1], sum(q[:3])])
-        return tuple(
-            Solution(name=name, q=tuple(q), within_limits=_inside(q, self._limits))
-            if all(map(math.isfinite, q))
-            else Solution(name=name, q=None, within_limits=False)
-            for name, q in zip(names, angles.tolist(), strict=True)
-        )
 
-
-class _Chain:
-    """Any chain, numerically; its rank is that of the foot's translation."""
-
-    def __init__(self, robot: Robot) -> None:
-        self._robot = robot
-
-    def jacobian(self, q: Sequence[float]) -> Array:
-        return jacobian(self._robot.rows, q)[3:]
-
-    def nearness(self, _q: Sequence[float]) -> list[Nearness]:
-        return []
-
-    def stroke(self, q: Sequence[float], direction: Sequence[float]) -> Stroke:
-        return chain_stroke(self._robot.rows, q, direction).stroke
-
-    def solutions(self, _q: Sequence[float], _foot: Sequence[float]) -> tuple[Solution, ...]:
-        raise InvalidValueError(
-            f"the inverse kinematics of {self._robot.name!r} has no closed form here; "
-            "it is known for the hexabot's leg and the SCARA"
-        )
-
-
-def _patient(robot: Robot) -> _Leg | _Scara | _Chain:
+def _patient(robot: Robot) -> _Patient:
     if is_hexabot_leg(robot):
         return _Leg(robot)
-    return _Scara(robot) if is_scara(robot) else _Chain(robot)
+    return _Scara(robot) if is_scara(robot) else _Patient(robot)

@@ -2,6 +2,7 @@
 
 import base64
 import io
+import math
 import shutil
 import time
 from functools import cache
@@ -11,11 +12,18 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from drake_leg import progress
 from drake_leg.models.plant import build_plant
 from drake_leg.scene.live.server import Server
 
 settings.register_profile("drake_leg", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("drake_leg")
+
+
+@pytest.fixture(autouse=True)
+def quiet(monkeypatch):
+    """On a busy machine anything may take ten seconds; that it does is said in test_progress."""
+    monkeypatch.setattr(progress, "LINES", math.inf)
 
 
 @pytest.fixture

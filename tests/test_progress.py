@@ -1,4 +1,5 @@
 import io
+import time
 
 import pytest
 
@@ -78,10 +79,51 @@ def test_closing_wipes_it_off(clock):
     assert rest == ""
 
 
-def test_on_a_stream_that_is_no_terminal_nothing_is_shown(clock):
+def test_off_a_terminal_there_is_a_line_every_ten_seconds(clock, monkeypatch):
+    monkeypatch.setattr(progress, "LINES", 10.0)
     stream = io.StringIO()
     bar = bar_on(stream)
+    for step in range(350):
+        clock.now = 100.0 + step / 10
+        bar(step / 20)
+    bar.close()
+    lines = stream.getvalue().splitlines()
+    assert lines[0] == "drake-leg: leg-b: 5 of 20 s, at work for 10 s"
+    assert len(lines) == 3
+
+
+def test_what_nobody_counts_is_named(clock, monkeypatch):
+    monkeypatch.setattr(progress, "LINES", 10.0)
+    stream, terminal = io.StringIO(), Terminal()
+    bars = [bar_on(stream), bar_on(terminal)]
+    clock.now = 115.0
+    for bar in bars:
+        bar.turn_to("recording and figures")
+    said = "leg-b: recording and figures, at work for 15 s"
+    assert stream.getvalue() == f"drake-leg: {said}\n"
+    assert terminal.getvalue().strip() == said
+
+
+def test_silence_is_broken_although_nothing_is_reported(monkeypatch):
+    monkeypatch.setattr(progress, "LINES", 0.05)
+    monkeypatch.setattr(progress, "REFRESH", 0.01)
+    stream = io.StringIO()
+    with bar_on(stream):
+        deadline = time.monotonic() + 20.0
+        while stream.getvalue().count("\n") < 3:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+    said = stream.getvalue()
+    time.sleep(0.1)
+    assert stream.getvalue() == said
+
+
+def test_a_reader_that_is_gone_stops_no_work(clock):
+    class Gone(Terminal):
+        def write(self, text):
+            raise BrokenPipeError
+
+    bar = bar_on(Gone())
     clock.now = 200.0
     bar(10.0)
     bar.close()
-    assert stream.getvalue() == ""

@@ -186,8 +186,6 @@ def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> 
 
 
 def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
-    from drake_leg.check.proof import TOLERANCE
-
     yield (
         f"greatest differences on {proof.samples} random configurations within the limits, "
         f"lengths relative to {proof.size:.6g} m:"
@@ -200,12 +198,19 @@ def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
         yield f"  {missing.quantity:<10} {missing.witness:<20} {missing.why}"
     if proof.worst is not None:
         yield f"the greatest of all: {_where(robot, proof.worst)}"
-    verdict = "proved: none is" if proof.complete else "proved in part: none of these is"
+    yield _verdict(proof)
+
+
+def _verdict(proof: Proof) -> str:
+    from drake_leg.check.proof import TOLERANCE
+
     if not proof.comparisons:
-        verdict = "NOT proved: nothing was compared that might be"
-    elif not proof.holds:
-        verdict = "NOT proved: at least one is"
-    yield f"{verdict} above {TOLERANCE:g}"
+        return "NOT proved: nothing was compared within the budget"
+    if not proof.holds:
+        return f"NOT proved: at least one is above {TOLERANCE:g}"
+    if not proof.complete:
+        return f"proved in part: none of these is above {TOLERANCE:g}"
+    return f"proved: none is above {TOLERANCE:g}"
 
 
 def _where(robot: Robot, comparison: Comparison) -> str:

@@ -3,16 +3,31 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import textwrap
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import Commands
-from drake_leg.symbolic.catalogue import SUBJECTS, Subject, derived_equations
+from drake_leg.cli.common import (
+    ROBOT_NAMES,
+    STOPPED_EARLY,
+    Commands,
+    add_budget,
+    budget_of,
+    fail,
+)
+from drake_leg.cli.robot_source import robot_source
+from drake_leg.errors import TimeBudgetError
+from drake_leg.progress import ProgressBar
+from drake_leg.symbolic.catalogue import SUBJECTS, Subject, derived_equations, require_subject
+from drake_leg.symbolic.optional import require_sympy
+from drake_leg.time_budget import TimeBudget
 
 if TYPE_CHECKING:
     from drake_leg.symbolic.equations import Equation
 
 SHORTHAND = "c1 = cos(q1), s1 = sin(q1), c23 = cos(q2 + q3) and so on"
+
+MOST_NAMED = 6  # pieces that a sentence names
 
 
 def add(commands: Commands) -> None:
@@ -25,29 +40,87 @@ def add(commands: Commands) -> None:
     """
     parser = commands.add_parser(
         "derive",
-        help="derive a report's matrices and equations with SymPy",
+        help="derive a robot's matrices and equations with SymPy",
         description="Derive a report's transforms, its Jacobian by two methods, its determinant "
-        "and its singularities from the Khalil rows, in symbols. Needs SymPy: "
-        "pip install 'drake-leg[symbolic]'.",
+        "and its singularities from the Khalil rows, in symbols; or those of a robot of your own. "
+        "Needs SymPy: pip install 'drake-leg[symbolic]'.",
+        epilog="Exit status: 0 all was derived, 2 bad input, 3 not all was derived in time.",
     )
-    parser.add_argument("name", metavar="NAME", help=f"one of {', '.join(SUBJECTS)}")
+    parser.add_argument(
+        "name",
+        metavar="NAME|FILE.toml",
+        help=f"one of {', '.join(SUBJECTS)}, with the equations' numbers in the report; or a "
+        "robot of your own",
+    )
     parser.add_argument("--latex", action="store_true", help="print lines of LaTeX")
+    add_budget(parser, "of the derivation")
     parser.set_defaults(command=_derive)
 
 
 def _derive(chosen: argparse.Namespace) -> int:
-    equations = derived_equations(chosen.name)
+    budget = TimeBudget(budget_of(chosen))
+    own = chosen.name not in SUBJECTS and (
+        chosen.name in ROBOT_NAMES or chosen.name.lower().endswith(".toml")
+    )
+    with ProgressBar(sys.stderr, f"derivation of {chosen.name}", budget.seconds, "s") as bar:
+        return (_own if own else _reports)(chosen, budget, bar)
+
+
+def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
+    """Derive a report's equations, all or none."""
+    bar.turn_to("its equations")
+    require_subject(chosen.name)
+    try:
+        equations = budget.spend(lambda: derived_equations(chosen.name))
+    except TimeBudgetError as error:
+        return fail(f"the derivation of {chosen.name} is {error}", STOPPED_EARLY)
     subject = SUBJECTS[chosen.name]
-    heading = f"{subject.robot.title}, derived from {subject.robot.source}: {SHORTHAND}"
-    if chosen.latex:
-        print(f"% {heading}")
-        for equation in equations:
-            print(f"% {_title(subject, equation)}\n{equation.latex()}")
-    else:
-        print(heading)
-        for equation in equations:
-            print(f"\n{_title(subject, equation)}\n\n{textwrap.indent(equation.text(), '  ')}")
+    robot = subject.robot
+    _print_heading(f"{robot.title}, derived from {robot.source}: {SHORTHAND}", chosen)
+    for equation in equations:
+        _print_equation(_title(subject, equation), equation, chosen)
     return 0
+
+
+def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
+    """Derive what follows from a table, each piece printed when it is there."""
+    robot = robot_source(chosen.name).robot()
+    require_sympy(f"the derivation of {chosen.name}")
+    from drake_leg.symbolic.own_table import OwnTable
+
+    table, undone = OwnTable(robot.rows), []
+    letters = f"; {table.legend}" if table.legend else ""
+    _print_heading(f"{robot.title}, derived from its table: {SHORTHAND}{letters}", chosen)
+    for piece in table.pieces():
+        bar.turn_to(piece.title)
+        try:
+            equations = budget.spend(piece.derive)
+        except (TimeBudgetError, RecursionError):
+            undone.append(piece.title)
+            continue
+        for equation in equations:
+            _print_equation(equation.title, equation, chosen)
+        if not equations:
+            _print_heading(f"\n{piece.title}: {piece.otherwise}", chosen)
+    if not undone:
+        return 0
+    more = f" and {len(undone) - MOST_NAMED} more" if len(undone) > MOST_NAMED else ""
+    return fail(
+        f"not derived within {budget.seconds:g} s: {'; '.join(undone[:MOST_NAMED])}{more}: give it "
+        "more with --budget",
+        STOPPED_EARLY,
+    )
+
+
+def _print_heading(text: str, chosen: argparse.Namespace) -> None:
+    print(f"% {text.strip()}" if chosen.latex else text)
+
+
+def _print_equation(title: str, equation: Equation, chosen: argparse.Namespace) -> None:
+    if chosen.latex:
+        print(f"% {title}\n{equation.latex()}", flush=True)
+    else:
+        print(f"\n{title}\n\n{textwrap.indent(equation.text(), '  ')}", flush=True)
 
 
 def _title(subject: Subject, equation: Equation) -> str:

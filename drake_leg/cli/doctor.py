@@ -6,8 +6,9 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, fail, numbers
 from drake_leg.cli.pictures import Pictures
@@ -15,11 +16,14 @@ from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.imports import require_matplotlib
 from drake_leg.output import ResultsFolder
+from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
 
 if TYPE_CHECKING:
     from drake_leg.doctor import Diagnosis
+    from drake_leg.feet import Feet
     from drake_leg.figures.of_postures import Maps
+    from drake_leg.kinematics.singularity import LostTwist
     from drake_leg.kinematics.stroke import Stroke
 
 
@@ -34,22 +38,32 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser(
         "doctor",
         help="examine a posture before simulating it",
-        description="Say of a posture: rank and smallest singular value of the foot's Jacobian, "
-        "manipulability, the singular family that is near, the lost direction, the stroke along "
-        "a direction to the first singularity, and the greatest amplitude that stays inside.",
+        description="Say of a posture: the foot's pose, rank and smallest singular value of its "
+        "Jacobian, manipulability, the singular family that is near, what motion is lost, the "
+        "stroke along a direction to the first singularity or joint limit, and the greatest "
+        "amplitude that stays inside. With --foot: the joint positions that put the foot there.",
     )
     add_robot_source(parser)
     parser.add_argument(
-        "--q", required=True, metavar="X,Y,Z", help="joint angles [deg]; a lift [m]"
+        "--q",
+        metavar="X,Y,Z",
+        help="joint angles [deg]; a lift or another sliding joint [m]; needed for all but --foot",
     )
-    parser.add_argument(
-        "--direction", default="1,0,0", metavar="X,Y,Z", help="of the stroke (default 1,0,0)"
-    )
-    parser.add_argument(
-        "--frequency", default="1", metavar="X", help="of the sine [rad/s] (default 1)"
-    )
+    parser.add_argument("--direction", metavar="X,Y,Z", help="of the stroke (default 1,0,0)")
+    parser.add_argument("--frequency", metavar="X", help="of the sine [rad/s] (default 1)")
     parser.add_argument(
         "--foot", metavar="X,Y,Z", help="point whose inverse kinematics is wanted [m]"
+    )
+    parser.add_argument(
+        "--rpy",
+        metavar="R,P,Y",
+        help="with --foot: the foot's roll, pitch and yaw about the base's x, y, z [deg], for "
+        "more than three joints",
+    )
+    parser.add_argument(
+        "--yaw",
+        metavar="X",
+        help="with --foot: the yaw of a SCARA's tool [deg] (default: that of --q)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
@@ -68,27 +82,68 @@ def add(commands: Commands) -> None:
 def _doctor(chosen: argparse.Namespace) -> int:
     from drake_leg.doctor import examine_posture
 
-    robot = robot_source(chosen.robot).robot()
-    q = _positions(robot, numbers("--q", chosen.q))
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
+    robot, place = robot_source(chosen.robot).robot(), _place(chosen)
+    if chosen.q is None:
+        return _foot_alone(chosen, robot, place)
+    q = _positions(robot, numbers("--q", chosen.q))
     folder, maps = _maps(chosen, robot, q) if chosen.out else (None, {})
-    diagnosis = examine_posture(
-        robot,
-        q,
-        direction=numbers("--direction", chosen.direction, 3),
-        frequency=numbers("--frequency", chosen.frequency, 1)[0],
-        foot=numbers("--foot", chosen.foot, 3) if chosen.foot is not None else None,
-    )
+    motion: dict[str, Any] = {}
+    if chosen.direction is not None:
+        motion["direction"] = numbers("--direction", chosen.direction, 3)
+    if chosen.frequency is not None:
+        motion["frequency"] = numbers("--frequency", chosen.frequency, 1)[0]
+    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
+        bar.turn_to("the posture")
+        diagnosis = examine_posture(robot, q, **motion, **place)
     if chosen.json:
         print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
     else:
         print("\n".join(_lines(diagnosis)))
     if folder is None:
         return 0
-    status = _write_maps(folder, maps, diagnosis)
+    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
+        bar.turn_to("its maps")
+        status = _write_maps(folder, maps, diagnosis)
     print(f"wrote {folder.path}", file=sys.stderr if chosen.json else sys.stdout)
     return status
+
+
+def _place(chosen: argparse.Namespace) -> dict[str, Any]:
+    """Read where the foot is wanted, and how turned."""
+    turned: dict[str, Any] = {}
+    if chosen.yaw is not None:
+        turned["yaw"] = math.radians(numbers("--yaw", chosen.yaw, 1)[0])
+    if chosen.rpy is not None:
+        turned["rpy"] = [math.radians(angle) for angle in numbers("--rpy", chosen.rpy, 3)]
+    if chosen.foot is None:
+        for option in turned:
+            raise InvalidValueError(f"--{option} goes with --foot: say where the foot is, too")
+        return {}
+    return {"foot": numbers("--foot", chosen.foot, 3), **turned}
+
+
+def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any]) -> int:
+    """Tell the inverse kinematics, without a posture."""
+    for option in ("direction", "frequency", "out"):
+        if getattr(chosen, option) is not None:
+            raise InvalidValueError(f"--{option} is of a posture: give --q, too")
+    if not place:
+        raise InvalidValueError(
+            "there is nothing to examine: give a posture by --q, or a point for the foot by --foot"
+        )
+    from drake_leg.doctor import feet_json
+    from drake_leg.feet import feet
+
+    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
+        bar.turn_to("postures for the foot")
+        found = feet(robot, **place)
+    if chosen.json:
+        print(json.dumps(feet_json(found), indent=2, allow_nan=False))
+    else:
+        print("\n".join(_feet_lines(found)))
+    return 0
 
 
 def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> tuple[ResultsFolder, Maps]:
@@ -115,50 +170,132 @@ def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> int:
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:
     """Convert degrees where a joint turns; the SCARA's lift may be left out."""
+    from drake_leg.feet import units_of
     from drake_leg.kinematics.scara import is_scara
 
-    kinds = [segment.row.joint for segment in robot.moving]
-    if is_scara(robot) and len(values) == 3:
-        kinds = kinds[:3]
-    if len(values) != len(kinds):
+    units = units_of(robot)
+    if len(values) == 3 and is_scara(robot):
+        units = units[:3]
+    if len(values) != len(units):
         raise InvalidValueError(
-            f"--q has {len(values)} numbers; {robot.name} has {len(kinds)} joint positions"
+            f"--q has {len(values)} numbers; {robot.name} has {len(units)} joint positions"
         )
     return [
-        math.radians(value) if kind == "revolute" else value
-        for value, kind in zip(values, kinds, strict=True)
+        math.radians(value) if unit == "deg" else value
+        for value, unit in zip(values, units, strict=True)
     ]
 
 
 def _lines(diagnosis: Diagnosis) -> list[str]:
-    rank = diagnosis.rank
-    lines = [
-        f"rank            {rank.rank} of {rank.full_rank}",
-        f"sigma_min       {rank.sigma_min:.6g} m",
-        f"manipulability  {rank.manipulability:.6g}",
-    ]
+    lines = [*_pose_lines(diagnosis), *_rank_lines(diagnosis)]
     for place, near in enumerate(diagnosis.nearness):
         nearest = "   (nearest)" if place == 0 and len(diagnosis.nearness) > 1 else ""
         lines.append(f"{near.family:<15} {near.meaning}{nearest}")
-    lines += [
-        "lost direction  (" + ", ".join(f"{x:.6g}" for x in row) + ")"
-        for row in rank.lost_directions
+    lines += [f"lost direction  {_vector(row)}" for row in diagnosis.rank.lost_directions]
+    lines += [f"lost twist      {_twist(twist)}" for twist in _lost(diagnosis)]
+    lines += [f"outside limits  {outside.sentence}" for outside in diagnosis.outside]
+    lines += _stroke_lines(diagnosis)
+    return lines if diagnosis.feet is None else [*lines, *_feet_lines(diagnosis.feet)]
+
+
+def _pose_lines(diagnosis: Diagnosis) -> list[str]:
+    x, y, z = diagnosis.position
+    height = "not given, as the lift is not" if z is None else _rounded(z)
+    roll, pitch, yaw = (_rounded(math.degrees(angle)) for angle in diagnosis.orientation)
+    return [
+        f"foot            ({_rounded(x)}, {_rounded(y)}, {height}) m",
+        f"orientation     roll {roll}, pitch {pitch}, yaw {yaw} deg, about the base's x, y, z",
     ]
-    if rank.rank < rank.full_rank:
-        lines.append("stroke          none: the posture is singular already")
-    elif diagnosis.forward and diagnosis.backward:
-        lines.append(f"stroke forward  {_stroke(diagnosis.forward)}")
-        lines.append(f"stroke backward {_stroke(diagnosis.backward)}")
-        lines.append(f"amplitude       below {diagnosis.greatest_amplitude:.6g} m/s stays inside")
-    for solution in diagnosis.solutions or ():
+
+
+def _rounded(value: float) -> str:
+    return f"{round(value, 12) + 0.0:.9g}"
+
+
+def _rank_lines(diagnosis: Diagnosis) -> list[str]:
+    rank, whole = diagnosis.rank, diagnosis.whole
+    most = ""
+    if rank.rank == diagnosis.most_rank < rank.full_rank:
+        most = ", and no posture of this table has more"
+    of = "" if whole is None else f" of {diagnosis.moved}"
+    lines = [f"rank            {rank.rank} of {rank.full_rank}{of}{most}"]
+    if whole is not None:
+        lines.append(f"                {whole.rank} of {whole.full_rank} of the whole Jacobian")
+    return [
+        *lines,
+        f"sigma_min       {rank.sigma_min:.6g} m",
+        f"manipulability  {rank.manipulability:.6g}",
+    ]
+
+
+def _lost(diagnosis: Diagnosis) -> tuple[LostTwist, ...]:
+    return () if diagnosis.whole is None else diagnosis.whole.lost
+
+
+def _twist(twist: LostTwist) -> str:
+    parts = []
+    if twist.turning is not None:
+        parts.append(f"held in place, the foot cannot turn about {_vector(twist.turning)}")
+    if twist.moving is not None:
+        parts.append(f"its orientation held, it cannot move along {_vector(twist.moving)}")
+    return "; ".join(parts)
+
+
+def _vector(values: Iterable[float]) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in values) + ")"
+
+
+def _stroke_lines(diagnosis: Diagnosis) -> list[str]:
+    if diagnosis.forward is None or diagnosis.backward is None:
+        held = ", the foot's orientation held" if diagnosis.holds_orientation else ""
+        return [f"stroke          none: the posture is singular already{held}"]
+    lines = [
+        f"stroke forward  {_stroke(diagnosis.forward)}",
+        f"stroke backward {_stroke(diagnosis.backward)}",
+    ]
+    if diagnosis.whole is not None:
+        held = "held" if diagnosis.holds_orientation else "left free"
+        lines.append(f"                with the foot's orientation {held}")
+    if diagnosis.forward.length > 0.0:
+        lines.append(f"amplitude       {_amplitude(diagnosis.greatest_amplitude)}")
+    return lines
+
+
+def _stroke(stroke: Stroke) -> str:
+    if stroke.joint is not None:
+        if stroke.length == 0.0:
+            return f"none: joint {stroke.joint} is at its limit, or outside"
+        return f"{stroke.length:.9g} m, where joint {stroke.joint} comes to its limit"
+    if stroke.length == 0.0:
+        return "none: the foot cannot go straight along it"
+    if math.isinf(stroke.length):
+        return "without end"
+    family = f", where it meets the {stroke.family} family" if stroke.family else ""
+    return f"{stroke.length:.9g} m{family}"
+
+
+def _amplitude(greatest: float | None) -> str:
+    if greatest is None or math.isinf(greatest):
+        return "any: nothing is in the way"
+    return f"below {greatest:.6g} m/s stays inside"
+
+
+def _feet_lines(found: Feet) -> list[str]:
+    lines = [f"inverse         {found.heading}"]
+    for solution in found.solutions:
         where = "out of reach"
         if solution.q is not None:
-            where = ", ".join(f"{math.degrees(angle):.6f}" for angle in solution.q) + " deg"
+            where = _shown(solution.q, found.units)
             where += "" if solution.within_limits else "   (outside the joints' limits)"
         lines.append(f"{solution.name}: {where}")
     return lines
 
 
-def _stroke(stroke: Stroke) -> str:
-    family = f", where it meets the {stroke.family} family" if stroke.family else ""
-    return f"{stroke.length:.9g} m{family}"
+def _shown(q: Sequence[float], units: Sequence[str]) -> str:
+    """Write joint positions as --q takes them, and their units."""
+    if all(unit == "deg" for unit in units):
+        return ", ".join(f"{math.degrees(value):.6f}" for value in q) + " deg"
+    return ", ".join(
+        f"{math.degrees(value) if unit == 'deg' else value:.6f} {unit}"
+        for value, unit in zip(q, units, strict=True)
+    )

@@ -26,10 +26,11 @@ from drake_leg.kinematics.scara import ScaraGeometry, tool_position
 
 @dataclass(frozen=True, kw_only=True)
 class Stroke:
-    """The way to the first singularity along a line."""
+    """The way along a line to the first singularity, or to a joint's limit."""
 
     length: float  # [m]
     family: Family | None  # which singular family is met there; None where it has no name
+    joint: str | None = None  # whose limit comes first; None where none does
 
 
 def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:

@@ -30,6 +30,28 @@ SUBJECTS = {
 }
 
 
+def require_subject(name: str) -> None:
+    """Refuse what is none of ``SUBJECTS``, and to go on without SymPy.
+
+    Parameters
+    ----------
+    name : str
+        As on the command line.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no such subject.
+    MissingSymPyError
+        If SymPy is not installed.
+    """
+    if name not in SUBJECTS:
+        raise InvalidValueError(
+            f"there is no derivation {name!r}; the derivations are {', '.join(SUBJECTS)}"
+        )
+    require_sympy(f"the derivation of {name}")
+
+
 def derived_equations(name: str) -> tuple[Equation, ...]:
     """Derive all equations of one of the reports' robots, and what they prove.
 
@@ -51,11 +73,7 @@ def derived_equations(name: str) -> tuple[Equation, ...]:
     MissingSymPyError
         If SymPy is not installed.
     """
-    if name not in SUBJECTS:
-        raise InvalidValueError(
-            f"there is no derivation {name!r}; the derivations are {', '.join(SUBJECTS)}"
-        )
-    require_sympy(f"the derivation of {name}")
+    require_subject(name)
     from drake_leg.symbolic import equations
     from drake_leg.symbolic.derivation import derive
 

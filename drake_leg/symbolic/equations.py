@@ -9,7 +9,7 @@ import sympy as sp
 
 from drake_leg.symbolic.chain import SymbolicRow, row_transform
 from drake_leg.symbolic.derivation import Derivation
-from drake_leg.symbolic.singularities import SingularFamily
+from drake_leg.symbolic.singularities import ANY_INTEGER, SingularFamily
 from drake_leg.symbolic.trigonometry import normal_form, shorthand, tidy
 
 
@@ -211,14 +211,28 @@ def findings(robot: Derivation) -> tuple[Equation, ...]:
             left=sp.Determinant(sp.MatrixSymbol("J", 3, 3)),
             right=robot.determinant,
         ),
-        *(equation for family in robot.families for equation in _zeros(family)),
+        *(equation for family in robot.families for equation in zeros_of(family)),
     )
 
 
-def _zeros(family: SingularFamily) -> list[Equation]:
-    stated = [Equation(title="singular where", left=family.factor, right=sp.Integer(0))]
+def zeros_of(family: SingularFamily) -> list[Equation]:
+    """State where a factor of a determinant is zero.
+
+    Parameters
+    ----------
+    family : SingularFamily
+        With its solutions.
+
+    Returns
+    -------
+    list of Equation
+    """
+    unsolved = "" if family.solutions else ", which SymPy solves for no joint alone"
+    title = f"singular where{unsolved}"
+    stated = [Equation(title=title, left=family.factor, right=sp.Integer(0))]
     for solution in family.solutions:
-        title = f"{solution.angle} there, k any integer"
+        turns = ", k any integer" if any(v.has(ANY_INTEGER) for v in solution.values) else ""
+        title = f"{solution.angle} there{turns}"
         stated += [Equation(title=title, left=solution.angle, right=v) for v in solution.values]
         if not solution.real_where.is_number:
             stated.append(

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from drake_leg.symbolic.trigonometry import pythagoras
+from drake_leg.symbolic.trigonometry import pythagoras, tidy
 
 ANY_INTEGER = sp.Symbol("k", integer=True)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """The values of one angle at which a factor is zero, the other angles as they are."""
+    """The values of one joint position at which a factor is zero, the others as they are."""
 
-    angle: sp.Symbol
-    values: tuple[sp.Expr, ...]  # each with a free integer k [rad]
+    angle: sp.Symbol  # or the position of a sliding joint
+    values: tuple[sp.Expr, ...]  # angles each with a free integer k [rad]
     real_where: sp.Expr  # the values are real where this is not negative
 
 
@@ -25,7 +25,7 @@ class SingularFamily:
     """One factor of a determinant and its zeros."""
 
     factor: sp.Expr
-    solutions: tuple[Solution, ...]  # one for every angle that the factor contains
+    solutions: tuple[Solution, ...]  # one for every joint in it that can be solved for
 
 
 def singular_families(determinant: sp.Expr, q: tuple[sp.Symbol, ...]) -> tuple[SingularFamily, ...]:
@@ -34,28 +34,51 @@ def singular_families(determinant: sp.Expr, q: tuple[sp.Symbol, ...]) -> tuple[S
     Parameters
     ----------
     determinant : Expr
-        A product; each factor of degree one in the sine and cosine of each angle.
+        A product. What of a factor is not of degree one, in the sine and cosine of an angle or in
+        the position of a sliding joint, is not solved for that joint.
     q : tuple of Symbol
-        The joint angles.
+        The joint positions.
 
     Returns
     -------
     tuple of SingularFamily
-        One for every factor that depends on the angles, the simplest first.
+        One for every factor that depends on the joints, the simplest first.
 
     References
     ----------
     Report A, eq. 17 and appendix; report B, 1.6.
     """
-    factors = [f for f in sp.Mul.make_args(determinant) if f.free_symbols & set(q)]
+    factors = [
+        factor.base if factor.is_Pow and factor.exp.is_Integer else factor
+        for factor in sp.Mul.make_args(determinant)
+        if factor.free_symbols & set(q)
+    ]
     factors.sort(key=sp.count_ops)
     return tuple(
         SingularFamily(
             factor=factor,
-            solutions=tuple(solve_for(factor, angle) for angle in q if factor.has(angle)),
+            solutions=tuple(
+                solution
+                for joint in q
+                if factor.has(joint) and (solution := _solve(factor, joint)) is not None
+            ),
         )
         for factor in factors
     )
+
+
+def _solve(factor: sp.Expr, joint: sp.Symbol) -> Solution | None:
+    """Solve a factor for a turning or a sliding joint; None where its degree is not one."""
+    expanded = sp.expand(sp.expand_trig(factor))
+    if not any(wave.has(joint) for wave in factor.atoms(sp.sin, sp.cos)):
+        slope, rest = expanded.coeff(joint, 1), expanded.coeff(joint, 0)
+        if sp.expand(expanded - slope * joint - rest) != 0:
+            return None
+        values = (tidy(-rest) / tidy(slope),)
+        return Solution(angle=joint, values=values, real_where=sp.Integer(1))
+    a, b = expanded.coeff(sp.cos(joint)), expanded.coeff(sp.sin(joint))
+    c = sp.expand(expanded - a * sp.cos(joint) - b * sp.sin(joint))
+    return None if any(part.has(joint) for part in (a, b, c)) else solve_for(factor, joint)
 
 
 def solve_for(factor: sp.Expr, angle: sp.Symbol) -> Solution:

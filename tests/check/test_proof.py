@@ -2,6 +2,7 @@
 
 import json
 import math
+import time
 
 import numpy as np
 import pytest
@@ -101,9 +102,11 @@ def test_the_proof_without_sympy_is_refused_in_one_sentence(monkeypatch):
         prove(LEG_B)
 
 
-@pytest.mark.parametrize("arguments", [{"samples": 0}, {"samples": 10**9}, {"seed": -1}])
+@pytest.mark.parametrize(
+    "arguments", [{"samples": 0}, {"samples": 10**9}, {"seed": -1}, {"budget": 0.0}]
+)
 def test_senseless_numbers_are_refused(arguments):
-    with pytest.raises(InvalidValueError, match=r"samples|seed"):
+    with pytest.raises(InvalidValueError, match=r"samples|seed|budget"):
         prove(LEG_B, **arguments)
 
 
@@ -139,3 +142,37 @@ def test_a_joint_without_a_limit_goes_round_once(mechanics, expected):
 
 def test_a_chain_without_lengths_counts_as_a_metre_long():
     assert table_length([Row(joint="revolute")]) == 1.0
+
+
+def test_what_the_budget_does_not_reach_is_missing_and_said(monkeypatch):
+    def for_ever(rows):
+        while True:
+            time.sleep(0.001)
+
+    monkeypatch.setattr("drake_leg.symbolic.chain.jacobian_function", for_ever)
+    stages = []
+    proof = prove(LEG_B, samples=2, budget=3.0, progress=stages.append)
+    assert proof.holds
+    assert not proof.complete
+    (missing,) = proof.missing
+    assert missing.sentence == (
+        "the Jacobian by SymPy is not done within 3 s: give it more with --budget"
+    )
+    assert len(proof.comparisons) == 6
+    assert stages[-1] == "Jacobian by SymPy"
+    assert proof.as_json()["complete"] is False
+
+
+def test_formulas_that_are_nested_too_deeply_are_missing(monkeypatch):
+    def nested(rows):
+        raise RecursionError
+
+    monkeypatch.setattr("drake_leg.symbolic.chain.foot_function", nested)
+    (missing,) = prove(LEG_B, samples=2).missing
+    assert "beyond SymPy" in missing.why
+
+
+def test_a_budget_that_is_over_at_once_proves_nothing():
+    proof = prove(LEG_B, samples=2, budget=1e-9)
+    assert (proof.comparisons, proof.worst) == ((), None)
+    assert len(proof.missing) == 7

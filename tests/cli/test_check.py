@@ -52,6 +52,44 @@ def test_a_witness_that_differs_ends_in_status_1_and_is_named(capsys, monkeypatc
     assert (status, json.loads(out)["ok"]) == (1, False)
 
 
+def chain_of(joints, path):
+    rows = (
+        f"[[row]]\nsigma = 0\nd = 0.1\nalpha = {(0, 90, -90)[i % 3]}\nr = 0.05\ntheta = 0\n"
+        for i in range(joints)
+    )
+    path.write_text('name = "chain"\nangles = "deg"\n' + "".join(rows), encoding="utf-8")
+    return str(path)
+
+
+def test_what_is_not_compared_in_time_is_said_and_the_status_is_3(tmp_path, capsys):
+    many = chain_of(16, tmp_path / "many.toml")
+    status, out = checked(capsys, many, "--samples", "2", "--budget", "2")
+    assert status == 3
+    assert (
+        "  Jacobian   SymPy                not done within 2 s: give it more with --budget\n" in out
+    )
+    assert out.endswith("proved in part: none of these is above 1e-12\n")
+    status, out = checked(capsys, many, "--samples", "2", "--budget", "2", "--json")
+    content = json.loads(out)
+    assert (status, content["ok"], content["proof"]["complete"]) == (3, False, False)
+    assert content["proof"]["missing"][-1]["witness"] == "SymPy"
+
+
+@pytest.mark.slow
+def test_two_hundred_joints_are_proved_as_far_as_they_can_be(tmp_path, capsys):
+    many = chain_of(200, tmp_path / "many.toml")
+    status, out = checked(capsys, many, "--samples", "1", "--budget", "30")
+    assert status == 3
+    assert "Jacobian   chain - differences" in out
+    assert "proved in part" in out
+
+
+def test_nothing_compared_proves_nothing(capsys):
+    status, out = checked(capsys, "leg-b", "--budget", "1e-9")
+    assert status == 3
+    assert out.endswith("NOT proved: nothing was compared within the budget\n")
+
+
 def test_slips_in_a_robots_table_are_all_named_before_any_proof(tmp_path, capsys):
     path = tmp_path / "arm.toml"
     path.write_text(
@@ -132,6 +170,8 @@ def test_a_graded_print_as_json(capsys):
         ([SCARA_CSV], "say of which robot they are"),
         (["leg-b", "--samples", "0"], "samples is 0"),
         (["leg-b", "--seed", "-1"], "seed is -1"),
+        (["leg-b", "--budget", "0"], "--budget is 0.0 s"),
+        (["leg-b", "--budget", "soon"], "--budget is 'soon'"),
         (["leg-b", "--printed", LEG_PRINT, "--seed", "-1"], "seed is -1"),
         (["leg-b", "--printed", RX90], "there is no key 'name'"),
     ],

@@ -1,5 +1,7 @@
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import pytest
 
@@ -54,6 +56,58 @@ def test_latex_is_one_equation_a_line_under_a_comment(capsys):
     assert all("=" in equation and not equation.startswith("%") for equation in equations)
     assert "direct - indirect = 0" in equations
     assert all(equation.isascii() for equation in equations)
+
+
+DESK = str(Path(__file__).parents[1] / "check" / "robots" / "desk_arm.toml")
+
+
+def test_a_robot_of_ones_own_is_derived_from_its_table(capsys):
+    lines = lines_of(capsys, DESK)
+    assert lines[0].endswith("h1 = 0.12 m, l1 = 0.03 m, h2 = 0.05 m, l2 = 0.2 m, h3 = 0.02 m")
+    shown = [line.strip() for line in lines]
+    assert {f"frame {i} in frame {i - 1}" for i in (1, 2, 3, 4)} <= set(shown)
+    assert "frame 4 in the base" in shown
+    assert "direct - indirect = 0" in shown
+    assert "determinant of the rows v_x, v_y, v_z" in shown
+    assert "│J│ = (h₂ + h₃ + q₃)⋅(c₂⋅l₂ + h₂⋅s₂ + h₃⋅s₂ + l₁ + q₃⋅s₂)" in shown
+    assert "q₃ = -h₂ - h₃" in shown
+
+
+def test_latex_of_ones_own_is_one_equation_a_line_under_a_comment(capsys):
+    lines = lines_of(capsys, "pendulum", "--latex")
+    assert lines[0] == (
+        "% Simple pendulum, derived from its table: c1 = cos(q1), s1 = sin(q1), "
+        "c23 = cos(q2 + q3) and so on; l1 = 0.15 m"
+    )
+    assert "direct - indirect = 0" in lines
+    assert lines[-2] == "% determinant: none, as no rows of the Jacobian are as many as its columns"
+    assert all(line.startswith("% ") or "=" in line for line in lines)
+
+
+def test_what_is_not_derived_in_time_is_said(capsys, monkeypatch):
+    def for_ever(expression):
+        while True:
+            time.sleep(0.001)
+
+    monkeypatch.setattr("drake_leg.symbolic.own_table.tidy", for_ever)
+    assert main(["derive", DESK, "--budget", "1"]) == 3
+    printed = capsys.readouterr()
+    assert "frame 4 in frame 3" in printed.out
+    assert printed.err == (
+        "drake-leg: not derived within 1 s: frame 2 in the base; frame 3 in the base; frame 4 in "
+        "the base; Jacobian, its rows w_x, w_y, w_z, v_x, v_y, v_z; Jacobian by both methods; "
+        "determinant and 1 more: give it more with --budget\n"
+    )
+
+
+def test_a_reports_equations_have_a_budget_too(capsys):
+    assert main(["derive", "leg-a", "--budget", "1e-9"]) == 3
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err == (
+        "drake-leg: the derivation of leg-a is not done within 1e-09 s: give it more with "
+        "--budget\n"
+    )
 
 
 def test_an_unknown_name_is_refused(capsys):

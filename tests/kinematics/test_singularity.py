@@ -1,11 +1,19 @@
 """Rank, lost directions and manipulability, at postures where they are known."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from scipy.linalg import null_space
 
+from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian
-from drake_leg.kinematics.singularity import examine
-from drake_leg.robots import LEG_B
+from drake_leg.kinematics.singularity import examine, examine_whole
+from drake_leg.robot import Row
+from drake_leg.robot_file import load_robot
+from drake_leg.robots import LEG_B, SCARA
+
+ROBOTS = Path(__file__).parents[1] / "check" / "robots"
 
 LEG = LegGeometry.from_robot(LEG_B)
 
@@ -53,3 +61,40 @@ def test_a_lost_direction_is_not_moved_in():
 
 def test_a_jacobian_of_zeros_has_rank_zero():
     assert examine(np.zeros((3, 3))).rank == 0
+
+
+def test_a_wrist_that_is_straight_loses_a_turn():
+    rows = load_robot(ROBOTS / "puma560_modified.toml").rows
+    whole = examine_whole(rows, np.zeros(6), 1.0)
+    assert (whole.rank, whole.full_rank) == (5, 6)
+    (lost,) = whole.lost
+    np.testing.assert_allclose(lost.turning, [1.0, 0.0, 0.0], atol=1e-12)
+    assert lost.moving is None
+    regular = examine_whole(rows, np.radians([10, 20, 30, 40, 50, 60]), 1.0)
+    assert (regular.rank, regular.lost) == (6, ())
+
+
+def test_a_lost_twist_is_no_motion_that_the_joints_make(rng):
+    rows = load_robot(ROBOTS / "puma560_modified.toml").rows
+    for _ in range(10):
+        q = rng.uniform(-2.0, 2.0, 6)
+        q[4] = 0.0
+        (lost,) = examine_whole(rows, q, 1.0).lost
+        J = jacobian(rows, q)
+        for axis, held, moved in ((lost.turning, 3, 0), (lost.moving, 0, 3)):
+            if axis is not None:
+                motions = J[moved : moved + 3] @ null_space(J[held : held + 3])
+                assert np.abs(axis @ motions).max() < 1e-9
+
+
+def test_a_table_that_never_has_more_loses_nothing():
+    rows = [Row(joint="revolute", d=0.1) for _ in range(5)]
+    whole = examine_whole(rows, [0.1, 0.5, 0.7, 0.2, 0.9], 0.5)
+    assert (whole.rank, whole.full_rank, whole.lost) == (3, 5, ())
+
+
+def test_a_stretched_scara_loses_its_direction():
+    whole = examine_whole(SCARA.rows, [0.0, 0.0, 0.4, 0.0], 1.0)
+    assert (whole.rank, whole.full_rank) == (3, 4)
+    (lost,) = whole.lost
+    np.testing.assert_allclose(lost.moving, [1.0, 0.0, 0.0], atol=1e-9)

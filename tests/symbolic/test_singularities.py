@@ -116,3 +116,20 @@ def test_all_roots_of_one_turn_are_found(factor, roots):
 def test_a_factor_without_angles_is_no_family():
     (family,) = singular_families(L1 * L2 * sp.sin(Q2), (Q1, Q2))
     assert family.factor == sp.sin(Q2)
+
+
+def test_a_sliding_joint_is_solved_for_as_a_length():
+    (family,) = singular_families(L1 * (Q3 + L2 * sp.cos(Q2)), (Q1, Q2, Q3))
+    angle, slide = family.solutions
+    assert (angle.angle, slide.angle) == (Q2, Q3)
+    assert slide.values == (-L2 * sp.cos(Q2),)
+
+
+def test_what_is_of_higher_degree_is_not_solved_wrongly():
+    (family,) = singular_families(L1 * sp.cos(Q2) ** 2 + L2 * sp.sin(Q2) + L3, (Q1, Q2))
+    assert family.solutions == ()
+
+
+def test_a_power_is_zero_where_its_base_is():
+    (family,) = singular_families(sp.sin(Q2) ** 2, (Q1, Q2))
+    assert family.factor == sp.sin(Q2)
