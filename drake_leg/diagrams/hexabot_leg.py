@@ -132,7 +132,7 @@ def add_leg(
         The foot's commanded velocity [m/s] and acceleration [m/s^2] in the base frame.
     """
     control = config.control
-    task = control.task(foot_task(config.robot), config.robot)
+    task = control.task(foot_task(config.robot), config.robot, config.filter_time_constant)
     inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
     q0 = control.start(config.q0)
