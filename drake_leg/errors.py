@@ -168,7 +168,8 @@ class StepBudgetError(DrakeLegError):
         self.time = time
         super().__init__(
             f"the integrator had taken {steps} steps when it reached t = {time:.9g} s and "
-            "was stopped: choose a larger --max-step, a looser --accuracy or another --integrator"
+            "was stopped: choose a larger --max-step, a looser --accuracy or, where light links "
+            "are damped, --integrator radau3"
         )
 
 

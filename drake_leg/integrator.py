@@ -19,6 +19,7 @@ INTEGRATORS = (
     "radau1",
     "radau3",
 )
+IMPLICIT = ("implicit_euler", "radau1", "radau3")  # stable, however fast a motion decays
 ERROR_CONTROLLED = (
     "runge_kutta5",
     "runge_kutta3",

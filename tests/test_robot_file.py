@@ -412,7 +412,7 @@ def test_whatever_is_typed_ends_in_a_robot_or_a_sentence(text):
         ("inertia = [1, 1, 1]", "moments and products"),
         ("a = 0.3", "belongs to the classic convention"),
         ("home = 30", "write position_target"),
-        ("friction = 0.1", "damping, under [row.mechanics]"),
+        ("friction = 0.1", "is damping, under [row.mechanics]"),
     ],
 )
 def test_usual_keys_of_other_programs_are_answered_with_what_to_write(line, remedy):

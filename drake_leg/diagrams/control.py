@@ -40,7 +40,7 @@ class Control:
         for error in self.q0_error:
             require_angle("an error of q0", error)
 
-    def task(self, task: Task, robot: Robot) -> Task:
+    def task(self, task: Task, robot: Robot, lag: float | None = None) -> Task:
         """Invert a task's Jacobian as chosen.
 
         Parameters
@@ -49,13 +49,15 @@ class Control:
             Exact.
         robot : Robot
             Whose joints it moves, the first ones if it has more.
+        lag : float, optional
+            Time constant of input filters that the joints are behind [s].
 
         Returns
         -------
         Task
         """
         joints = robot.moving if self.joints is None else self.joints
-        return self.inverse.of(task, joints[: task.joints])
+        return self.inverse.of(task, joints[: task.joints], lag or 0.0)
 
     def start(self, q0: tuple[float, ...]) -> tuple[float, ...]:
         """Return where the joints really start.

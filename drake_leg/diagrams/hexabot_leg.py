@@ -151,7 +151,7 @@ def add_leg(
         The foot's commanded velocity [m/s] and acceleration [m/s^2] in the base frame.
     """
     control = config.control
-    task = control.task(config.exact_task(), config.robot)
+    task = control.task(config.exact_task(), config.robot, config.filter_time_constant)
     inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(task.joints))
     q0 = control.start(config.q0)

@@ -13,7 +13,7 @@ PART = 0.01  # of the way between the limits, at most
 RETREAT = 2.0  # [s] in which a joint that starts nearer than that goes back
 HEADROOM = 2e-3  # part of the greatest rate that is kept for the same errors
 
-FREE, FASTEST, BRAKING, RETREATING = range(4)  # what bounds a rate
+FREE, FASTEST, BRAKING = range(3)  # what bounds a rate
 
 
 class _Joint(NamedTuple):
@@ -33,9 +33,7 @@ class _Joint(NamedTuple):
 
     def kind(self, bound: float) -> int:
         """Say what makes a bound of the rate what it is."""
-        if bound >= self.most:
-            return FASTEST
-        return BRAKING if bound >= 0.0 else RETREATING
+        return FASTEST if bound >= self.most else BRAKING
 
 
 class RateBox:
@@ -104,7 +102,7 @@ class RateBox:
         Returns
         -------
         (n,) tuple of int
-            FREE, FASTEST, BRAKING or RETREATING, negative at a lower bound.
+            FREE, FASTEST or BRAKING, negative at a lower bound.
         """
         bounds = zip(self._joints, qdot, *self.bounds(q), strict=True)
         return tuple(

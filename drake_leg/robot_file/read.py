@@ -56,7 +56,7 @@ _INSTEAD_OF_ROW = {
         ("length", "width", "height", "radius", "shape", "colour", "color"),
         "what a link looks like stands under [row.solid]",
     ),
-    "friction": "friction that grows with speed is damping, under [row.mechanics]; there is no other",
+    "friction": "what grows with speed is damping, under [row.mechanics]; there is no other",
     **dict.fromkeys(
         ("stiffness", "spring_stiffness"), "write spring_stiffness, under [row.mechanics]"
     ),

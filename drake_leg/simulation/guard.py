@@ -22,7 +22,7 @@ LARGEST_TURN = 0.05  # [rad or m] of a joint in a step
 GROWTH = 1.2  # from one step to the next, at most
 SHRINK = 1.5  # from one trial to the next
 SMALLEST_STEP = 1e-13  # [s]
-STEP_OF_KINK = 1e-3  # [s], within which joints' rates may meet their bounds, or leave them
+STEP_OF_KINK = 2e-3  # [s], within which joints' rates may meet their bounds, or leave them
 DAMPED_STEP = 1.5  # of the time constant of a damped inverse, at most
 
 

@@ -105,7 +105,8 @@ def simulate(
     if duration / settings.max_step > STEP_BUDGET:
         raise InvalidValueError(
             f"{duration!r} s at steps of {settings.max_step!r} s are more than the "
-            f"{STEP_BUDGET} steps a run may take: choose a shorter duration or a larger step"
+            f"{STEP_BUDGET} steps a run may take: choose a shorter duration or a larger --max-step "
+            "and, where a light link's damping or a stiff spring forbids that, --integrator radau3"
         )
     simulator = Simulator(diagram)
     ResetIntegratorFromFlags(simulator, settings.scheme, settings.max_step)

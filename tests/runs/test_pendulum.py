@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -251,3 +252,20 @@ def test_an_impossible_pendulum_is_refused_or_stops_in_a_sentence_or_swings_as_t
         summary, sentence = {}, str(error)
     assert "\n" not in sentence
     assert sentence or summary["stop_reason"] or summary["max_angle_error_rad"] < 1e-6
+
+
+LIGHT = DampedPendulumOptions(duration=1.0, density=1.0, damping=1.0)
+
+
+def test_a_light_damped_link_is_told_what_works():
+    with pytest.raises(InvalidValueError, match="--integrator radau3"):
+        run_pendulum(LIGHT)
+
+
+@pytest.mark.parametrize("density", [1.0, 100.0])
+def test_an_implicit_integrator_gives_the_right_motion_of_a_light_damped_link(density):
+    options = replace(LIGHT, density=density, damping=0.05, integrator="radau3")
+    summary = run_pendulum(options).summary
+    assert summary["stop_reason"] is None
+    assert summary["max_angle_error_rad"] < 2e-6
+    assert summary["max_step_s"] == 0.002

@@ -172,3 +172,33 @@ def test_what_cannot_be_driven_is_refused():
         drive_of(SCARA)
     with pytest.raises(InvalidValueError):
         control_step(drive_of(LEG_B), Q, [0.0, math.nan, 0.0], DT)
+
+
+GANTRY = """
+name = "gantry"
+angles = "deg"
+row = [
+  { sigma = 1, d = 0, alpha = 0, r = 0, theta = 0, limits = { lower = 0, upper = 0.1 } },
+  { sigma = 1, d = 0, alpha = 90, r = 0, theta = 90 },
+  { sigma = 1, d = 0, alpha = 90, r = 0, theta = 0 },
+]
+"""
+
+
+def test_three_sliding_joints_without_a_length_are_driven_up_to_a_limit():
+    drive = drive_of(read_robot(GANTRY, "gantry.toml"))
+    start = at_rest(drive, [0.05, 0.0, 0.0])
+    assert start.state == "free"
+    rise = driven(drive, start.q, [0.0, 0.0, 0.3], 3)[-1]
+    assert rise.q[0] == pytest.approx(0.05 + 0.3 * 3 * DT)
+    assert rise.share == pytest.approx(1.0)
+    stopped = driven(drive, rise.q, [0.0, 0.0, 0.3], 9)[-1]
+    assert stopped.state == "stopped"
+    assert "joint_1 is at its limit" in stopped.sentence
+    assert stopped.q[0] <= 0.1
+
+
+def test_a_joint_at_its_limit_within_rounding_is_driven_along_it():
+    drive = drive_of(read_robot(GANTRY, "gantry.toml"))
+    along = control_step(drive, [-1.63e-21, 0.0, 0.0], [0.1, 0.0, -1e-9], DT)
+    assert along.share == pytest.approx(1.0)
