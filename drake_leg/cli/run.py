@@ -7,7 +7,15 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from drake_leg.cli.common import INTERRUPTED, STOPPED_EARLY, Commands, add_output, fail, remark
+from drake_leg.cli.common import (
+    FOUND,
+    INTERRUPTED,
+    STOPPED_EARLY,
+    Commands,
+    add_output,
+    fail,
+    remark,
+)
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.cli.shows import Shows, add_shows, say_if_sketched
 from drake_leg.imports import require_pillow
@@ -66,13 +74,14 @@ def _run(chosen: argparse.Namespace) -> int:
     print(f"wrote {chosen.out}: {rows}{_quality(summary)}")
     for path in shows.write(kind.heading, outcome):
         print(f"wrote {path}")
-    remarks = [*summary.get("limits_exceeded", ()), summary.get("grazing")]
+    said = ("grazing", "ill_conditioned", "inaccuracy" if summary["stop_reason"] else "")
+    remarks = [*summary.get("limits_exceeded", ()), *map(summary.get, said)]
     for sentence in filter(None, remarks):
         remark(sentence)
     if shows.stills:
         say_if_sketched()
     if summary["stop_reason"] is None:
-        return 0
+        return fail(summary["inaccuracy"], FOUND) if summary["inaccuracy"] else 0
     interrupted = summary["stop_reason"] == "interrupted"
     return fail(
         f"stopped at {summary['stopped_at_s']:.9g} s of {summary['duration_s']:g} s: "
@@ -88,14 +97,16 @@ def _quality(summary: Mapping[str, Any]) -> str:
     if summary.get("time_off_command_s") and "filter_time_constant_s" not in summary:
         farthest = summary["greatest_distance_from_command_m"]
         return (
-            f", foot up to {farthest:.3g} m from its command and off it for "
+            f", foot up to {farthest:.3g} m from its command, farther than "
+            f"{1e3 * summary['off_command_m']:g} mm for "
             f"{summary['time_off_command_s']:.3g} s"
         )
     if "max_position_error_m" in summary:
         lag = summary.get("filter_time_constant_s")
         filters = "" if lag is None else f", by input filters of {lag:g} s"
         return f", foot within {summary['max_position_error_m']:.1e} m of the exact path{filters}"
-    return f", angle within {summary['max_angle_error_rad']:.1e} rad of the exact motion"
+    within, of = ("up to", "from") if summary["inaccuracy"] else ("within", "of")
+    return f", angle {within} {summary['max_angle_error_rad']:.1e} rad {of} the exact motion"
 
 
 def _cost(summary: Mapping[str, Any], disturbed: Mapping[str, Any]) -> str:
