@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import FOUND, Commands, refuse_ignored
+from drake_leg.cli.common import Commands, refuse_ignored
 from drake_leg.cli.robot_source import RobotSource, add_robot_source, robot_source
 from drake_leg.robot import Robot
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from drake_leg.check.findings import Finding
     from drake_leg.check.proof import Comparison, Proof
 
+FOUND = 1  # exit status where something is wrong with what was checked
 SAMPLES, SEED = 32, 0
 TABLES = (".csv", ".tsv", ".txt")
 

@@ -13,7 +13,7 @@ from typing import Any
 from drake_leg.errors import InvalidValueError, OutputError
 from drake_leg.robots import ROBOTS
 
-FOUND, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
+FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 
 ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from drake_leg.cli.common import (
-    FOUND,
+    FAILED,
     INTERRUPTED,
     STOPPED_EARLY,
     Commands,
@@ -81,7 +81,7 @@ def _run(chosen: argparse.Namespace) -> int:
     if shows.stills:
         say_if_sketched()
     if summary["stop_reason"] is None:
-        return fail(summary["inaccuracy"], FOUND) if summary["inaccuracy"] else 0
+        return fail(summary["inaccuracy"], FAILED) if summary["inaccuracy"] else 0
     interrupted = summary["stop_reason"] == "interrupted"
     return fail(
         f"stopped at {summary['stopped_at_s']:.9g} s of {summary['duration_s']:g} s: "
