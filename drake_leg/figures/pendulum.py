@@ -76,6 +76,7 @@ def angle(
     until = _end_of_motion(recording)
     if until is not None:
         levels = [level for level in (rest, equilibrium) if level is not None]
+        levels = levels or [recording["q"][-1]]
         _magnified(axes, recording, "q", until, levels=levels, texts=_texts(rest, equilibrium))
     return figure
 
