@@ -1,10 +1,10 @@
 """The command line ``drake-leg``: the only place that prints.
 
-Exit status: 0 when all went well, 1 when ``check`` found something wrong or a picture could not be
-made (the data are saved), 2 for bad input or a place that cannot be written, 3 when a run stopped
-before its end (what it recorded until then is saved), or a proof or derivation at its time budget,
-70 for an error that nobody foresaw, 130 on Ctrl-C, 128 + n on another signal n. A reader of the
-output that goes away changes nothing.
+Exit status: 0 when all went well, 1 when ``check`` found something wrong, a run's error can be seen
+in its figures, or a picture could not be made (the data are saved), 2 for bad input or a place that
+cannot be written, 3 when a run stopped before its end (what it recorded until then is saved), or a
+proof or derivation at its time budget, 70 for an error that nobody foresaw, 130 on Ctrl-C,
+128 + n on another signal n. A reader of the output that goes away changes nothing.
 """
 
 from __future__ import annotations

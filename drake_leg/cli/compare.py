@@ -9,15 +9,17 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import Commands
+from drake_leg.cli.common import Commands, refuse_ignored, remark
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.errors import InvalidValueError
-from drake_leg.runs.catalogue import RUNS
+from drake_leg.runs.catalogue import RUNS, RunKind
+from drake_leg.runs.options import RunOptions
 
 if TYPE_CHECKING:
     from drake_leg.compare.comparison import Comparison
 
 DIFFERENT = 1  # exit status
+ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")
 
 
 def add(commands: Commands) -> None:
@@ -58,6 +60,7 @@ def add(commands: Commands) -> None:
 def _compare(chosen: argparse.Namespace) -> int:
     kind = kind_of(chosen.name)
     options = options_of(kind, chosen)
+    _refuse_what_only_a_run_heeds(kind, options, chosen)
     from drake_leg.simulink.listing import plain, printable
     from drake_leg.simulink.reader import read_model
 
@@ -84,6 +87,18 @@ def _compare(chosen: argparse.Namespace) -> int:
     else:
         print("\n".join(map(printable, _lines(found, chosen))))
     return 0 if found.agrees else DIFFERENT
+
+
+def _refuse_what_only_a_run_heeds(
+    kind: RunKind, options: RunOptions, chosen: argparse.Namespace
+) -> None:
+    """Refuse an option that no diagram has; of a file, which may be a run's, only say so."""
+    defaults = kind.options()
+    for name in ONLY_OF_RUNS:
+        option = f"--{name.replace('_', '-')}"
+        refuse_ignored({option: name in chosen}, "means nothing to compare, which runs nothing")
+        if getattr(options, name, None) != getattr(defaults, name, None):
+            remark(f"{name} of {chosen.config} means nothing to compare, which runs nothing")
 
 
 def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:

@@ -105,6 +105,7 @@ def _model(chosen: argparse.Namespace) -> str:
 
 
 def _blocks(chosen: argparse.Namespace) -> str:
+    from drake_leg.diagrams.mechanism import MOTION
     from drake_leg.drawings.drawing import draw
     from drake_leg.drawings.of_runs import run_pictures
     from drake_leg.drawings.picture import ALL, SIGNALS
@@ -112,6 +113,11 @@ def _blocks(chosen: argparse.Namespace) -> str:
     if chosen.part not in (ALL, SIGNALS):
         _refuse_signal_options(chosen, f"is for signals and means nothing to {chosen.part}")
     title, diagram, robot = _subject(chosen.name)
+    if chosen.without_accelerations and not diagram.HasSubsystemNamed(MOTION):
+        raise InvalidValueError(
+            f"--without-accelerations means nothing to {chosen.name}, whose joint no motion "
+            f"drives: draw {chosen.name} without it"
+        )
     try:
         pictures = run_pictures(
             diagram,

@@ -81,7 +81,8 @@ def _run(chosen: argparse.Namespace) -> int:
             shows.write(kind.heading, outcome, folder, pictures)
     except KeyboardInterrupt:
         return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
-    remarks = [*summary.get("limits_exceeded", ()), summary.get("grazing")]
+    said = ("grazing", "ill_conditioned", "inaccuracy")
+    remarks = [*summary.get("limits_exceeded", ()), *map(summary.get, said)]
     for sentence in filter(None, remarks):
         remark(sentence)
     return _status(summary, folder, pictures)
@@ -115,7 +116,7 @@ def _draw(
 
 def _status(summary: Mapping[str, Any], folder: ResultsFolder, pictures: Pictures) -> int:
     """Say what did not go well, and choose the exit status."""
-    status = 0
+    status = FAILED if summary.get("inaccuracy") else 0
     if pictures.failed:
         status = fail(f"the data in {folder.path} are whole", FAILED)
     if folder.remark:
@@ -137,14 +138,16 @@ def _quality(summary: Mapping[str, Any]) -> str:
     if summary.get("time_off_command_s") and "filter_time_constant_s" not in summary:
         farthest = summary["greatest_distance_from_command_m"]
         return (
-            f", foot up to {farthest:.3g} m from its command and off it for "
+            f", foot up to {farthest:.3g} m from its command, farther than "
+            f"{1e3 * summary['off_command_m']:g} mm for "
             f"{summary['time_off_command_s']:.3g} s"
         )
     if "max_position_error_m" in summary:
         lag = summary.get("filter_time_constant_s")
         filters = "" if lag is None else f", by input filters of {lag:g} s"
         return f", foot within {summary['max_position_error_m']:.1e} m of the exact path{filters}"
-    return f", angle within {summary['max_angle_error_rad']:.1e} rad of the exact motion"
+    within, of = ("up to", "from") if summary["inaccuracy"] else ("within", "of")
+    return f", angle {within} {summary['max_angle_error_rad']:.1e} rad {of} the exact motion"
 
 
 def _cost(summary: Mapping[str, Any], disturbed: Mapping[str, Any]) -> str:

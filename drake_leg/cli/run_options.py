@@ -6,7 +6,6 @@ import argparse
 import dataclasses
 import typing
 from pathlib import Path
-from types import UnionType
 from typing import Any
 
 from drake_leg.cli.common import numbers
@@ -168,25 +167,20 @@ def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
 
 
 def _metavar(field: dataclasses.Field[Any]) -> str:
-    kind = _kind(field.type)
-    if typing.get_origin(kind) is list:
+    if _takes_list(field.type):
         return "X,Y,Z"
-    return "TEXT" if kind is str else "X"
+    return "TEXT" if str in (field.type, *typing.get_args(field.type)) else "X"
 
 
-def _kind(annotation: Any) -> Any:  # noqa: ANN401 - a type's annotation
-    """Return what an option is where it is given: its type without None."""
-    if not isinstance(annotation, UnionType):
-        return annotation
-    (kind,) = (part for part in typing.get_args(annotation) if part is not type(None))
-    return kind
+def _takes_list(kind: object) -> bool:
+    """Tell whether an option takes several numbers, if any."""
+    return any(typing.get_origin(part) is list for part in (kind, *typing.get_args(kind)))
 
 
 def _value(name: str, kind: object, text: str) -> object:
-    kind = _kind(kind)
-    if kind in (str, bool):
+    if kind in (str, bool) or str in typing.get_args(kind):
         return text
     option = f"--{name.replace('_', '-')}"
-    if typing.get_origin(kind) is list:
+    if _takes_list(kind):
         return numbers(option, text)
     return numbers(option, text, 1)[0]

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drake_leg.figures import pendulum, tip
+from drake_leg.figures.readings import sine_frequency
 from drake_leg.figures.stroboscope import stroboscope
 from drake_leg.kinematics.leg import is_hexabot_leg
 from drake_leg.kinematics.pendulum import PendulumModel
@@ -102,7 +103,7 @@ def _along_x(title: str, recording: Recording) -> Named:
     yield (
         "velocity_and_position",
         lambda: tip.velocity_and_position(
-            recording, f"{title}: velocity and position", frequency=tip.step_frequency(recording)
+            recording, f"{title}: velocity and position", frequency=sine_frequency(recording)
         ),
     )
     yield (

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drake_leg.colours import BLUE, VERMILLION
+from drake_leg.figures.readings import torques_away
 from drake_leg.figures.style import GREY, PLOT_WIDTH, claim, legend_above, new_figure, whole_ticks
 from drake_leg.figures.time_plots import (
     TIME,
@@ -21,6 +22,7 @@ from drake_leg.kinematics.rotation import rotation_matrices
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 
+ROOM = 1.3  # times the greatest torque away from a singularity: what an axis shows
 STILL = 1e-6  # [m or m/s], a coordinate that changes less is said to be constant
 INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gaps of the other
 
@@ -173,7 +175,13 @@ def torques(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
     Figure
     """
     columns = {f"tau{number}": name for number, name in joints.items()}
-    return time_plot(recording, columns, title=title, ylabel="computed torque [N m]")
+    figure = time_plot(recording, columns, title=title, ylabel="computed torque [N m]")
+    hidden = torques_away(recording, list(columns))
+    if hidden is not None:
+        away, near = hidden
+        figure.axes[0].set_ylim(-ROOM * away, ROOM * away)
+        claim(figure.axes[0], f"cut off: up to {near:.2g} N m near the singularity")
+    return figure
 
 
 def singularity(recording: Recording, title: str) -> Figure:
@@ -303,24 +311,3 @@ def _power(value: float) -> str:
     if value == 0.0:
         return "0"
     return f"$10^{{{math.ceil(math.log10(value))}}}$"
-
-
-def step_frequency(recording: Recording) -> float | None:
-    """Find the frequency of a step that begins at rest: half a period is over where it turns.
-
-    Parameters
-    ----------
-    recording : Recording
-        With vx.
-
-    Returns
-    -------
-    float or None
-        [rad/s]; None where the run ends before.
-    """
-    v, time = recording["vx"], recording["time"]
-    turns = np.flatnonzero(v[1:-1] * v[2:] < 0.0) + 1
-    if not len(turns):
-        return None
-    i = turns[0]
-    return float(np.pi / (time[i] + (time[i + 1] - time[i]) * v[i] / (v[i] - v[i + 1])))

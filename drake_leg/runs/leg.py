@@ -43,7 +43,14 @@ from drake_leg.runs.options import (
     StraightOptions,
 )
 from drake_leg.runs.outcome import Outcome, outcome_of
-from drake_leg.runs.tip import default_step, exact_tip, tip_columns, tip_findings, torque_error
+from drake_leg.runs.tip import (
+    default_step,
+    exact_tip,
+    tip_columns,
+    tip_findings,
+    tip_inaccuracy,
+    torque_error,
+)
 from drake_leg.simulation import Progress, Run, simulate
 
 Config = TypeVar("Config", bound=hexabot_leg.HexabotLegConfig)
@@ -273,6 +280,7 @@ def _outcome(
         behind = run.scopes["foot positions"][-1] - (start + path.displacement[-1])
         findings["filter_time_constant_s"] = config.filter_time_constant
         findings["end_error_m"] = behind.tolist()  # of the filters' making
+    findings["inaccuracy"] = tip_inaccuracy(findings, path, config.control, settings, "foot")
     return outcome_of(robot, run, settings, options.duration, Recording(columns), exact, findings)
 
 

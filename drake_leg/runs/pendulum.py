@@ -15,23 +15,27 @@ from drake_leg.diagrams.mechanism import start_at_targets
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import ERROR_CONTROLLED, IMPLICIT, IntegratorSettings
 from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.conditioning import error_growth, instability
 from drake_leg.kinematics.pendulum import (
     PendulumModel,
     exact_motion,
     exact_period,
     rest_angle,
 )
+from drake_leg.quantities import require_positive
 from drake_leg.recording import Recording
 from drake_leg.robot import JointMechanics, StateTarget
 from drake_leg.robots import pendulum as pendulum_robot
+from drake_leg.runs.accuracy import SHOWN, finer, inaccuracy, shows
 from drake_leg.runs.options import PendulumOptions, SpringPendulumOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
-from drake_leg.simulation import Progress, Run, simulate
+from drake_leg.runs.pendulum_steps import LONGEST, implicit_step, steps_of
+from drake_leg.simulation import LongestStep, Progress, Run, simulate
 
-LONGEST_STEP = 0.002  # [s]
-STEP_OF_SWING = 0.015  # greatest step times natural frequency
-STEP_OF_STIFFNESS = 0.1  # greatest step times the fastest rate of spring and damper
 ACCURACY_AT_LIMITS = 1e-9  # relative, of the error control
+GROWING = "runge_kutta5"  # whose stable steps are known, so that they may grow
+# Of an error of the start: what one types, to 1e-6 degrees, is seen in the figures from here on.
+ILL_CONDITIONED = 1e6
 AT_REST = 1e-3  # [rad/s], [rad/s^2], below which the last tenth of a run counts as rest
 
 
@@ -58,13 +62,14 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
     config = pendulum_config(options)
     robot = config.robot
     model = PendulumModel.from_robot(robot, options.gravity)
-    settings = _settings(options, model)
     rate = math.radians(options.velocity_target)
+    settings, longest_step = _settings(options, model, _away(model, config.start, rate))
     run = simulate(
         pendulum.build(config),
         start=start_at_targets(robot),
         duration=options.duration,
         settings=settings,
+        longest_step=longest_step,
         progress=progress,
     )
     recording = Recording(
@@ -84,22 +89,31 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
         options.duration,
         recording,
         {"q": q, "qdot": qdot},
-        _findings(model, config, run, recording, q),
+        _findings(model, config, run, recording, (q, qdot), settings),
         "swing",
     )
 
 
-def _settings(options: PendulumOptions, model: PendulumModel) -> IntegratorSettings:
-    """Take error control where a limit may be met: the moment inside is short and stiff.
+def _settings(
+    options: PendulumOptions, model: PendulumModel, away: float
+) -> tuple[IntegratorSettings, LongestStep | None]:
+    """Choose how time is stepped, and how far the steps may go from every instant on.
 
-    How fast damping lets a light link's speed decay bounds the steps of explicit schemes alone.
+    Error control is taken where a limit may be met: the moment inside is short and stiff.
     """
-    implicit = options.integrator in IMPLICIT
-    swinging = replace(model, damping=0.0) if implicit else model
-    settings = options.integrator_settings(default_step(swinging))
-    if model.limits is None or settings.accuracy or settings.scheme not in ERROR_CONTROLLED:
-        return settings
-    return replace(settings, accuracy=ACCURACY_AT_LIMITS)
+    settings = options.integrator_settings(LONGEST)
+    limited = model.limits is not None and settings.scheme in ERROR_CONTROLLED
+    if limited and settings.accuracy is None:
+        settings = replace(settings, accuracy=ACCURACY_AT_LIMITS)
+    if options.max_step is not None or settings.accuracy is not None:
+        return settings, None
+    require_positive("the duration", options.duration, "s")
+    if settings.scheme in IMPLICIT:
+        return replace(settings, max_step=implicit_step(model, options.duration)), None
+    steps = steps_of(model, options.duration, away)
+    if settings.scheme != GROWING:
+        return replace(settings, max_step=steps.first), None
+    return replace(settings, max_step=steps.longest), steps.at
 
 
 def pendulum_config(options: PendulumOptions) -> pendulum.PendulumConfig:
@@ -131,27 +145,13 @@ def pendulum_config(options: PendulumOptions) -> pendulum.PendulumConfig:
     return pendulum.PendulumConfig(robot=robot, q0=options.start(), gravity=options.gravity)
 
 
-def default_step(model: PendulumModel) -> float:
-    """Greatest step that keeps the energy of the swing and the spring's motion accurate.
-
-    Parameters
-    ----------
-    model : PendulumModel
-        The pendulum.
-
-    Returns
-    -------
-    float
-        [s]; 2 ms at most.
-    """
-    stiffness = math.sqrt(model.spring_stiffness / model.inertia)
-    fastest = max(stiffness, model.damping / model.inertia)
-    limits = [LONGEST_STEP]
-    if model.natural_frequency > 0.0:
-        limits.append(STEP_OF_SWING / model.natural_frequency)
-    if fastest > 0.0:
-        limits.append(STEP_OF_STIFFNESS / fastest)
-    return min(limits)
+def _away(model: PendulumModel, q0: float, rate: float) -> float:
+    """Bound how far the spring will swing from its rest [rad]."""
+    if model.spring_stiffness == 0.0:
+        return 0.0
+    frequency = math.sqrt(model.spring_stiffness / model.inertia)
+    sag = model.gravity_torque / model.spring_stiffness
+    return abs(q0 - model.equilibrium_position) + sag + abs(rate) / frequency
 
 
 def measured_period(recording: Recording) -> float | None:
@@ -210,8 +210,10 @@ def _findings(
     config: pendulum.PendulumConfig,
     run: Run,
     recording: Recording,
-    exact_q: Array,
+    exact: tuple[Array, Array],
+    settings: IntegratorSettings,
 ) -> dict[str, Any]:
+    exact_q, exact_qdot = exact
     q, qdot, energy = recording["q"], recording["qdot"], recording["energy"]
     tail = run.time >= 0.9 * run.time[-1]
     moves = max(np.abs(qdot[tail]).max(), np.abs(recording["qddot"][tail]).max())
@@ -220,6 +222,9 @@ def _findings(
     conservative = model.damping == 0.0 and model.limits is None
     scale = model.gravity_torque or 1.0
     drift = float(np.abs(energy - energy[0]).max() / scale)
+    growth = error_growth(model, run.time, exact_q, exact_qdot)
+    rate = instability(model, exact_q, exact_qdot)
+    error = float(np.abs(q - exact_q).max())
     return {
         "q0_rad": config.start,
         "period_s": None if period is None else measured_period(recording),
@@ -227,5 +232,34 @@ def _findings(
         "energy_drift": drift if conservative else None,
         "rest_angle_rad": float(q[-1]) if rested else None,
         "exact_rest_angle_rad": rest_angle(model, float(q[-1])) if rested else None,
-        "max_angle_error_rad": float(np.abs(q - exact_q).max()),
+        "max_angle_error_rad": error,
+        "error_growth": growth,
+        "instability_1_s": rate,
+        "ill_conditioned": _ill_conditioned(growth, rate),
+        "inaccuracy": _inaccuracy(error, growth, exact_q, settings),
     }
+
+
+def _ill_conditioned(growth: float, rate: float) -> str | None:
+    """Say that the last digits of a start decide what the pendulum does."""
+    if growth < ILL_CONDITIONED:
+        return None
+    return (
+        f"the start is ill-conditioned: it passes where every tiny error grows by "
+        f"exp({rate:.3g} t), as upright, in all {growth:.1g} times"
+    )
+
+
+def _inaccuracy(
+    error: float, growth: float, exact_q: Array, settings: IntegratorSettings
+) -> str | None:
+    """Say that the recorded motion is another one, or that nobody can tell."""
+    span = min(float(np.ptp(exact_q)), 2.0 * math.pi)
+    if growth >= ILL_CONDITIONED and shows(error, span):
+        return inaccuracy(error, span, "angle", "rad", "start farther from upright")
+    if growth * float(np.finfo(float).eps) > SHOWN:
+        return (
+            "the rounding of the start alone grows to an error that can be seen: no computation "
+            "tells this motion; start farther from upright"
+        )
+    return inaccuracy(error, span, "angle", "rad", finer(settings))

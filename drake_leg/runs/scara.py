@@ -31,7 +31,14 @@ from drake_leg.runs.foresight import (
 )
 from drake_leg.runs.options import ScaraOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
-from drake_leg.runs.tip import default_step, exact_tip, tip_columns, tip_findings, torque_error
+from drake_leg.runs.tip import (
+    default_step,
+    exact_tip,
+    tip_columns,
+    tip_findings,
+    tip_inaccuracy,
+    torque_error,
+)
 from drake_leg.simulation import Progress, simulate
 
 
@@ -98,6 +105,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
         "det_j_min_m2": float(det_j.min()),
         "det_j_max_m2": float(det_j.max()),
     }
+    findings["inaccuracy"] = tip_inaccuracy(findings, path, config.control, settings, "tool")
     findings |= singularity_findings(
         plan.arm, run, forecast, config.robot.name, disturbed=config.disturbance.acts
     )

@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 from pydrake.multibody.tree import MultibodyForces
 
+from drake_leg.diagrams.control import Control
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
-from drake_leg.integrator import ROW_INTERVAL
+from drake_leg.integrator import ROW_INTERVAL, IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.kinematics.paths import CommandedMotion
 from drake_leg.models.plant import build_plant
 from drake_leg.recording import lettered, numbered, without_sign_jumps
 from drake_leg.robot import Robot
+from drake_leg.runs.accuracy import finer, inaccuracy
 from drake_leg.runs.disturbance import disturbance_findings, push_torques
 from drake_leg.simulation import Run
 
@@ -123,9 +125,49 @@ def tip_findings(
         "time_off_command_s": float(np.diff(run.time)[off[1:] > OFF_COMMAND].sum()),
         "distance_from_command_at_the_end_m": float(off[-1]),
         "max_off_axis_m": _greatest(moved @ across),
+        "off_command_m": OFF_COMMAND,
         "max_velocity_error_m_s": _greatest(velocity_error),
         **disturbance_findings(run, off, disturbance),
     }
+
+
+def tip_inaccuracy(
+    findings: Mapping[str, Any],
+    path: CommandedMotion,
+    control: Control,
+    settings: IntegratorSettings,
+    what: str,
+) -> str | None:
+    """Say that the integration is to blame for a tip that is not where it was sent.
+
+    Parameters
+    ----------
+    findings : mapping
+        As ``tip_findings`` gives them, with the filters' time constant if there are any.
+    path : CommandedMotion
+        Exact motion.
+    control : Control
+        What else may take a tip off its command.
+    settings : IntegratorSettings
+        How time was stepped.
+    what : str
+        Foot or tool.
+
+    Returns
+    -------
+    str or None
+        None where the error cannot be seen, or something that was asked for explains it.
+    """
+    explained = (
+        findings["disturbance"] is not None
+        or "filter_time_constant_s" in findings
+        or not control.inverse.is_exact
+        or any(control.q0_error)
+    )
+    if explained:
+        return None
+    span = float(np.ptp(path.displacement, axis=0).max())
+    return inaccuracy(findings["max_position_error_m"], span, what, "m", finer(settings))
 
 
 def _greatest(vectors: Array) -> float:

@@ -6,6 +6,6 @@ stale in the repeated step. Runs with error control therefore go without caching
 given step, the default, reject nothing and keep it.
 """
 
-from drake_leg.simulation.run import Progress, Run, Start, simulate
+from drake_leg.simulation.run import LongestStep, Progress, Run, Start, simulate
 
-__all__ = ["Progress", "Run", "Start", "simulate"]
+__all__ = ["LongestStep", "Progress", "Run", "Start", "simulate"]

@@ -41,6 +41,7 @@ STOPS = (
 
 Start = Callable[[Diagram, Context], None]
 Progress = Callable[[float], None]
+LongestStep = Callable[[float], float]  # time -> how far the next step may go, [s]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +67,7 @@ def simulate(
     start: Start,
     duration: float,
     settings: IntegratorSettings | None = None,
+    longest_step: LongestStep | None = None,
     progress: Progress | None = None,
 ) -> Run:
     """Run a diagram and collect its scopes.
@@ -84,6 +86,9 @@ def simulate(
         [s].
     settings : IntegratorSettings, optional
         Runge-Kutta of order 5 at steps of 40 ms by default.
+    longest_step : callable, optional
+        Of the simulated time [s]: how far the next step may go, where that is less than the
+        settings allow.
     progress : callable, optional
         Called with the simulated time [s] after every step.
 
@@ -123,6 +128,10 @@ def simulate(
     limits = _Limits(diagram)
     steps = 0
 
+    def next_step(root: Context) -> float:
+        step = guard.next_step(root)
+        return step if longest_step is None else min(step, longest_step(root.get_time()))
+
     def after_step(root: Context) -> EventStatus:
         nonlocal steps
         steps += 1
@@ -135,12 +144,12 @@ def simulate(
         if not greatest <= RUNAWAY:
             raise UnstableRunError(time=now, max_step=settings.max_step, scheme=settings.scheme)
         limits.check(root)
-        integrator.set_maximum_step_size(guard.next_step(root))
+        integrator.set_maximum_step_size(next_step(root))
         return EventStatus.DidNothing()
 
     limits.check(context)
     simulator.Initialize()
-    integrator.set_maximum_step_size(guard.next_step(context))
+    integrator.set_maximum_step_size(next_step(context))
     simulator.set_monitor(after_step)
     reason, cause = None, None
     began = clock.perf_counter()

@@ -11,7 +11,7 @@ import pytest
 
 from drake_leg.colours import GREEN, VERMILLION
 from drake_leg.figures import pendulum as pendulum_figures
-from drake_leg.figures import stroboscope, tip
+from drake_leg.figures import readings, stroboscope, tip
 from drake_leg.figures.of_runs import figures_of_run
 from drake_leg.figures.style import DARK, STYLE, for_light_and_dark, new_figure, save
 from drake_leg.figures.time_plots import add_degrees, curves_plot, time_plot, widen_flat_axis
@@ -128,11 +128,11 @@ def test_a_step_that_is_not_along_x_has_no_figures_of_x():
 @pytest.mark.parametrize("frequency", [1.0, 2.0])
 def test_the_frequency_of_a_step_is_where_it_turns(frequency):
     recording = outcome_of("leg-b", frequency=frequency).recording
-    assert tip.step_frequency(recording) == pytest.approx(frequency, rel=1e-3)
+    assert readings.step_frequency(recording) == pytest.approx(frequency, rel=1e-3)
 
 
 def test_a_step_that_has_not_turned_has_no_frequency():
-    assert tip.step_frequency(outcome_of("leg-b", duration=1.0).recording) is None
+    assert readings.step_frequency(outcome_of("leg-b", duration=1.0).recording) is None
 
 
 def test_the_foots_rotation_is_drawn_as_the_legs_own_angles():

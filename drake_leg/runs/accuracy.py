@@ -1,0 +1,73 @@
+"""When an error is so large that a run's figures show another motion."""
+
+from __future__ import annotations
+
+from drake_leg.integrator import IntegratorSettings
+
+BEST = IntegratorSettings().scheme
+SHOWN = 0.01  # of a motion's range: about the width of a curve in a figure as high as a thumb
+NOTHING = 1e-6  # [rad or m], an error that counts nowhere
+
+
+def shows(error: float, span: float) -> bool:
+    """Tell whether an error can be seen in a figure of the motion.
+
+    Parameters
+    ----------
+    error : float
+        Greatest distance from the exact motion [rad or m].
+    span : float
+        Range of the exact motion [rad or m].
+
+    Returns
+    -------
+    bool
+        Where nothing moves, an error counts from ``NOTHING`` on.
+    """
+    return not error <= max(SHOWN * span, NOTHING)
+
+
+def finer(settings: IntegratorSettings) -> str:
+    """Say how an integration becomes more accurate.
+
+    Parameters
+    ----------
+    settings : IntegratorSettings
+        Of the run.
+
+    Returns
+    -------
+    str
+    """
+    if settings.accuracy is None:
+        remedy = "choose a smaller --max-step"
+    else:
+        remedy = "choose a finer --accuracy"
+    return remedy if settings.scheme == BEST else f"{remedy} or --integrator {BEST}"
+
+
+def inaccuracy(error: float, span: float, what: str, unit: str, remedy: str) -> str | None:
+    """Say that a run is not the motion that was asked for.
+
+    Parameters
+    ----------
+    error, span : float
+        As ``shows`` takes them.
+    what : str
+        Angle or foot.
+    unit : str
+        Of both.
+    remedy : str
+        What to do about it.
+
+    Returns
+    -------
+    str or None
+        A sentence; None where the error cannot be seen.
+    """
+    if not shows(error, span):
+        return None
+    return (
+        f"the {what} is up to {error:.2g} {unit} from the exact motion, which goes through "
+        f"{span:.3g} {unit}: what was recorded is another motion; {remedy}"
+    )

@@ -1,0 +1,262 @@
+"""What is not given is None, and no option is ignored: two tables of all options, both complete."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from drake_leg.cli import main
+from drake_leg.cli.entry import _build_parser
+from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import StateTarget
+from drake_leg.robots import LEG_B
+from drake_leg.runs.catalogue import RUNS
+from drake_leg.runs.leg_setup import ellipse_config, leg_of, straight_config
+from drake_leg.runs.options import StraightOptions
+from drake_leg.runs.pendulum import pendulum_config
+from drake_leg.runs.scara import scara_config
+
+ROOT = Path(__file__).parents[2]
+MODEL = str(ROOT / "notebooks" / "leg.slx")
+PRINTED = ROOT / "tests" / "check" / "printed"
+
+# --- options that mean something whatever else is given, and those that may not --------------
+
+OF_RUNS = {
+    "--config", "--duration", "--gravity", "--integrator", "--damping", "--q0", "--amplitude",
+    "--inverse", "--correction", "--q0-error", "--push", "--mass-error", "--torque-limit", "--l1",
+    "--l2", "--l3", "--density", "--filter-time-constant", "--feedback", "--lift", "--tool-height",
+    "--size", "--velocity-target", "--lower-limit", "--upper-limit", "--spring-stiffness",
+    "--spring-unit",
+}  # fmt: skip
+
+ALWAYS = {
+    "list": set(),
+    "run": OF_RUNS | {"--out", "--overwrite", "--replay", "--video", "--stills", "--max-step",
+                      "--stiffness"},
+    "replay": {"--out", "--overwrite", "--from", "--robot"},
+    "view": {"--q", "--still", "--from"},
+    "teleop": {"--q", "--host", "--port", "--no-browser", "--once"},
+    "report": {"--out", "--overwrite"},
+    "derive": {"--latex"},
+    "errata": {"--json"},
+    "doctor": {"--q", "--direction", "--frequency", "--foot", "--json", "--out"},
+    "sdf": {"--toml", "--out"},
+    "check": {"--printed", "--json"},
+    "inspect": {"--json"},
+    "compare": OF_RUNS | {"--json", "--strict", "--frequency", "--direction", "--gain"},
+    "diagram": {"--part", "--background", "--out", "--overwrite"},
+}  # fmt: skip
+
+NO_LIMIT = "there is no limit"
+OF_RUNS_MEANINGLESS = [
+    ("leg-b --damped-below 0.01", "means nothing to the inverse 'exact'"),
+    ("leg-b --rate-limit 100", "means nothing to the inverse 'exact'"),
+    ("leg-b --rate-limit 100 --inverse damped", "means nothing to the inverse 'damped'"),
+    ("leg-b --push-at 2", "there is no push"),
+    ("leg-b --push-for 0.1", "there is no push"),
+    ("leg-b --damping-unit N*m/(deg/s)", "there is no damping"),
+    ("pendulum --damping-unit N*m*s/rad", "there is no damping"),
+    ("pendulum --limit-stiffness 100", NO_LIMIT),
+    ("pendulum-damped --limit-damping 0", NO_LIMIT),
+    ("pendulum-spring --limit-width 0.1", NO_LIMIT),
+    ("pendulum-spring --spring-stiffness 0 --target 30", "nothing pulls there"),
+    ("leg-b --lift 0.04", "--lift means nothing to leg-b"),
+]
+
+MEANINGLESS = [
+    *(("run", words, said) for words, said in OF_RUNS_MEANINGLESS),
+    ("run", "leg-b --accuracy 1e-6 --integrator explicit_euler", "means nothing to it"),
+    ("run", "leg-b --frequency 2 --amplitude 0", "the amplitude is 0"),
+    ("run", "scara --direction 0,1,0 --amplitude 0", "the amplitude is 0"),
+    ("run", "ellipse --direction 0,1,0 --amplitude 0", "the amplitude is 0"),
+    ("run", "ellipse --frequency 2 --amplitude 0 --lift 0", "the amplitude and the lift are 0"),
+    ("run", "leg-b --gain 2 --amplitude 0", "the amplitude is 0"),
+    ("run", "leg-b --force --inverse damped", "--force means nothing with --inverse damped"),
+    ("run", "ellipse --force --inverse limited", "--force means nothing with --inverse limited"),
+    *(("compare", words, said) for words, said in OF_RUNS_MEANINGLESS),
+    ("compare", "leg-b --accuracy 1e-6", "means nothing to compare"),
+    ("compare", "leg-b --max-step 0.01", "means nothing to compare"),
+    ("compare", "leg-b --force", "means nothing to compare"),
+    ("compare", "leg-b --stiffness 9", "means nothing to compare"),
+    ("view", "leg-b --host localhost --still leg.png", "means nothing with --still"),
+    ("view", "leg-b --port 7000 --still leg.png", "means nothing with --still"),
+    ("view", "leg-b --no-browser --still leg.png", "means nothing with --still"),
+    ("view", "leg-b --once --still leg.png", "means nothing with --still"),
+    ("view", "leg-b --overwrite --once", "goes with --still"),
+    ("doctor", "leg-b --overwrite --q 90,-50,-90", "goes with --out"),
+    ("sdf", "leg-b --overwrite", "goes with --out"),
+    ("check", f"leg-b --samples 32 --printed {PRINTED}/report_b_leg.toml", "with --printed"),
+    ("check", f"{PRINTED}/report_b_leg_table.txt --samples 32", "only read for slips"),
+    ("check", f"{PRINTED}/report_b_leg_table.txt --seed 0", "only read for slips"),
+    ("diagram", "leg-b --without-scopes --part mechanism --out a.svg", "means nothing to mech"),
+    ("diagram", "leg-b --without-accelerations --part frames --out a.svg", "nothing to frames"),
+    ("diagram", "pendulum --without-accelerations --out a.svg", "whose joint no motion drives"),
+    ("diagram", f"{MODEL} --without-scopes --out a.svg", "means nothing to a Simulink model"),
+]  # fmt: skip
+
+
+def options_of_commands():
+    """All options of all commands."""
+    (commands,) = (a for a in _build_parser()._actions if isinstance(a.choices, dict))
+    return {
+        name: {
+            option
+            for action in command._actions
+            for option in action.option_strings
+            if option.startswith("--") and option != "--help"
+        }
+        for name, command in commands.choices.items()
+    }
+
+
+def first_option(words):
+    return next(word for word in words.split() if word.startswith("--"))
+
+
+def named_options(command):
+    """The options that a case of the table shows to be refused."""
+    found = {first_option(w) for name, w, _ in MEANINGLESS if name == command}
+    return found | {
+        w.split()[-2] for n, w, s in MEANINGLESS if n == command and "nothing pull" in s
+    }
+
+
+@pytest.mark.parametrize("command", ALWAYS)
+def test_every_option_is_in_one_of_the_two_tables(command):
+    sometimes = named_options(command) - ALWAYS[command]
+    assert options_of_commands()[command] == ALWAYS[command] | sometimes
+
+
+def test_no_command_is_missing():
+    assert options_of_commands().keys() == ALWAYS.keys()
+
+
+@pytest.mark.parametrize(
+    ("command", "words", "said"), MEANINGLESS, ids=[f"{c} {w}"[:70] for c, w, _ in MEANINGLESS]
+)
+def test_an_option_that_means_nothing_is_refused(
+    command, words, said, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    before = [MODEL] if command == "compare" else []
+    after = ["--out", "out"] if command == "run" else []
+    assert main([command, *before, *words.split(), *after]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert said in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_of_a_runs_options_may_be_compared_but_what_means_nothing_is_said(tmp_path, capsys):
+    file = tmp_path / "run.yaml"
+    file.write_text("max_step: 0.01\n")
+    assert main(["compare", MODEL, "leg-b", "--config", str(file)]) == 0
+    assert "max_step of" in capsys.readouterr().err
+
+
+# --- neutral values: obeyed, and never taken for "not given" ---------------------------------
+
+TARGETS = (40.0, -20.0, 10.0)  # [deg], of low priority
+
+
+def with_targets():
+    segments, targets = [], iter(TARGETS)
+    for segment in LEG_B.segments:
+        mechanics = segment.mechanics
+        if segment.row.joint != "fixed":
+            target = StateTarget(value=next(targets) * 3.141592653589793 / 180, priority="low")
+            mechanics = dataclasses.replace(mechanics, position_target=target)
+        segments.append(dataclasses.replace(segment, mechanics=mechanics))
+    return dataclasses.replace(LEG_B, segments=tuple(segments))
+
+
+KINDS = {name: kind.options for name, kind in RUNS.items()} | {"robot.toml": StraightOptions}
+CONFIGS = {
+    "leg-a": lambda options: straight_config(leg_of("A", options), options),
+    "leg-b": lambda options: straight_config(leg_of("B", options), options),
+    "robot.toml": lambda options: straight_config(with_targets(), options),
+    "ellipse": ellipse_config,
+    "scara": scara_config,
+}
+
+# What must be given beside an option for it to mean something.
+BESIDE = {
+    "damping_unit": {"damping": 0.02},
+    "damped_below": {"inverse": "damped"},
+    "rate_limit": {"inverse": "limited"},
+    "correction": {"inverse": "damped"},
+    "push_at": {"push": [0.0, 0.0, 0.1]},
+    "push_for": {"push": [0.0, 0.0, 0.1]},
+    "limit_stiffness": {"lower_limit": -30.0},
+    "limit_damping": {"upper_limit": 170.0},
+    "limit_width": {"upper_limit": 170.0},
+}
+
+# The default said aloud, where None stands for it; some defaults have no value of their own.
+SAID = {
+    "damping": 0.0, "damping_unit": "N*m*s/rad", "push_at": 2.0, "push_for": 0.1,
+    "limit_stiffness": 1e4, "limit_damping": 10.0, "limit_width": 0.1, "spring_unit": "N*m/rad",
+    "target": 30.0, "correction": 5.0,
+}  # fmt: skip
+SAID_OF = {
+    ("pendulum", "q0"): [0.0], ("pendulum-spring", "q0"): [0.0], ("pendulum-damped", "q0"): [30.0],
+    ("robot.toml", "q0"): list(TARGETS),
+}  # fmt: skip
+NEVER_SAID = {  # without them something is absent, or follows from the robot
+    "accuracy", "max_step", "damped_below", "rate_limit", "push", "torque_limit", "stiffness",
+    "filter_time_constant", "lower_limit", "upper_limit",
+}  # fmt: skip
+
+CASES = [(name, f.name) for name, kind in KINDS.items() for f in dataclasses.fields(kind)]
+
+
+def effect(name, **given):
+    """What a run does by its options."""
+    options = KINDS[name](**given)
+    config = CONFIGS.get(name, pendulum_config)(options)
+    steps = options.integrator_settings(0.001)
+    return config, steps, options.duration, getattr(options, "force", None)
+
+
+def default_of(name, option):
+    default = getattr(KINDS[name](), option)
+    if default is not None:
+        return default
+    return SAID_OF.get((name, option), SAID.get(option))
+
+
+def zeros_of(name, option):
+    """Neutral values of an option's type: what a careless test takes for nothing."""
+    (field,) = (f for f in dataclasses.fields(KINDS[name]) if f.name == option)
+    kind = str(field.type)
+    if "list" in kind:
+        count = 1 if name.startswith("pendulum") and option == "q0" else 3
+        return [[], [0.0] * count]
+    return [False] if "bool" in kind else [""] if "str" in kind else [0.0]
+
+
+@pytest.mark.parametrize(("name", "option"), CASES, ids=[" ".join(case) for case in CASES])
+def test_a_default_said_aloud_changes_nothing(name, option):
+    beside = {} if option == "correction" and name == "never" else BESIDE.get(option, {})
+    said = default_of(name, option)
+    assert (said is None) == (option in NEVER_SAID)
+    if said is not None:
+        assert effect(name, **beside, **{option: said}) == effect(name, **beside)
+
+
+@pytest.mark.parametrize(("name", "option"), CASES, ids=[" ".join(case) for case in CASES])
+def test_zero_is_obeyed_or_refused_and_never_taken_for_nothing(name, option):
+    beside = BESIDE.get(option, {})
+    for zero in zeros_of(name, option):
+        try:
+            same = effect(name, **beside, **{option: zero}) == effect(name, **beside)
+        except InvalidValueError:
+            continue
+        assert same == (zero == default_of(name, option))
+        assert zero not in ([], "")
+
+
+def test_a_robot_starts_at_its_targets_only_where_no_posture_is_given():
+    assert effect("robot.toml")[0].q0 == pytest.approx([t * 0.017453292519943295 for t in TARGETS])
+    assert effect("robot.toml", q0=[0.0, 0.0, 0.0])[0].q0 == (0.0, 0.0, 0.0)
