@@ -112,7 +112,9 @@ def _clearer(error: OtherRobotError, folder: Path, robot: Robot) -> DrakeLegErro
         return error
     if name == robot.name:
         return error
-    remedy = "leave --robot out" if _known(name, folder) else f"give its TOML file, --robot {name}.toml"
+    remedy = (
+        "leave --robot out" if _known(name, folder) else f"give its TOML file, --robot {name}.toml"
+    )
     return OutputError(f"{folder} is a run of {name!r}, not of {robot.name!r}: {remedy}")
 
 

@@ -156,7 +156,8 @@ def add_leg(
     demux = builder.AddNamedSystem("Demux", Demultiplexer(task.joints))
     q0 = control.start(config.q0)
     integrators = [
-        builder.AddNamedSystem(f"Integrator {i}", Integrator([q])) for i, q in enumerate(q0, start=1)
+        builder.AddNamedSystem(f"Integrator {i}", Integrator([q]))
+        for i, q in enumerate(q0, start=1)
     ]
     converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(task.joints))
     leg = add_mechanism(builder, config.robot, config.gravity, config.disturbance)

@@ -38,7 +38,13 @@ class Labels:
         self._boxes: list[tuple[float, float, float, float]] = []
 
     def place(
-        self, at: Point, text: str, colour: str = INK, *, away: Point = (0.0, 0.0), size: float = 10.0
+        self,
+        at: Point,
+        text: str,
+        colour: str = INK,
+        *,
+        away: Point = (0.0, 0.0),
+        size: float = 10.0,
     ) -> None:
         """Write a label near a point.
 
@@ -74,7 +80,8 @@ class Labels:
                 if cost < lowest:
                     best, lowest = centre, cost
         self._boxes.append((*(best - half), *(best + half)))
-        label.set_position(self._axes.transData.inverted().transform(best))
+        x, y = self._axes.transData.inverted().transform(best).tolist()
+        label.set_position((x, y))
         nearest = np.clip(anchor, best - half, best + half)
         if np.linalg.norm(nearest - anchor) > LED * pixels:
             end = self._axes.transData.inverted().transform(nearest)
@@ -98,7 +105,7 @@ class Labels:
             for x0, y0, x1, y1 in self._boxes
         )
         crossed = ((self._drawn > low) & (self._drawn < high)).all(axis=1).sum()
-        return 100.0 * (hidden + outside) + 0.3 * float(crossed)
+        return float(100.0 * (hidden + outside) + 0.3 * crossed)
 
 
 def _unit(vector: Point) -> Array:

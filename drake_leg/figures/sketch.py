@@ -92,7 +92,10 @@ class Sketch:
             (0.28, INK, 13.0, 2.0),
             (0.25, BODY, 10.5, 2.1),
         ):
-            ends = [(x + side * half * self.unit * dx, y + side * half * self.unit * dy) for side in (-1, 1)]
+            ends = [
+                (x + side * half * self.unit * dx, y + side * half * self.unit * dy)
+                for side in (-1, 1)
+            ]
             self.axes.plot(
                 *zip(*ends, strict=True),
                 color=colour,

@@ -90,9 +90,7 @@ def chain_stroke(
     return ChainStroke(Stroke(length=math.inf, family=None), posture)
 
 
-def _closed(
-    rows: Sequence[Row], task: Task, q: Array, goal: Sweep, way: Array
-) -> Array | None:
+def _closed(rows: Sequence[Row], task: Task, q: Array, goal: Sweep, way: Array) -> Array | None:
     """Bring the foot to the goal by Newton's method; None where that fails or jumps."""
     try:
         posture = _ahead(task, q, task.command(way)) if task.is_redundant else q.copy()
@@ -114,7 +112,8 @@ def _ahead(task: Task, q: Array, v: Array) -> Array:
     """Follow the least rates for a step by the midpoint rule; Newton's method does the rest."""
     half = 0.5 * np.array(task.rates(q.tolist(), v.tolist()))
     there = q + half * min(1.0, LARGEST_CHANGE / float(np.abs(half).max() or 1.0))
-    return q + np.array(task.rates(there.tolist(), v.tolist()))
+    ahead: Array = q + np.array(task.rates(there.tolist(), v.tolist()))
+    return ahead
 
 
 def _miss(goal: Sweep, here: Sweep) -> Array:

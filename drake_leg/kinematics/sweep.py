@@ -115,9 +115,7 @@ def foot_jacobian_rate(here: Sweep, qdot: Sequence[float]) -> Array:
         before = o
     v_foot = _sum(1.0, v, 1.0, _cross(w, _sum(1.0, here.foot, -1.0, before)))
     columns = []
-    for turns, z, o, (z_dot, v_o) in zip(
-        here.turning, here.axes, here.origins, moved, strict=True
-    ):
+    for turns, z, o, (z_dot, v_o) in zip(here.turning, here.axes, here.origins, moved, strict=True):
         if turns:
             arm = _cross(z_dot, _sum(1.0, here.foot, -1.0, o))
             swing = _cross(z, _sum(1.0, v_foot, -1.0, v_o))

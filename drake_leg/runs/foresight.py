@@ -110,7 +110,6 @@ class Plan:
             )
         return forecast
 
-
     def _require_pose(self) -> None:
         """Refuse to keep the foot's orientation from a posture in which the joints cannot."""
         start = self.control.start(self.q0)
