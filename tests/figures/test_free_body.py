@@ -3,6 +3,7 @@
 import math
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from functools import cache
 from itertools import combinations
 
 import numpy as np
@@ -142,9 +143,16 @@ def test_an_axis_is_seen_end_on_where_the_transform_says_so():
         assert direction(sketch, X_B) == pytest.approx(towards * math.degrees(0.3))
 
 
+@cache
+def chain_figure(name):
+    figure = free_body(CHAINS[name])
+    figure.draw_without_rendering()
+    return figure
+
+
 @pytest.mark.parametrize("name", CHAINS)
 def test_the_labels_of_any_chain_hide_none_and_stay_inside(name):
-    figure = free_body(CHAINS[name])
+    figure = chain_figure(name)
     boxes = [(t.get_text(), t.get_window_extent()) for t in texts(figure)]
     for (first, box), (second, other) in combinations(boxes, 2):
         shared = box.intersection(box, other)
@@ -158,7 +166,7 @@ def test_the_labels_of_any_chain_hide_none_and_stay_inside(name):
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_frame_joint_and_weight_of_a_chain_is_named(name):
     robot = CHAINS[name]
-    frames, bodies, table = free_body(robot).axes
+    frames, bodies, table = chain_figure(name).axes
     named = [text.get_text() for text in frames.texts]
     assert {f"${axis}_{{{i}}}$" for axis in "xz" for i in range(len(robot.rows) + 1)} < set(named)
     assert [f"$q_{{{n + 1}}}$" in named for n in range(len(robot.moving))]
