@@ -45,7 +45,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "name",
         metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot with three joints",
+        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot of your own",
     )
     parser.add_argument("--json", action="store_true", help="write the whole comparison as JSON")
     parser.add_argument(

@@ -38,14 +38,14 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "name",
         metavar="NAME|FILE.slx",
-        help=f"one of {', '.join(RUNS)}, a TOML file of a robot with three joints, or a file that "
+        help=f"one of {', '.join(RUNS)}, a TOML file of a robot of your own, or a file that "
         "Simulink saved",
     )
     parser.add_argument(
         "--part",
         default="all",
         metavar="PART",
-        help="signals; mechanism; all, which is both; frames, a reports' robot with its frames, "
+        help="signals; mechanism; all, which is both; frames, the robot with its frames, "
         "angles, lengths and forces; or the name of a link, as femur (the reports' thigh); of a "
         "Simulink model signals, mechanism or all (default all)",
     )

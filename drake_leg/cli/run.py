@@ -50,8 +50,8 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "name",
         metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot with three joints, "
-        "which makes the straight step",
+        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot of your own, "
+        "whose foot makes the straight step",
     )
     add_output(parser)
     add_shows(parser)

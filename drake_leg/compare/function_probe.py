@@ -44,6 +44,11 @@ class LiveInverse:
         """Number of joints."""
         return int(self.block.GetInputPort("q").size())
 
+    @property
+    def commanded(self) -> int:
+        """Number of commanded velocities."""
+        return int(self.block.GetInputPort("v").size())
+
     def inverse(self, q: Array) -> Array:
         """Evaluate ``J^-1``.
 

@@ -73,13 +73,17 @@ def match_function(
         return Match(findings=(("inverse", "not tried", "none at any posture that was tried"),))
     try:
         rates = probe.rates(postures) if joints and max(joints) <= live.size else []
-        wanted = f"{live.size} joint positions and {live.size} velocities in, {live.size} rates out"
+        wanted = (
+            f"{live.size} joint positions and {live.commanded} velocities in, {live.size} rates out"
+        )
         has = (
             f"{len(joints)} joint positions and {len(probe.velocity)} velocities in, "
             f"{len(rates)} rates out"
         )
         if has != wanted:
             return Match(findings=(("inputs and outputs", has, wanted),))
+        if live.commanded != live.size:
+            return Match(findings=(("joint rates", "not tried", "the least of many"),))
         return _compared(probe, live, postures, rates, commanded, rate_unit)
     except DrakeLegError as error:
         return Match(findings=(("code", str(error), "the inverse Jacobian"),))

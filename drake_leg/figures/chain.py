@@ -68,7 +68,7 @@ def chain(robot: Robot, title: str) -> Figure:
     seen = _best_seen(robot)
     unit = _unit_of(seen)
     low, high = _bounds(seen, 2.1 * unit)
-    frames, bodies, table = _panels(title, high - low, len(robot.rows))
+    figure, (frames, bodies, table) = _panels(title, high - low, len(robot.rows))
     for axes in (frames, bodies):
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         axes.set_autoscale_on(False)
@@ -76,13 +76,13 @@ def chain(robot: Robot, title: str) -> Figure:
     views[0].heading("frames: x and z of each")
     views[1].heading("bodies: what pulls at them")
     _table(table, robot, seen.q)
-    frames.get_figure().draw_without_rendering()  # from here on places on paper are known
+    figure.draw_without_rendering()  # from here on places on paper are known
     _frames(views[0], robot, seen)
     _bodies(views[1], robot, seen)
-    return table.get_figure()
+    return figure
 
 
-def _panels(title: str, size: Array, rows: int) -> list[Axes]:
+def _panels(title: str, size: Array, rows: int) -> tuple[Figure, list[Axes]]:
     """Put two views side by side or one above the other, and a table below."""
     width, height = size
     beside = height > BESIDE * width
@@ -94,7 +94,7 @@ def _panels(title: str, size: Array, rows: int) -> list[Axes]:
     shares = [view, lines] if beside else [view, view, lines]
     grid = figure.add_gridspec(len(shares), 2 if beside else 1, height_ratios=shares)
     places = [grid[0, 0], grid[0, 1]] if beside else [grid[0, 0], grid[1, 0]]
-    return [figure.add_subplot(place) for place in (*places, grid[-1, :])]
+    return figure, [figure.add_subplot(place) for place in (*places, grid[-1, :])]
 
 
 def _best_seen(robot: Robot) -> _Seen:

@@ -18,7 +18,8 @@ TURNS = 24  # directions in which a place is looked for
 RINGS = (0.0, 6.0, 14.0, 24.0, 36.0, 50.0, 70.0, 95.0)  # [pt] from what is named to its label
 LED = 20.0  # [pt], farther than which a thin line leads to a label
 SPARE = 2.0  # [px] around a label
-LINE_POINTS = 40  # that stand for a line
+SPACING = 5.0  # [px] of the points that stand for a line
+THIN = 4.0  # [pt], up to which a line has no sides
 
 
 class Labels:
@@ -80,7 +81,8 @@ class Labels:
                 if cost < lowest:
                     best, lowest = centre, cost
         self._boxes.append((*(best - half), *(best + half)))
-        label.set_position(self._axes.transData.inverted().transform(best))
+        x, y = self._axes.transData.inverted().transform(best).tolist()
+        label.set_position((x, y))
         nearest = np.clip(anchor, best - half, best + half)
         if np.linalg.norm(nearest - anchor) > LED * pixels:
             end = self._axes.transData.inverted().transform(nearest)
@@ -89,7 +91,10 @@ class Labels:
     def _points(self, start: Point, end: Point, width: float) -> Array:
         """Return pixels along a line, on both of its sides if it is thick."""
         a, b = self._axes.transData.transform([start, end])
-        along = a + np.linspace(0.0, 1.0, LINE_POINTS)[:, np.newaxis] * (b - a)
+        count = 2 + int(np.linalg.norm(b - a) / SPACING)
+        along: Array = a + np.linspace(0.0, 1.0, count)[:, np.newaxis] * (b - a)
+        if width <= THIN:
+            return along
         dx, dy = _unit((b - a).tolist())
         aside = 0.5 * width * self._axes.figure.dpi / 72.0 * np.array([-dy, dx])
         return np.concatenate([along - aside, along, along + aside])
@@ -104,7 +109,7 @@ class Labels:
             for x0, y0, x1, y1 in self._boxes
         )
         crossed = ((self._drawn > low) & (self._drawn < high)).all(axis=1).sum()
-        return 100.0 * (hidden + outside) + 0.3 * float(crossed)
+        return float(100.0 * (hidden + outside) + 0.8 * crossed)
 
 
 def _unit(vector: Point) -> Array:

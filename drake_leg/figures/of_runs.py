@@ -14,10 +14,9 @@ from drake_leg.figures.stroboscope import stroboscope
 from drake_leg.kinematics.leg import is_hexabot_leg
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.recording import Recording
-from drake_leg.robot import Robot
+from drake_leg.robot import JointType, Robot
 
 LEG_JOINTS = {1: "hip", 2: "knee", 3: "ankle"}
-SCARA_JOINTS = {1: "shoulder", 2: "elbow", 3: "wrist"}
 
 Subject = Literal["swing", "foot", "tool"]  # what a run shows
 
@@ -72,12 +71,6 @@ def _pendulum(title: str, robot: Robot, recording: Recording, summary: Mapping[s
 
 
 def _leg(title: str, robot: Robot, recording: Recording) -> Named:
-    angles, torques = f"{title}: joint angles", f"{title}: joint torques"
-    turning = {
-        number: str(segment.joint)
-        for number, segment in enumerate(robot.moving, start=1)
-        if segment.row.joint == "revolute"
-    }
     yield "step", lambda: stroboscope(robot, recording, f"{title}: the first stroke")
     yield "foot_position", lambda: tip.position(recording, f"{title}: foot position")
     yield "foot_velocity", lambda: tip.velocity(recording, f"{title}: foot velocity")
@@ -86,10 +79,30 @@ def _leg(title: str, robot: Robot, recording: Recording) -> Named:
     if is_hexabot_leg(robot):
         rotation = f"{title}: rotation of the foot"
         yield "foot_rotation", lambda: tip.rotation(robot, recording, rotation)
+    yield from _joints(title, robot, recording)
+    yield "singularity", lambda: tip.singularity(recording, f"{title}: distance from singularity")
+
+
+def _joints(title: str, robot: Robot, recording: Recording) -> Named:
+    """Name the figures of the joints that turn, and of those that slide."""
+    turning, sliding = _numbers(robot, "revolute"), _numbers(robot, "prismatic")
     if turning:
+        angles, torques = f"{title}: joint angles", f"{title}: joint torques"
         yield "joint_angles", lambda: tip.joint_angles(recording, angles, turning)
         yield "joint_torques", lambda: tip.torques(recording, torques, turning)
-    yield "singularity", lambda: tip.singularity(recording, f"{title}: distance from singularity")
+    if sliding:
+        strokes, forces = f"{title}: sliding joints", f"{title}: joint forces"
+        yield "joint_strokes", lambda: tip.joint_strokes(recording, strokes, sliding)
+        yield "joint_forces", lambda: tip.forces(recording, forces, sliding)
+
+
+def _numbers(robot: Robot, kind: JointType) -> dict[int, str]:
+    """Return the joints of a kind: number, from 1, to name."""
+    return {
+        number: str(segment.joint)
+        for number, segment in enumerate(robot.moving, start=1)
+        if segment.row.joint == kind
+    }
 
 
 def _along_x(title: str, recording: Recording) -> Named:
@@ -121,9 +134,10 @@ def _goes_along_x(recording: Recording) -> bool:
 
 def _scara(title: str, robot: Robot, recording: Recording) -> Named:
     angles, torques = f"{title}: joint angles", f"{title}: joint torques"
+    turning = _numbers(robot, "revolute")
     yield "step", lambda: stroboscope(robot, recording, f"{title}: the first stroke")
     yield "tool_position", lambda: tip.position(recording, f"{title}: tool position", "tool")
     yield "tool_velocity", lambda: tip.velocity(recording, f"{title}: tool velocity", "tool")
-    yield "joint_angles", lambda: tip.joint_angles(recording, angles, SCARA_JOINTS)
-    yield "joint_torques", lambda: tip.torques(recording, torques, SCARA_JOINTS)
+    yield "joint_angles", lambda: tip.joint_angles(recording, angles, turning)
+    yield "joint_torques", lambda: tip.torques(recording, torques, turning)
     yield "singularity", lambda: tip.singularity(recording, f"{title}: distance from singularity")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,8 @@ LEGEND_ABOVE: dict[str, Any] = {
 }
 LEGEND_BELOW: dict[str, Any] = {"loc": "outside lower left", "frameon": False, "fontsize": 9.5}
 CORNER, ABOVE = (0.0, 1.0), 5.0  # of axes, where a claim stands; and how far above [pt]
+
+LONGEST = 80  # letters that fit on a line of a legend
 
 PLOT_WIDTH = 6.4  # [inch]; the lettering can be read where a plot fills a phone's screen
 
@@ -162,7 +165,7 @@ def whole_ticks(axes: Axes) -> None:
 
 
 def legend_above(axes: Axes, *others: Axes) -> None:
-    """Put the legend in one line above the axes, right, where it hides nothing.
+    """Put the legend above the axes, right, where it hides nothing, in one line if it fits.
 
     Parameters
     ----------
@@ -178,7 +181,7 @@ def legend_above(axes: Axes, *others: Axes) -> None:
     axes.legend(
         handles,
         labels,
-        ncols=len(labels),
+        ncols=math.ceil(len(labels) / math.ceil(sum(len(label) + 6 for label in labels) / LONGEST)),
         **LEGEND_ABOVE,
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -69,8 +70,8 @@ def curves_plot(
     Figure
     """
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
-    for (label, values), (colour, style) in zip(curves.items(), LINES, strict=False):
-        axes.plot(time, values, style, color=colour, label=label)
+    for (label, values), (colour, style) in zip(curves.items(), cycle(LINES), strict=False):
+        axes.plot(time, values, linestyle=style, color=colour, label=label)
     axes.set(xlabel=TIME, ylabel=ylabel)
     whole_ticks(axes)
     widen_flat_axis(axes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drake_leg.colours import BLUE, VERMILLION
@@ -24,6 +25,8 @@ from drake_leg.robot import Robot
 
 ROOM = 1.3  # times the greatest torque away from a singularity: what an axis shows
 STILL = 1e-6  # [m or m/s], a coordinate that changes less is said to be constant
+FEW = 4  # joints whose panels have room for their names beside them
+SINGULARITY = {"det_j": "det J", "manipulability": "manipulability"}
 INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gaps of the other
 
 
@@ -103,7 +106,7 @@ def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Fi
     Parameters
     ----------
     recording : Recording
-        With q1, q2, q3.
+        With q1, q2, ...
     title : str
         Of the figure.
     joints : dict
@@ -113,21 +116,52 @@ def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Fi
     -------
     Figure
     """
+    figure, panels = _joint_panels(recording, title, joints, "rad")
+    for axes in panels:
+        add_degrees(axes)
+    return figure
+
+
+def joint_strokes(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
+    """Draw the positions of sliding joints against time, as ``joint_angles`` draws angles.
+
+    Parameters
+    ----------
+    recording : Recording
+        With q1, q2, ...
+    title : str
+        Of the figure.
+    joints : dict
+        Number of the joint, from 1, to its name.
+
+    Returns
+    -------
+    Figure
+    """
+    return _joint_panels(recording, title, joints, "m")[0]
+
+
+def _joint_panels(
+    recording: Recording, title: str, joints: dict[int, str], unit: str
+) -> tuple[Figure, list[Axes]]:
+    """Put joint positions one above the other; many panels are lower, and named above."""
+    few = len(joints) <= FEW
     figure, panels = new_figure(
-        title, rows=len(joints), width=PLOT_WIDTH, height=1.2 + 1.55 * len(joints)
+        title, rows=len(joints), width=PLOT_WIDTH, height=1.2 + (1.55 if few else 1.2) * len(joints)
     )
     span = 1.15 * max([float(np.ptp(recording[f"q{number}"])) for number in joints] + [1e-6])
     for axes, (number, name) in zip(panels, joints.items(), strict=True):
-        q = recording[f"q{number}"]
-        axes.plot(recording["time"], q, color=BLUE, label=f"$q_{number}$ ({name})")
+        q, symbol = recording[f"q{number}"], f"$q_{{{number}}}$"
+        axes.plot(recording["time"], q, color=BLUE, label=f"{symbol} ({name})")
         middle = (q.min() + q.max()) / 2.0
         axes.set_ylim(middle - span / 2.0, middle + span / 2.0)
-        axes.set_ylabel(f"{name} $q_{number}$ [rad]")
-        add_degrees(axes)
+        axes.set_ylabel(f"{name} {symbol} [{unit}]" if few else f"{symbol} [{unit}]")
+        if not few:
+            axes.set_title(name, loc="left", fontsize=9.0, pad=2.0)
     panels[-1].set_xlabel(TIME)
     whole_ticks(panels[-1])
     figure.align_ylabels(panels)
-    return figure
+    return figure, panels
 
 
 def rotation(robot: Robot, recording: Recording, title: str) -> Figure:
@@ -164,7 +198,7 @@ def torques(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
     Parameters
     ----------
     recording : Recording
-        With tau1, tau2, tau3.
+        With tau1, tau2, ...
     title : str
         Of the figure.
     joints : dict
@@ -184,13 +218,33 @@ def torques(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
     return figure
 
 
+def forces(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
+    """Draw the computed forces of sliding joints against time.
+
+    Parameters
+    ----------
+    recording : Recording
+        With tau1, tau2, ...
+    title : str
+        Of the figure.
+    joints : dict
+        Number of the joint, from 1, to its name.
+
+    Returns
+    -------
+    Figure
+    """
+    columns = {f"tau{number}": name for number, name in joints.items()}
+    return time_plot(recording, columns, title=title, ylabel="computed force [N]")
+
+
 def singularity(recording: Recording, title: str) -> Figure:
     """Draw the determinant and the smallest singular value of the Jacobian against time.
 
     Parameters
     ----------
     recording : Recording
-        With det_j and sigma_min.
+        With det_j, or the manipulability of a redundant robot, and sigma_min.
     title : str
         Of the figure.
 
@@ -199,11 +253,12 @@ def singularity(recording: Recording, title: str) -> Figure:
     Figure
     """
     figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.0)
-    unit = next(h for h in recording.columns if h.startswith("det_j")).partition("[")[2]
-    power = unit.strip("]m^")
-    top.plot(recording["time"], recording["det_j"], color=BLUE)
+    header = next(h for h in recording.columns if h.startswith(tuple(SINGULARITY)))
+    name, _, unit = header.rstrip("]").partition("[")
+    shown = f" [m$^{{{unit.removeprefix('m^')}}}$]" if unit else " [SI units]"
+    top.plot(recording["time"], recording[name], color=BLUE)
     top.axhline(0.0, color=GREY, linewidth=1.0)
-    top.set(ylabel=f"det J [m$^{power}$]")
+    top.set(ylabel=SINGULARITY[name] + shown)
     bottom.plot(recording["time"], recording["sigma_min"], color=VERMILLION)
     bottom.axhline(0.0, color=GREY, linewidth=1.0, label="singular")
     bottom.set(xlabel=TIME, ylabel=r"$\sigma_{\min}$ [m]")

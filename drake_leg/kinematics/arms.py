@@ -20,6 +20,10 @@ from drake_leg.kinematics.stroke import facing
 from drake_leg.kinematics.task import TRANSLATION, Task
 from drake_leg.robot import Robot
 
+# Of the greatest singular value of the foot's translation: where the smallest one is greater, the
+# foot goes everywhere.
+STILL_MOVES = 1e-3
+
 
 class Arm(Protocol):
     """A robot, or its joints that a command moves."""
@@ -172,7 +176,7 @@ def arm_of(robot: Robot, task: Task) -> LegArm | ChainArm:
 
 
 def loses_turning(arm: Arm, q: Sequence[float]) -> bool:
-    """Tell whether it is rather a turning of the foot that is lost than a translation.
+    """Tell whether it is only a turning of the foot that is lost: it still goes everywhere.
 
     Parameters
     ----------
@@ -185,8 +189,8 @@ def loses_turning(arm: Arm, q: Sequence[float]) -> bool:
     -------
     bool
     """
-    turning, translation = np.split(_lost_twist(arm, q), 2)
-    return bool(np.linalg.norm(turning) > np.linalg.norm(translation))
+    _, sigma, moved = _translations(arm, q)
+    return bool(arm.twists[:3].any() and sigma[moved - 1] > STILL_MOVES * sigma[0])
 
 
 def lost_direction(arm: Arm, q: Sequence[float]) -> tuple[float, float, float]:
@@ -203,18 +207,22 @@ def lost_direction(arm: Arm, q: Sequence[float]) -> tuple[float, float, float]:
     -------
     (3,) tuple of float
         Unit vector in the base frame, its first component that is not zero positive: of a
-        translation, or of an axis of turning.
+        translation or, where only a turning is lost, of its axis.
     """
-    turning, translation = np.split(_lost_twist(arm, q), 2)
-    lost = turning if loses_turning(arm, q) else translation
-    lost = np.where(np.abs(lost) < 1e-9, 0.0, lost / np.linalg.norm(lost))
+    U, _, moved = _translations(arm, q)
+    lost = U[:, moved - 1]
+    if loses_turning(arm, q):
+        U, _, _ = np.linalg.svd(arm.jacobian(q))
+        lost = arm.twists[:3] @ U[:, -1]
+        lost = lost / np.linalg.norm(lost)
+    lost = np.where(np.abs(lost) < 1e-9, 0.0, lost)
     sign = np.sign(lost[np.flatnonzero(lost)[0]])
     x, y, z = (sign * lost + 0.0).tolist()
     return x, y, z
 
 
-def _lost_twist(arm: Arm, q: Sequence[float]) -> Array:
-    """Turning, then translation that the joints do least, (6,), both as lengths."""
-    U, _, _ = np.linalg.svd(arm.jacobian(q))
-    lost: Array = arm.twists @ U[:, -1]
-    return lost
+def _translations(arm: Arm, q: Sequence[float]) -> tuple[Array, Array, int]:
+    """Take the foot's translation apart: directions, singular values, and how many it has."""
+    moved = int(np.linalg.matrix_rank(arm.twists[3:]))
+    U, sigma, _ = np.linalg.svd(arm.twists[3:] @ arm.jacobian(q))
+    return U, sigma, moved

@@ -112,7 +112,8 @@ def _ahead(task: Task, q: Array, v: Array) -> Array:
     """Follow the least rates for a step by the midpoint rule; Newton's method does the rest."""
     half = 0.5 * np.array(task.rates(q.tolist(), v.tolist()))
     there = q + half * min(1.0, LARGEST_CHANGE / float(np.abs(half).max() or 1.0))
-    return q + np.array(task.rates(there.tolist(), v.tolist()))
+    ahead: Array = q + np.array(task.rates(there.tolist(), v.tolist()))
+    return ahead
 
 
 def _miss(goal: Sweep, here: Sweep) -> Array:

@@ -35,15 +35,15 @@ class Freedom:
     span: Array | None  # (6, rank), orthonormal twists, turning first; None: it turns on its way
 
 
-def foot_task(robot: Robot, q0: Sequence[float], keep: str | None = None) -> Task:
+def foot_task(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = None) -> Task:
     """Make the task of moving a robot's foot, in closed form for the hexabot's leg.
 
     Parameters
     ----------
     robot : Robot
         Any.
-    q0 : (n,) sequence of float
-        Where it starts [rad or m]: what the foot can do may depend on it.
+    q0 : (n,) sequence of float, optional
+        Where it starts [rad or m]: what the foot can do may depend on it. All 0 by default.
     keep : {"position", "pose"}, optional
         Whether the foot's translation is commanded alone, or its turning, too. By default the
         pose, where the joints suffice for it and can turn the foot; else the position.
@@ -60,6 +60,7 @@ def foot_task(robot: Robot, q0: Sequence[float], keep: str | None = None) -> Tas
     """
     if keep is not None and keep not in TASKS:
         raise InvalidValueError(f"the task is {keep!r}; it must be {' or '.join(TASKS)}")
+    q0 = [0.0] * len(robot.moving) if q0 is None else q0
     if len(q0) != len(robot.moving):
         raise InvalidValueError(
             f"q0 has {len(q0)} numbers; {robot.name} has {len(robot.moving)} joint positions"
@@ -85,8 +86,8 @@ def _twists(robot: Robot, q0: Sequence[float], keep: str | None) -> Array:
         return pose.span
     if keep == "pose":
         raise InvalidValueError(
-            f"{robot.name!r} cannot hold its foot's orientation with its {_joints(robot)} while the "
-            "foot moves: choose --task position"
+            f"{robot.name!r} cannot hold its foot's orientation with its {_joints(robot)} while "
+            "the foot moves: choose --task position"
         )
     if position.span is not None:
         return position.span
@@ -112,9 +113,8 @@ def first_direction(robot: Robot, task: Task, q0: Sequence[float]) -> tuple[floa
         Unit vector, base frame.
     """
     U, _, _ = np.linalg.svd(task.twists[3:])
-    ways = (
-        one for one in np.eye(3) if _is_commanded(task, one) and _straight(robot, task, q0, one)
-    )
+    commanded = (one for one in np.eye(3) if _is_commanded(task, one))
+    ways = (one for one in commanded if _straight(robot, task, q0, one))
     x, y, z = next(ways, U[:, 0]).tolist()
     return x, y, z
 

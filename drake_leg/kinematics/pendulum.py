@@ -121,10 +121,12 @@ def is_pendulum(robot: Robot) -> bool:
 def _body(robot: Robot) -> tuple[Solid, Brick] | None:
     """Return the only body of a pendulum; None where the robot is none."""
     first, *others = robot.segments
-    solid = first.link.solid if first.link else None
-    if solid is None or not isinstance(solid.shape, Brick) or first.link.inertial is not None:
+    link = first.link
+    if link is None or link.solid is None or link.inertial is not None:
         return None
-    brick = solid.shape
+    solid, brick = link.solid, link.solid.shape
+    if not isinstance(brick, Brick):
+        return None
     centre = (brick.length / 2, 0.0, 0.0)
     turns = first.row == Row(joint="revolute", alpha=-math.pi / 2) and solid.centre == centre
     ends = [segment.row for segment in others] == [Row(joint="fixed", d=brick.length / 2)]

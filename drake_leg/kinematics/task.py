@@ -66,7 +66,7 @@ class Task:
     @property
     def size(self) -> int:
         """How many velocities are commanded: m."""
-        return self.twists.shape[1]
+        return int(self.twists.shape[1])
 
     @property
     def is_redundant(self) -> bool:
@@ -105,9 +105,8 @@ class Task:
         -------
         float
         """
-        return float(
-            smallest_singular_value(np.array(self.row_lengths)[:, None] * self.jacobian(q))
-        )
+        lengths = np.array(self.row_lengths)[:, np.newaxis]
+        return float(smallest_singular_value(lengths * self.jacobian(q)))
 
 
 def task_from_jacobian(

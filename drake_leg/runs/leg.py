@@ -275,7 +275,8 @@ def _outcome(
         f"{name}_max_{unit}".replace("^", "").rstrip("_"): float(det_j.max()),
     }
     if task.keeps_orientation:
-        findings["max_rotation_error_rad"] = _greatest_turn(run.scopes["Q"])
+        R_BF = foot_pose(robot.rows, config.q0)[:3, :3]
+        findings["max_rotation_error_rad"] = _greatest_turn(R_BF, run.scopes["Q"])
     if config.filter_time_constant is not None:
         behind = run.scopes["foot positions"][-1] - (start + path.displacement[-1])
         findings["filter_time_constant_s"] = config.filter_time_constant
@@ -293,10 +294,10 @@ def _determinant(robot: Robot, task: Task) -> tuple[str, str]:
     return "manipulability", "" if sliding else f"m^{power}"
 
 
-def _greatest_turn(quaternions: Array) -> float:
-    """Greatest angle by which a foot has turned from where it was at the start [rad]."""
-    R_BF = rotation_matrices(quaternions)
-    farthest = np.linalg.norm(R_BF - R_BF[0], axis=(1, 2))  # 2 sqrt(2) sin(angle / 2)
+def _greatest_turn(R_BF: Array, quaternions: Array) -> float:
+    """Greatest angle by which a foot has turned from a rotation that it should keep [rad]."""
+    off = rotation_matrices(quaternions) - R_BF
+    farthest = np.linalg.norm(off, axis=(1, 2))  # 2 sqrt(2) sin(angle / 2)
     return float(2.0 * np.arcsin(np.minimum(farthest / math.sqrt(8.0), 1.0)).max())
 
 

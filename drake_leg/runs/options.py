@@ -29,6 +29,7 @@ EXACT = "exact"  # the inverse that stops where the Jacobian is singular
 DURATION = "simulated time"
 DAMPING = "damping of every joint, in --damping-unit"
 Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where it hangs"
+DIRECTION = "of the motion, in the base frame"
 AMPLITUDE = "greatest speed of the foot or of the tool"
 FILTER = "time constant of input filters at the joints, which lag as Simscape's do (there 0.001)"
 FEEDBACKS = ("sensed", "integrated")
@@ -176,10 +177,14 @@ class DampingOptions(RunOptions):
 class StepOptions(RunOptions):
     """What every robot has whose tip follows a sine."""
 
-    q0: list[float] | None = option(None, Q0, "deg")
+    q0: list[float] | None = option(
+        None, Q0, "deg", shown="the joints' state targets; zero, or the limit that is nearest"
+    )
     amplitude: float = option(0.0, AMPLITUDE, "m/s")
     frequency: float = option(1.0, "of the sine", "rad/s")
-    direction: list[float] | None = option([1.0, 0.0, 0.0], "of the motion, in the base frame")
+    direction: list[float] | None = option(
+        None, DIRECTION, shown="1,0,0, or the first of y and z that the foot can follow"
+    )
     force: bool = option(False, "go up to a singularity that is foreseen, and save the way there")
     inverse: str = option(
         EXACT, "of the Jacobian: exact stops where it is singular, damped and limited go on"
@@ -302,6 +307,7 @@ class LegOptions(StepOptions, DampingOptions):
 
     q0: list[float] = option([90.0, -50.0, -90.0], Q0, "deg")
     amplitude: float = option(0.070, AMPLITUDE, "m/s")
+    direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION)
     l1: float = option(HEXABOT_LENGTHS[0], L1, "m")
     l2: float = option(HEXABOT_LENGTHS[1], L2, "m")
     l3: float = option(HEXABOT_LENGTHS[2], "length of the tibia", "m")
@@ -312,9 +318,6 @@ class LegOptions(StepOptions, DampingOptions):
 class StraightOptions(StepOptions):
     """The straight step of a robot from a file."""
 
-    q0: list[float] | None = option(
-        None, Q0, "deg", shown="the joints' state targets; zero, or the limit that is nearest"
-    )
     amplitude: float = option(0.050, AMPLITUDE, "m/s")
     gain: float = option(
         1.0, "of a gain block after the sine, whose own amplitude is amplitude / gain; 1: no block"
@@ -322,11 +325,6 @@ class StraightOptions(StepOptions):
     filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
     feedback: str = option(
         "sensed", f"what the inverse Jacobian takes as joint positions: {' or '.join(FEEDBACKS)}"
-    )
-    direction: list[float] | None = option(
-        None,
-        "of the motion, in the base frame",
-        shown="1,0,0, or the first of y and z that the foot can follow",
     )
     task: str | None = option(
         None, TASK, shown="pose where the joints can keep it, otherwise position"
@@ -371,6 +369,7 @@ class ScaraOptions(StepOptions, DampingOptions):
 
     q0: list[float] = option([30.0, 90.0, -120.0], Q0, "deg")
     amplitude: float = option(0.050, AMPLITUDE, "m/s")
+    direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION)
     tool_height: float = option(0.050, "R, of the tool over its lowest position", "m")
     l1: float = option(SCARA_LENGTHS[0], L1, "m")
     l2: float = option(SCARA_LENGTHS[1], L2, "m")

@@ -152,7 +152,7 @@ def drive_of(robot: Robot, keep: str | None = None) -> Drive:
     InvalidValueError
         If the robot cannot do that.
     """
-    return Drive(robot=robot, task=foot_task(robot, [0.0] * len(robot.moving), keep), keep=keep)
+    return Drive(robot=robot, task=foot_task(robot, keep=keep), keep=keep)
 
 
 def at_rest(drive: Drive, q: ArrayLike) -> Step:

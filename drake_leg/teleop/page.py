@@ -142,7 +142,7 @@ def _note(drive: Drive) -> str:
     if drive.wanders:
         return "The foot goes along a curve or a surface: what of a command lies in it acts."
     said = []
-    if not all(_movable(drive)) or drive.task.size < 3:
+    if np.linalg.matrix_rank(drive.task.twists[3:]) < 3:
         said.append(f"The foot {motion_in_words(drive.task)}: what of a command lies there acts.")
     if drive.task.keeps_orientation:
         said.append("It does not turn.")

@@ -74,7 +74,7 @@ def test_a_leg_is_driven_from_the_posture_given(capsys):
             "a.jpg does not end in .png: choose another --still",
         ),
         (["view", "leg-b", "--still", "a.png", "--from", "left"], 2, "there is no view 'left'"),
-        (["teleop", "scara"], 2, "takes exactly three"),
+        (["teleop", "leg-b", "--task", "pose"], 2, "cannot hold its foot's orientation"),
         (["teleop", "leg-b", "--q", "90,0,0"], 3, "at --q 90,0,0 the leg is stretched"),
         (["teleop", "leg-a", "--q", "90,0,180"], 3, "the leg is folded"),
     ],

@@ -41,7 +41,9 @@ def outcome_of(name, duration=7.0, **changes):
 def figures_of(name, **changes):
     outcome = outcome_of(name, **changes)
     title = RUNS[name].title
-    return dict(figures_of_run(name, title, outcome.robot, outcome.recording, outcome.summary))
+    return dict(
+        figures_of_run(outcome.subject, title, outcome.robot, outcome.recording, outcome.summary)
+    )
 
 
 def drawn(axes):
@@ -233,9 +235,7 @@ def test_a_run_that_came_to_rest_shows_where():
     outcome = kind.run(kind.options(duration=10.0, damping=0.05), None)
     rest = outcome.summary["exact_rest_angle_rad"]
     named = dict(
-        figures_of_run(
-            "pendulum-spring", "title", outcome.robot, outcome.recording, outcome.summary
-        )
+        figures_of_run(outcome.subject, "title", outcome.robot, outcome.recording, outcome.summary)
     )
     assert named["angle"]().axes[0].get_lines()[1].get_ydata()[0] == rest
 

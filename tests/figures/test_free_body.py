@@ -3,14 +3,15 @@
 import math
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from functools import cache
 from itertools import combinations
 
 import numpy as np
 import pytest
+from chains import POSTURES, random_chain
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
-from drake_leg.errors import InvalidValueError
 from drake_leg.figures.free_body import free_body
 from drake_leg.figures.sketch import Sketch, direction
 from drake_leg.figures.style import svg_text
@@ -37,6 +38,10 @@ def held(damping=0.01, stiffness=0.0, rest=30.0):
     return replace(PENDULUM, segments=(replace(only, mechanics=joint), *rest))
 
 
+CHAINS = {name: robot for name, (robot, _) in POSTURES.items()} | {
+    f"random {joints}": random_chain(np.random.default_rng(joints), joints)[0]
+    for joints in (1, 2, 3, 5, 8, 10)
+}
 DRAWN = (
     {robot.name: robot for robot in ROBOTS}
     | {"damped": held(), "sprung": held(0.01, 5.0)}
@@ -138,11 +143,37 @@ def test_an_axis_is_seen_end_on_where_the_transform_says_so():
         assert direction(sketch, X_B) == pytest.approx(towards * math.degrees(0.3))
 
 
-def test_another_robot_is_refused():
-    other = replace(SCARA, name="arm")
-    assert free_body(SCARA).axes
-    with pytest.raises(InvalidValueError, match="'arm'"):
-        free_body(replace(other, segments=other.segments[:2]))
+@cache
+def chain_figure(name):
+    figure = free_body(CHAINS[name])
+    figure.draw_without_rendering()
+    return figure
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_the_labels_of_any_chain_hide_none_and_stay_inside(name):
+    figure = chain_figure(name)
+    boxes = [(t.get_text(), t.get_window_extent()) for t in texts(figure)]
+    for (first, box), (second, other) in combinations(boxes, 2):
+        shared = box.intersection(box, other)
+        assert shared is None or min(shared.width, shared.height) < 3.0, (first, second)
+    for label, box in boxes:
+        assert box.x0 >= 0.0, label
+        assert box.x1 <= figure.bbox.x1, label
+        assert box.y0 >= 0.0, label
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_every_frame_joint_and_weight_of_a_chain_is_named(name):
+    robot = CHAINS[name]
+    frames, bodies, table = chain_figure(name).axes
+    named = [text.get_text() for text in frames.texts]
+    assert {f"${axis}_{{{i}}}$" for axis in "xz" for i in range(len(robot.rows) + 1)} < set(named)
+    assert [f"$q_{{{n + 1}}}$" in named for n in range(len(robot.moving))]
+    pulled = {text.get_text() for text in bodies.texts}
+    assert {"$R$", "foot"} | {str(segment.joint) for segment in robot.moving} < pulled
+    rows = {text.get_text() for text in table.texts}
+    assert {str(index + 1) for index in range(len(robot.rows))} < rows
 
 
 def test_backgrounds_are_as_wanted_and_the_picture_fits_its_place():

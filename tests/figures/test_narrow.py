@@ -37,7 +37,7 @@ def drawn():
     for name in RUNS:
         outcome = outcome_of(name)
         for kind, draw in figures_of_run(
-            name, RUNS[name].title, outcome.robot, outcome.recording, outcome.summary
+            outcome.subject, RUNS[name].title, outcome.robot, outcome.recording, outcome.summary
         ):
             yield f"{name} {kind}", draw
     for robot in ROBOTS:
@@ -123,9 +123,7 @@ def test_the_axes_of_a_figure_in_space_stay_named(kind):
 
 def test_letters_stay_as_large_and_curves_as_they_are():
     outcome = outcome_of("leg-b")
-    named = dict(
-        figures_of_run("leg-b", "leg B", outcome.robot, outcome.recording, outcome.summary)
-    )
+    named = dict(figures_of_run("foot", "leg B", outcome.robot, outcome.recording, outcome.summary))
     wide, slim = named["foot_position"](), fitted(named["foot_position"])
     wide.draw_without_rendering()
     assert [t.get_fontsize() for t in writing(wide)][:6] == [

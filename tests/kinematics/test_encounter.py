@@ -5,14 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from chains import PUMA, SEVEN
 from scipy.optimize import brentq
 
-from drake_leg.kinematics.arms import ChainArm, LegArm, ScaraArm, arm_of, lost_direction
+from drake_leg.kinematics.arms import ChainArm, LegArm, ScaraArm, loses_turning, lost_direction
 from drake_leg.kinematics.encounter import SineStep
+from drake_leg.kinematics.foot_task import foot_task
 from drake_leg.kinematics.forecast import forecast_path, forecast_step
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position
 from drake_leg.kinematics.paths import elliptic_path
+from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 
 LEG = LegGeometry.from_robot(LEG_B)
@@ -86,7 +89,7 @@ def test_passing_close_by_is_told(clearance):
 @pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=["A", "B"])
 def test_what_is_foreseen_is_singular_and_in_time(rng, robot):
     leg = LegGeometry.from_robot(robot)
-    arm, families = arm_of(robot), []
+    arm, families = LegArm(leg), []
     for number in range(200):
         q0 = rng.uniform(-np.pi, np.pi, 3)
         p, d = foot_position(leg, q0), rng.normal(size=3)
@@ -108,8 +111,8 @@ def test_what_is_foreseen_is_singular_and_in_time(rng, robot):
 
 
 def test_the_scara_is_stretched_where_its_circle_is_met():
-    arm, q0 = arm_of(SCARA), np.radians([30.0, 90.0, -120.0]).tolist()
-    assert isinstance(arm, ScaraArm)
+    arm = ScaraArm(ScaraGeometry.from_robot(SCARA))
+    q0 = np.radians([30.0, 90.0, -120.0]).tolist()
     x, y, _ = arm.foot(q0)
     stroke = math.sqrt(0.460**2 - y**2) - x
     found = met(arm, q0, amplitude=0.2)
@@ -125,6 +128,17 @@ def test_a_chain_is_followed_numerically_and_says_so():
     assert found.numerical
     assert found.family is None
     assert "about" in found.describe()
+
+
+def test_a_wrist_loses_a_turning_and_a_stretched_arm_a_translation():
+    wrist, stretched = [0.1, 0.2, 0.3, 0.4, 0.0, 0.5], [0.0] * 7
+    arm = ChainArm(PUMA, foot_task(PUMA, wrist, "pose"))
+    assert loses_turning(arm, wrist)
+    J = arm.jacobian(wrist)
+    assert np.linalg.norm(np.linalg.svd(J)[0][:, -1] @ J) < 1e-12
+    arm = ChainArm(SEVEN, foot_task(SEVEN, stretched, "position"))
+    assert not loses_turning(arm, stretched)
+    assert lost_direction(arm, stretched) == pytest.approx((0.0, 0.0, 1.0), abs=1e-9)
 
 
 def test_an_ellipse_is_met_where_a_fine_walk_meets_it():

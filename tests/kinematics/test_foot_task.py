@@ -4,9 +4,28 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from chains import (
+    CYLINDER,
+    FIVE,
+    GANTRY,
+    PLANAR_2,
+    PLANAR_3,
+    PLANAR_4,
+    POLAR,
+    PUMA,
+    SEVEN,
+    SLIDER,
+    SPINDLE,
+    TILTED,
+)
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.foot_task import foot_task
+from drake_leg.kinematics.foot_task import (
+    first_direction,
+    foot_task,
+    require_direction,
+    turns_on_its_way,
+)
 from drake_leg.kinematics.khalil import jacobian, jacobian_rate_bias
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_A, LEG_B, SCARA
@@ -38,9 +57,68 @@ def test_a_table_with_a_vanishing_offset_has_the_closed_forms_rates(rng):
     np.testing.assert_allclose(near.rates(q, v), exact.rates(q, v), rtol=1e-11)
 
 
-def test_four_joints_are_too_many():
-    with pytest.raises(InvalidValueError, match="4 joint positions"):
-        foot_task(SCARA)
+UNIT = np.eye(6)
+SPANS = {
+    "planar_2": (PLANAR_2, UNIT[:, [3, 4]]),
+    "planar_3": (PLANAR_3, UNIT[:, [3, 4, 2]]),
+    "planar_4": (PLANAR_4, UNIT[:, [3, 4, 2]]),
+    "slider": (SLIDER, UNIT[:, [5]]),
+    "polar": (POLAR, UNIT[:, [3, 4]]),
+    "gantry": (GANTRY, None),
+    "scara": (SCARA, UNIT[:, [3, 4, 5, 2]]),
+    "leg": (LEG_A, UNIT[:, 3:]),
+    "offset leg": (with_offset(LEG_B, 0.02), UNIT[:, 3:]),
+    "five": (FIVE, UNIT[:, 3:]),
+    "six": (PUMA, UNIT[:, [3, 4, 5, 0, 1, 2]]),
+    "seven": (SEVEN, UNIT[:, [3, 4, 5, 0, 1, 2]]),
+}
+
+
+@pytest.mark.parametrize(("robot", "twists"), SPANS.values(), ids=SPANS)
+def test_the_foot_keeps_its_orientation_where_the_joints_can(robot, twists):
+    task = foot_task(robot)
+    if twists is None:  # three translations and a turning about one axis, whichever
+        assert task.size == 4
+        assert np.linalg.matrix_rank(task.twists[3:]) == 3
+    else:
+        np.testing.assert_array_equal(task.twists, twists)
+    assert task.joints == len(robot.moving)
+    np.testing.assert_allclose(task.twists.T @ task.twists, np.eye(task.size), atol=1e-12)
+
+
+def test_a_tilted_plane_has_directions_of_its_own():
+    task = foot_task(TILTED)
+    normal = np.array([0.0, -np.sin(0.3), np.cos(0.3)])
+    np.testing.assert_allclose(normal @ task.twists[3:], 0.0, atol=1e-15)
+    assert task.size == 2
+    assert first_direction(TILTED, task, [0.3, 0.4]) == (1.0, 0.0, 0.0)
+    with pytest.raises(InvalidValueError, match=r"right angles to \(0, -?0.29552, -?0.955336\)"):
+        require_direction(TILTED, task, [0.3, 0.4], (0.0, 0.0, 1.0))
+
+
+def test_what_turns_on_its_way_goes_straight_where_it_can():
+    task = foot_task(CYLINDER, [0.4, 0.1])
+    assert turns_on_its_way(CYLINDER, task)
+    require_direction(CYLINDER, task, [0.4, 0.1], (0.0, 0.0, 1.0))
+    assert first_direction(CYLINDER, task, [0.4, 0.1]) == (0.0, 0.0, 1.0)
+    tangent = (-np.sin(0.4), np.cos(0.4), 0.0)
+    with pytest.raises(InvalidValueError, match="takes its foot along a curve"):
+        require_direction(CYLINDER, task, [0.4, 0.1], tangent)
+    with pytest.raises(InvalidValueError, match="at q0 the foot of 'cylinder' moves"):
+        require_direction(CYLINDER, task, [0.4, 0.1], (1.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("robot", [LEG_A, PLANAR_2, FIVE, CYLINDER], ids=lambda robot: robot.name)
+def test_a_pose_that_cannot_be_kept_is_refused(robot):
+    with pytest.raises(InvalidValueError, match="choose --task position"):
+        foot_task(robot, keep="pose")
+
+
+def test_a_foot_that_nothing_moves_is_refused():
+    with pytest.raises(InvalidValueError, match="no joint of 'spindle' moves its foot"):
+        foot_task(SPINDLE)
+    with pytest.raises(InvalidValueError, match="q0 has 2 numbers; leg_a has 3 joint positions"):
+        foot_task(LEG_A, [0.0, 1.0])
 
 
 def test_a_sliding_joint_is_a_joint(rng):

@@ -165,7 +165,7 @@ def test_every_plots_file_is_one_that_its_run_leaves(page):
         names = [
             name
             for name, _ in figures_of_run(
-                run.name, "", outcome.robot, outcome.recording, outcome.summary
+                outcome.subject, "", outcome.robot, outcome.recording, outcome.summary
             )
         ]
         for item in ITEMS:

@@ -2,12 +2,13 @@ import math
 
 import numpy as np
 import pytest
+from chains import POSTURES, SPINDLE, WHEEL
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.leg import LegGeometry, foot_position
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.robot_file import read_robot
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robots import LEG_A, LEG_B
 from drake_leg.teleop.control import at_rest, control_step, drive_of
 
 DT = 1.0 / 30.0
@@ -151,6 +152,39 @@ def test_a_foot_halted_where_a_joint_is_at_its_limit_is_told_so():
     assert (halted.state, halted.sentence) == ("near", "the joint joint_2 is at its limit")
 
 
+@pytest.mark.parametrize("name", [name for name in POSTURES if name not in ("planar_3", "slider")])
+def test_the_foot_of_any_chain_goes_where_it_is_told_as_far_as_it_can(name, drake_frames):
+    robot, q = POSTURES[name]
+    drive = drive_of(robot)
+    v = np.array([0.03, 0.02, -0.01])
+    step = driven(drive, q, v, 15)[-1]
+    can = drive.task.twists[3:] @ drive.task.command(v)
+    before, after = drake_frames(robot, q)[-1], drake_frames(robot, step.q)[-1]
+    np.testing.assert_allclose(after[:3, 3] - before[:3, 3], 15 * DT * can, atol=1e-7)
+    np.testing.assert_allclose(step.foot, after[:3, 3], atol=1e-12)
+    if drive.task.keeps_orientation:
+        np.testing.assert_allclose(after[:3, :3], before[:3, :3], atol=1e-7)
+    assert (step.state, step.sentence) == ("free", "")
+
+
+def test_a_foot_on_a_circle_takes_the_part_of_a_command_along_it(drake_frames):
+    drive = drive_of(WHEEL)
+    step = driven(drive, [0.3], [0.0, 0.1, 0.1], 30)[-1]
+    assert np.hypot(*step.foot[:2]) == pytest.approx(0.3, abs=1e-12)
+    assert step.q[0] > 0.55
+    stopped = control_step(drive, [0.0], [0.1, 0.0, 0.1], DT)
+    assert stopped.state == "stopped"
+    assert stopped.sentence == "the foot moves along (0, 1, 0) only; drive it another way"
+
+
+def test_a_foot_may_turn_if_that_is_wanted():
+    robot, q = POSTURES["puma560_classic"]
+    wrist = [*q[:4], 0.0, q[5]]
+    with pytest.raises(SingularConfigurationError):
+        at_rest(drive_of(robot), wrist)
+    assert at_rest(drive_of(robot, "position"), wrist).state == "free"
+
+
 def test_a_singular_start_is_refused():
     with pytest.raises(SingularConfigurationError, match="the Jacobian is singular") as refused:
         at_rest(drive_of(LEG_B), [0.5, 0.3, 0.0])
@@ -168,8 +202,10 @@ def test_from_inside_the_guard_one_can_only_go_out():
 
 
 def test_what_cannot_be_driven_is_refused():
-    with pytest.raises(InvalidValueError, match="takes exactly three"):
-        drive_of(SCARA)
+    with pytest.raises(InvalidValueError, match="no joint of 'spindle' moves its foot"):
+        drive_of(SPINDLE)
+    with pytest.raises(InvalidValueError, match="cannot hold its foot's orientation"):
+        drive_of(LEG_B, "pose")
     with pytest.raises(InvalidValueError):
         control_step(drive_of(LEG_B), Q, [0.0, math.nan, 0.0], DT)
 
