@@ -77,4 +77,4 @@ def _fractions(text: str) -> str:
         part = unicodedata.normalize("NFKC", found[2]).replace("⁄", "/")
         return f"({found[1]}+{part})" if found[1] else f"({part})"
 
-    return re.sub(r"(\d*)([¼½¾⅐-⅞])", written, text)
+    return re.sub(r"((?:(?<!\d)\d{1,4})?)([¼½¾⅐-⅞])", written, text)

@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 
 from drake_leg.check.grammar import tree_of
+from drake_leg.check.limits import DEEPEST, MOST_NODES, require_small
 from drake_leg.check.notation import quoted
 from drake_leg.check.tokens import FUNCTIONS
 from drake_leg.errors import InvalidValueError
 
 CONSTANTS = {"pi": math.pi, "deg": math.pi / 180.0, "rad": 1.0}
-DEEPEST = 200  # levels of a formula's tree
-MOST_NODES = 5000  # of a formula with its definitions
 
 OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -33,9 +32,7 @@ SIGNS: dict[type[ast.unaryop], Callable[[Any], Any]] = {
 }
 
 
-def parse_formula(
-    text: str, declared: Collection[str] = (), *, weak: bool = True
-) -> ast.expr:
+def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = True) -> ast.expr:
     """Parse a printed formula, or the right side of an equation.
 
     Parameters
@@ -63,34 +60,8 @@ def parse_formula(
             f"{quoted(text)} has a formula on both sides of =; write the one that is meant"
         )
     tree = tree_of(right, declared, weak=weak)
-    _require_small(tree, text)
+    require_small(tree, text)
     return tree
-
-
-def _require_small(tree: ast.expr, text: str) -> None:
-    """Refuse what no person prints: it would be too deep to walk through."""
-    nodes, level = 0, [tree]
-    for _ in range(DEEPEST):
-        nodes += len(level)
-        level = [child for node in level for child in _children(node)]
-        if not level and nodes <= MOST_NODES:
-            return
-        if nodes > MOST_NODES:
-            break
-    raise InvalidValueError(
-        f"{quoted(text)} has too many terms to be read; write parts of it under [where]"
-    )
-
-
-def _children(node: ast.expr) -> tuple[ast.expr, ...]:
-    match node:
-        case ast.UnaryOp(operand=operand):
-            return (operand,)
-        case ast.BinOp(left=left, right=right):
-            return (left, right)
-        case ast.Call(args=[argument]):
-            return (argument,)
-    return ()
 
 
 def names_in(tree: ast.expr) -> set[str]:

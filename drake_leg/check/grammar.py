@@ -5,14 +5,17 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Collection
+from itertools import islice
 
+from drake_leg.check.limits import number_of
 from drake_leg.check.notation import plain, quoted
 from drake_leg.check.tokens import ANGLE_LETTERS, END, Token, tokens_of
 from drake_leg.errors import InvalidValueError
 
+MOST_TOKENS = 2000
+MOST_PARTS = 100  # of one sum or product
 DEEPEST = 40  # brackets within brackets
 GREATEST_POWER = 20
-GREATEST_DEGREE = 100  # of powers of powers
 _BY_NAME = {"tg": "tan", "cosd": "cos", "sind": "sin", "tand": "tan"}
 _RECIPROCALS = {"sec": "cos", "csc": "sin", "cosec": "sin", "cot": "tan", "cotan": "tan"}
 _FIRST_LETTER = {"c": "cos", "s": "sin"}
@@ -43,10 +46,13 @@ def tree_of(text: str, declared: Collection[str] = (), *, weak: bool = True) -> 
     """
     formula = plain(text)
     try:
-        return _Parser(list(tokens_of(formula, declared, weak)), declared).whole()
+        tokens = list(islice(tokens_of(formula, declared, weak), MOST_TOKENS + 1))
+        if len(tokens) > MOST_TOKENS:
+            raise InvalidValueError("has too many terms to be read; write parts under [where]")
+        return _Parser(tokens, declared).whole()
     except RecursionError:
         raise InvalidValueError(
-            f"{quoted(text)} has too many terms to be read; write parts of it under [where]"
+            f"{quoted(text)} is nested too deep; write parts of it under [where]"
         ) from None
     except InvalidValueError as error:
         reason = str(error)
@@ -93,14 +99,18 @@ class _Parser:
 
     def _sum(self) -> ast.expr:
         tree = self._product()
+        terms = 0
         while self._next.kind == "sign" and self._next.text in "+-":
+            terms = self._counted(terms)
             sign = ast.Add() if self._take().text == "+" else ast.Sub()
             tree = ast.BinOp(left=tree, op=sign, right=self._product())
         return tree
 
     def _product(self) -> ast.expr:
         tree = self._signed()
+        factors = 0
         while True:
+            factors = self._counted(factors)
             if self._skip("*"):
                 tree = _times(tree, self._signed())
             elif self._skip("/"):
@@ -109,6 +119,12 @@ class _Parser:
                 tree = _times(tree, self._power())
             else:
                 return tree
+
+    def _counted(self, parts: int) -> int:
+        """Count the terms of a sum or the factors of a product."""
+        if parts >= MOST_PARTS:
+            raise InvalidValueError("has too many terms to be read; write parts under [where]")
+        return parts + 1
 
     def _begins_a_factor(self) -> bool:
         token = self._next
@@ -135,16 +151,12 @@ class _Parser:
             tree = ast.BinOp(left=tree, op=ast.Pow(), right=self._exponent())
             if self._next.text == "^":
                 raise InvalidValueError("it has a power of a power; write brackets: (2^3)^2")
-            if _degree(tree) > GREATEST_DEGREE:
-                raise InvalidValueError(
-                    f"its powers together are above {GREATEST_DEGREE}; write lower ones"
-                )
         return _times(tree, ast.Name(id="deg")) if self._skip("°") else tree
 
     def _exponent(self) -> ast.expr:
         """Read a number, plain or in brackets: 2, -1, (1/2)."""
         tree = self._signed_number() if self._next.text != "(" else self._bracket()
-        value = _number(tree)
+        value = number_of(tree)
         if value is None or abs(value) > GREATEST_POWER:
             raise InvalidValueError(
                 f"its exponent is {ast.unparse(tree)}; write a number of at most {GREATEST_POWER}"
@@ -223,10 +235,10 @@ class _Parser:
         """Read L(2) as L2 where L2 is declared."""
         number = self._peek(1)
         element = f"{name}{number.text}"
-        if self._next.text == "(" and self._peek(2).text == ")" and number.kind == "number":
-            if element in self._declared:
-                self._at += 3
-                return ast.Name(id=element)
+        bracketed = self._next.text == "(" and self._peek(2).text == ")"
+        if bracketed and number.kind == "number" and element in self._declared:
+            self._at += 3
+            return ast.Name(id=element)
         return ast.Name(id=name)
 
     def _timed(self, angle: ast.expr) -> ast.expr:
@@ -298,7 +310,7 @@ class _Parser:
         if not self._skip("^"):
             return None
         exponent = self._exponent()
-        if (_number(exponent) or 0.0) <= 0.0:
+        if (number_of(exponent) or 0.0) <= 0.0:
             raise InvalidValueError(
                 f"{function}^-1 may be the inverse function or the reciprocal; "
                 f"write 1/{function}(...) or the angle"
@@ -381,9 +393,7 @@ def _is_index(number: Token) -> bool:
 def _angles(digits: str) -> ast.expr:
     """Read 23 as q2 + q3."""
     if not digits.isdigit() or "0" in digits:
-        raise InvalidValueError(
-            f"the angle {digits} has a 0 in it; joints are counted from 1 to 9"
-        )
+        raise InvalidValueError(f"the angle {digits} has a 0 in it; joints are counted from 1 to 9")
     tree: ast.expr = ast.Name(id=f"q{digits[0]}")
     for digit in digits[1:]:
         tree = ast.BinOp(left=tree, op=ast.Add(), right=ast.Name(id=f"q{digit}"))
@@ -395,34 +405,6 @@ def _constant(text: str) -> ast.Constant:
     if not math.isfinite(value):
         raise InvalidValueError(f"its number {text[:12]}... is too large; write a smaller one")
     return ast.Constant(value=int(text) if text.isdigit() else value)
-
-
-def _number(tree: ast.expr) -> float | None:
-    """Evaluate a number, a sign, or a fraction of numbers; None for anything else."""
-    match tree:
-        case ast.Constant(value=int() | float() as value):
-            return float(value)
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            value = _number(operand)
-            return None if value is None else -value
-        case ast.BinOp(left=left, op=ast.Div(), right=right):
-            above, below = _number(left), _number(right)
-            return above / below if above is not None and below else None
-    return None
-
-
-def _degree(tree: ast.expr) -> float:
-    """How often a formula multiplies what stands in it at most."""
-    match tree:
-        case ast.BinOp(left=base, op=ast.Pow(), right=exponent):
-            return _degree(base) * max(1.0, abs(_number(exponent) or 1.0))
-        case ast.BinOp(left=left, op=ast.Mult() | ast.Div(), right=right):
-            return _degree(left) + _degree(right)
-        case ast.BinOp(left=left, right=right):
-            return max(_degree(left), _degree(right))
-        case ast.UnaryOp(operand=inner) | ast.Call(args=[inner]):
-            return _degree(inner)
-    return 1.0
 
 
 def _times(left: ast.expr, right: ast.expr) -> ast.expr:

@@ -77,7 +77,7 @@ def without_latex(text: str) -> str:
 
 
 def _unwrapped(found: re.Match[str]) -> str:
-    """Set the content of \\mathrm{c} apart from letters before it, not from its own index."""
+    r"""Set the content of \mathrm{c} apart from letters before it, not from its own index."""
     text = found.string
     before = "" if found.start() and text[found.start() - 1] in "_^{" else " "
     after = "" if text[found.end() : found.end() + 1] in (*"_^0123456789", "") else " "

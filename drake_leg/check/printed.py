@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from drake_leg.check.captions import grade_caption
 from drake_leg.check.claims import Claim, claim_of, right_values, scales
+from drake_leg.check.decimals import agrees_within_digits
 from drake_leg.check.diagnosis import explain
 from drake_leg.check.expressions import evaluate, names_in
 from drake_leg.check.findings import Finding
@@ -122,7 +123,7 @@ class _Grader:
             values[:, row, column], finding = self._grade_entry(entry)
             if finding:
                 yield finding
-        if claim.kind == "transform":
+        if claim.kind in ("transform", "rotation"):
             yield from _grade_rotation(claim, values[:, :3, :3])
 
     def _grade_entry(self, entry: _Entry) -> tuple[Array, Finding | None]:
@@ -136,7 +137,7 @@ class _Grader:
         if strangers:
             return nothing, self._stranger_finding(entry, strangers)
         values = self._values(tree)
-        if entry.agrees(values):
+        if entry.agrees(values) or entry.agrees_within_digits(tree, self._values):
             return entry.right, None
         wrong = explain(tree, len(self._robot.moving), lambda t: entry.agrees(self._values(t)))
         fault = f"printed {readable(entry.text)}" + (f", in which {wrong}" if wrong else "")
@@ -185,6 +186,10 @@ class _Entry:
     def agrees(self, values: Array) -> bool:
         """Whether values are right at all postures; one that is not finite is not."""
         return bool(np.all(np.abs(values - self.right) <= self.margin))
+
+    def agrees_within_digits(self, tree: ast.expr, values_of: Callable[[ast.expr], Array]) -> bool:
+        """Whether it is right but for the rounding of its decimals."""
+        return agrees_within_digits(tree, self.right, self.margin, values_of)
 
     def finding(self, fault: str, remedy: str) -> Finding:
         """Name the entry by row and column, from 1."""
