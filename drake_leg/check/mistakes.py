@@ -26,10 +26,25 @@ def mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
     Mistake
         The likeliest first; none for a single entry.
     """
-    if subject.claim.kind in ("transform", "position"):
+    if subject.claim.kind in ("transform", "rotation", "position"):
         yield from transform_mistakes(subject)
     elif subject.claim.kind == "jacobian":
         yield from jacobian_mistakes(subject)
+    yield from table_mistakes(subject, names)
+
+
+def table_mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
+    """List what another table than the robot's makes of a matrix.
+
+    Parameters
+    ----------
+    subject, names
+        As for ``mistakes``.
+
+    Yields
+    ------
+    Mistake
+    """
     for table in other_tables(subject.robot, subject.variables, names):
         yield _with(subject, table)
 

@@ -107,8 +107,10 @@ def _ambiguities(
     """Ask what symbols stand for, where that decides what is wrong with an entry."""
     if len(likely) == 1 or not _wrong_by_reading(Comparison(sampler, likely[0]), matrices):
         return
-    for name in sorted({name for binding in likely for name in binding}):
-        options = {tuple(sorted(binding.get(name, ()))) for binding in likely}
+    numbered = {name: cells for name, cells in likely[0].items() if name[-1].isdigit()}
+    alike = [binding for binding in likely if numbered.items() <= binding.items()]
+    for name in sorted(set(likely[0]) - set(numbered)):
+        options = {tuple(sorted(binding[name])) for binding in alike if name in binding}
         if len(options) > 1:
             cells = sorted({str(cell) for option in options for cell in option})
             yield Finding(

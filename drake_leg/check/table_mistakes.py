@@ -100,8 +100,8 @@ def _other_variables(variables: tuple[str, ...]) -> Iterator[OtherTable]:
     for i, j in itertools.permutations(joints, 2):
         yield OtherTable(
             kind="joint",
-            fault=f"{variables[j]} stands for {variables[i]}",
-            remedy=f"write {variables[i]}",
+            fault=f"{variables[j]} should be {variables[i]} where joint {i + 1} is meant",
+            remedy=f"write {variables[i]} there",
             change=partial(_take_q, i, j),
         )
     for i in joints:
@@ -176,7 +176,7 @@ def _other_lengths(robot: Robot, names: Mapping[Cell, str]) -> Iterator[OtherTab
     for a, b in itertools.permutations(cells, 2):
         yield OtherTable(
             kind="length",
-            fault=f"{called[b]} stands for {called[a]}",
+            fault=f"{called[b]} should be {called[a]} where {a.column} of row {a.row + 1} is meant",
             remedy=f"write {called[a]} there",
             change=partial(_take, a, b),
         )

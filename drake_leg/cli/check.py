@@ -36,8 +36,8 @@ def add(commands: Commands) -> None:
         "derivation, with Drake's plant on its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
         "the robot instead. A printed table alone (CSV or TOML) is only read for slips.",
-        epilog="Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is wrong "
-        "and something is not understood.",
+        epilog="Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
+        "wrong and something is not understood.",
     )
     add_robot_source(parser)
     parser.add_argument(

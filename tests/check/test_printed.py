@@ -12,7 +12,7 @@ from drake_leg.check.printed_file import Printed, PrintedMatrix, read_printed
 from drake_leg.check.rotations import rotation_fault
 from drake_leg.check.rows import Table, TableRow
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot_file import load_robot
+from drake_leg.robot_file import load_robot, read_robot
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 
 HERE = Path(__file__).parent
@@ -388,3 +388,43 @@ def test_a_rotation_is_none_where_columns_are_short_skew_or_mirrored():
     skew = np.array([[[1.0, 0.6, 0.0], [0.0, 0.8, 0.0], [0.0, 0.0, 1.0]]])
     assert rotation_fault(skew, 1e-9) == "columns 1 and 2 are not at right angles"
     assert "mirror" in rotation_fault(np.diag([-1.0, 1, 1])[np.newaxis], 1e-9)
+
+
+def test_t21_is_the_inverse_of_t12():
+    inverse = (
+        ("c2", "0", "s2", "-50c2"),
+        ("-s2", "0", "c2", "50s2"),
+        ("0", "-1", "0", "0"),
+        BOTTOM,
+    )
+    assert not leg_sentences("T21", inverse)
+    assert not leg_sentences("{}^2T_1", inverse)
+    said = leg_sentences("T21", RIGHT_T12)
+    assert any(sentence.startswith("T21 (1, 4): ") for sentence in said)
+    assert any(sentence.endswith("it should be -50*c2") for sentence in said)
+
+
+def test_parts_of_a_transform_are_graded():
+    assert not leg_sentences("R12", [row[:3] for row in RIGHT_T12[:3]])
+    assert not leg_sentences("T12", RIGHT_T12[:3])
+    for position in ([["50"], ["0"], ["0"]], [["50"], ["0"], ["0"], ["1"]], [["50", "0", "0"]]):
+        assert not leg_sentences("P12", position)
+    (said,) = leg_sentences("P12", [["50", "1", "0"]])
+    assert said == "P12 (1, 2): printed 1; it should be 0"
+
+
+def test_decimals_are_right_within_their_digits():
+    for sine in ("0.0000", "6.1e-17", "cos(1.5708)", "cos(1.5707963)", "0.5 - 0.500"):
+        assert not leg_sentences("P12", [["50.0"], [sine], ["0"]])
+    for length in ("50.1", "49.96", "50.06", "49", "cos(1.56) 50"):
+        assert len(leg_sentences("P12", [[length], ["0"], ["0"]])) == 1
+
+
+def test_rounded_entries_make_a_rotation():
+    rows = (("0.7071", "-0.7071", "0"), ("0.7071", "0.7071", "0"), ("0", "0", "1"))
+    zero = "d = 0\nalpha = 0\nr = 0\n"
+    text = (
+        f'name = "bent"\nangles = "deg"\n[[row]]\nsigma = 0\n{zero}theta = 0\n'
+        f'[[row]]\nsigma = "~"\n{zero}theta = 45\n'
+    )
+    assert not leg_sentences("R12", rows, robot=read_robot(text, "bent.toml"))
