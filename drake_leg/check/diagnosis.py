@@ -80,23 +80,6 @@ def explain(
     return None
 
 
-def remedies(
-    tree: ast.expr, vocabulary: Vocabulary, is_right: Callable[[ast.expr], bool]
-) -> Iterator[Change]:
-    """List all single changes that make a formula right.
-
-    Parameters
-    ----------
-    tree, vocabulary, is_right
-        As for ``explain``.
-
-    Yields
-    ------
-    Change
-    """
-    return (change for change in changes(tree, vocabulary) if is_right(change.tree))
-
-
 def changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
     """List what can be wrong with a formula.
 

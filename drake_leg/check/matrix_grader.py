@@ -56,7 +56,7 @@ class MatrixGrader:
         names = self._names()
         self._vocabulary = Vocabulary(
             angles=len(robot.moving),
-            symbols={n: reader.symbols[n] for n in comparison.binding if n in reader.symbols},
+            symbols={n: reader.symbols[n] for n in sorted(comparison.binding)},
             lengths=tuple(dict.fromkeys(map(abs, self._lengths()))),
             unit=printed.lengths or "m",
             units=reader.units,

@@ -16,6 +16,7 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 
 QUARTER = math.pi / 2.0
+CONVENTION = "convention"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,14 +133,14 @@ def _other_twists(robot: Robot) -> Iterator[OtherTable]:
     for i in twisted:
         right = math.degrees(robot.rows[i].alpha)
         yield OtherTable(
-            kind="convention",
+            kind=CONVENTION,
             fault=f"it is made with alpha = {-right:g}° in row {i + 1}, the other convention",
             remedy=f"{robot.name} has alpha = {right:g}° there",
             change=partial(_times, "alpha", i, -1.0),
         )
     if len(twisted) > 1:
         yield OtherTable(
-            kind="convention",
+            kind=CONVENTION,
             fault="it is made with every alpha turned the other way, the other convention",
             remedy=f"take the signs of alpha from {robot.name}'s table",
             change=lambda c: replace(c, alpha=-c.alpha),

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from drake_leg.check.bindings import Cell
 from drake_leg.check.comparison import Comparison, Meaning
-from drake_leg.check.diagnosis import COMMON, Vocabulary, remedies
+from drake_leg.check.diagnosis import COMMON, Vocabulary, changes
 from drake_leg.check.matrices import Matrix, Place
 from drake_leg.check.mistakes import mistakes, table_mistakes
 from drake_leg.check.subject import Mistake
@@ -91,11 +90,14 @@ def _common_changes(
     """Look for the same slip of the pen in many entries."""
     helped: dict[str, list[Place]] = {}
     kinds: dict[str, str] = {}
-    for place in wrong:
-        is_right = partial(matrix.is_right, place, comparison)
-        for change in remedies(matrix.trees[place], vocabulary, is_right):
-            if change.kind in COMMON and place not in helped.setdefault(change.words, []):
-                helped[change.words].append(place)
+    for number, place in enumerate(wrong):
+        late = 2 * number > len(wrong)  # too late for words that explain half of the entries
+        for change in changes(matrix.trees[place], vocabulary) if helped or not late else ():
+            if change.kind not in COMMON or (late and change.words not in helped):
+                continue
+            places = helped.get(change.words, [])
+            if place not in places and matrix.is_right(place, comparison, change.tree):
+                helped[change.words] = [*places, place]
                 kinds[change.words] = change.kind
     for words, places in helped.items():
         if len(places) >= LEAST and 2 * len(places) >= len(wrong):
