@@ -115,7 +115,8 @@ def _lines(text: str) -> list[list[str]]:
     wide = [re.split(r"\s{2,}", line) for line in lines]
     if len({len(row) for row in wide}) == 1 and len(wide[0]) > 1:
         return wide
-    return [_cells(line) for line in lines]
+    rows = [_cells(line) for line in lines]
+    return rows if len({len(row) for row in rows}) == 1 else [[line] for line in lines]
 
 
 def _unframed(line: str, sign: str) -> str:

@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from drake_leg.check.matrix_names import Kind, read_name
+from drake_leg.check.matrix_names import kind_of_name
 from drake_leg.check.matrix_text import spaced_cells
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot_file.document import Document
@@ -96,7 +96,7 @@ def _without_blocks(lines: list[str], reading: _Reading) -> Iterator[str]:
     at = 0
     while at < len(lines):
         found = _BLOCK.match(lines[at]) if len(lines[at]) < 10_000 else None
-        if found and _is_matrix(found["name"]):
+        if found and kind_of_name(found["name"]):
             end = _end_of_block(lines, at, found["rest"])
             block = "\n".join([found["rest"], *lines[at + 1 : end]])
             reading.add_block(found["name"], re.sub(r"\$|\\\]\s*$", "", block))
@@ -220,20 +220,9 @@ class _Reading:
         return self._matrices[name]
 
 
-def _is_matrix(name: str) -> bool:
-    return _kind(name) is not None
-
-
 def _has_columns_of_one(name: str) -> bool:
     """Whether rows of one entry make sense: a2 and r01 may be lengths."""
-    return _kind(name) in ("position", "jacobian", "determinant")
-
-
-def _kind(name: str) -> Kind | None:
-    try:
-        return read_name(name).kind
-    except InvalidValueError:
-        return None
+    return kind_of_name(name) in ("position", "jacobian", "determinant")
 
 
 def _column(heading: str) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from drake_leg.check.matrix_names import kind_of_name
 from drake_leg.check.matrix_text import rows_of_text
 from drake_leg.check.printed_csv import parse_csv, parse_table
 from drake_leg.check.rows import Table, TableRow
@@ -19,6 +20,10 @@ METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
 _KEYS = ("title", "angles", "lengths", "symbols", "where", "joints", "table", "matrix")
 _TABLE_KEYS = ("frame", "sigma", "d", "alpha", "r", "theta")
+# Joints by their letters, and what stands for a fixed row; Khalil's own sign for that is 2.
+_SIGMAS = dict.fromkeys(("r", "revolute", "rotation", "rotoid"), "0")
+_SIGMAS |= dict.fromkeys(("p", "t", "prismatic", "translation"), "1")
+_SIGMAS |= dict.fromkeys(("2", "f", "fixed", "fixe", "-", "–", "−", "\u223c", r"\sim", "/"), "~")
 _MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
 
 
@@ -159,7 +164,9 @@ def _cell(keys: Keys, key: str) -> str:
     value = keys.value(key)
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise keys.error(f"{key} is {shown(value)}; it must be text or a number")
-    return str(value)
+    return (
+        _SIGMAS.get(str(value).strip(" $").casefold(), str(value)) if key == "sigma" else str(value)
+    )
 
 
 def _matrix(part: object, where: str) -> PrintedMatrix:
@@ -191,8 +198,11 @@ def _matrix(part: object, where: str) -> PrintedMatrix:
 
 
 def _pasted(name: str, text: str, keys: Keys) -> list[list[str]]:
-    """Part a pasted matrix into its rows; a position without signs is a column."""
-    if re.match(r"\W*\d?\W*[pP]", name) and not re.search(r"[,;&|\t\[{]", text):
+    """Part a pasted matrix into its rows; a determinant is one entry, a position a column."""
+    kind = kind_of_name(name)
+    if kind == "determinant":
+        return [[text]]
+    if kind == "position" and not re.search(r"[;&|\t{]|^\s*\[|,(?!\d)", text):
         return [[line] for line in text.splitlines() if line.strip()]
     try:
         return rows_of_text(text)

@@ -30,7 +30,8 @@ FORMS = {
     "NumPy as printed": "[[cos(q1) -sin(q1) 0]\n [sin(q1) cos(q1) 0]\n [0 0 1]]",
     "lists": "[[cos(q1), -sin(q1), 0], [sin(q1), cos(q1), 0], [0, 0, 1]]",
     "braces": "{{cos(q1), -sin(q1), 0}, {sin(q1), cos(q1), 0}, {0, 0, 1}}",
-    "Markdown": "| cos(q1) | -sin(q1) | 0 |\n|---|---|---|\n| sin(q1) | cos(q1) | 0 |\n| 0 | 0 | 1 |",
+    "Markdown": "| cos(q1) | -sin(q1) | 0 |\n|---|---|---|\n"
+    "| sin(q1) | cos(q1) | 0 |\n| 0 | 0 | 1 |",
     "columns": "cos(q1)  -sin(q1)  0\nsin(q1)  cos(q1)  0\n0  0  1",
     "spaces": "cos(q1) -sin(q1) 0\nsin(q1) cos(q1) 0\n0 0 1",
     "tabs": "cos(q1)\t-sin(q1)\t0\nsin(q1)\tcos(q1)\t0\n0\t0\t1",
@@ -55,7 +56,6 @@ def test_spaces_part_entries_as_in_matlab():
     ("text", "said"),
     [
         ("", "is empty"),
-        ("[]", "is empty"),
         ("a & b \\\\ c", "have 1 or 2 entries; part the entries by commas"),
         ("1 " * 20_000, "write at most"),
     ],
@@ -93,7 +93,7 @@ def test_a_pasted_table_is_read_by_its_heading(text):
 
 
 def test_a_table_without_a_heading_is_refused():
-    with pytest.raises(InvalidValueError, match="print.toml: table has no heading; write i | σ"):
+    with pytest.raises(InvalidValueError, match="table has no heading; write i"):
         parse_table("T12,1,0,0,0", "print.toml")
 
 
