@@ -77,6 +77,24 @@ def read_name(text: str) -> MatrixName:
     return found
 
 
+def kind_of_name(text: str) -> Kind | None:
+    """Say what a matrix is, or None where its name means nothing.
+
+    Parameters
+    ----------
+    text : str
+        As printed.
+
+    Returns
+    -------
+    str or None
+    """
+    try:
+        return read_name(text).kind
+    except InvalidValueError:
+        return None
+
+
 def _numbered(name: str) -> MatrixName | None:
     """Read a name with two frames."""
     letters = "".join(_KINDS)

@@ -88,8 +88,15 @@ class Reader:
         InvalidValueError
             If it is no formula.
         """
-        definitions = {**self._alone, **self._definitions, **(own or {})}
-        return substitute(parse_formula(text, (*self._names, *definitions)), definitions)
+        definitions = {**self._definitions, **(own or {})}
+        tree = parse_formula(text, (*self._names, *definitions))
+        return substitute(tree, {**self._alone, **definitions})
+
+    @property
+    def variables(self) -> frozenset[str]:
+        """Names, in lower case, that stand for joints' positions besides q1, q2, ..."""
+        names = {name for tree in self.joints.values() for name in names_in(tree)}
+        return frozenset(names | set(self._alone)) - set(self.symbols)
 
     def _require_free(self, name: str) -> None:
         """Refuse a symbol that the notation reads as something else."""
