@@ -58,7 +58,7 @@ def robot_of(name, lengths):
 
 
 @pytest.mark.parametrize("lengths", LENGTHS.values(), ids=LENGTHS)
-@pytest.mark.parametrize(("robot", "words", "name", "count", "entries"), cases())
+@pytest.mark.parametrize(("robot", "words", "name", "count", "entries"), list(cases()))
 def test_a_wrong_print_is_named_for_what_it_is(robot, words, name, count, entries, lengths):
     right, symbols = robot_of(robot, lengths)
     matrix = PrintedMatrix(name=name, entries=entries)
