@@ -172,45 +172,60 @@ def _indexed_readings(
         numbered = re.fullmatch(r"([a-z]+?)_?(\d+)", name)
         if numbered:
             families.setdefault(numbered[1], {})[name] = int(numbered[2])
-    choices = [_family_readings(f, symbols, values) for f in families.values()]
+    choices = [_family_readings(*family, symbols, values) for family in families.items()]
     for chosen in itertools.product(*choices):
         yield {name: cells for binding in chosen for name, cells in binding.items()}
 
 
 def _family_readings(
-    family: Mapping[str, int], symbols: Mapping[str, float], values: Mapping[Cell, float]
+    letter: str,
+    family: Mapping[str, int],
+    symbols: Mapping[str, float],
+    values: Mapping[Cell, float],
 ) -> list[Binding]:
-    found = []
-    for columns, rule in itertools.product(_COLUMNS, _RULES):
-        cells = [cell for cell in values if cell.column in columns]
-        placed = {name: rule(cells, number) for name, number in family.items()}
-        found.append(
-            {
-                name: frozenset([cell])
-                for name, cell in placed.items()
-                if cell and same(symbols[name], values[cell])
-            }
-        )
+    found = [
+        _numbered_reading(family, symbols, values, columns, rule)
+        for columns, rule in itertools.product(_COLUMNS, _RULES)
+    ]
     most = max(map(len, found))
+    as_named = _numbered_reading(family, symbols, values, (letter,), _in_row)
+    if len(as_named) == most:
+        return [as_named]
     best = [binding for binding in found if len(binding) == most]
     return list({_key(binding): binding for binding in best}.values())
 
 
-def _at(cells: Sequence[Cell], place: int) -> Cell | None:
-    return cells[place] if 0 <= place < len(cells) else None
+def _numbered_reading(
+    family: Mapping[str, int],
+    symbols: Mapping[str, float],
+    values: Mapping[Cell, float],
+    columns: Sequence[str],
+    rule: _Rule,
+) -> Binding:
+    cells = [cell for cell in values if cell.column in columns]
+    placed = {name: rule(cells, number) for name, number in family.items()}
+    return {
+        name: frozenset([cell])
+        for name, cell in placed.items()
+        if cell and same(symbols[name], values[cell])
+    }
 
 
-def _in_row(cells: Sequence[Cell], row: int) -> Cell | None:
-    return next((cell for cell in cells if cell.row == row), None)
+def _at(cells: Sequence[Cell], number: int) -> Cell | None:
+    return cells[number - 1] if 0 < number <= len(cells) else None
+
+
+def _in_row(cells: Sequence[Cell], number: int) -> Cell | None:
+    return next((cell for cell in cells if cell.row == number - 1), None)
 
 
 _COLUMNS = (("d",), ("r",), ("d", "r"), ("alpha",), ("theta",))
 # L1 is the first length, or that of row 1; classic tables have it in the row after; L0 the first.
 _RULES: tuple[_Rule, ...] = (
-    lambda cells, number: _at(cells, number - 1),
-    lambda cells, number: _in_row(cells, number - 1),
-    lambda cells, number: _in_row(cells, number),
-    lambda cells, number: _at(cells, number),
+    _at,
+    _in_row,
+    lambda cells, number: _in_row(cells, number + 1),
+    lambda cells, number: _at(cells, number + 1),
 )
 
 
@@ -219,13 +234,15 @@ def _free_readings(
 ) -> Iterator[Binding]:
     """Bind symbols that have no number, or one that fits no length, by their values."""
     taken = {cell for cells in bound.values() for cell in cells}
+    loose = {name: value for name, value in symbols.items() if name not in bound}
     options: dict[str, list[frozenset[Cell]]] = {}
-    for name, value in symbols.items():
+    for name, value in loose.items():
         equal = [cell for cell in values if same(values[cell], value)]
         free = [cell for cell in equal if cell not in taken] or equal
-        if name not in bound and free:
-            each = [frozenset([cell]) for cell in free]
-            options[name] = each if len(free) == 1 else [*each, frozenset(free)]
+        rivals = sum(same(other, value) for other in loose.values()) - 1
+        if free:
+            together = [frozenset(free)] if len(free) > 1 and not rivals else []
+            options[name] = [*(frozenset([cell]) for cell in free), *together]
     for chosen in itertools.product(*options.values()):
         if len(set(chosen)) == len(chosen) or all(len(each) == 1 for each in options.values()):
             yield dict(zip(options, chosen, strict=True))

@@ -46,5 +46,5 @@ def grade_caption(caption: str, claim: Claim, robot: Robot) -> Finding | None:
 def _joints(claim: Claim, robot: Robot) -> int:
     if claim.kind in ("jacobian", "determinant"):
         return claim.shape[1] if claim.kind == "jacobian" else len(claim.rows)
-    first, last = claim.frames
+    first, last = sorted(claim.frames)
     return len(moving_rows(robot.rows[first:last]))

@@ -60,7 +60,7 @@ def kind_of(text: str, variables: Collection[str] = ()) -> Kind:
     names = names_in(tree)
     if any(re.fullmatch(r"q\d", name) or name in variables for name in names):
         return "variable"
-    if re.search(r"°|deg|pi", plain(text)):
+    if re.search(r"°|deg|rad|pi", plain(text)):
         return "angle"
     if names:
         return "length"

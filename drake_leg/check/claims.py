@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from drake_leg.check.chains import Chain
+from drake_leg.check.matrix_names import Kind, read_name
 from drake_leg.check.notation import plain
 from drake_leg.check.printed_file import PrintedMatrix
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 
-Kind = Literal["transform", "position", "jacobian", "determinant"]
-
-NAMES = "T12, T04 and the like, P04, J, detJ"
 # Rows of a Jacobian by their names, rotation first.
 JACOBIAN_ROWS = {"wx": 0, "wy": 1, "wz": 2, "yaw": 2, "x": 3, "y": 4, "z": 5} | {
     "vx": 3,
     "vy": 4,
     "vz": 5,
+}
+# With and without a last row that is always the same; a position may lie.
+_SHAPES: dict[Kind, tuple[tuple[int, int], ...]] = {
+    "transform": ((4, 4), (3, 4)),
+    "rotation": ((3, 3),),
+    "position": ((3, 1), (4, 1), (1, 3), (1, 4)),
 }
 _USUAL_ROWS = {3: ("x", "y", "z"), 6: ("wx", "wy", "wz", "x", "y", "z")}
 
@@ -33,7 +36,7 @@ class Claim:
 
     name: str  # as printed
     kind: Kind
-    frames: tuple[int, int] = (0, 0)  # of a transform: from the second to the first
+    frames: tuple[int, int] = (0, 0)  # of a transform: the second in the first
     rows: tuple[int, ...] = ()  # of a Jacobian: indices, rotation first
     shape: tuple[int, int]
 
@@ -44,7 +47,7 @@ def claim_of(matrix: PrintedMatrix, robot: Robot) -> Claim:
     Parameters
     ----------
     matrix : PrintedMatrix
-        Named T12, T_0^4, P04, J or detJ.
+        Named T12, T_0^4, R01, P04, J or detJ.
     robot : Robot
         Whose frames these are.
 
@@ -57,36 +60,38 @@ def claim_of(matrix: PrintedMatrix, robot: Robot) -> Claim:
     InvalidValueError
         If the name means nothing, or the robot has no such frame.
     """
-    name = plain(matrix.name)
-    numbered = re.fullmatch(r"([tp])\D*(\d)\D*(\d)\D*", name)
-    if numbered:
-        first, last = sorted((int(numbered[2]), int(numbered[3])))
-        if last > len(robot.rows):
+    name = read_name(matrix.name)
+    if name.kind in _SHAPES:
+        if max(name.frames) > len(robot.rows):
             raise InvalidValueError(
-                f"{matrix.name}: {robot.name} has the frames 0 to {len(robot.rows)}"
+                f"{robot.name} has the frames 0 to {len(robot.rows)}; write two of them"
             )
-        kind: Kind = "transform" if numbered[1] == "t" else "position"
-        shape = (4, 4) if kind == "transform" else (3, 1)
-        return Claim(name=matrix.name, kind=kind, frames=(first, last), shape=shape)
-    kinds: dict[str, Kind] = {"j": "jacobian", "jacobian": "jacobian", "detj": "determinant"}
-    if name not in kinds:
-        raise InvalidValueError(f"the matrix {matrix.name!r} means nothing here; there are {NAMES}")
-    if kinds[name] == "determinant":
-        rows = _row_indices(matrix, 3)
+        typed = (len(matrix.entries), len(matrix.entries[0]))
+        first, *others = _SHAPES[name.kind]
+        shape = typed if typed in others else first
+        return Claim(name=matrix.name, kind=name.kind, frames=name.frames, shape=shape)
+    if name.kind == "determinant":
+        rows = _row_indices(matrix, name.rows, 3)
         return Claim(name=matrix.name, kind="determinant", rows=rows, shape=(1, 1))
-    rows = _row_indices(matrix, len(matrix.entries))
+    rows = _row_indices(matrix, name.rows, len(matrix.entries))
     columns = min(len(matrix.entries[0]), len(robot.moving))
     return Claim(name=matrix.name, kind="jacobian", rows=rows, shape=(len(rows), columns))
 
 
-def _row_indices(matrix: PrintedMatrix, count: int) -> tuple[int, ...]:
-    names = matrix.rows or _USUAL_ROWS.get(count, ())
+def _row_indices(matrix: PrintedMatrix, named: Sequence[str], count: int) -> tuple[int, ...]:
+    names = [_row_name(name) for name in matrix.rows or named or _USUAL_ROWS.get(count, ())]
     if not names or any(name not in JACOBIAN_ROWS for name in names):
+        said = ", ".join(matrix.rows) or "not said"
         raise InvalidValueError(
-            f"{matrix.name}: rows is {list(names)}; name every row, each one of "
+            f"what its rows are is {said}; name every row under rows, each one of "
             f"{', '.join(JACOBIAN_ROWS)}"
         )
     return tuple(JACOBIAN_ROWS[name] for name in names)
+
+
+def _row_name(name: str) -> str:
+    """Read ω_x as wx."""
+    return plain(name).replace(" ", "").replace("omega", "w")
 
 
 def right_values(claim: Claim, chain: Chain) -> Array:
@@ -104,7 +109,7 @@ def right_values(claim: Claim, chain: Chain) -> Array:
     (N, r, c) ndarray
         Of the claim's shape.
     """
-    if claim.kind in ("transform", "position"):
+    if claim.kind in ("transform", "rotation", "position"):
         first, last = claim.frames
         X_B = chain.frames()
         return claimed_part(claim, between(X_B, first, last))
@@ -144,10 +149,10 @@ def claimed_part(claim: Claim, whole: Array) -> Array:
     (N, r, c) ndarray
         Of the claim's shape.
     """
-    if claim.kind == "transform":
-        return whole
     if claim.kind == "position":
-        return whole[:, :3, 3:]
+        return whole[:, : max(claim.shape), 3].reshape(-1, *claim.shape)
+    if claim.kind in ("transform", "rotation"):
+        return whole[:, : claim.shape[0], : claim.shape[1]]
     Jv_BF = whole[:, list(claim.rows)]
     if claim.kind == "jacobian":
         return Jv_BF[..., : claim.shape[1]]

@@ -10,6 +10,7 @@ import numpy as np
 
 from drake_leg.check.bindings import Binding, same
 from drake_leg.check.chains import Chain
+from drake_leg.check.decimals import agrees_within_digits
 from drake_leg.check.expressions import evaluate, names_in
 from drake_leg.check.formula_trees import number_of, replace_node
 from drake_leg.check.postures import COUNT
@@ -105,8 +106,11 @@ class Comparison:
         margin: float,
         samples: Samples,
     ) -> bool:
-        apart = self.values(tree, samples) - meaning.at(samples)[:, place[0], place[1]]
-        return bool(np.all(np.abs(apart) <= margin))
+        right = meaning.at(samples)[:, place[0], place[1]]
+        near = np.abs(self.values(tree, samples) - right) <= margin
+        return bool(np.all(near)) or agrees_within_digits(
+            tree, right, margin, lambda formula: self.values(formula, samples)
+        )
 
     def _with_symbols(self, tree: ast.expr) -> Iterator[ast.expr]:
         """Read the numbers of a formula that has symbols, too, as lengths in all ways."""

@@ -45,10 +45,10 @@ class Vocabulary:
 
 
 class Diagnosis(NamedTuple):
-    """What is wrong with a formula: in words, angles as q1, q2, ..., and of which kind."""
+    """What is wrong with a formula: its kind, and in words, angles as q1, q2, ..."""
 
     kind: str
-    words: str
+    fault: str
 
 
 def explain(
@@ -70,32 +70,14 @@ def explain(
     Diagnosis or None
         None where no two changes help.
     """
-    once = list(changes(tree, vocabulary))
-    for change in once:
+    for change in changes(tree, vocabulary):
         if is_right(change.tree):
             return Diagnosis(change.kind, change.words)
-    for first in once if not isinstance(tree, ast.Constant) else ():
-        for second in changes(first.tree, vocabulary):
+    for first in _usual_changes(tree, vocabulary):
+        for second in _usual_changes(first.tree, vocabulary):
             if is_right(second.tree):
                 return Diagnosis(first.kind, f"{first.words}, and {second.words}")
     return None
-
-
-def remedies(
-    tree: ast.expr, vocabulary: Vocabulary, is_right: Callable[[ast.expr], bool]
-) -> Iterator[Change]:
-    """List all single changes that make a formula right.
-
-    Parameters
-    ----------
-    tree, vocabulary, is_right
-        As for ``explain``.
-
-    Yields
-    ------
-    Change
-    """
-    return (change for change in changes(tree, vocabulary) if is_right(change.tree))
 
 
 def changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
@@ -116,22 +98,30 @@ def changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
     if sum(1 for _ in ast.walk(tree)) > LARGEST:
         return
     yield from _other_units(tree, vocabulary)
+    if not isinstance(tree, ast.Constant):
+        yield from _usual_changes(tree, vocabulary)
+        yield from _other_sums(tree, vocabulary.angles)
+        yield from _other_places(tree, vocabulary.symbols)
+        yield from _other_numbers(tree, vocabulary.lengths)
+
+
+def _usual_changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
+    """List the changes of which an entry may need two."""
     if isinstance(tree, ast.Constant):
         return
     yield from _other_angle_sums(tree)
     yield from _other_terms(tree)
     yield _other_sign(tree)
     yield from _other_functions(tree)
-    yield from _other_angles(tree, vocabulary.angles)
-    yield from _other_symbols(tree, vocabulary.symbols)
-    yield from _other_numbers(tree, vocabulary.lengths)
+    yield from _other_names("joint", tree, _joints(vocabulary.angles))
+    yield from _other_names("length", tree, list(vocabulary.symbols))
 
 
 def _other_units(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
     """Read metres as millimetres."""
     for unit, size in vocabulary.units.items():
         if unit != vocabulary.unit:
-            scaled = ast.BinOp(left=ast.Constant(value=size), op=ast.Mult(), right=tree)
+            scaled = ast.BinOp(left=_number(size), op=ast.Mult(), right=tree)
             words = f"lengths are in {unit} and should be in {vocabulary.unit}"
             yield Change("unit", words, scaled)
 
@@ -170,21 +160,24 @@ def _other_functions(tree: ast.expr) -> Iterator[Change]:
     for old in calls:
         if text_of(exchange_functions(old)) != text_of(old):
             yield _should_be("function", tree, old, exchange_functions(old))
-    if len(calls) > 1:
+    if calls:
         words = "sines and cosines have changed places"
         yield Change("function", words, exchange_functions(tree))
 
 
-def _other_angles(tree: ast.expr, angles: int) -> Iterator[Change]:
-    """Read q1 as q3, throughout; q1 and q3 as one another; q2 as q2 + q3 in one function."""
-    names = [f"q{number}" for number in range(1, angles + 1)]
-    yield from _other_names("joint", tree, names)
+def _joints(count: int) -> list[str]:
+    return [f"q{number}" for number in range(1, count + 1)]
+
+
+def _other_sums(tree: ast.expr, angles: int) -> Iterator[Change]:
+    """Read cos(q2) as cos(q2 + q3), and the other way round, in one function."""
+    joints = _joints(angles)
+    sums = [joints[i : j + 1] for i in range(angles) for j in range(i, angles)]
     for old in distinct(ast.walk(tree)):
         if isinstance(old, ast.Call):
-            for first in range(angles):
-                for last in range(first, angles):
-                    new = ast.Call(func=old.func, args=[_sum(names[first : last + 1])], keywords=[])
-                    yield _should_be("joint", tree, old, new)
+            for names in sums:
+                new = ast.Call(func=old.func, args=[_sum(names)], keywords=[])
+                yield _should_be("joint", tree, old, new)
 
 
 def _sum(names: list[str]) -> ast.expr:
@@ -205,13 +198,11 @@ def _other_names(kind: str, tree: ast.expr, names: list[str]) -> Iterator[Change
             yield Change(kind, words, exchange_names(tree, first, second))
 
 
-def _other_symbols(tree: ast.expr, symbols: Mapping[str, float]) -> Iterator[Change]:
-    """Read L2 as L3, throughout or in one place; 2*L1 as L2 where they are as long."""
-    names = list(symbols)
-    yield from _other_names("length", tree, names)
+def _other_places(tree: ast.expr, symbols: Mapping[str, float]) -> Iterator[Change]:
+    """Read L2 as L3 in one place; 2*L1 as L2 where they are as long."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Name) and node.id in symbols:
-            for other in names:
+            for other in symbols:
                 if other != node.id:
                     new = replace_node(tree, node, ast.Name(id=other))
                     yield Change("length", f"one {node.id} should be {other}", new)
@@ -272,7 +263,12 @@ def _other_numbers(tree: ast.expr, lengths: tuple[float, ...]) -> Iterator[Chang
         if value:
             for length in lengths:
                 if not same(value, length):
-                    yield _should_be("number", tree, old, ast.Constant(value=length))
+                    yield _should_be("number", tree, old, _number(length))
+
+
+def _number(value: float) -> ast.expr:
+    """Write a whole number as one, which nobody has rounded."""
+    return ast.Constant(value=int(value) if float(value).is_integer() else value)
 
 
 def _is_name(node: ast.AST, name: str) -> bool:

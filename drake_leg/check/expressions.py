@@ -5,15 +5,19 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 import numpy as np
 
-from drake_leg.check.notation import FUNCTIONS, as_python
+from drake_leg.check.grammar import tree_of
+from drake_leg.check.limits import DEEPEST, MOST_NODES, require_small
+from drake_leg.check.notation import quoted
+from drake_leg.check.tokens import FUNCTIONS
 from drake_leg.errors import InvalidValueError
 
-CONSTANTS = {"pi": math.pi, "deg": math.pi / 180.0}
+CONSTANTS = {"pi": math.pi, "deg": math.pi / 180.0, "rad": 1.0}
 
 OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -28,8 +32,8 @@ SIGNS: dict[type[ast.unaryop], Callable[[Any], Any]] = {
 }
 
 
-def parse_formula(text: str, declared: Collection[str] = ()) -> ast.expr:
-    """Parse a printed formula.
+def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = True) -> ast.expr:
+    """Parse a printed formula, or the right side of an equation.
 
     Parameters
     ----------
@@ -37,6 +41,8 @@ def parse_formula(text: str, declared: Collection[str] = ()) -> ast.expr:
         In the reports' notation; see ``notation``.
     declared : collection of str
         Names of symbols in lower case.
+    weak : bool
+        Whether t1 and phi1 are the first joint's angle.
 
     Returns
     -------
@@ -46,38 +52,16 @@ def parse_formula(text: str, declared: Collection[str] = ()) -> ast.expr:
     Raises
     ------
     InvalidValueError
-        With the text, if it is no formula.
+        With the text and what to write, if it is no formula or too long a one.
     """
-    source = as_python(text, declared)
-    try:
-        tree = ast.parse(source, mode="eval").body
-        _check(tree, text)
-    except InvalidValueError:
-        raise
-    except (SyntaxError, ValueError, OverflowError, RecursionError, MemoryError):
-        raise InvalidValueError(f"{text!r} is no formula; it was read as {source!r}") from None
+    name, _, right = text.rpartition("=")
+    if name and re.search(r"[-+*/=<>≠≈]", name):
+        raise InvalidValueError(
+            f"{quoted(text)} has a formula on both sides of =; write the one that is meant"
+        )
+    tree = tree_of(right, declared, weak=weak)
+    require_small(tree, text)
     return tree
-
-
-def _check(node: ast.AST, text: str) -> None:
-    """Refuse whatever is not on the whitelist."""
-    match node:
-        case ast.Constant(value=int() | float() as value) if math.isfinite(float(value)):
-            return
-        case ast.Name():
-            return
-        case ast.UnaryOp(op=sign, operand=operand) if type(sign) in SIGNS:
-            _check(operand, text)
-        case ast.BinOp(left=left, op=sign, right=right) if type(sign) in OPERATORS:
-            _check(left, text)
-            _check(right, text)
-        case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
-            _check(argument, text)
-        case _:
-            raise InvalidValueError(
-                f"{text!r} is no formula of numbers, symbols, + - * / ^ and "
-                f"{', '.join(FUNCTIONS)} of one argument"
-            )
 
 
 def names_in(tree: ast.expr) -> set[str]:
@@ -115,27 +99,41 @@ def substitute(tree: ast.expr, definitions: Mapping[str, ast.expr]) -> ast.expr:
     InvalidValueError
         If a name is defined by itself.
     """
-    replaced: ast.expr = _Substitution(definitions).visit(_copy(tree))
-    return replaced
+    return _Substitution(definitions).put_in(tree, ())
 
 
-class _Substitution(ast.NodeTransformer):
-    def __init__(self, definitions: Mapping[str, ast.expr], above: tuple[str, ...] = ()) -> None:
-        self._definitions, self._above = definitions, above
+class _Substitution:
+    """Puts definitions in, and counts what has been written."""
 
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        """Replace a name that is defined."""
-        if node.id in self._above:
-            raise InvalidValueError(f"{node.id} is defined by itself; give it a formula")
-        if node.id not in self._definitions:
-            return node
-        below = _Substitution(self._definitions, (*self._above, node.id))
-        replaced: ast.expr = below.visit(_copy(self._definitions[node.id]))
-        return replaced
+    def __init__(self, definitions: Mapping[str, ast.expr]) -> None:
+        self._definitions = definitions
+        self._nodes = 0
 
-
-def _copy(tree: ast.expr) -> ast.expr:
-    return ast.parse(ast.unparse(tree), mode="eval").body
+    def put_in(self, node: ast.expr, above: tuple[str, ...], depth: int = 0) -> ast.expr:
+        """Replace the names that are defined, within the definitions above too."""
+        self._nodes += 1
+        if self._nodes > MOST_NODES or depth > 2 * DEEPEST:
+            raise InvalidValueError(
+                f"{' in '.join(above) or 'a formula'} becomes too long with its definitions; "
+                "write fewer in one another"
+            )
+        match node:
+            case ast.Name(id=name) if name in above:
+                raise InvalidValueError(f"{name} is defined by itself; give it a formula")
+            case ast.Name(id=name) if name in self._definitions:
+                return self.put_in(self._definitions[name], (*above, name), depth + 1)
+            case ast.UnaryOp(op=sign, operand=operand):
+                return ast.UnaryOp(op=sign, operand=self.put_in(operand, above, depth + 1))
+            case ast.BinOp(left=left, op=sign, right=right):
+                return ast.BinOp(
+                    left=self.put_in(left, above, depth + 1),
+                    op=sign,
+                    right=self.put_in(right, above, depth + 1),
+                )
+            case ast.Call(func=function, args=[argument]):
+                changed = self.put_in(argument, above, depth + 1)
+                return ast.Call(func=function, args=[changed], keywords=[])
+        return node
 
 
 def evaluate(tree: ast.expr, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 - as the values

@@ -42,8 +42,23 @@ def replace_node(tree: ast.expr, old: ast.expr, new: ast.expr) -> ast.expr:
 
 def replace_alike(tree: ast.expr, old: ast.expr, new: ast.expr) -> ast.expr:
     """Put a node in the place of every one that is spelled like the old one."""
-    spelling = text_of(old)
-    return changed(tree, lambda node: new if text_of(node) == spelling else None)
+    return changed(tree, lambda node: new if alike(node, old) else None)
+
+
+def alike(one: ast.expr, other: ast.expr) -> bool:
+    """Whether two formulas are the same, sign by sign."""
+    match one, other:
+        case ast.Name(id=name), ast.Name(id=other_name):
+            return name == other_name
+        case ast.Constant(value=value), ast.Constant(value=other_value):
+            return value == other_value
+        case ast.UnaryOp(op=sign, operand=a), ast.UnaryOp(op=other_sign, operand=b):
+            return type(sign) is type(other_sign) and alike(a, b)
+        case ast.BinOp(left=a, op=sign, right=c), ast.BinOp(left=b, op=other_sign, right=d):
+            return type(sign) is type(other_sign) and alike(a, b) and alike(c, d)
+        case ast.Call(func=function, args=[a]), ast.Call(func=other_function, args=[b]):
+            return alike(function, other_function) and alike(a, b)
+    return False
 
 
 def exchange_names(tree: ast.expr, first: str, second: str) -> ast.expr:
@@ -83,10 +98,10 @@ def outside_calls(node: ast.AST) -> Iterator[ast.AST]:
 
 def distinct(nodes: Iterable[ast.AST]) -> Iterator[ast.expr]:
     """Keep one node of each spelling."""
-    seen: set[str] = set()
+    seen: list[ast.expr] = []
     for node in nodes:
-        if isinstance(node, ast.expr) and text_of(node) not in seen:
-            seen.add(text_of(node))
+        if isinstance(node, ast.expr) and not any(alike(node, known) for known in seen):
+            seen.append(node)
             yield node
 
 

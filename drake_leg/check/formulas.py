@@ -113,17 +113,28 @@ def _is_decimal(expression: sp.Basic) -> bool:
 
 def _matrix(claim: Claim, chain: SymbolicChain) -> sp.Matrix:
     """Derive all entries of a claim, in the chain's symbols."""
-    if claim.kind in ("transform", "position"):
-        first, last = claim.frames
-        product = sp.eye(4)
-        for row in chain.rows[first:last]:
-            product = product * row_transform(row)
-        return product if claim.kind == "transform" else product[:3, 3]
+    if claim.kind in ("transform", "rotation", "position"):
+        pose = _pose(chain, *claim.frames)
+        if claim.kind != "position":
+            return pose
+        return pose[:, 3].T if claim.shape[0] == 1 else pose[:, 3]
     Jv_BF = direct_jacobian(chain).extract(list(claim.rows), list(range(claim.shape[1])))
     if claim.kind == "jacobian":
         return Jv_BF
     square = direct_jacobian(chain).extract(list(claim.rows), list(range(len(claim.rows))))
     return sp.Matrix([[square.det()]])
+
+
+def _pose(chain: SymbolicChain, first: int, last: int) -> sp.Matrix:
+    """Derive the pose of one frame in another, of a later one in an earlier or the inverse."""
+    if first > last:
+        there = _pose(chain, last, first)
+        R, p = there[:3, :3].T, there[:3, 3]
+        return sp.Matrix([[R, -R * p], [sp.zeros(1, 3), sp.ones(1, 1)]])
+    product = sp.eye(4)
+    for row in chain.rows[first:last]:
+        product = product * row_transform(row)
+    return product
 
 
 def _as_sympy(node: ast.expr, spelling: str) -> sp.Expr:

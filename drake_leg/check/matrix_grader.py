@@ -19,7 +19,7 @@ from drake_leg.check.postures import COUNT, Postures
 from drake_leg.check.printed_file import Printed
 from drake_leg.check.reader import Reader
 from drake_leg.check.rotations import rotation_fault
-from drake_leg.check.whole import Explanation, explain_whole
+from drake_leg.check.whole import Explanation, explain_alone, explain_whole
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 
@@ -56,7 +56,7 @@ class MatrixGrader:
         names = self._names()
         self._vocabulary = Vocabulary(
             angles=len(robot.moving),
-            symbols={n: reader.symbols[n] for n in comparison.binding if n in reader.symbols},
+            symbols={n: reader.symbols[n] for n in sorted(comparison.binding)},
             lengths=tuple(dict.fromkeys(map(abs, self._lengths()))),
             unit=printed.lengths or "m",
             units=reader.units,
@@ -107,14 +107,14 @@ class MatrixGrader:
         rest = [place for place in wrong if not whole or place not in whole.explained]
         for place in matrix.texts:
             if place in rest:
-                yield self._wrong_finding(matrix, place)
+                yield self._wrong_finding(matrix, place, wrong)
             elif place in matrix.unread:
                 yield matrix.finding(
                     place, matrix.unread[place], self._remedy(matrix, place), understood=False
                 )
             elif place in matrix.strangers:
                 yield self._stranger_finding(matrix, place, matrix.strangers[place])
-        if matrix.claim.kind == "transform" and any(i < 3 and j < 3 for i, j in rest):
+        if matrix.claim.kind in ("transform", "rotation") and any(i < 3 and j < 3 for i, j in rest):
             yield from self._grade_rotation(matrix, wrong)
 
     def _whole_finding(self, matrix: Matrix, whole: Explanation) -> Finding:
@@ -129,16 +129,16 @@ class MatrixGrader:
             entries=places,
         )
 
-    def _wrong_finding(self, matrix: Matrix, place: Place) -> Finding:
+    def _wrong_finding(self, matrix: Matrix, place: Place, wrong: Sequence[Place]) -> Finding:
         """Say what is wrong inside an entry, and what is right."""
         found = explain(
             matrix.trees[place],
             self._vocabulary,
             lambda tree: matrix.is_right(place, self._comparison, tree),
-        )
+        ) or explain_alone(matrix, wrong, self._comparison, self._vocabulary.names)
         fault = f"printed {readable(matrix.texts[place])}"
         if found:
-            fault += f", in which {found.words}"
+            fault += f", in which {found.fault}"
         elif matrix.is_chance(place, self._comparison):
             fault += f", which is right for {self._declared()} only"
         fault = self._spell(matrix, fault)

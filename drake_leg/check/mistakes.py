@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from drake_leg.check.bindings import Cell
 from drake_leg.check.jacobian_mistakes import jacobian_mistakes
 from drake_leg.check.subject import Mistake, Subject
-from drake_leg.check.table_mistakes import OtherTable, other_tables
+from drake_leg.check.table_mistakes import CONVENTION, OtherTable, other_tables
 from drake_leg.check.transform_mistakes import transform_mistakes
 
 
@@ -26,10 +26,27 @@ def mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
     Mistake
         The likeliest first; none for a single entry.
     """
-    if subject.claim.kind in ("transform", "position"):
+    tables = list(table_mistakes(subject, names))
+    yield from (mistake for mistake in tables if mistake.kind == CONVENTION)
+    if subject.claim.kind in ("transform", "rotation", "position"):
         yield from transform_mistakes(subject)
     elif subject.claim.kind == "jacobian":
         yield from jacobian_mistakes(subject)
+    yield from (mistake for mistake in tables if mistake.kind != CONVENTION)
+
+
+def table_mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
+    """List what another table than the robot's makes of a matrix.
+
+    Parameters
+    ----------
+    subject, names
+        As for ``mistakes``.
+
+    Yields
+    ------
+    Mistake
+    """
     for table in other_tables(subject.robot, subject.variables, names):
         yield _with(subject, table)
 

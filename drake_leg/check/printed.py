@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from drake_leg.check.bindings import Binding, printed_cells, readings, said_cells
 from drake_leg.check.comparison import Comparison
 from drake_leg.check.constants import with_lengths_as_symbols
+from drake_leg.check.expressions import names_in
 from drake_leg.check.findings import Finding
 from drake_leg.check.matrices import Matrix, MatrixReader
 from drake_leg.check.matrix_grader import MatrixGrader
@@ -93,22 +95,28 @@ def _likeliest(
 
 
 def _wrong_by_reading(comparison: Comparison, matrices: Sequence[Matrix]) -> int:
-    """Count the entries whose numbers are right and whose symbols are not."""
-    return sum(
-        matrix.is_chance(place, comparison)
-        for matrix in matrices
-        for place in matrix.wrong(comparison)
-    )
+    return len(list(_entries_by_chance(comparison, matrices)))
+
+
+def _entries_by_chance(comparison: Comparison, matrices: Sequence[Matrix]) -> Iterator[ast.expr]:
+    """List the entries whose numbers are right and whose symbols are not."""
+    for matrix in matrices:
+        for place in matrix.wrong(comparison):
+            if matrix.is_chance(place, comparison):
+                yield matrix.trees[place]
 
 
 def _ambiguities(
     likely: Sequence[Binding], matrices: Sequence[Matrix], sampler: Sampler
 ) -> Iterator[Finding]:
     """Ask what symbols stand for, where that decides what is wrong with an entry."""
-    if len(likely) == 1 or not _wrong_by_reading(Comparison(sampler, likely[0]), matrices):
+    if len(likely) == 1:
         return
-    for name in sorted({name for binding in likely for name in binding}):
-        options = {tuple(sorted(binding.get(name, ()))) for binding in likely}
+    doubtful = list(_entries_by_chance(Comparison(sampler, likely[0]), matrices))
+    numbered = {name: cells for name, cells in likely[0].items() if name[-1].isdigit()}
+    alike = [binding for binding in likely if numbered.items() <= binding.items()]
+    for name in sorted({name for tree in doubtful for name in names_in(tree)} - set(numbered)):
+        options = {tuple(sorted(binding[name])) for binding in alike if name in binding}
         if len(options) > 1:
             cells = sorted({str(cell) for option in options for cell in option})
             yield Finding(

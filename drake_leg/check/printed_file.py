@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from drake_leg.check.printed_csv import parse_csv
+from drake_leg.check.matrix_names import kind_of_name
+from drake_leg.check.matrix_text import rows_of_text
+from drake_leg.check.printed_csv import parse_csv, parse_table
 from drake_leg.check.rows import Table, TableRow
+from drake_leg.errors import InvalidValueError
 from drake_leg.reading import read_text
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.keys import Keys, shown
@@ -17,6 +21,10 @@ METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
 _KEYS = ("title", "angles", "lengths", "symbols", "cells", "where", "joints", "table", "matrix")
 _TABLE_KEYS = ("frame", "sigma", "d", "alpha", "r", "theta")
+# Joints by their letters, and what stands for a fixed row; Khalil's own sign for that is 2.
+_SIGMAS = dict.fromkeys(("r", "revolute", "rotation", "rotoid"), "0")
+_SIGMAS |= dict.fromkeys(("p", "t", "prismatic", "translation"), "1")
+_SIGMAS |= dict.fromkeys(("2", "f", "fixed", "fixe", "-", "–", "−", "\u223c", r"\sim", "/"), "~")
 _MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
 
 
@@ -146,7 +154,9 @@ def _formulas(keys: Keys, key: str) -> dict[str, str]:
 
 def _table(keys: Keys, angles: str | None, lengths: str | None) -> Table:
     rows = []
-    for number, part in _parts(keys, "table"):
+    pasted = keys.value("table")
+    whole = parse_table(pasted, keys.where) if isinstance(pasted, str) else None
+    for number, part in _parts(keys, "table") if whole is None else enumerate(whole, start=1):
         cells = Keys(part, f"{keys.where}: table row {number}", _TABLE_KEYS)
         texts = {key: _cell(cells, key) for key in _TABLE_KEYS if cells.has(key)}
         rows.append(TableRow(frame=texts.pop("frame", ""), cells=texts))
@@ -157,7 +167,9 @@ def _cell(keys: Keys, key: str) -> str:
     value = keys.value(key)
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise keys.error(f"{key} is {shown(value)}; it must be text or a number")
-    return str(value)
+    return (
+        _SIGMAS.get(str(value).strip(" $").casefold(), str(value)) if key == "sigma" else str(value)
+    )
 
 
 def _matrix(part: object, where: str) -> PrintedMatrix:
@@ -165,12 +177,18 @@ def _matrix(part: object, where: str) -> PrintedMatrix:
     keys = Keys(part, f"{where} ({called})" if called else where, _MATRIX_KEYS)
     name = keys.text("name")
     entries = keys.value("entries", remedy="its rows are lists of text: [[..., ...], [..., ...]]")
+    if isinstance(entries, list) and entries and all(isinstance(row, str) for row in entries):
+        entries = "\n".join(entries)
+    if isinstance(entries, str):
+        entries = _pasted(name, entries, keys)
     if not isinstance(entries, list) or not entries:
         raise keys.error("entries is no list of rows")
     for row in entries:
         if not isinstance(row, list) or len(row) != len(entries[0]) or not row:
             raise keys.error(f"the row {shown(row)} is not as long as the first one")
     rows = keys.value("rows", [])
+    if isinstance(rows, str):
+        rows = rows.replace(",", " ").split()
     if not isinstance(rows, list) or not all(isinstance(row, str) for row in rows):
         raise keys.error(f"rows is {shown(rows)}; it must be a list of text, as x, y, yaw")
     return PrintedMatrix(
@@ -180,6 +198,19 @@ def _matrix(part: object, where: str) -> PrintedMatrix:
         rows=tuple(rows),
         where=_formulas(keys, "where"),
     )
+
+
+def _pasted(name: str, text: str, keys: Keys) -> list[list[str]]:
+    """Part a pasted matrix into its rows; a determinant is one entry, a position a column."""
+    kind = kind_of_name(name)
+    if kind == "determinant":
+        return [[text]]
+    if kind == "position" and not re.search(r"[;&|\t{]|^\s*\[|,(?!\d)", text):
+        return [[line] for line in text.splitlines() if line.strip()]
+    try:
+        return rows_of_text(text)
+    except InvalidValueError as error:
+        raise keys.error(str(error)) from None
 
 
 def _entry(keys: Keys, cell: object) -> str:

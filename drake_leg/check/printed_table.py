@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -9,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from drake_leg.check.cells import fits
-from drake_leg.check.expressions import evaluate, names_in
+from drake_leg.check.decimals import agrees_within_digits
+from drake_leg.check.expressions import evaluate
 from drake_leg.check.findings import Finding
 from drake_leg.check.notation import spelled_as
 from drake_leg.check.postures import Postures
@@ -47,8 +49,7 @@ def grade_table(robot: Robot, table: Table, reader: Reader, postures: Postures) 
         What the linter says, then the cells that are not the robot's; rows that stand beside
         their headings are compared as they were meant.
     """
-    variables = frozenset(name for tree in reader.joints.values() for name in names_in(tree))
-    table = replace(table, variables=variables - set(reader.symbols))
+    table = replace(table, variables=reader.variables)
     findings = lint_table(table)
     if len(table.rows) != len(robot.rows):
         fault = f"it has {len(table.rows)} rows, and {robot.name} has {len(robot.rows)}"
@@ -87,7 +88,8 @@ class _TableGrader:
     def _grade_cell(self, index: int, column: str, text: str) -> Iterator[Finding]:
         place, right = f"row {index + 1}", self._right_text(index, column)
         try:
-            value = self._value(column, text)
+            tree = self._reader.formula(text)
+            value = self._value(column, text, tree)
         except InvalidValueError as error:
             yield Finding(
                 place=place,
@@ -96,15 +98,19 @@ class _TableGrader:
                 understood=False,
             )
             return
-        apart = value - self._right_value(index, column)
+        right_value = self._right_value(index, column)
+        margin = TOLERANCE * (1.0 if column in ANGLES else self._length)
         if column in ANGLES:
-            apart = np.exp(1j * apart) - 1.0  # full turns are nothing
-        if np.any(np.abs(apart) > TOLERANCE * (1.0 if column in ANGLES else self._length)):
+            value = right_value + np.angle(np.exp(1j * (value - right_value)))  # without full turns
+        agrees = np.all(np.abs(value - right_value) <= margin) or agrees_within_digits(
+            tree, right_value, margin, lambda changed: self._value(column, text, changed)
+        )
+        if not agrees:
             yield Finding(place=place, fault=f"{column} is {text}", remedy=f"write {right}")
 
-    def _value(self, column: str, text: str) -> Array:
+    def _value(self, column: str, text: str, tree: ast.expr) -> Array:
         """Evaluate a cell [m, rad]; bare numbers have the table's units, or degrees."""
-        value = np.asarray(evaluate(self._reader.formula(text), self._postures.values))
+        value = np.asarray(evaluate(tree, self._postures.values))
         if column not in ANGLES:
             return value * self._postures.metres
         bare = self._table.kind(text) == "number" and self._table.angles != "rad"

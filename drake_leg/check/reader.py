@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import ast
-import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from drake_leg.check.expressions import CONSTANTS, names_in, parse_formula, substitute
-from drake_leg.check.notation import FUNCTIONS, as_python, plain
+from drake_leg.check.notation import is_joint_variable, plain, quoted
 from drake_leg.check.printed_file import METRES, Printed
+from drake_leg.check.tokens import ANGLE_LETTERS
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Robot
 
@@ -38,10 +38,11 @@ class Reader:
         self._definitions = self.definitions(printed.where)
         self.joints = {
             _joint_index(name, robot, printed.origin): tree
-            for name, tree in self._parsed(printed.joints, "joints").items()
+            for name, tree in self._parsed(printed.joints, "joints", weak=False).items()
         }
         self._names += tuple(name for tree in self.joints.values() for name in names_in(tree))
         self._definitions = self.definitions(printed.where)
+        self._alone = _angle_alone(robot, self._names)
         metres = METRES[printed.lengths or "m"]
         self.units = {unit: value / metres for unit, value in METRES.items()}
 
@@ -88,24 +89,53 @@ class Reader:
             If it is no formula.
         """
         definitions = {**self._definitions, **(own or {})}
-        return substitute(parse_formula(text, (*self._names, *definitions)), definitions)
+        tree = parse_formula(text, (*self._names, *definitions))
+        return substitute(tree, {**self._alone, **definitions})
+
+    @property
+    def variables(self) -> frozenset[str]:
+        """Names, in lower case, that stand for joints' positions besides q1, q2, ..."""
+        names = {name for tree in self.joints.values() for name in names_in(tree)}
+        return frozenset(names | set(self._alone)) - set(self.symbols)
 
     def _require_free(self, name: str) -> None:
         """Refuse a symbol that the notation reads as something else."""
-        read = as_python(name)
-        if read != plain(name) or read in (*FUNCTIONS, *CONSTANTS) or re.fullmatch(r"q\d+", read):
+        try:
+            read: ast.expr | None = parse_formula(name, weak=False)
+        except InvalidValueError:
+            read = None
+        if not isinstance(read, ast.Name) or read.id != plain(name) or _is_taken(read.id):
+            meaning = "no name" if read is None else ast.unparse(read)
             raise InvalidValueError(
-                f"{self._origin}: the symbol {name!r} is read as {read}; choose another name"
+                f"{self._origin}: the symbol {quoted(name)} is read as {meaning}; choose another "
+                "name"
             )
 
     def _parsed(
-        self, formulas: Mapping[str, str], key: str, names: tuple[str, ...] = ()
+        self,
+        formulas: Mapping[str, str],
+        key: str,
+        names: tuple[str, ...] = (),
+        *,
+        weak: bool = True,
     ) -> dict[str, ast.expr]:
         names = (*self._names, *names)
         try:
-            return {name: parse_formula(text, names) for name, text in formulas.items()}
+            return {name: parse_formula(text, names, weak=weak) for name, text in formulas.items()}
         except InvalidValueError as error:
             raise InvalidValueError(f"{self._origin}: {key}: {error}") from None
+
+
+def _angle_alone(robot: Robot, names: Collection[str]) -> dict[str, ast.expr]:
+    """Let θ be the angle of a robot with one joint."""
+    if len(robot.moving) != 1:
+        return {}
+    return {letter: ast.Name(id="q1") for letter in ANGLE_LETTERS if letter not in names}
+
+
+def _is_taken(name: str) -> bool:
+    """Whether a name means something already."""
+    return name in CONSTANTS or is_joint_variable(name)
 
 
 def _joint_index(name: str, robot: Robot, origin: str) -> int:

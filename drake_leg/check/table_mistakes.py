@@ -16,6 +16,7 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 
 QUARTER = math.pi / 2.0
+CONVENTION = "convention"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,8 +101,8 @@ def _other_variables(variables: tuple[str, ...]) -> Iterator[OtherTable]:
     for i, j in itertools.permutations(joints, 2):
         yield OtherTable(
             kind="joint",
-            fault=f"{variables[j]} stands for {variables[i]}",
-            remedy=f"write {variables[i]}",
+            fault=f"{variables[j]} should be {variables[i]} where joint {i + 1} is meant",
+            remedy=f"write {variables[i]} there",
             change=partial(_take_q, i, j),
         )
     for i in joints:
@@ -132,14 +133,14 @@ def _other_twists(robot: Robot) -> Iterator[OtherTable]:
     for i in twisted:
         right = math.degrees(robot.rows[i].alpha)
         yield OtherTable(
-            kind="convention",
+            kind=CONVENTION,
             fault=f"it is made with alpha = {-right:g}° in row {i + 1}, the other convention",
             remedy=f"{robot.name} has alpha = {right:g}° there",
             change=partial(_times, "alpha", i, -1.0),
         )
     if len(twisted) > 1:
         yield OtherTable(
-            kind="convention",
+            kind=CONVENTION,
             fault="it is made with every alpha turned the other way, the other convention",
             remedy=f"take the signs of alpha from {robot.name}'s table",
             change=lambda c: replace(c, alpha=-c.alpha),
@@ -176,7 +177,7 @@ def _other_lengths(robot: Robot, names: Mapping[Cell, str]) -> Iterator[OtherTab
     for a, b in itertools.permutations(cells, 2):
         yield OtherTable(
             kind="length",
-            fault=f"{called[b]} stands for {called[a]}",
+            fault=f"{called[b]} should be {called[a]} where {a.column} of row {a.row + 1} is meant",
             remedy=f"write {called[a]} there",
             change=partial(_take, a, b),
         )

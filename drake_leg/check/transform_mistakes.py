@@ -30,9 +30,8 @@ def transform_mistakes(subject: Subject) -> Iterator[Mistake]:
     Mistake
         The likeliest first.
     """
-    is_transform = subject.claim.kind == "transform"
     yield from transposed(subject)
-    if is_transform:
+    if subject.claim.kind == "transform":
         yield _transposed_rotation(subject)
     yield from _other_frames(subject)
     yield from in_other_units(subject, _lengths(subject))
@@ -70,7 +69,7 @@ def _transposed_rotation(subject: Subject) -> Mistake:
 def _other_frames(subject: Subject) -> Iterator[Mistake]:
     """Take the inverse, or the transform between two other frames."""
     first, last = subject.claim.frames
-    letter = "T" if subject.claim.kind == "transform" else "P"
+    letter = {"transform": "T", "rotation": "R"}.get(subject.claim.kind, "P")
     right = f"{letter}{first}{last}"
     yield _of_pose(
         subject,
@@ -95,21 +94,24 @@ def _between(first: int, last: int, chain: Chain) -> Array:
 
 
 def _parts(subject: Subject) -> Iterator[tuple[str, Mask]]:
-    """Name the whole and, in a transform, the rotation and the position."""
-    shape = subject.claim.shape
-    inside = np.ones(shape, dtype=bool)
+    """Name the whole and, in a transform, the rotation and all but the last row."""
+    inside = np.ones(subject.claim.shape, dtype=bool)
+    if subject.claim.kind == "position":
+        inside = _lengths(subject)
     yield "all of it", inside
-    if shape != (4, 4):
-        return
-    rows = np.arange(4)[:, np.newaxis] < 3
-    yield "the upper part", inside & rows
-    yield "the rotation part", inside & rows & (np.arange(4) < 3)
+    if subject.claim.kind == "transform":
+        upper = np.arange(len(inside))[:, np.newaxis] < 3
+        yield "the upper part", inside & upper
+        yield "the rotation part", inside & upper & (np.arange(4) < 3)
 
 
 def _lengths(subject: Subject) -> Mask:
-    inside = np.ones(subject.claim.shape, dtype=bool)
-    if subject.claim.kind == "transform":
-        inside[:, :3] = inside[3] = False
+    """Which entries are lengths: the first three of a position, or of the last column."""
+    inside = np.zeros(subject.claim.shape, dtype=bool)
+    if subject.claim.kind == "position":
+        inside.flat[:3] = True
+    elif subject.claim.kind == "transform":
+        inside[:3, 3] = True
     return inside
 
 

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from drake_leg.check.bindings import Cell
 from drake_leg.check.comparison import Comparison, Meaning
-from drake_leg.check.diagnosis import COMMON, Vocabulary, remedies
+from drake_leg.check.diagnosis import COMMON, Vocabulary, changes
 from drake_leg.check.matrices import Matrix, Place
-from drake_leg.check.mistakes import mistakes
+from drake_leg.check.mistakes import mistakes, table_mistakes
 from drake_leg.check.subject import Mistake
 from drake_leg.kinematics.batches import Array
 
@@ -57,8 +56,32 @@ def explain_whole(
         return None
     found = list(_common_changes(matrix, wrong, comparison, vocabulary))
     if not any(explanation.exceptions == 0 for explanation in found):
-        found += _mistakes(matrix, wrong, comparison, vocabulary.names)
+        likely = mistakes(matrix.subject, vocabulary.names)
+        found += _matching(matrix, wrong, comparison, likely)
     return min(found, key=lambda explanation: explanation.exceptions, default=None)
+
+
+def explain_alone(
+    matrix: Matrix, wrong: Sequence[Place], comparison: Comparison, names: Mapping[Cell, str]
+) -> Explanation | None:
+    """Search for another table that explains the only wrong entry of a matrix.
+
+    Parameters
+    ----------
+    matrix, wrong, comparison
+        As for ``explain_whole``.
+    names : mapping
+        Cells of the robot's table to the print's names of lengths.
+
+    Returns
+    -------
+    Explanation or None
+        None where several entries are wrong.
+    """
+    if len(wrong) != 1:
+        return None
+    found = _matching(matrix, wrong, comparison, table_mistakes(matrix.subject, names))
+    return next(found, None)
 
 
 def _common_changes(
@@ -67,11 +90,14 @@ def _common_changes(
     """Look for the same slip of the pen in many entries."""
     helped: dict[str, list[Place]] = {}
     kinds: dict[str, str] = {}
-    for place in wrong:
-        is_right = partial(matrix.is_right, place, comparison)
-        for change in remedies(matrix.trees[place], vocabulary, is_right):
-            if change.kind in COMMON and place not in helped.setdefault(change.words, []):
-                helped[change.words].append(place)
+    for number, place in enumerate(wrong):
+        late = 2 * number > len(wrong)  # too late for words that explain half of the entries
+        for change in changes(matrix.trees[place], vocabulary) if helped or not late else ():
+            if change.kind not in COMMON or (late and change.words not in helped):
+                continue
+            places = helped.get(change.words, [])
+            if place not in places and matrix.is_right(place, comparison, change.tree):
+                helped[change.words] = [*places, place]
                 kinds[change.words] = change.kind
     for words, places in helped.items():
         if len(places) >= LEAST and 2 * len(places) >= len(wrong):
@@ -90,12 +116,15 @@ def _remedy_of(words: str) -> str:
     return f"write {right} there" if should else "change them back"
 
 
-def _mistakes(
-    matrix: Matrix, wrong: Sequence[Place], comparison: Comparison, names: Mapping[Cell, str]
+def _matching(
+    matrix: Matrix,
+    wrong: Sequence[Place],
+    comparison: Comparison,
+    candidates: Iterable[Mistake],
 ) -> Iterator[Explanation]:
     """Look for a misunderstanding that brings about what is printed."""
     printed = {place: comparison.values(tree) for place, tree in matrix.trees.items()}
-    for mistake in mistakes(matrix.subject, names):
+    for mistake in candidates:
         meaning = Meaning(mistake.printed)
         margin = mistake.rough * matrix.margin
         same = _same_in_number(printed, meaning.at(comparison.sampler.as_it_is), margin)
@@ -118,10 +147,10 @@ def _same_in_number(printed: Mapping[Place, Array], values: Array, margin: Array
     }
 
 
-def _explains(same: set[Place], wrong: Iterable[Place], readable: Iterable[Place]) -> bool:
+def _explains(same: set[Place], wrong: Sequence[Place], readable: Iterable[Place]) -> bool:
     explained = len(same & set(wrong))
     exceptions = len(set(readable) - same)
-    return explained >= LEAST and explained >= EXCEPTIONS * exceptions
+    return explained >= min(LEAST, len(wrong)) and explained >= EXCEPTIONS * exceptions
 
 
 def _explanation(

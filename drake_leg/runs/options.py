@@ -338,8 +338,6 @@ class StraightOptions(StepOptions):
 class LegBOptions(LegOptions, StraightOptions):
     """The straight step of variant B."""
 
-    q0: list[float] = option([90.0, -50.0, -90.0], Q0, "deg")
-
 
 @dataclass(kw_only=True)
 class LegAOptions(LegBOptions):

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drake_leg.check.expressions import evaluate, names_in, parse_formula, substitute
-from drake_leg.check.notation import as_python, readable, spelled_as
+from drake_leg.check.notation import readable, spelled_as
 from drake_leg.errors import InvalidValueError
 
 VALUES = {"q1": 0.3, "q2": -1.1, "q3": 2.0, "l1": 50.0, "l2": 100.0, "r": 7.0, "sigma1": 3.0}
@@ -65,8 +65,8 @@ def test_the_reports_notation_is_understood(text, value):
 
 
 def test_a_declared_symbol_is_found_in_a_product_without_signs():
-    assert as_python("RcRL4", ("rl4", "rc")) == "rc*rl4"
-    assert as_python("RL4C3") == "rl4*cos(q3)"
+    assert ast.unparse(parse_formula("RcRL4", ("rl4", "rc"))) == "rc * rl4"
+    assert ast.unparse(parse_formula("RL4C3")) == "rl4 * cos(q3)"
 
 
 def test_a_formula_is_evaluated_on_arrays():
@@ -83,18 +83,21 @@ def test_a_formula_is_evaluated_on_arrays():
         "cos",
         "cos()",
         "cos(1, 2)",
-        "sin^2(q1)",
+        "sin^-1(q1)",
         "a.b",
-        "x = 1",
+        "x + 1 = 1",
         "__import__('os')",
         "lambda: 1",
-        "1 if 1 else 2",
-        "q1 and q2",
         "'text'",
         "{1: 2}",
         "f(1)",
-        "x" * 1001,
+        "x" * 4001,
         "9" * 900,
+        "9^9^9^9",
+        "2^999",
+        "2^q1",
+        "(" * 41 + "1" + ")" * 41,
+        "+".join(["c1"] * 300),
         "q10",
         "c10",
         "$",
@@ -119,7 +122,7 @@ def test_any_text_is_a_formula_of_whitelisted_parts_or_a_sentence(text):
     evaluate(tree, dict.fromkeys(names_in(tree), 1.0))
 
 
-@pytest.mark.parametrize("text", ["9^9^9^9", "1/0", "sqrt(-1)", "(-8)^(1/3)", "9^999^999"])
+@pytest.mark.parametrize("text", ["1/0", "sqrt(-1)", "(-8)^(1/3)", "9e300^20"])
 def test_a_formula_without_value_gives_no_finite_number_and_no_warning(text):
     assert not np.isfinite(evaluate(parse_formula(text), {}))
 

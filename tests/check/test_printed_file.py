@@ -111,7 +111,7 @@ def test_entries_may_be_text_or_numbers():
         ({"matrix": [{**MATRIX, "entries": []}]}, "no list of rows"),
         ({"matrix": [{**MATRIX, "entries": [["1", "2"], ["1"]]}]}, "not as long as the first"),
         ({"matrix": [{**MATRIX, "entries": [[True]]}]}, "entry true is neither text"),
-        ({"matrix": [{**MATRIX, "rows": "xyz"}]}, "must be a list of text"),
+        ({"matrix": [{**MATRIX, "rows": 3}]}, "must be a list of text"),
         ({"matrix": [{**MATRIX, "where": {"s": 1}}]}, "where: s is 1; it must be text"),
         ({"matrix": [MATRIX], "lengths": "inch"}, 'lengths is "inch"; it must be "mm"'),
         ({"matrix": [MATRIX], "symbols": {"L1": "50"}}, 'symbols: L1 is "50"'),

@@ -119,7 +119,7 @@ def test_guesses_do_not_stop_the_proof(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "status", "counts"),
     [
-        (["leg-b", "--printed", LEG_PRINT], 1, "33 wrong"),
+        (["leg-b", "--printed", LEG_PRINT], 1, "24 wrong"),
         (["leg-b", "--printed", LEG_TABLE], 1, "3 wrong"),
         (["scara", "--printed", SCARA_CSV], 1, "10 wrong"),
         (["leg-a", "--printed", str(CHECK / "printed" / "report_a_leg.toml")], 1,
@@ -157,7 +157,16 @@ def test_a_graded_print_as_json(capsys):
     content = json.loads(out)
     assert content["ok"] is False
     assert content["proof"] is None
-    assert {"place", "fault", "remedy", "severity", "understood"} == set(content["findings"][0])
+    assert {
+        "place",
+        "fault",
+        "remedy",
+        "severity",
+        "understood",
+        "kind",
+        "matrix",
+        "entries",
+    } == set(content["findings"][0])
 
 
 @pytest.mark.parametrize(
