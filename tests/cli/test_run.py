@@ -200,6 +200,11 @@ def test_ctrl_c_leaves_a_whole_readable_recording(here, words):
     assert any(path.suffix == ".png" for path in (here / "out").iterdir())
 
 
+def sentences(done):
+    """What a process said besides how far it was, which it says where the machine is slow."""
+    return [line for line in done.stderr.splitlines() if ", at work for " not in line]
+
+
 def on_a_small_disk(most):
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
@@ -217,8 +222,8 @@ def test_a_full_disk_is_one_sentence_and_leaves_nothing(here):
     done = on_a_small_disk(1000)
     assert done.returncode == 2
     assert done.stdout == ""
-    assert done.stderr.count("\n") == 1
-    assert "cannot be written" in done.stderr
+    (sentence,) = sentences(done)
+    assert "cannot be written" in sentence
     assert list(here.iterdir()) == []
 
 
@@ -226,7 +231,7 @@ def test_a_disk_that_is_full_at_the_figures_costs_these_alone(here):
     done = on_a_small_disk(60_000)
     assert done.returncode == 1
     assert done.stdout.startswith("wrote out: 51 rows")
-    *figures, last = done.stderr.splitlines()
+    *figures, last = sentences(done)
     assert last == "drake-leg: the data in out are whole"
     for sentence in figures:
         assert re.match(r"drake-leg: the figure \w+: out cannot be written \(File too", sentence)
@@ -265,4 +270,4 @@ def test_a_missing_display_is_no_hindrance(here, monkeypatch):
         text=True,
         check=False,
     )
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, sentences(done)) == (0, [])
