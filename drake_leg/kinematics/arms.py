@@ -20,7 +20,6 @@ from drake_leg.kinematics.stroke import facing
 from drake_leg.kinematics.task import TRANSLATION, Task
 from drake_leg.robot import Robot
 
-
 # Of the greatest singular value of the foot's translation: where the smallest one is greater, the
 # foot goes everywhere.
 STILL_MOVES = 1e-3
