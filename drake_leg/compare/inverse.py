@@ -74,8 +74,7 @@ def match_function(
     try:
         rates = probe.rates(postures) if joints and max(joints) <= live.size else []
         wanted = (
-            f"{live.size} joint positions and {live.commanded} velocities in, "
-            f"{live.size} rates out"
+            f"{live.size} joint positions and {live.commanded} velocities in, {live.size} rates out"
         )
         has = (
             f"{len(joints)} joint positions and {len(probe.velocity)} velocities in, "
