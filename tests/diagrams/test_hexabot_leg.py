@@ -264,7 +264,7 @@ NAN = float("nan")
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"q0": (0.0, 1.0)}, "three finite angles"),
+        ({"q0": (0.0, 1.0)}, "q0 has 2 numbers; leg_b has 3 joint positions"),
         ({"q0": (0.0, NAN, 1.0)}, "nan"),
         ({"amplitude": NAN}, "amplitude is nan"),
         ({"amplitude": float("inf")}, "amplitude is inf"),

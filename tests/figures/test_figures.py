@@ -8,15 +8,18 @@ from xml.etree import ElementTree
 import matplotlib as mpl
 import numpy as np
 import pytest
+from chains import POSTURES
 
 from drake_leg.colours import GREEN, VERMILLION
 from drake_leg.figures import pendulum as pendulum_figures
 from drake_leg.figures import readings, stroboscope, tip
 from drake_leg.figures.of_runs import figures_of_run
-from drake_leg.figures.style import DARK, STYLE, for_light_and_dark, new_figure, save
+from drake_leg.figures.style import DARK, LINES, STYLE, for_light_and_dark, new_figure, save
 from drake_leg.figures.time_plots import add_degrees, curves_plot, time_plot, widen_flat_axis
 from drake_leg.recording import Recording
 from drake_leg.runs.catalogue import RUNS
+from drake_leg.runs.leg import run_robot
+from drake_leg.runs.options import StraightOptions
 
 ALONG_X = ["input_and_velocity", "velocity_and_position", "input_velocity_and_position"]
 TURNING = ["foot_rotation", "joint_angles", "joint_torques", "singularity"]
@@ -464,3 +467,36 @@ def test_of_two_velocities_that_stay_zero_both_are_seen():
         for colour in (VERMILLION, GREEN)
     ]
     assert min(seen) > 0.8 * max(seen) > 100
+
+
+def test_the_joints_of_an_arm_of_seven_are_all_drawn_and_told_apart():
+    robot, q = POSTURES["seven"]
+    outcome = run_robot(robot, StraightOptions(q0=np.degrees(q).tolist(), duration=0.2))
+    named = dict(
+        figures_of_run(outcome.subject, "seven", robot, outcome.recording, outcome.summary)
+    )
+    angles, torques = named["joint_angles"](), named["joint_torques"]()
+    assert [axes.get_title(loc="left") for axes in angles.axes] == [f"j{i}" for i in range(1, 8)]
+    curves = torques.axes[0].get_lines()
+    assert [line.get_label() for line in curves] == [f"j{i}" for i in range(1, 8)]
+    assert len({(line.get_color(), str(line.get_linestyle())) for line in curves}) == 7
+    torques.draw_without_rendering()
+    legend = torques.axes[0].get_legend().get_window_extent()
+    assert legend.x0 > 0.0
+    top = named["singularity"]().axes[0]
+    assert top.get_ylabel() == "manipulability [m$^{3}$]"
+
+
+def test_twelve_lines_differ():
+    assert len(set(map(str, LINES))) == len(LINES) == 12
+
+
+def test_joints_that_slide_have_figures_of_their_own():
+    robot, q = POSTURES["polar"]
+    options = StraightOptions(q0=[np.degrees(q[0]), q[1]], duration=0.2)
+    outcome = run_robot(robot, options)
+    named = dict(
+        figures_of_run(outcome.subject, "polar", robot, outcome.recording, outcome.summary)
+    )
+    assert named["joint_strokes"]().axes[0].get_ylabel() == "j2 $q_{2}$ [m]"
+    assert named["joint_forces"]().axes[0].get_ylabel() == "computed force [N]"

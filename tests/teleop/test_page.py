@@ -3,6 +3,7 @@ import re
 
 import numpy as np
 import pytest
+from chains import PLANAR_2, PUMA, SIX, SLIDER, WHEEL
 
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot_file import read_robot
@@ -54,6 +55,25 @@ def test_the_page_of_a_leg_names_its_reach_and_the_guards_numbers():
     data = data_of(page)
     assert (data["session"], data["fastest"], data["paths"][-1]) == ("abc", 100.0, "/drake/region")
     assert (data["slow"], data["stop"]) == (pytest.approx(10.0), pytest.approx(2.5))
+
+
+@pytest.mark.parametrize(
+    ("robot", "q", "movable", "note"),
+    [
+        (LEG_B, Q, [True] * 3, ""),
+        (PLANAR_2, [0.3, 1.0], [True, True, False], "in the plane at right angles to (0, 0, 1)"),
+        (SLIDER, [0.1], [False, False, True], "The foot moves along (0, 0, 1) only"),
+        (PUMA, SIX, [True] * 3, "It does not turn."),
+        (WHEEL, [0.3], [True] * 3, "The foot goes along a curve or a surface"),
+    ],
+    ids=lambda value: getattr(value, "name", None),
+)
+def test_the_page_says_along_what_the_foot_can_be_driven(robot, q, movable, note):
+    page = page_of(robot, q)
+    assert data_of(page)["movable"] == movable
+    said = re.search(r'id="drive-note">(.*?)</p>', page)[1]
+    assert note in said
+    assert bool(note) == bool(said)
 
 
 def test_the_page_of_another_robot_shows_no_reach():
