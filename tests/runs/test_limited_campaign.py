@@ -27,7 +27,7 @@ sigma = {sigma}
 d = {d}
 alpha = {alpha}
 r = {r}
-theta = 0
+theta = {theta}
 [row.solid]
 shape = "brick"
 length = 0.1
@@ -38,23 +38,25 @@ density = 1000
 
 
 def of_rows(*rows, tool):
-    """Make a robot of rows (sigma, d, alpha, r) and a tool's length, by its file."""
+    """Make a robot of rows (sigma, d, alpha, r, theta) and a tool's length, by its file."""
     text = 'name = "random"\nangles = "deg"\n'
-    for sigma, d, alpha, r in rows:
-        text += ROW.format(sigma=sigma, d=d, alpha=alpha, r=r)
+    for sigma, d, alpha, r, theta in rows:
+        text += ROW.format(sigma=sigma, d=d, alpha=alpha, r=r, theta=theta)
     return read_robot(f'{text}[[row]]\nsigma = "~"\nd = {tool}\nalpha = 0\nr = 0\ntheta = 0\n', "r")
 
 
 def random_robot(rng):
-    kind = rng.choice(["leg", "leg", "leg", "leg", "leg", "arm", "cylindric", "gantry"])
+    kind = rng.choice(
+        ["leg", "leg", "leg", "leg", "leg", "leg", "leg", "arm", "cylindric", "gantry"]
+    )
     a, b, c = rng.uniform(0.05, 0.4, 3).round(3).tolist()
     if kind == "leg":
         return hexabot_leg(str(rng.choice(["A", "B"])))
     if kind == "arm":
-        return of_rows((0, 0, 0, a), (0, 0, 90, 0), (0, b, 0, 0), tool=c)
+        return of_rows((0, 0, 0, a, 0), (0, 0, 90, 0, 0), (0, b, 0, 0, 0), tool=c)
     if kind == "cylindric":
-        return of_rows((0, 0, 0, a), (1, 0, 0, b), (1, 0, 90, c), tool=0)
-    return of_rows((1, 0, 0, 0), (1, 0, 90, 0), (1, 0, 90, 0), tool=0)
+        return of_rows((0, 0, 0, a, 0), (1, 0, 0, b, 0), (1, 0, 90, c, 0), tool=0)
+    return of_rows((1, 0, 0, 0, 0), (1, 0, 90, 0, 90), (1, 0, 90, 0, 0), tool=0)
 
 
 def random_posture(robot, rng):
@@ -99,7 +101,7 @@ def random_case(seed):
         amplitude=float(rng.uniform(-0.6, 0.6)),
         frequency=float(rng.uniform(2.0, 7.0)),
         direction=rng.normal(size=3).tolist(),
-        duration=0.3,
+        duration=0.25,
         max_step=0.01,
         inverse="limited",
         rate_limit=rng.choice([None, 20.0, 120.0, 300.0]),
