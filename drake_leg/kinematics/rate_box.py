@@ -9,9 +9,9 @@ from drake_leg.kinematics.task import Floats
 # A joint comes to rest so far before its limit: at a kink of its rate the step of an integrator
 # errs by some 1e-5 rad, and a limit that is approached to the last digit would be crossed.
 MARGIN = 5e-4  # [rad or m], at most
-PART = 0.01  # of the way between the limits, at most
+PART = 0.1  # of the way between the limits, at most
 RETREAT = 2.0  # [s] in which a joint that starts nearer than that goes back
-HEADROOM = 2e-3  # part of the greatest rate that is kept for the same errors
+HEADROOM = 0.01  # part of the greatest rate that is kept for the same errors
 
 FREE, FASTEST, BRAKING = range(3)  # what bounds a rate
 

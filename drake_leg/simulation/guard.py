@@ -22,7 +22,6 @@ LARGEST_TURN = 0.05  # [rad or m] of a joint in a step
 GROWTH = 1.2  # from one step to the next, at most
 SHRINK = 1.5  # from one trial to the next
 SMALLEST_STEP = 1e-13  # [s]
-STEP_OF_KINK = 2e-3  # [s], within which joints' rates may meet their bounds, or leave them
 DAMPED_STEP = 1.5  # of the time constant of a damped inverse, at most
 
 
@@ -135,6 +134,6 @@ class Guard:
             if turn <= LARGEST_TURN and change <= APPROACH:
                 break
             step /= SHRINK
-        while step > STEP_OF_KINK and block.meets_kink(context, step):
-            step = max(step / 2.0, STEP_OF_KINK)
+        while step > (kink := block.step_at_kink(context, step)):
+            step = max(step / 2.0, kink)
         return min(step, DAMPED_STEP / stiffness) if stiffness > 0.0 else step

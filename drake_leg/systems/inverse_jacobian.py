@@ -11,6 +11,9 @@ from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.task import Floats, Task
 
+STEP_OF_KINK, SHORTEST_AT_KINK = 2e-3, 2e-4  # [s], of steps in which a rate may have a kink
+PART_AT_KINK = 0.04  # of a rate, by which it may change in such a step
+
 
 class LookAhead:
     """How far a step would go, from the joints' rates and, where known, their accelerations.
@@ -174,27 +177,39 @@ class InverseJacobian(LeafSystem):
             return 0.0, 0.0
         return self._task.stiffness(self._q.Eval(context), self._v.Eval(context))
 
-    def meets_kink(self, context: Context, step: float) -> bool:
-        """Tell whether something else bounds the joints' rates at the end of a step than now.
+    def step_at_kink(self, context: Context, step: float) -> float:
+        """Tell how long a step may be in which something else comes to bound the joints' rates.
+
+        Across the kink an integrator errs by a part of what the rate changes in the step: that is
+        less than the headroom before a greatest rate, and than the margin before a limit.
 
         Parameters
         ----------
         context : Context
             This system's own.
         step : float
-            [s].
+            To be taken [s].
 
         Returns
         -------
-        bool
+        float
+            [s]; infinite where the rates have no kink in it.
         """
         if self._task.regime is None:
-            return False
-        rates = self._w if self._w.HasValue(context) else self._qdot
-        q, v = self._q.Eval(context), self._v.Eval(context)
-        later = [q + step * rates.Eval(context), v + step * self._a.Eval(context)]
+            return math.inf
+        q, v, rates = self._q.Eval(context), self._v.Eval(context), self._qdot.Eval(context)
+        w = self._w.Eval(context) if self._w.HasValue(context) else rates
+        later = q + step * w, v + step * self._a.Eval(context)
         now, then = (self._task.regime(*map(list, pair)) for pair in ((q, v), later))
-        return now != then
+        if now == then:
+            return math.inf
+        least = STEP_OF_KINK
+        for before, after, rate, change in zip(
+            now, then, rates, self._qddot.Eval(context), strict=True
+        ):
+            if before != after and change:
+                least = min(least, PART_AT_KINK * abs(rate / change))
+        return max(least, SHORTEST_AT_KINK)
 
     def look_ahead(self, context: Context, *, disturbed: bool = False) -> LookAhead:
         """Take the present rates and, if ``a`` is wired, accelerations.
