@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.errors import InvalidValueError
-from drake_leg.feet import Feet, Solution, feet, is_scara, lift_limits, limits_of
+from drake_leg.feet import Feet, Solution, feet, lift_limits, limits_of
 from drake_leg.kinematics.batches import Array, one_vector
 from drake_leg.kinematics.euler import euler_angles
 from drake_leg.kinematics.foot_line import (
@@ -22,8 +21,8 @@ from drake_leg.kinematics.foot_line import (
     straight_way,
 )
 from drake_leg.kinematics.khalil import foot_pose, jacobian
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
-from drake_leg.kinematics.scara import ScaraGeometry, task_jacobian
+from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, is_hexabot_leg
+from drake_leg.kinematics.scara import ScaraGeometry, is_scara, task_jacobian
 from drake_leg.kinematics.singularity import (
     LostTwist,
     RankReport,
@@ -387,9 +386,6 @@ class _Scara(_Patient):
 
 
 def _patient(robot: Robot) -> _Patient:
-    for closed_form in (_Leg, _Scara):
-        try:
-            return closed_form(robot)
-        except InvalidValueError:
-            continue
-    return _Patient(robot)
+    if is_hexabot_leg(robot):
+        return _Leg(robot)
+    return _Scara(robot) if is_scara(robot) else _Patient(robot)

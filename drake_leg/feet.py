@@ -15,7 +15,7 @@ from drake_leg.kinematics.euler import euler_rotation
 from drake_leg.kinematics.foot_line import LIMIT_ROUNDING, Limits
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import branches
-from drake_leg.kinematics.scara import ScaraGeometry, branch_angles
+from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, is_scara
 from drake_leg.robot import Robot, Segment
 
 
@@ -73,25 +73,6 @@ def units_of(robot: Robot) -> tuple[str, ...]:
         ``deg`` or ``m``.
     """
     return tuple("deg" if joint.row.joint == "revolute" else "m" for joint in robot.moving)
-
-
-def is_scara(robot: Robot) -> bool:
-    """Tell whether a robot has the table of the report's SCARA, whatever its lengths.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any.
-
-    Returns
-    -------
-    bool
-    """
-    try:
-        ScaraGeometry.from_robot(robot)
-    except InvalidValueError:
-        return False
-    return True
 
 
 def feet(

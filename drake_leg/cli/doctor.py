@@ -164,7 +164,8 @@ def _write_maps(target: Path, maps: Maps, diagnosis: Diagnosis) -> None:
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:
     """Convert degrees where a joint turns; the SCARA's lift may be left out."""
-    from drake_leg.feet import is_scara, units_of
+    from drake_leg.feet import units_of
+    from drake_leg.kinematics.scara import is_scara
 
     units = units_of(robot)
     if len(values) == 3 and is_scara(robot):

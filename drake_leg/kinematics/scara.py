@@ -60,16 +60,32 @@ class ScaraGeometry:
         InvalidValueError
             If the table is not that of the report's SCARA.
         """
-        rows = robot.rows
-        kinds = ("revolute", "revolute", "revolute", "prismatic")
-        if (
-            tuple(row.joint for row in rows) != kinds
-            or tuple(row.alpha for row in rows) != (0.0, 0.0, 0.0, math.pi)
-            or any(row.theta for row in rows)
-            or any((rows[0].d, rows[3].d, rows[1].r, rows[2].r, rows[3].r))
-        ):
+        if not is_scara(robot):
             raise InvalidValueError(f"{robot.name!r} has not the table of the report's SCARA")
+        rows = robot.rows
         return cls(l1=rows[1].d, l2=rows[2].d, height=rows[0].r)
+
+
+def is_scara(robot: Robot) -> bool:
+    """Tell whether a robot has the table of the report's SCARA, whatever its lengths.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any.
+
+    Returns
+    -------
+    bool
+    """
+    rows = robot.rows
+    kinds = ("revolute", "revolute", "revolute", "prismatic")
+    return (
+        tuple(row.joint for row in rows) == kinds
+        and tuple(row.alpha for row in rows) == (0.0, 0.0, 0.0, math.pi)
+        and not any(row.theta for row in rows)
+        and not any((rows[0].d, rows[3].d, rows[1].r, rows[2].r, rows[3].r))
+    )
 
 
 def lift_position(arm: ScaraGeometry, R: float) -> float:
