@@ -18,6 +18,7 @@ from drake_leg.errors import (
     OutputError,
     SingularConfigurationError,
     StepBudgetError,
+    TimeBudgetError,
     UnstableRunError,
 )
 from drake_leg.imports import BrokenPackageError
@@ -48,6 +49,7 @@ PROVOKED_ELSEWHERE = {
     ServerError: "tests/scene/live/test_server.py",
     OtherRobotError: "tests/scene/test_motion.py",
     MissingSymPyError: "tests/symbolic/test_catalogue.py",
+    TimeBudgetError: "tests/test_time_budget.py",
 }
 
 
