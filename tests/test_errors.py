@@ -21,6 +21,7 @@ from drake_leg.errors import (
     PictureError,
     SingularConfigurationError,
     StepBudgetError,
+    TimeBudgetError,
     UnreadableFileError,
     UnstableRunError,
 )
@@ -53,6 +54,7 @@ PROVOKED_ELSEWHERE = {
     ServerError: "tests/scene/live/test_server.py",
     OtherRobotError: "tests/scene/test_motion.py",
     MissingSymPyError: "tests/symbolic/test_catalogue.py",
+    TimeBudgetError: "tests/test_time_budget.py",
 }
 
 

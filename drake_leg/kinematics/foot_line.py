@@ -17,7 +17,7 @@ from drake_leg.robot import Row
 SAMPLES = 24  # random postures that tell what a chain's foot can do
 RANK_TOLERANCE = 1e-9  # of the greatest singular value
 LEAST_LEVER = 1e-3  # of the length: a shorter lever than any that is meant
-STEPS = 50  # over the length of the chain
+STEPS = 60  # over the length of the chain
 RESOLUTION = 1e-9  # smallest step, of the length of the chain
 ROUNDING = 1e-13  # of the length of the chain: what a foot misses its goal by at best
 FARTHEST = 10.0  # of the length of the chain; farther is called infinite
@@ -166,10 +166,11 @@ def straight_way(
     start, d, size = foot_pose(rows, posture), unit(direction), chain_length(rows)
     sign = _side(rows, posture, how)
     way, step, joint = 0.0, size / STEPS, None
+    slope = np.zeros_like(posture)
     while way < (FARTHEST * size if farthest is None else farthest):
         goal = start.copy()
         goal[:3, 3] += (way + step) * d
-        closed = _closed(rows, posture, goal, step, how)
+        closed = _closed(rows, posture, step * slope, goal, step, how)
         reached = closed is not None and _side(rows, closed, how) == sign
         joint = _outside(closed, limits) if reached and closed is not None else None
         if closed is None or not reached or joint is not None:
@@ -177,6 +178,7 @@ def straight_way(
             if step < RESOLUTION * size:
                 return Way(length=way, joint=joint, q=posture)
         else:
+            slope = (closed - posture) / step
             way, posture = way + step, closed
             step = min(2.0 * step, size / STEPS)
     return Way(length=math.inf, joint=None, q=posture)
@@ -228,9 +230,11 @@ def _outside(q: Array, limits: Limits) -> int | None:
     return next(iter(outside(q, limits)), None)
 
 
-def _closed(rows: Sequence[Row], q: Array, goal: Array, step: float, how: Steering) -> Array | None:
+def _closed(
+    rows: Sequence[Row], q: Array, guess: Array, goal: Array, step: float, how: Steering
+) -> Array | None:
     """Move the foot to the goal by Newton's method; None where that fails or jumps."""
-    posture, size = q.copy(), chain_length(rows)
+    posture, size = q + guess, chain_length(rows)
     largest = np.array(
         [1.0 if rows[index].joint == "revolute" else size for index in moving_rows(rows)]
     )
