@@ -464,3 +464,18 @@ def test_of_two_velocities_that_stay_zero_both_are_seen():
         for colour in (VERMILLION, GREEN)
     ]
     assert min(seen) > 0.8 * max(seen) > 100
+
+
+@pytest.mark.parametrize("moving", [1, 5, 30])
+def test_a_motion_that_ends_early_is_magnified_if_there_is_any_whatever_is_known_of_rest(moving):
+    time = np.linspace(0.0, 1.0, 101)
+    q = np.where(np.arange(101) < moving, 0.3, 0.0)
+    recording = Recording({"time[s]": time, "q[rad]": q, "qdot[rad/s]": np.gradient(q, time)})
+    for figure in (
+        pendulum_figures.angle(recording, "without a level of rest"),
+        pendulum_figures.angle(recording, "with one", 0.0),
+        pendulum_figures.angle_and_rate(recording, "both"),
+    ):
+        inner = [child for axes in figure.axes for child in axes.child_axes]
+        figure.draw_without_rendering()
+        assert any(axes.texts for axes in inner) == (moving > 1)
