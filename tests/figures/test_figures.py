@@ -500,3 +500,18 @@ def test_joints_that_slide_have_figures_of_their_own():
     )
     assert named["joint_strokes"]().axes[0].get_ylabel() == "j2 $q_{2}$ [m]"
     assert named["joint_forces"]().axes[0].get_ylabel() == "computed force [N]"
+
+
+@pytest.mark.parametrize("moving", [1, 5, 30])
+def test_a_motion_that_ends_early_is_magnified_if_there_is_any_whatever_is_known_of_rest(moving):
+    time = np.linspace(0.0, 1.0, 101)
+    q = np.where(np.arange(101) < moving, 0.3, 0.0)
+    recording = Recording({"time[s]": time, "q[rad]": q, "qdot[rad/s]": np.gradient(q, time)})
+    for figure in (
+        pendulum_figures.angle(recording, "without a level of rest"),
+        pendulum_figures.angle(recording, "with one", 0.0),
+        pendulum_figures.angle_and_rate(recording, "both"),
+    ):
+        inner = [child for axes in figure.axes for child in axes.child_axes]
+        figure.draw_without_rendering()
+        assert any(axes.texts for axes in inner) == (moving > 1)
