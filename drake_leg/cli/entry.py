@@ -106,8 +106,8 @@ def _build_parser() -> argparse.ArgumentParser:
         description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
         "from their Khalil tables to simulated, compared and plotted runs.",
         epilog="COMMAND --help tells every option with its unit and its default. Exit status: "
-        "0 all well, 1 a check found something wrong, 2 bad input, 3 a run stopped before its "
-        "end, 130 interrupted.",
+        "0 all well, 1 a check found something wrong or a run's error shows, 2 bad input, 3 a run "
+        "stopped before its end, 130 interrupted.",
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:
