@@ -179,7 +179,7 @@ def _end_of_motion(recording: Recording) -> float | None:
     """Find from when on the angle stays near where it ends [s], if it does so early."""
     time, q = recording["time"], recording["q"]
     away = np.flatnonzero(np.abs(q - q[-1]) > NEAR_REST)
-    if len(away) == 0 or time[away[-1]] > EARLY * time[-1]:
+    if not away.any() or time[away[-1]] > EARLY * time[-1]:
         return None
     return float(time[away[-1]])
 

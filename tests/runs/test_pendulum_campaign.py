@@ -51,7 +51,7 @@ def random_options(rng):
     if rng.random() < 0.3:
         given["velocity_target"] = rng.uniform(-1000.0, 1000.0)
     if rng.random() < 0.06:
-        given |= random_limits(rng, start_of(name, given))
+        given |= random_limits(rng, start_of(name, given), inertia)
         given["duration"] = min(given["duration"], 0.5)
     return name, given | random_steps(rng)
 
@@ -62,7 +62,7 @@ def start_of(name, given):
     return given.get("q0", [target])[0]
 
 
-def random_limits(rng, start):
+def random_limits(rng, start, inertia):
     """Choose limits on either side of the start, or of one side."""
     low, high = start - rng.uniform(0.0, 90.0), start + rng.uniform(0.1, 90.0)
     limits = [
@@ -71,9 +71,10 @@ def random_limits(rng, start):
         {"lower_limit": low, "upper_limit": high},
     ]
     given = dict(rng.choice(limits))
-    if rng.random() < 0.5:
-        given |= {"limit_stiffness": 10 ** rng.uniform(-1.0, 4.0), "limit_width": 0.5}
-    return given | {"limit_damping": float(rng.choice([0.0, 1e-4, 1e-2]))}
+    frequency = 10 ** rng.uniform(2.0, 3.5)  # [rad/s], on the limit
+    given["limit_stiffness"] = frequency**2 * inertia * math.pi / 180
+    given["limit_damping"] = float(rng.choice([0.0, 0.1, 1.0])) * frequency * inertia / 57.3
+    return given | ({"limit_width": 0.5} if rng.random() < 0.5 else {})
 
 
 def random_steps(rng):

@@ -33,10 +33,10 @@ def test_a_free_pendulum_takes_2_ms():
     ("stiffness", "damping", "duration"),
     [(5.0, 0.0, 2.0), (100.0, 0.01, 1.0), (1e3, 0.01, 0.3), (1e4, 0.01, 0.1), (1e3, 1.0, 1.0)],
 )
-def test_a_stiff_spring_is_right_to_a_tenth_of_a_microradian(stiffness, damping, duration):
+def test_a_stiff_spring_is_right_to_a_twentieth_of_a_microradian(stiffness, damping, duration):
     options = SpringPendulumOptions(spring_stiffness=stiffness, damping=damping, duration=duration)
     summary = run_pendulum(options).summary
-    assert summary["max_angle_error_rad"] < 1.5e-7
+    assert summary["max_angle_error_rad"] < 5e-8
     assert summary["stop_reason"] is None
 
 
