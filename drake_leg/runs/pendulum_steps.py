@@ -13,7 +13,7 @@ OF_SWING = 0.015  # greatest step times natural frequency
 OF_STIFFNESS = 0.1  # greatest first step times the fastest rate of spring and damper
 # Greatest step times that rate, once the fast motion is gone: inside Runge-Kutta's stability.
 OF_OSCILLATION, OF_DECAY = 0.7, 1.5
-ERROR = 1e-7  # [rad], of an oscillation of the spring
+ERROR = 2e-8  # [rad], of an oscillation of the spring
 ERROR_OF_STEPS = 3e-4  # measured: error = this (w h)^5 w t times the amplitude
 ORDER = 5
 MOST = 500_000  # steps: about a minute

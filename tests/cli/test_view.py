@@ -1,5 +1,6 @@
 """``drake-leg view`` and ``drake-leg teleop``, in process, with ``--once`` in place of a person."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,64 @@ def test_a_robot_from_a_file_starts_inside_its_limits(tmp_path, monkeypatch, cap
     monkeypatch.chdir(tmp_path)
     Path("turn.toml").write_text(TURN, encoding="utf-8")
     assert "left at --q 10" in run(capsys, "view", "turn.toml", "--once")[1]
+
+
+TARGETS = """
+name = "aimed"
+angles = "deg"
+
+[[row]]
+sigma = 0
+d = 0
+alpha = 0
+r = 0.1
+theta = 0
+solid = { shape = "sphere", radius = 0.02, density = 1000, centre = [0, 0, 0] }
+mechanics = { position_target = 90, position_priority = "low" }
+
+[[row]]
+sigma = 0
+d = 0.05
+alpha = 90
+r = 0
+theta = 0
+solid = { shape = "sphere", radius = 0.02, density = 1000, centre = [0.1, 0, 0] }
+mechanics = { position_target = -50, position_priority = "low" }
+
+[[row]]
+sigma = 0
+d = 0.1
+alpha = 0
+r = 0
+theta = 0
+solid = { shape = "sphere", radius = 0.02, density = 1000, centre = [0.1, 0, 0] }
+mechanics = { position_target = -90, position_priority = "low" }
+
+[[row]]
+sigma = "~"
+d = 0.1
+alpha = 0
+r = 0
+theta = 0
+"""
+
+
+@pytest.mark.parametrize("command", ["view", "teleop"])
+def test_a_robot_is_shown_where_its_run_starts(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+    Path("aimed.toml").write_text(TARGETS, encoding="utf-8")
+    assert "left at --q 90,-50,-90" in run(capsys, command, "aimed.toml", "--once")[1]
+    assert run(capsys, "run", "aimed.toml", "--out", "out", "--duration", "0.1")[0] == 0
+    assert q0_of("out") == pytest.approx([90.0, -50.0, -90.0])
+    Path("zero.yaml").write_text("q0: [0, 10, 0]\nduration: 0.1\ninverse: damped\n")
+    words = ["run", "aimed.toml", "--out", "zero", "--config", "zero.yaml"]
+    assert run(capsys, *words, "--q0", "0,0,0")[0] == 0
+    assert q0_of("zero") == [0.0, 0.0, 0.0]
+
+
+def q0_of(folder):
+    return json.loads(Path(folder, "summary.json").read_text(encoding="utf-8"))["q0_deg"]
 
 
 def test_a_leg_is_driven_from_the_posture_given(capsys):

@@ -223,13 +223,13 @@ def test_velocity_leads_position_by_a_quarter_period():
 
 
 def test_the_pendulums_angle_is_drawn_with_degrees_and_where_it_rests():
-    recording, rest = outcome_of("pendulum-spring").recording, 0.5639
+    recording, rest = outcome_of("pendulum-spring").recording, 0.5371
     figure = pendulum_figures.angle(recording, "title", rest)
     axes = figure.axes[0]
     curve, guide = axes.get_lines()
     np.testing.assert_array_equal(curve.get_ydata(), recording["q"])
     assert guide.get_ydata()[0] == rest
-    assert any("32.31 deg" in text for text in texts(figure))
+    assert any("30.77 deg" in text for text in texts(figure))
     assert "[deg]" in [child.get_ylabel() for child in axes.child_axes]
 
 
@@ -450,11 +450,11 @@ def test_figures_need_neither_drake_nor_a_window():
 @pytest.mark.parametrize("equilibrium", [0.5236, 0.6])
 def test_a_springs_equilibrium_is_drawn_beside_where_it_rests(equilibrium):
     recording = outcome_of("pendulum-spring").recording
-    figure = pendulum_figures.angle(recording, "title", 0.5639, equilibrium=equilibrium)
+    figure = pendulum_figures.angle(recording, "title", 0.5371, equilibrium=equilibrium)
     axes = figure.axes[0]
     assert axes.get_lines()[2].get_ydata()[0] == equilibrium
     offsets = [text.get_position()[1] for text in axes.texts if text.get_position()[1] != 5]
-    assert all((offset > 0) == (equilibrium < 0.5639) for offset in offsets)
+    assert all((offset > 0) == (equilibrium < 0.5371) for offset in offsets)
 
 
 def test_of_two_velocities_that_stay_zero_both_are_seen():

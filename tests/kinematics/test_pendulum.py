@@ -55,7 +55,7 @@ def random_pendulum(rng):
 
 def test_q_turns_the_link_downwards_in_the_chain_and_in_drake(rng, drake_frames):
     for q in rng.uniform(-7.0, 7.0, 20):
-        c, s, half = math.cos(q), math.sin(q), 0.15
+        c, s, half = math.cos(q), math.sin(q), 0.2
         cog = [[c, -s, 0, half * c], [0, 0, 1, 0], [-s, -c, 0, -half * s], [0, 0, 0, 1]]
         np.testing.assert_allclose(khalil.foot_pose(PENDULUM.rows, [q]), cog, atol=1e-15)
         np.testing.assert_allclose(drake_frames(PENDULUM, [q])[-1], cog, rtol=0, atol=1e-12)

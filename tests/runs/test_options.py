@@ -28,7 +28,10 @@ def test_the_defaults_are_the_reports():
     assert FreePendulumOptions().duration == 10.0
     assert DampedPendulumOptions().duration == SpringPendulumOptions().duration == 30.0
     assert DampedPendulumOptions().damping == SpringPendulumOptions().damping == 0.01
-    assert (SpringPendulumOptions().spring_stiffness, SpringPendulumOptions().target) == (5.0, 30.0)
+    assert SpringPendulumOptions().spring_stiffness == 5.0
+    assert SpringPendulumOptions().equilibrium() == math.radians(30.0)
+    assert FreePendulumOptions().size == [0.4, 0.01, 0.01]
+    assert FreePendulumOptions().density == 1000.0
     assert ScaraOptions().q0 == [30.0, 90.0, -120.0]
     assert (ScaraOptions().tool_height, ScaraOptions().amplitude) == (0.050, 0.050)
 
@@ -43,8 +46,11 @@ def test_every_option_has_a_help_text(name):
 @pytest.mark.parametrize("name", RUNS)
 def test_lists_of_one_instance_are_not_those_of_another(name):
     first, second = RUNS[name].options(), RUNS[name].options()
-    first.q0.append(7.0)
-    assert 7.0 not in second.q0
+    lists = [n for n, value in dataclasses.asdict(first).items() if isinstance(value, list)]
+    assert lists
+    for option in lists:
+        getattr(first, option).append(7.0)
+        assert 7.0 not in getattr(second, option)
 
 
 @pytest.mark.parametrize("options", [LegBOptions, EllipseOptions, ScaraOptions])
@@ -86,10 +92,10 @@ def test_simscapes_unit_of_damping_is_57_times_as_large():
     assert simscape / si == pytest.approx(57.3, abs=0.01)
 
 
-@pytest.mark.parametrize("unit", ["", "Nm/s^2", "Nm/s²", "N*m*s/deg", "n*m*s/rad", None])
+@pytest.mark.parametrize("unit", ["", "Nm/s^2", "Nm/s²", "N*m*s/deg", "n*m*s/rad"])
 def test_an_unknown_unit_of_damping_is_refused_with_the_known_ones(unit):
     with pytest.raises(InvalidValueError, match=r"N\*m\*s/rad or N\*m/\(deg/s\)") as caught:
-        LegBOptions(damping_unit=unit).si_damping()
+        LegBOptions(damping=0.01, damping_unit=unit).si_damping()
     assert repr(unit) in str(caught.value)
 
 
@@ -124,3 +130,24 @@ def test_two_different_state_targets_are_refused():
         DampedPendulumOptions(q0=[40.0], target=50.0).start()
     with pytest.raises(InvalidValueError, match="one finite angle"):
         DampedPendulumOptions(target=NAN).start()
+
+
+def test_an_empty_list_is_not_taken_for_nothing():
+    with pytest.raises(InvalidValueError, match="one finite angle"):
+        DampedPendulumOptions(q0=[]).start()
+    with pytest.raises(InvalidValueError, match="three finite angles"):
+        LegBOptions(q0=[]).posture()
+
+
+def test_a_unit_scales_the_default_and_needs_a_damping():
+    scaled = DampedPendulumOptions(damping_unit="N*m/(deg/s)").si_damping()
+    assert scaled == pytest.approx(0.01 * 180 / math.pi)
+    with pytest.raises(InvalidValueError, match="there is no damping"):
+        LegBOptions(damping_unit="N*m/(deg/s)").si_damping()
+    assert LegBOptions(damping=0.0, damping_unit="N*m/(deg/s)").si_damping() == 0.0
+
+
+def test_a_target_needs_a_spring():
+    with pytest.raises(InvalidValueError, match="nothing pulls there"):
+        SpringPendulumOptions(spring_stiffness=0.0, target=30.0).equilibrium()
+    assert SpringPendulumOptions(spring_stiffness=0.0).equilibrium() == math.radians(30.0)

@@ -6,9 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.errors import InvalidValueError
 from drake_leg.figures.of_runs import figures_of_run
-from drake_leg.integrator import ERROR_CONTROLLED, INTEGRATORS
+from drake_leg.integrator import INTEGRATORS
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS
 from drake_leg.runs.accuracy import NOTHING, SHOWN
@@ -17,7 +16,8 @@ from drake_leg.runs.catalogue import RUNS
 KINDS = ("pendulum", "pendulum-damped", "pendulum-spring")
 BATCHES, OF_A_BATCH = 20, 50
 TURNS, DECAYS = 60.0, 100.0  # of the spring and of the damper: what a run may last, to be quick
-DRAWN = 10  # of so many one is laid out, too
+ENERGY, LAID_OUT = 5, 50  # of so many one has its energy drawn; one is laid out
+QUICK = ("runge_kutta5", "runge_kutta3", "radau3")  # with error control
 
 
 def random_options(rng):
@@ -30,7 +30,7 @@ def random_options(rng):
     )
     density = 10 ** rng.uniform(2.0, 4.0)
     inertia = density * math.prod(size) * size[0] ** 2 / 3.0
-    given = {"size": list(size), "density": density, "duration": 10 ** rng.uniform(-1.0, 0.3)}
+    given = {"size": list(size), "density": density, "duration": 10 ** rng.uniform(-1.0, 0.2)}
     if rng.random() < 0.2:
         given["gravity"] = float(rng.choice([0.0, 1.62, 25.0]))
     if name == "pendulum-damped" or rng.random() < 0.4:
@@ -51,12 +51,18 @@ def random_options(rng):
     if rng.random() < 0.3:
         given["velocity_target"] = rng.uniform(-1000.0, 1000.0)
     if rng.random() < 0.06:
-        given |= random_limits(rng, given.get("q0", [given.get("target", 0.0)])[0])
+        given |= random_limits(rng, start_of(name, given), inertia)
         given["duration"] = min(given["duration"], 0.5)
     return name, given | random_steps(rng)
 
 
-def random_limits(rng, start):
+def start_of(name, given):
+    """Return where a run starts [deg]."""
+    target = given.get("target", 30.0) if name == "pendulum-damped" else 0.0
+    return given.get("q0", [target])[0]
+
+
+def random_limits(rng, start, inertia):
     """Choose limits on either side of the start, or of one side."""
     low, high = start - rng.uniform(0.0, 90.0), start + rng.uniform(0.1, 90.0)
     limits = [
@@ -65,9 +71,10 @@ def random_limits(rng, start):
         {"lower_limit": low, "upper_limit": high},
     ]
     given = dict(rng.choice(limits))
-    if rng.random() < 0.5:
-        given |= {"limit_stiffness": 10 ** rng.uniform(-1.0, 4.0), "limit_width": 0.5}
-    return given | {"limit_damping": float(rng.choice([0.0, 1e-4, 1e-2]))}
+    frequency = 10 ** rng.uniform(2.0, 3.5)  # [rad/s], on the limit
+    given["limit_stiffness"] = frequency**2 * inertia * math.pi / 180
+    given["limit_damping"] = float(rng.choice([0.0, 0.1, 1.0])) * frequency * inertia / 57.3
+    return given | ({"limit_width": 0.5} if rng.random() < 0.5 else {})
 
 
 def random_steps(rng):
@@ -76,17 +83,21 @@ def random_steps(rng):
     given = {"integrator": str(rng.choice(INTEGRATORS))}
     if rng.random() < 0.5:
         given["max_step"] = float(rng.choice([0.001, 0.005, 0.02, 0.04]))
-    if given["integrator"] in ERROR_CONTROLLED and rng.random() < 0.3:
+    if given["integrator"] in QUICK and rng.random() < 0.3:
         given["accuracy"] = float(rng.choice([1e-2, 1e-4]))
     return given
 
 
-def drawn(name, outcome, *, laid_out):
-    """Draw every figure of a run."""
+def drawn(name, outcome, number):
+    """Draw the figures of a run; that of the energy, which depends on little, now and then."""
     summary = json.loads(json.dumps(outcome.summary, allow_nan=False))
-    for _, draw in figures_of_run(name, "title", outcome.robot, outcome.recording, summary):
+    for figure_name, draw in figures_of_run(
+        name, "title", outcome.robot, outcome.recording, summary
+    ):
+        if figure_name == "energy" and number % ENERGY:
+            continue
         figure = draw()
-        if laid_out:
+        if number % LAID_OUT == 0:
             figure.draw_without_rendering()
 
 
@@ -116,10 +127,6 @@ def test_pendulums_at_random_are_right_or_say_that_they_are_not(batch):
     rng = np.random.default_rng(20240 + batch)
     for number in range(OF_A_BATCH):
         name, given = random_options(rng)
-        try:
-            outcome = RUNS[name].run(RUNS[name].options(**given), None)
-        except InvalidValueError as error:
-            assert "\n" not in str(error)
-            continue
+        outcome = RUNS[name].run(RUNS[name].options(**given), None)
         is_right(outcome, given)
-        drawn(name, outcome, laid_out=number % DRAWN == 0)
+        drawn(name, outcome, number)
