@@ -23,6 +23,7 @@ from drake_leg.check.whole import Explanation, explain_alone, explain_whole
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 
+MOST_TRIALS = 1000  # of two changes in an entry, in all of a print
 LARGEST_SYMBOLIC = 4  # joints; right entries of longer chains are said as numbers
 
 
@@ -62,6 +63,7 @@ class MatrixGrader:
             units=reader.units,
             names=names,
         )
+        self._trials = iter(range(MOST_TRIALS))
         self._right_forms = None
         if find_spec("sympy") is not None and len(robot.moving) <= LARGEST_SYMBOLIC:
             from drake_leg.check.formulas import RightForms
@@ -135,6 +137,7 @@ class MatrixGrader:
             matrix.trees[place],
             self._vocabulary,
             lambda tree: matrix.is_right(place, self._comparison, tree),
+            self._trials,
         ) or explain_alone(matrix, wrong, self._comparison, self._vocabulary.names)
         fault = f"printed {readable(matrix.texts[place])}"
         if found:
