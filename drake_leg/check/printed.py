@@ -22,6 +22,7 @@ from drake_leg.check.printed_table import grade_table
 from drake_leg.check.reader import Reader
 from drake_leg.check.rotations import rotation_fault
 from drake_leg.check.sampling import table_length
+from drake_leg.check.singular_sets import grade_singular_sets
 from drake_leg.check.table import lint_table
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
@@ -71,6 +72,9 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     grader = _Grader(robot, printed, reader, postures)
     for matrix in printed.matrices:
         findings += grader.grade(matrix)
+    if printed.singular:
+        rng = np.random.default_rng(seed)
+        findings += grade_singular_sets(robot, printed, reader, rng)
     return findings
 
 
