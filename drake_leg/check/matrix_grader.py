@@ -203,9 +203,11 @@ class MatrixGrader:
 
 def _of_another_shape(matrix: Matrix) -> Finding:
     (rows, columns), (right_rows, right_columns) = matrix.shape, matrix.claim.shape
+    joints = len(matrix.subject.robot.moving)
+    seems = " and seems transposed" if rows == joints and columns in (3, 6) else ""
     return Finding(
         place=matrix.claim.name,
-        fault=f"it has {rows} rows and {columns} columns",
+        fault=f"it has {rows} rows and {columns} columns{seems}",
         remedy=f"it should have {right_rows} rows and {right_columns} columns",
         kind="shape",
         matrix=matrix.claim.name,

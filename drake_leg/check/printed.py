@@ -20,6 +20,7 @@ from drake_leg.check.printed_table import grade_table
 from drake_leg.check.reader import Reader
 from drake_leg.check.samples import Sampler
 from drake_leg.check.shifts import repaired
+from drake_leg.check.singular_sets import grade_singular_sets
 from drake_leg.check.table import lint_table
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Robot
@@ -73,6 +74,9 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     grader = MatrixGrader(robot, printed, reader, Comparison(sampler, likely[0]), postures)
     for matrix in read:
         findings += grader.grade(matrix) if isinstance(matrix, Matrix) else [matrix]
+    if printed.singular:
+        rng = np.random.default_rng(seed)
+        findings += grade_singular_sets(robot, printed, reader, rng)
     return findings
 
 

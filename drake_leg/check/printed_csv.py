@@ -3,9 +3,9 @@
 ``angles,deg`` and ``lengths,mm`` say the units; two cells of which the second is a number give a
 symbol its value (``L1,50``), otherwise its formula (``sigma1,2*cos(θ2)+1``). Three cells that
 begin with ``joint``, ``cells``, ``caption`` or ``rows`` say something about a joint, a symbol or a
-matrix. A heading with σ, d, α, r, θ begins a table, which an empty line ends. ``T01 = [...]``, in
-LaTeX, MATLAB or Python, is a matrix, ``L1 = 50`` a symbol. Every other line is a row of a matrix,
-its name first.
+matrix, and ``singular,θ3 = kπ`` where the determinant is zero. A heading with σ, d, α, r, θ begins
+a table, which an empty line ends. ``T01 = [...]``, in LaTeX, MATLAB or Python, is a matrix,
+``L1 = 50`` a symbol. Every other line is a row of a matrix, its name first.
 """
 
 from __future__ import annotations
@@ -200,6 +200,9 @@ class _Reading:
     def _add_pair(self, name: str, value: str) -> None:
         if name in _SETTINGS:
             self.document[name] = value
+            return
+        if name == "singular":
+            self.document.setdefault("singular", []).append(value)
             return
         try:
             self.document.setdefault("symbols", {})[name] = float(value)

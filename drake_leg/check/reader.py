@@ -68,7 +68,13 @@ class Reader:
         parsed = self._parsed(where, "where", names)
         return dict(zip(names, parsed.values(), strict=True))
 
-    def formula(self, text: str, own: Mapping[str, ast.expr] | None = None) -> ast.expr:
+    def formula(
+        self,
+        text: str,
+        own: Mapping[str, ast.expr] | None = None,
+        *,
+        names: Collection[str] = (),
+    ) -> ast.expr:
         """Read a formula, with all definitions put in.
 
         Parameters
@@ -77,6 +83,8 @@ class Reader:
             As printed.
         own : mapping, optional
             Definitions that hold for it alone.
+        names : collection of str
+            Symbols in it besides the print's own.
 
         Returns
         -------
@@ -89,7 +97,7 @@ class Reader:
             If it is no formula.
         """
         definitions = {**self._definitions, **(own or {})}
-        tree = parse_formula(text, (*self._names, *definitions))
+        tree = parse_formula(text, (*self._names, *definitions, *names))
         return substitute(tree, {**self._alone, **definitions})
 
     @property
