@@ -107,6 +107,10 @@ class Comparison:
         samples: Samples,
     ) -> bool:
         right = meaning.at(samples)[:, place[0], place[1]]
+        with np.errstate(all="ignore"):
+            return self._is_near(tree, right, margin, samples)
+
+    def _is_near(self, tree: ast.expr, right: Array, margin: float, samples: Samples) -> bool:
         near = np.abs(self.values(tree, samples) - right) <= margin
         return bool(np.all(near)) or agrees_within_digits(
             tree, right, margin, lambda formula: self.values(formula, samples)

@@ -66,7 +66,10 @@ def exchange_names(tree: ast.expr, first: str, second: str) -> ast.expr:
     other = {first: second, second: first}
 
     def exchange(node: ast.expr) -> ast.expr | None:
-        return ast.Name(id=other[node.id]) if _named(node) in other else None  # type: ignore[attr-defined]
+        match node:
+            case ast.Name(id=name) if name in other:
+                return ast.Name(id=other[name])
+        return None
 
     return changed(tree, exchange)
 
@@ -82,10 +85,6 @@ def exchange_functions(tree: ast.expr) -> ast.expr:
         return None
 
     return changed(tree, exchange)
-
-
-def _named(node: ast.expr) -> str | None:
-    return node.id if isinstance(node, ast.Name) else None
 
 
 def parts(tree: ast.expr) -> list[ast.expr]:

@@ -204,7 +204,8 @@ class MatrixGrader:
 def _of_another_shape(matrix: Matrix) -> Finding:
     (rows, columns), (right_rows, right_columns) = matrix.shape, matrix.claim.shape
     joints = len(matrix.subject.robot.moving)
-    seems = " and seems transposed" if rows == joints and columns in (3, 6) else ""
+    turned = matrix.claim.kind == "jacobian" and rows == joints and columns in (3, 6)
+    seems = " and seems transposed" if turned else ""
     return Finding(
         place=matrix.claim.name,
         fault=f"it has {rows} rows and {columns} columns{seems}",
