@@ -17,6 +17,7 @@ from typing import Any
 
 from drake_leg.check.matrix_names import kind_of_name
 from drake_leg.check.matrix_text import spaced_cells
+from drake_leg.check.notation import quoted
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot_file.document import Document
 
@@ -161,8 +162,8 @@ class _Reading:
             self._add_entries(cells[0], cells[1:], line)
         else:
             raise InvalidValueError(
-                f"{self._where}, line {line}: {cells[0]!r} stands alone; a line has a name and "
-                "what belongs to it, parted by commas, semicolons or tabs"
+                f"{self._where}, line {line}: {quoted(cells[0])} stands alone; a line has a name "
+                "and what belongs to it, parted by commas, semicolons or tabs"
             )
 
     def _spaced(self, line: str) -> list[str]:
