@@ -30,6 +30,11 @@ _BLOCK = re.compile(
     r"(?:[A-Za-z]+\.)?(?:Matrix|MutableDenseMatrix|ImmutableMatrix|array|sym)\s*\().*|)$"
 )
 _EQUATION = re.compile(r"\s*([^=,;\t|&]{1,40}?)\s*=\s*([^=,;\t|&\[]+?)\s*;?\s*$")
+_SINGULAR = re.compile(
+    r"\s*\$?(?:\\?det\b|\|)[^=]{1,20}=\s*0\s*"
+    r"(?:(?:when|if|iff|for|where|at|si|pour|lorsque|quand)\b|[⇔⟺⇒⟹]|<?=>|\\[a-zA-Z]+)"
+)
+_DETERMINANT = re.compile(r"\s*(\|[^|=]{1,20}\|)\s*[,;=\t]\s*(.+)")
 _RULE = re.compile(r"[\s|:+-]*-[\s|:+-]*$")
 _LONGEST_BLOCK = 60  # lines
 
@@ -104,6 +109,14 @@ def _without_blocks(lines: list[str], reading: _Reading) -> Iterator[str]:
             reading.add_block(found["name"], re.sub(r"\$|\\\]\s*$", "", block))
             yield from [""] * (end - at)
             at = end
+        elif _SINGULAR.match(lines[at]):
+            reading.add_singular(lines[at])
+            yield "#"
+            at += 1
+        elif bars := _DETERMINANT.match(lines[at]):
+            reading.add_block(bars[1], bars[2])
+            yield "#"
+            at += 1
         else:
             yield "#" if _RULE.match(lines[at]) else lines[at]
             at += 1
@@ -149,6 +162,9 @@ class _Reading:
             return
         if len(cells) == 1:
             cells = self._spaced(cells[0])
+        if cells[0] == "singular":
+            self.add_singular(", ".join(cells[1:]))
+            return
         heading = [_column(cell) for cell in cells]
         if set(_COLUMNS) <= set(heading):
             self._heading = heading
@@ -180,6 +196,10 @@ class _Reading:
         """Read a matrix that is pasted as it stands."""
         self._matrix(name)["entries"] = text
 
+    def add_singular(self, text: str) -> None:
+        """Read a set of singular postures."""
+        self.document.setdefault("singular", []).append(text)
+
     def _add_row(self, cells: list[str], line: int) -> None:
         heading = self._heading or []
         if len(cells) != len(heading):
@@ -201,9 +221,6 @@ class _Reading:
     def _add_pair(self, name: str, value: str) -> None:
         if name in _SETTINGS:
             self.document[name] = value
-            return
-        if name == "singular":
-            self.document.setdefault("singular", []).append(value)
             return
         try:
             self.document.setdefault("symbols", {})[name] = float(value)
