@@ -70,6 +70,7 @@ def plain(text: str) -> str:
     text = re.sub(r"\.{3}\s*", " ", text).replace("**", "^")
     text = re.sub(r"\.(?=[*/^])", "", text)
     text = re.sub(r"\b(?:np|numpy|math|cmath|sp|sympy|sym|jnp)\.(?=[a-z])", "", text)
+    text = re.sub(r"(?<=[\w)}])\s*\.\s*(?=[a-z(])", "*", text)
     text = _plain_subscripts(_index_first(text))
     text = text.translate(str.maketrans("[]{}", "()()")).replace("()", "")
     return " ".join(re.sub(r"(?<!\d)\.$", "", text.rstrip(" ;,")).split())

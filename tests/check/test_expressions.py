@@ -105,7 +105,7 @@ def test_a_formula_is_evaluated_on_arrays():
         "cos()",
         "cos(1, 2)",
         "sin^-1(q1)",
-        "a.b",
+        "a..b",
         "x + 1 = 1",
         "__import__('os')",
         "lambda: 1",

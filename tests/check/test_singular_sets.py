@@ -65,6 +65,8 @@ def test_report_bs_claim_of_every_joint_is_wrong_for_all_but_one():
 
 
 def test_half_a_family_is_not_all_of_it():
+    numbers = graded("q3 = kπ", settings={"lengths": "mm"})
+    assert {f.remedy for f in numbers} == {"add 100*cos(q2) + 100*cos(q2 + q3) + 50 = 0"}
     assert {f.remedy for f in graded("q3 = 0 or 1 + 2c2 + 2c23 = 0")} == {"add q3 = kπ"}
     remedies = {f.remedy for f in graded("q2 = 90° and q3 = 30°")}
     assert remedies == {"add q3 = kπ", "add L1 + L2*cos(q2) + L3*cos(q2 + q3) = 0"}
