@@ -88,6 +88,7 @@ def _bare(text: str) -> str:
     words = re.sub(r"\\(?:mathbb|mathds)\s*\{?Z\}?", "Z", text)
     words = re.sub(r"\\in(?![a-z])", "∈", words)
     words = re.sub(r"\\pm(?![a-z])", "±", words)
+    words = re.sub(r"\\(?:iff|(?:Long)?(?:[Ll]eft)?[Rr]ightarrow)(?![a-z])", "⇔", words)
     words = re.sub(r"\\(?:lor|vee)(?![a-z])|\N{LOGICAL OR}|\n", " or ", words)
     words = re.sub(r"\\(?:land|wedge)(?![a-z])|∧", " and ", words)
     words = re.sub(r"\\(?:text|mathrm)\s*\{\s*(or|and|when|if)\s*\}", r" \1 ", words)

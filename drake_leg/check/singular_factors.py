@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -48,7 +49,8 @@ def factors(
 
 def _zeros_text(factor: sp.Expr) -> str:
     """Say where a factor is zero."""
-    return f"{factor.args[0]} = kπ" if factor.func is sp.sin else f"{factor} = 0"
+    text = f"{factor.args[0]} = kπ" if factor.func is sp.sin else f"{factor} = 0"
+    return re.sub(r"\d+\.\d+", lambda found: f"{float(found[0]):.9g}", text)
 
 
 def _value(factor: sp.Expr, chain: SymbolicChain) -> Callable[[Mapping[str, Array]], Array]:

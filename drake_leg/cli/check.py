@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from drake_leg.check.proof import Comparison, Proof
 
 FOUND = 1  # exit status where something is wrong with what was checked
-TABLES = (".csv", ".tsv", ".txt")
+TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")
 
 
 def add(commands: Commands) -> None:
@@ -41,7 +41,7 @@ def add(commands: Commands) -> None:
     )
     add_robot_source(parser)
     parser.add_argument(
-        "--printed", type=Path, metavar="FILE", help="TOML or CSV with what is printed"
+        "--printed", type=Path, metavar="FILE", help="TOML, CSV or text with what is printed"
     )
     parser.add_argument(
         "--samples", type=int, default=32, metavar="N", help="configurations (default 32)"

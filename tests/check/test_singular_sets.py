@@ -22,7 +22,7 @@ def graded(singular, robot=LEG_B, settings=LEG):
         "θ3 = kπ or L1 + L2 c2 + L3 c23 = 0",
         ["sin(q3) = 0", "L1 + L2*cos(q2) + L3*cos(q2+q3) = 0"],
         "q3 = 0 or π or 50 + 100 c2 + 100 c23 = 0",
-        r"\det J = 0 ⇔ \theta_3 = k\pi ; L_2 c_2 = -L_1 - L_3 c_{23}",
+        r"\det J = 0 \iff \theta_3 = k\pi ; L_2 c_2 = -L_1 - L_3 c_{23}",
         "|J| = 0 if q3 = 0, ±π or L1 + L2c2 + L3c23 = 0",
         "θ3 = 0 [π] or L1 + L2c2 + L3c23 = 0",
         "θ3 = n·180° or 1 + 2c2 + 2c23 = 0, n ∈ Z",
@@ -65,6 +65,8 @@ def test_report_bs_claim_of_every_joint_is_wrong_for_all_but_one():
 
 
 def test_half_a_family_is_not_all_of_it():
+    numbers = graded("q3 = kπ", settings={"lengths": "mm"})
+    assert {f.remedy for f in numbers} == {"add 100*cos(q2) + 100*cos(q2 + q3) + 50 = 0"}
     assert {f.remedy for f in graded("q3 = 0 or 1 + 2c2 + 2c23 = 0")} == {"add q3 = kπ"}
     remedies = {f.remedy for f in graded("q2 = 90° and q3 = 30°")}
     assert remedies == {"add q3 = kπ", "add L1 + L2*cos(q2) + L3*cos(q2 + q3) = 0"}
@@ -104,6 +106,15 @@ def test_without_sympy_a_posture_is_named(monkeypatch):
     monkeypatch.setattr("drake_leg.check.singular_sets.find_spec", lambda name: None)
     (finding,) = graded("θ3 = kπ")
     assert finding.remedy == "add where the determinant is zero besides"
+
+
+def test_sets_and_determinants_are_read_from_text():
+    text = "|J| = 0 when qi = 0 or π, i = 1, 2, 3\nL1 = 50\n|J| = 5 s2\nT01,1,0\n"
+    text += r"$\det J = 0 \iff \theta_3 = k\pi$"
+    document = parse_csv(text, "x.txt")
+    assert document["singular"] == [text.splitlines()[0], text.splitlines()[-1]]
+    assert document["matrix"][0] == {"name": "|J|", "entries": "5 s2"}
+    assert parse_csv("singular,qi = 0, i = 1, 2", "x.csv") == {"singular": ["qi = 0, i = 1, 2"]}
 
 
 def test_sets_are_read_from_csv_and_must_be_text():
