@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -98,7 +99,7 @@ class MatrixGrader:
         """
         caption = grade_caption(matrix.caption, matrix.claim, self._robot)
         if caption:
-            yield caption
+            yield replace(caption, kind="caption", matrix=matrix.claim.name)
         if matrix.shape != matrix.claim.shape:
             yield _of_another_shape(matrix)
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -64,7 +65,8 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     postures = draw_postures(robot, reader, rng)
     findings = []
     if printed.table is not None:
-        findings += grade_table(robot, printed.table, reader, postures)
+        of_table = grade_table(robot, printed.table, reader, postures)
+        findings += [replace(finding, kind="table") for finding in of_table]
     matrix_reader = MatrixReader(robot, printed, reader, postures.values)
     read = [matrix_reader.read(matrix) for matrix in printed.matrices]
     matrices = [matrix for matrix in read if isinstance(matrix, Matrix)]
