@@ -263,6 +263,16 @@ def test_a_symbol_that_the_notation_takes_is_refused(name):
         grade(LEG_B, wrong)
 
 
+def test_a_joint_with_a_formula_may_be_meant_by_its_number():
+    entries = [["220c1 + 240c12"], ["220s1 + 240(s1c2 - s1s2)"], ["452.4 - q4"]]
+    matrix = PrintedMatrix(name="P04", entries=tuple(map(tuple, entries)))
+    printed = Printed(
+        origin="print", lengths="mm", joints={"lift": "452.4-340-R"}, matrices=(matrix,)
+    )
+    (finding,) = grade(SCARA, printed)
+    assert finding.place == "P04 (2, 1)"
+
+
 def test_a_joint_that_is_not_the_robots_is_refused():
     matrix = PrintedMatrix(name="T12", entries=RIGHT_T12)
     wrong = Printed(origin="print", lengths="mm", joints={"lift": "R"}, matrices=(matrix,))
