@@ -18,6 +18,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Robot
 
 MOST = 48  # readings that are compared
+MOST_TRIED = 1000  # ways to give symbols to lengths, of which two symbols must not share one
 _NEAR = 1e-6  # of a length: how far its declared value may be rounded
 
 
@@ -120,10 +121,18 @@ def printed_cells(
     for cell, value in values.items():
         if table is None or cell.row >= len(table.rows):
             continue
-        name = plain(table.rows[cell.row].cells.get(cell.column, "")).lstrip("-+ ")
+        name = _plain_name(table.rows[cell.row].cells.get(cell.column, ""))
         if name in symbols and same(symbols[name], value):
             found.setdefault(name, set()).add(cell)
     return {name: frozenset(cells) for name, cells in found.items()}
+
+
+def _plain_name(text: str) -> str:
+    """Spell a cell's text as a symbol, without its sign; nothing where it cannot be read."""
+    try:
+        return plain(text).lstrip("-+ ")
+    except InvalidValueError:
+        return ""
 
 
 def readings(
@@ -243,9 +252,12 @@ def _free_readings(
         if free:
             together = [frozenset(free)] if len(free) > 1 and not rivals else []
             options[name] = [*(frozenset([cell]) for cell in free), *together]
-    for chosen in itertools.product(*options.values()):
-        if len(set(chosen)) == len(chosen) or all(len(each) == 1 for each in options.values()):
-            yield dict(zip(options, chosen, strict=True))
+    first = {name: each[0] for name, each in options.items()}
+    chosen_ones = itertools.islice(itertools.product(*options.values()), MOST_TRIED)
+    apart = [chosen for chosen in chosen_ones if len(set(chosen)) == len(chosen)]
+    yield from (dict(zip(options, chosen, strict=True)) for chosen in apart)
+    if not apart:
+        yield first
 
 
 def _shared_readings(

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import textwrap
 from collections.abc import Collection
 from typing import Literal
 
 from drake_leg.check.expressions import names_in, parse_formula
-from drake_leg.check.notation import plain
+from drake_leg.check.notation import plain, quoted
 from drake_leg.errors import InvalidValueError
 
 Kind = Literal["nothing", "zero", "number", "length", "angle", "variable", "fixed", "other"]
@@ -120,4 +119,4 @@ def described(text: str, variables: Collection[str] = ()) -> str:
     str
         For example ``'L_1', a length``.
     """
-    return f"{textwrap.shorten(text, 40, placeholder='...')!r}, {_WORDS[kind_of(text, variables)]}"
+    return f"{quoted(text, 40)}, {_WORDS[kind_of(text, variables)]}"

@@ -72,6 +72,11 @@ def claim_of(matrix: PrintedMatrix, robot: Robot) -> Claim:
         return Claim(name=matrix.name, kind=name.kind, frames=name.frames, shape=shape)
     if name.kind == "determinant":
         rows = _row_indices(matrix, name.rows, 3)
+        if len(rows) > len(robot.moving):
+            raise InvalidValueError(
+                f"a determinant of {len(rows)} rows, and {robot.name} has {len(robot.moving)} "
+                "joint positions; name as many rows under rows"
+            )
         return Claim(name=matrix.name, kind="determinant", rows=rows, shape=(1, 1))
     rows = _row_indices(matrix, name.rows, len(matrix.entries))
     columns = min(len(matrix.entries[0]), len(robot.moving))

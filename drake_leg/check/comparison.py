@@ -12,7 +12,7 @@ from drake_leg.check.bindings import Binding, same
 from drake_leg.check.chains import Chain
 from drake_leg.check.decimals import agrees_within_digits
 from drake_leg.check.expressions import evaluate, names_in
-from drake_leg.check.formula_trees import number_of, replace_node
+from drake_leg.check.formula_trees import number_of, parts, replace_node
 from drake_leg.check.postures import COUNT
 from drake_leg.check.samples import Sampler, Samples
 from drake_leg.kinematics.batches import Array
@@ -107,6 +107,10 @@ class Comparison:
         samples: Samples,
     ) -> bool:
         right = meaning.at(samples)[:, place[0], place[1]]
+        with np.errstate(all="ignore"):
+            return self._is_near(tree, right, margin, samples)
+
+    def _is_near(self, tree: ast.expr, right: Array, margin: float, samples: Samples) -> bool:
         near = np.abs(self.values(tree, samples) - right) <= margin
         return bool(np.all(near)) or agrees_within_digits(
             tree, right, margin, lambda formula: self.values(formula, samples)
@@ -116,7 +120,7 @@ class Comparison:
         """Read the numbers of a formula that has symbols, too, as lengths in all ways."""
         bound = {name for name in names_in(tree) if name in self.binding}
         choices = []
-        for node in ast.walk(tree) if bound else ():
+        for node in parts(tree) if bound else ():
             value = number_of(node)
             equal = [n for n in self.binding if value and same(self._length(n), value)]
             if isinstance(node, ast.Constant) and equal:

@@ -8,6 +8,7 @@ from decimal import Decimal
 
 import numpy as np
 
+from drake_leg.check.formula_trees import parts
 from drake_leg.kinematics.batches import Array
 
 FEWEST = 3  # digits; 0.5 and 1.2 are meant as they stand
@@ -48,7 +49,7 @@ def agrees_within_digits(
 
 def _decimals(tree: ast.expr) -> Iterator[tuple[ast.Constant, float]]:
     """List the numbers with digits behind the point, each with half a unit of its last one."""
-    for node in ast.walk(tree):
+    for node in parts(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, float):
             _, digits, exponent = Decimal(repr(node.value)).as_tuple()
             if isinstance(exponent, int) and exponent < 0 and len(digits) >= FEWEST:

@@ -14,6 +14,7 @@ from drake_leg.check.formula_trees import (
     exchange_names,
     number_of,
     outside_calls,
+    parts,
     replace_alike,
     replace_node,
     text_of,
@@ -52,7 +53,10 @@ class Diagnosis(NamedTuple):
 
 
 def explain(
-    tree: ast.expr, vocabulary: Vocabulary, is_right: Callable[[ast.expr], bool]
+    tree: ast.expr,
+    vocabulary: Vocabulary,
+    is_right: Callable[[ast.expr], bool],
+    trials: Iterator[object],
 ) -> Diagnosis | None:
     """Search for one or two changes that make a formula right.
 
@@ -64,6 +68,8 @@ def explain(
         What may stand for one another.
     is_right : callable
         Says of a formula whether it agrees with what is right.
+    trials : iterator
+        As long as the pairs of changes that may still be tried.
 
     Returns
     -------
@@ -74,7 +80,7 @@ def explain(
         if is_right(change.tree):
             return Diagnosis(change.kind, change.words)
     for first in _usual_changes(tree, vocabulary):
-        for second in _usual_changes(first.tree, vocabulary):
+        for second, _ in zip(_usual_changes(first.tree, vocabulary), trials, strict=False):
             if is_right(second.tree):
                 return Diagnosis(first.kind, f"{first.words}, and {second.words}")
     return None
@@ -95,7 +101,7 @@ def changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
     Change
         Nothing for an entry that is too long.
     """
-    if sum(1 for _ in ast.walk(tree)) > LARGEST:
+    if len(parts(tree)) > LARGEST:
         return
     yield from _other_units(tree, vocabulary)
     if not isinstance(tree, ast.Constant):
@@ -128,8 +134,8 @@ def _other_units(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
 
 def _other_angle_sums(tree: ast.expr) -> Iterator[Change]:
     """Read q2 - q3 as q2 + q3, wherever it stands in a sine or cosine."""
-    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
-    for old in distinct(node for call in calls for node in ast.walk(call.args[0])):
+    calls = [node for node in parts(tree) if isinstance(node, ast.Call)]
+    for old in distinct(node for call in calls for node in parts(call.args[0])):
         if isinstance(old, ast.BinOp) and isinstance(old.op, ast.Add | ast.Sub):
             new = ast.BinOp(left=old.left, op=_opposite(old.op), right=old.right)
             yield _should_be("sum of angles", tree, old, new)
@@ -156,7 +162,7 @@ def _other_sign(tree: ast.expr) -> Change:
 
 def _other_functions(tree: ast.expr) -> Iterator[Change]:
     """Read a sine as a cosine and the other way round: one of them, or all."""
-    calls = [node for node in distinct(ast.walk(tree)) if isinstance(node, ast.Call)]
+    calls = [node for node in distinct(parts(tree)) if isinstance(node, ast.Call)]
     for old in calls:
         if text_of(exchange_functions(old)) != text_of(old):
             yield _should_be("function", tree, old, exchange_functions(old))
@@ -173,7 +179,7 @@ def _other_sums(tree: ast.expr, angles: int) -> Iterator[Change]:
     """Read cos(q2) as cos(q2 + q3), and the other way round, in one function."""
     joints = _joints(angles)
     sums = [joints[i : j + 1] for i in range(angles) for j in range(i, angles)]
-    for old in distinct(ast.walk(tree)):
+    for old in distinct(parts(tree)):
         if isinstance(old, ast.Call):
             for names in sums:
                 new = ast.Call(func=old.func, args=[_sum(names)], keywords=[])
@@ -186,7 +192,7 @@ def _sum(names: list[str]) -> ast.expr:
 
 def _other_names(kind: str, tree: ast.expr, names: list[str]) -> Iterator[Change]:
     """Read one name as another, wherever it stands, or two as one another."""
-    used = [n for n in names if any(_is_name(node, n) for node in ast.walk(tree))]
+    used = [n for n in names if any(_is_name(node, n) for node in parts(tree))]
     for old in used:
         for other in names:
             if other != old:
@@ -200,7 +206,7 @@ def _other_names(kind: str, tree: ast.expr, names: list[str]) -> Iterator[Change
 
 def _other_places(tree: ast.expr, symbols: Mapping[str, float]) -> Iterator[Change]:
     """Read L2 as L3 in one place; 2*L1 as L2 where they are as long."""
-    for node in ast.walk(tree):
+    for node in parts(tree):
         if isinstance(node, ast.Name) and node.id in symbols:
             for other in symbols:
                 if other != node.id:
@@ -247,7 +253,7 @@ def _ratio(product: ast.expr, number: ast.expr) -> float | None:
         return None
     divides = any(
         isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and node.right is number
-        for node in ast.walk(product)
+        for node in parts(product)
     )
     return 1.0 / value if divides else value
 

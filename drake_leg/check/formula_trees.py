@@ -66,7 +66,10 @@ def exchange_names(tree: ast.expr, first: str, second: str) -> ast.expr:
     other = {first: second, second: first}
 
     def exchange(node: ast.expr) -> ast.expr | None:
-        return ast.Name(id=other[node.id]) if _named(node) in other else None  # type: ignore[attr-defined]
+        match node:
+            case ast.Name(id=name) if name in other:
+                return ast.Name(id=other[name])
+        return None
 
     return changed(tree, exchange)
 
@@ -84,23 +87,33 @@ def exchange_functions(tree: ast.expr) -> ast.expr:
     return changed(tree, exchange)
 
 
-def _named(node: ast.expr) -> str | None:
-    return node.id if isinstance(node, ast.Name) else None
+def parts(tree: ast.expr) -> list[ast.expr]:
+    """List a formula and all formulas in it, without the names of functions."""
+    found = [tree]
+    for node in found:
+        found += _children(node) + (node.args if isinstance(node, ast.Call) else [])
+    return found
 
 
-def outside_calls(node: ast.AST) -> Iterator[ast.AST]:
-    """Walk through a formula without the arguments of its functions."""
-    yield node
-    if not isinstance(node, ast.Call):
-        for child in ast.iter_child_nodes(node):
-            yield from outside_calls(child)
+def outside_calls(tree: ast.expr) -> list[ast.expr]:
+    """List a formula and what stands in it, without the arguments of its functions."""
+    found = [tree]
+    for node in found:
+        found += _children(node)
+    return found
 
 
-def distinct(nodes: Iterable[ast.AST]) -> Iterator[ast.expr]:
+def _children(node: ast.expr) -> list[ast.expr]:
+    if isinstance(node, ast.BinOp):
+        return [node.left, node.right]
+    return [node.operand] if isinstance(node, ast.UnaryOp) else []
+
+
+def distinct(nodes: Iterable[ast.expr]) -> Iterator[ast.expr]:
     """Keep one node of each spelling."""
     seen: list[ast.expr] = []
     for node in nodes:
-        if isinstance(node, ast.expr) and not any(alike(node, known) for known in seen):
+        if not any(alike(node, known) for known in seen):
             seen.append(node)
             yield node
 

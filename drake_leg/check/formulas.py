@@ -77,7 +77,8 @@ class RightForms:
         str
         """
         entry = tidy(_matrix(claim, self._chain)[row, column])
-        entry = entry.subs(self._lengths(spelling)).subs(self._joints)
+        names = " ".join(self._symbols) if claim.kind == "determinant" else spelling
+        entry = entry.subs(self._lengths(names)).subs(self._joints)
         text = _Decimals().doprint(entry.replace(_is_decimal, lambda number: sp.Float(number)))
         return spelled_as(spelling, text)
 
@@ -122,7 +123,7 @@ def _matrix(claim: Claim, chain: SymbolicChain) -> sp.Matrix:
     if claim.kind == "jacobian":
         return Jv_BF
     square = direct_jacobian(chain).extract(list(claim.rows), list(range(len(claim.rows))))
-    return sp.Matrix([[square.det()]])
+    return sp.Matrix([[square.applyfunc(tidy).det()]])
 
 
 def _pose(chain: SymbolicChain, first: int, last: int) -> sp.Matrix:

@@ -244,7 +244,8 @@ class _Parser:
     def _timed(self, angle: ast.expr) -> ast.expr:
         """Skip the (t) of q1(t)."""
         following = [self._peek(offset) for offset in range(3)]
-        if [token.text for token in following] == ["(", "t", ")"]:
+        texts = [token.text for token in following]
+        if texts == ["(", "t", ")"] and "t" not in self._declared:
             self._at += 3
         return angle
 

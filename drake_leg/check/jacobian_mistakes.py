@@ -12,6 +12,7 @@ from drake_leg.check.chains import Chain, twists
 from drake_leg.check.claims import claimed_part
 from drake_leg.check.layout_mistakes import (
     Mask,
+    emptied,
     in_other_units,
     reordered,
     transposed,
@@ -51,6 +52,7 @@ def jacobian_mistakes(subject: Subject) -> Iterator[Mistake]:
     yield from _other_frames(subject)
     yield from _other_axes(subject)
     yield from _other_joints(subject)
+    yield from emptied(subject)
 
 
 def _of_twists(

@@ -124,6 +124,16 @@ def turned(subject: Subject, parts: Sequence[tuple[str, Mask]]) -> Iterator[Mist
         yield scaled(subject, "sign", fault, "turn every sign in it round", factor)
 
 
+def emptied(subject: Subject) -> Iterator[Mistake]:
+    """Leave a column or a row at zero."""
+    rows, columns = subject.claim.shape
+    named = [(f"column {j + 1}", _only(subject, (slice(None), j))) for j in range(columns)]
+    named += [(f"row {i + 1}", _only(subject, (i, slice(None)))) for i in range(rows)]
+    for name, inside in named:
+        factor = np.where(inside, 0.0, 1.0)
+        yield scaled(subject, "zero", f"{name} is zero", "fill it in", factor)
+
+
 def _only(subject: Subject, index: tuple[int | slice, int | slice]) -> Mask:
     inside = np.zeros(subject.claim.shape, dtype=bool)
     inside[index] = True

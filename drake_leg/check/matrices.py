@@ -68,7 +68,9 @@ class Matrix:
         )
 
     def wrong(self, comparison: Comparison) -> list[Place]:
-        """Find the entries that can be read and are not right."""
+        """Find the entries that can be read and are not right; none in one of another shape."""
+        if self.shape != self.claim.shape:
+            return []
         return [p for p, tree in self.trees.items() if not self.is_right(p, comparison, tree)]
 
 

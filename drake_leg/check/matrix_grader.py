@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -23,6 +24,7 @@ from drake_leg.check.whole import Explanation, explain_alone, explain_whole
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 
+MOST_TRIALS = 1000  # of two changes in an entry, in all of a print
 LARGEST_SYMBOLIC = 4  # joints; right entries of longer chains are said as numbers
 
 
@@ -62,6 +64,7 @@ class MatrixGrader:
             units=reader.units,
             names=names,
         )
+        self._trials = iter(range(MOST_TRIALS))
         self._right_forms = None
         if find_spec("sympy") is not None and len(robot.moving) <= LARGEST_SYMBOLIC:
             from drake_leg.check.formulas import RightForms
@@ -96,7 +99,7 @@ class MatrixGrader:
         """
         caption = grade_caption(matrix.caption, matrix.claim, self._robot)
         if caption:
-            yield caption
+            yield replace(caption, kind="caption", matrix=matrix.claim.name)
         if matrix.shape != matrix.claim.shape:
             yield _of_another_shape(matrix)
             return
@@ -135,6 +138,7 @@ class MatrixGrader:
             matrix.trees[place],
             self._vocabulary,
             lambda tree: matrix.is_right(place, self._comparison, tree),
+            self._trials,
         ) or explain_alone(matrix, wrong, self._comparison, self._vocabulary.names)
         fault = f"printed {readable(matrix.texts[place])}"
         if found:
@@ -200,9 +204,12 @@ class MatrixGrader:
 
 def _of_another_shape(matrix: Matrix) -> Finding:
     (rows, columns), (right_rows, right_columns) = matrix.shape, matrix.claim.shape
+    joints = len(matrix.subject.robot.moving)
+    turned = matrix.claim.kind == "jacobian" and rows == joints and columns in (3, 6)
+    seems = " and seems transposed" if turned else ""
     return Finding(
         place=matrix.claim.name,
-        fault=f"it has {rows} rows and {columns} columns",
+        fault=f"it has {rows} rows and {columns} columns{seems}",
         remedy=f"it should have {right_rows} rows and {right_columns} columns",
         kind="shape",
         matrix=matrix.claim.name,

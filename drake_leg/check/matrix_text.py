@@ -150,7 +150,7 @@ def spaced_cells(row: str) -> list[str]:
         joins = bool(cells) and (
             depth > 0
             or re.search(r"[-+*/^(.]$|(?:cos|sin|tan|sqrt)$", cells[-1]) is not None
-            or re.match(r"[*/^)]|\.[*/^]|[-+]$|\((?!$)", word) is not None
+            or re.match(r"[*/^)]|\.[*/^]|[-+]$", word) is not None
         )
         if joins:
             cells[-1] += f" {word}"

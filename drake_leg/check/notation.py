@@ -17,20 +17,22 @@ LONGEST = 4000  # characters; a printed entry has a tenth of them
 GREEK = {"θ": "theta", "σ": "sigma", "π": "pi", "φ": "phi", "ω": "omega"}
 
 
-def quoted(text: str) -> str:
+def quoted(text: str, longest: int = 60) -> str:
     """Quote what is typed as it stands, cut where it is long.
 
     Parameters
     ----------
     text : str
         As printed, with LaTeX's single backslashes.
+    longest : int
+        Characters that are shown.
 
     Returns
     -------
     str
     """
     text = " ".join(text.split())
-    return f"'{text}'" if len(text) <= 60 else f"'{text[:57]}...'"
+    return f"'{text}'" if len(text) <= longest else f"'{text[: longest - 3]}...'"
 
 
 def plain(text: str) -> str:
@@ -60,9 +62,15 @@ def plain(text: str) -> str:
         text = without_latex(typed(text))
     except InvalidValueError as error:
         raise InvalidValueError(f"in {quoted(text)} {error}") from None
+    if re.search(r"(?:theta|th|phi|\bq|\bt)\s*\[\s*\d", text):
+        raise InvalidValueError(
+            f"{quoted(text)} has an index in square brackets, which may count from 0 or from 1; "
+            "write q1, q2, q3"
+        )
     text = re.sub(r"\.{3}\s*", " ", text).replace("**", "^")
     text = re.sub(r"\.(?=[*/^])", "", text)
     text = re.sub(r"\b(?:np|numpy|math|cmath|sp|sympy|sym|jnp)\.(?=[a-z])", "", text)
+    text = re.sub(r"(?<=[\w)}])\s*\.\s*(?=[a-z(])", "*", text)
     text = _plain_subscripts(_index_first(text))
     text = text.translate(str.maketrans("[]{}", "()()")).replace("()", "")
     return " ".join(re.sub(r"(?<!\d)\.$", "", text.rstrip(" ;,")).split())

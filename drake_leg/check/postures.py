@@ -68,6 +68,7 @@ def draw_postures(robot: Robot, reader: Reader, rng: np.random.Generator) -> Pos
     values: dict[str, Any] = {**reader.units, **reader.symbols}
     length = table_length(robot.rows) / metres
     variables, positions = [], []
+    joints: dict[str, Any] = {}  # q4 where the print writes another variable's formula for it
     for index, segment in enumerate(robot.moving):
         turning = segment.row.joint == "revolute"
         greatest = math.pi if turning else length
@@ -77,9 +78,10 @@ def draw_postures(robot: Robot, reader: Reader, rng: np.random.Generator) -> Pos
             values[name] = rng.uniform(-greatest, greatest, COUNT)
             variables.append(name)
         printed = values[f"q{index + 1}"] if formula is None else evaluate(formula, values)
+        joints[f"q{index + 1}"] = np.broadcast_to(printed, COUNT)
         positions.append(np.broadcast_to(printed, COUNT) * (1.0 if turning else metres))
     return Postures(
-        values=values,
+        values={**joints, **values},
         variables=tuple(variables),
         q=np.stack(positions, axis=-1),
         metres=metres,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from drake_leg.check.printed_table import grade_table
 from drake_leg.check.reader import Reader
 from drake_leg.check.samples import Sampler
 from drake_leg.check.shifts import repaired
+from drake_leg.check.singular_sets import grade_singular_sets
 from drake_leg.check.table import lint_table
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Robot
@@ -63,7 +65,8 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     postures = draw_postures(robot, reader, rng)
     findings = []
     if printed.table is not None:
-        findings += grade_table(robot, printed.table, reader, postures)
+        of_table = grade_table(robot, printed.table, reader, postures)
+        findings += [replace(finding, kind="table") for finding in of_table]
     matrix_reader = MatrixReader(robot, printed, reader, postures.values)
     read = [matrix_reader.read(matrix) for matrix in printed.matrices]
     matrices = [matrix for matrix in read if isinstance(matrix, Matrix)]
@@ -73,6 +76,9 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     grader = MatrixGrader(robot, printed, reader, Comparison(sampler, likely[0]), postures)
     for matrix in read:
         findings += grader.grade(matrix) if isinstance(matrix, Matrix) else [matrix]
+    if printed.singular:
+        rng = np.random.default_rng(seed)
+        findings += grade_singular_sets(robot, printed, reader, rng)
     return findings
 
 

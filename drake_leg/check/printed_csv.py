@@ -3,9 +3,9 @@
 ``angles,deg`` and ``lengths,mm`` say the units; two cells of which the second is a number give a
 symbol its value (``L1,50``), otherwise its formula (``sigma1,2*cos(θ2)+1``). Three cells that
 begin with ``joint``, ``cells``, ``caption`` or ``rows`` say something about a joint, a symbol or a
-matrix. A heading with σ, d, α, r, θ begins a table, which an empty line ends. ``T01 = [...]``, in
-LaTeX, MATLAB or Python, is a matrix, ``L1 = 50`` a symbol. Every other line is a row of a matrix,
-its name first.
+matrix, and ``singular,θ3 = kπ`` where the determinant is zero. A heading with σ, d, α, r, θ begins
+a table, which an empty line ends. ``T01 = [...]``, in LaTeX, MATLAB or Python, is a matrix,
+``L1 = 50`` a symbol. Every other line is a row of a matrix, its name first.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import Any
 
 from drake_leg.check.matrix_names import kind_of_name
 from drake_leg.check.matrix_text import spaced_cells
+from drake_leg.check.notation import quoted
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot_file.document import Document
 
@@ -29,6 +30,11 @@ _BLOCK = re.compile(
     r"(?:[A-Za-z]+\.)?(?:Matrix|MutableDenseMatrix|ImmutableMatrix|array|sym)\s*\().*|)$"
 )
 _EQUATION = re.compile(r"\s*([^=,;\t|&]{1,40}?)\s*=\s*([^=,;\t|&\[]+?)\s*;?\s*$")
+_SINGULAR = re.compile(
+    r"\s*\$?(?:\\?det\b|\|)[^=]{1,20}=\s*0\s*"
+    r"(?:(?:when|if|iff|for|where|at|si|pour|lorsque|quand)\b|[⇔⟺⇒⟹]|<?=>|\\[a-zA-Z]+)"
+)
+_DETERMINANT = re.compile(r"\s*(\|[^|=]{1,20}\|)\s*[,;=\t]\s*(.+)")
 _RULE = re.compile(r"[\s|:+-]*-[\s|:+-]*$")
 _LONGEST_BLOCK = 60  # lines
 
@@ -103,6 +109,14 @@ def _without_blocks(lines: list[str], reading: _Reading) -> Iterator[str]:
             reading.add_block(found["name"], re.sub(r"\$|\\\]\s*$", "", block))
             yield from [""] * (end - at)
             at = end
+        elif _SINGULAR.match(lines[at]):
+            reading.add_singular(lines[at])
+            yield "#"
+            at += 1
+        elif bars := _DETERMINANT.match(lines[at]):
+            reading.add_block(bars[1], bars[2])
+            yield "#"
+            at += 1
         else:
             yield "#" if _RULE.match(lines[at]) else lines[at]
             at += 1
@@ -148,6 +162,9 @@ class _Reading:
             return
         if len(cells) == 1:
             cells = self._spaced(cells[0])
+        if cells[0] == "singular":
+            self.add_singular(", ".join(cells[1:]))
+            return
         heading = [_column(cell) for cell in cells]
         if set(_COLUMNS) <= set(heading):
             self._heading = heading
@@ -161,8 +178,8 @@ class _Reading:
             self._add_entries(cells[0], cells[1:], line)
         else:
             raise InvalidValueError(
-                f"{self._where}, line {line}: {cells[0]!r} stands alone; a line has a name and "
-                "what belongs to it, parted by commas, semicolons or tabs"
+                f"{self._where}, line {line}: {quoted(cells[0])} stands alone; a line has a name "
+                "and what belongs to it, parted by commas, semicolons or tabs"
             )
 
     def _spaced(self, line: str) -> list[str]:
@@ -178,6 +195,10 @@ class _Reading:
     def add_block(self, name: str, text: str) -> None:
         """Read a matrix that is pasted as it stands."""
         self._matrix(name)["entries"] = text
+
+    def add_singular(self, text: str) -> None:
+        """Read a set of singular postures."""
+        self.document.setdefault("singular", []).append(text)
 
     def _add_row(self, cells: list[str], line: int) -> None:
         heading = self._heading or []

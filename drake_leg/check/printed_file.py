@@ -19,7 +19,10 @@ from drake_leg.robot_file.keys import Keys, shown
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
-_KEYS = ("title", "angles", "lengths", "symbols", "cells", "where", "joints", "table", "matrix")
+_KEYS = (
+    *("title", "angles", "lengths", "symbols", "cells", "where", "joints"),
+    *("table", "matrix", "singular"),
+)
 _TABLE_KEYS = ("frame", "sigma", "d", "alpha", "r", "theta")
 # Joints by their letters, and what stands for a fixed row; Khalil's own sign for that is 2.
 _SIGMAS = dict.fromkeys(("r", "revolute", "rotation", "rotoid"), "0")
@@ -52,6 +55,7 @@ class Printed:
     joints: Mapping[str, str] = field(default_factory=dict)  # joint to formula of its position
     table: Table | None = None
     matrices: tuple[PrintedMatrix, ...] = ()
+    singular: tuple[str, ...] = ()  # sets of singular postures
 
 
 def read_printed(path: Path) -> Printed:
@@ -89,7 +93,7 @@ def is_print(document: Mapping[str, Any]) -> bool:
     -------
     bool
     """
-    return "row" not in document and ("table" in document or "matrix" in document)
+    return "row" not in document and any(key in document for key in ("table", "matrix", "singular"))
 
 
 def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
@@ -116,7 +120,8 @@ def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
     lengths = keys.choice("lengths", tuple(METRES)) if keys.has("lengths") else None
     table = _table(keys, angles, lengths) if keys.has("table") else None
     matrices = tuple(_matrix(part, f"{where}: matrix {i}") for i, part in _parts(keys, "matrix"))
-    if table is None and not matrices:
+    singular = _singular(keys)
+    if table is None and not matrices and not singular:
         raise keys.error("there is neither a [[table]] nor a [[matrix]] in it")
     return Printed(
         origin=where,
@@ -128,7 +133,17 @@ def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
         joints=_formulas(keys, "joints"),
         table=table,
         matrices=matrices,
+        singular=singular,
     )
+
+
+def _singular(keys: Keys) -> tuple[str, ...]:
+    """Read sets of singular postures: one text, or a list of them."""
+    sets = keys.value("singular", [])
+    sets = [sets] if isinstance(sets, str) else sets
+    if not isinstance(sets, list) or not all(isinstance(text, str) for text in sets):
+        raise keys.error(f'singular is {shown(sets)}; it must be text, as "θ3 = kπ"')
+    return tuple(sets)
 
 
 def _parts(keys: Keys, key: str) -> list[tuple[int, object]]:

@@ -31,6 +31,7 @@ class Reader:
 
     def __init__(self, printed: Printed, robot: Robot) -> None:
         self._origin = printed.origin
+        self._degrees = printed.angles == "deg"
         for name in (*printed.symbols, *printed.where):
             self._require_free(name)
         self.symbols = {plain(name): value for name, value in printed.symbols.items()}
@@ -68,7 +69,13 @@ class Reader:
         parsed = self._parsed(where, "where", names)
         return dict(zip(names, parsed.values(), strict=True))
 
-    def formula(self, text: str, own: Mapping[str, ast.expr] | None = None) -> ast.expr:
+    def formula(
+        self,
+        text: str,
+        own: Mapping[str, ast.expr] | None = None,
+        *,
+        names: Collection[str] = (),
+    ) -> ast.expr:
         """Read a formula, with all definitions put in.
 
         Parameters
@@ -77,6 +84,8 @@ class Reader:
             As printed.
         own : mapping, optional
             Definitions that hold for it alone.
+        names : collection of str
+            Symbols in it besides the print's own.
 
         Returns
         -------
@@ -89,7 +98,7 @@ class Reader:
             If it is no formula.
         """
         definitions = {**self._definitions, **(own or {})}
-        tree = parse_formula(text, (*self._names, *definitions))
+        tree = self._parse(text, (*self._names, *definitions, *names))
         return substitute(tree, {**self._alone, **definitions})
 
     @property
@@ -111,6 +120,10 @@ class Reader:
                 "name"
             )
 
+    def _parse(self, text: str, names: Collection[str], *, weak: bool = True) -> ast.expr:
+        tree = parse_formula(text, names, weak=weak)
+        return _with_degrees(tree) if self._degrees else tree
+
     def _parsed(
         self,
         formulas: Mapping[str, str],
@@ -121,7 +134,7 @@ class Reader:
     ) -> dict[str, ast.expr]:
         names = (*self._names, *names)
         try:
-            return {name: parse_formula(text, names, weak=weak) for name, text in formulas.items()}
+            return {name: self._parse(text, names, weak=weak) for name, text in formulas.items()}
         except InvalidValueError as error:
             raise InvalidValueError(f"{self._origin}: {key}: {error}") from None
 
@@ -131,6 +144,23 @@ def _angle_alone(robot: Robot, names: Collection[str]) -> dict[str, ast.expr]:
     if len(robot.moving) != 1:
         return {}
     return {letter: ast.Name(id="q1") for letter in ANGLE_LETTERS if letter not in names}
+
+
+def _with_degrees(tree: ast.expr, inside: bool = False) -> ast.expr:
+    """Read cos(θ2 + 90) as cos(θ2 + 90°): whole numbers of 15 degrees, in a print in degrees."""
+    match tree:
+        case ast.Constant(value=int() as value) if inside and value and value % 15 == 0:
+            return ast.BinOp(left=tree, op=ast.Mult(), right=ast.Name(id="deg"))
+        case ast.UnaryOp(op=sign, operand=operand):
+            return ast.UnaryOp(op=sign, operand=_with_degrees(operand, inside))
+        case ast.BinOp(left=left, op=sign, right=right):
+            terms = inside and isinstance(sign, ast.Add | ast.Sub)
+            left, right = _with_degrees(left, terms), _with_degrees(right, terms)
+            return ast.BinOp(left=left, op=sign, right=right)
+        case ast.Call(func=ast.Name(id="cos" | "sin" | "tan") as function, args=[argument]):
+            changed = _with_degrees(argument, inside=True)
+            return ast.Call(func=function, args=[changed], keywords=[])
+    return tree
 
 
 def _is_taken(name: str) -> bool:
@@ -146,5 +176,5 @@ def _joint_index(name: str, robot: Robot, origin: str) -> int:
         if key in candidates:
             return candidates.index(key)
     raise InvalidValueError(
-        f"{origin}: joints: {robot.name} has no joint {name!r}; it has {', '.join(names)}"
+        f"{origin}: joints: {robot.name} has no joint {quoted(name)}; it has {', '.join(names)}"
     )

@@ -25,7 +25,6 @@ class Samples:
 
     values: Mapping[str, Any]  # symbol to number or (N,) array; angles in rad, lengths as printed
     chain: Chain  # in the print's unit of lengths
-    cells: frozenset[Cell] = frozenset()  # that differ from sample to sample
 
 
 class Sampler:
@@ -85,11 +84,7 @@ class Sampler:
         for name, cells in binding.items():
             if cells & set(factors):
                 values[name] = values[name] * factors[min(cells & set(factors))]
-        return Samples(
-            values=values,
-            chain=self._chain(values, factors),
-            cells=frozenset(factors),
-        )
+        return Samples(values=values, chain=self._chain(values, factors))
 
     def _chain(self, values: Mapping[str, Any], factors: Mapping[Cell, Array]) -> Chain:
         """Put lengths into the table, and the joints where the symbols then say."""

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from drake_leg.check.cells import described, fits, unreadable
 from drake_leg.check.expressions import names_in, parse_formula
 from drake_leg.check.findings import Finding
+from drake_leg.check.notation import quoted
 from drake_leg.check.rows import Table, TableRow
 from drake_leg.check.shifts import UNKNOWN, Shift, Swap, find_shift, find_swap, likely_sigma
 from drake_leg.check.slips import lint_convention, lint_numbers
@@ -52,7 +53,7 @@ def _lint_frames(table: Table) -> Iterator[Finding]:
         if row.frame.strip() not in ("", str(number)):
             yield Finding(
                 place=f"row {number}",
-                fault=f"its frame is {row.frame!r}",
+                fault=f"its frame is {quoted(row.frame)}",
                 remedy=f"frames are counted from 1, so this one is {number}",
             )
 
@@ -104,14 +105,14 @@ def _sigma_word(text: str) -> str | None:
 def _missing_finding(table: Table, row: TableRow, place: str, column: str) -> Finding:
     strangers = [key for key in row.cells if key not in table.columns]
     near = difflib.get_close_matches(column, strangers, n=1)
-    remedy = f"write {column} for {near[0]!r}" if near else f"write {column} = 0"
+    remedy = f"write {column} for {quoted(near[0])}" if near else f"write {column} = 0"
     return Finding(place=place, fault=f"{column} is missing", remedy=remedy)
 
 
 def _sigma_finding(table: Table, row: TableRow, place: str, text: str) -> Finding:
     likely = _sigma_word(text) or likely_sigma(table, table.texts(row))
     remedy = f"write sigma = {SIGMA if likely == UNKNOWN else likely}"
-    fault = f"sigma is {text!r}, which is no joint type" if text else "sigma is missing"
+    fault = f"sigma is {quoted(text)}, which is no joint type" if text else "sigma is missing"
     return Finding(place=place, fault=fault, remedy=remedy)
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 FOUND = 1  # exit status where something is wrong with what was checked
 SAMPLES, SEED = 32, 0
-TABLES = (".csv", ".tsv", ".txt")
+TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")
 
 
 def add(commands: Commands) -> None:
@@ -51,7 +51,7 @@ def add(commands: Commands) -> None:
     )
     add_robot_source(parser)
     parser.add_argument(
-        "--printed", type=Path, metavar="FILE", help="TOML or CSV with what is printed"
+        "--printed", type=Path, metavar="FILE", help="TOML, CSV or text with what is printed"
     )
     parser.add_argument(
         "--samples", type=int, metavar="N", help=f"configurations (default {SAMPLES})"

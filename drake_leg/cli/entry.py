@@ -135,9 +135,9 @@ def _build_parser() -> argparse.ArgumentParser:
         description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
         "from their Khalil tables to simulated, compared and plotted runs.",
         epilog="COMMAND --help tells every option with its unit and its default. Exit status: "
-        "0 all well, 1 a check found something wrong, a run's error shows or a picture could not be "
-        "made, 2 bad input, 3 a run stopped before its end or a proof or derivation before its own, "
-        "70 an error that nobody foresaw, 130 interrupted, 128 + n ended by signal n.",
+        "0 all well, 1 a check found something wrong, a run's error shows or a picture could not "
+        "be made, 2 bad input, 3 a run stopped before its end or a proof or derivation before its "
+        "own, 70 an error that nobody foresaw, 130 interrupted, 128 + n ended by signal n.",
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)

@@ -2,6 +2,8 @@
 
 import ast
 import math
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from drake_leg.check.notation import readable, spelled_as
 from drake_leg.errors import InvalidValueError
 
 VALUES = {"q1": 0.3, "q2": -1.1, "q3": 2.0, "l1": 50.0, "l2": 100.0, "r": 7.0, "sigma1": 3.0}
+SPELLINGS = tomllib.loads((Path(__file__).parent / "spellings.toml").read_text(encoding="utf-8"))
 C1, S1, C2 = math.cos(0.3), math.sin(0.3), math.cos(-1.1)
 C23, S23 = math.cos(0.9), math.sin(0.9)
 
@@ -64,6 +67,24 @@ def test_the_reports_notation_is_understood(text, value):
     assert evaluate(parse_formula(text), VALUES) == pytest.approx(value, rel=1e-14, abs=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("meaning", "text"),
+    [
+        pytest.param(meaning, text, id=f"{meaning}: {text}")
+        for meaning, texts in SPELLINGS.items()
+        for text in texts
+    ],
+)
+def test_a_spelling_is_read_as_what_it_means(meaning, text):
+    names = {**VALUES, "l3": 100.0, "l": 7.0, "lcoxa": 50.0}
+    declared = [name for name in names if not name.startswith("q")]
+    tree = parse_formula(text, declared)
+    q = {name: np.array([0.3, -1.1, 2.0]) + 0.1 * i for i, name in enumerate(("q1", "q2", "q3"))}
+    np.testing.assert_allclose(
+        evaluate(tree, {**names, **q}), evaluate(parse_formula(meaning), q), rtol=1e-9, atol=1e-12
+    )
+
+
 def test_a_declared_symbol_is_found_in_a_product_without_signs():
     assert ast.unparse(parse_formula("RcRL4", ("rl4", "rc"))) == "rc * rl4"
     assert ast.unparse(parse_formula("RL4C3")) == "rl4 * cos(q3)"
@@ -84,7 +105,7 @@ def test_a_formula_is_evaluated_on_arrays():
         "cos()",
         "cos(1, 2)",
         "sin^-1(q1)",
-        "a.b",
+        "a..b",
         "x + 1 = 1",
         "__import__('os')",
         "lambda: 1",

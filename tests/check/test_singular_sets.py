@@ -1,0 +1,125 @@
+"""Claimed sets of singular postures: right ones, wrong ones, and what is left out."""
+
+import pytest
+
+from drake_leg.check.printed import grade
+from drake_leg.check.printed_csv import parse_csv
+from drake_leg.check.printed_file import printed_of_document
+from drake_leg.errors import InvalidValueError
+from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+
+LEG = {"lengths": "mm", "angles": "deg", "symbols": {"L1": 50, "L2": 100, "L3": 100}}
+ARM = {"lengths": "mm", "joints": {"lift": "452.4-340-R"}}
+
+
+def graded(singular, robot=LEG_B, settings=LEG):
+    return grade(robot, printed_of_document({**settings, "singular": singular}, "print.toml"))
+
+
+@pytest.mark.parametrize(
+    "singular",
+    [
+        "θ3 = kπ or L1 + L2 c2 + L3 c23 = 0",
+        ["sin(q3) = 0", "L1 + L2*cos(q2) + L3*cos(q2+q3) = 0"],
+        "q3 = 0 or π or 50 + 100 c2 + 100 c23 = 0",
+        r"\det J = 0 \iff \theta_3 = k\pi ; L_2 c_2 = -L_1 - L_3 c_{23}",
+        "|J| = 0 if q3 = 0, ±π or L1 + L2c2 + L3c23 = 0",
+        "θ3 = 0 [π] or L1 + L2c2 + L3c23 = 0",
+        "θ3 = n·180° or 1 + 2c2 + 2c23 = 0, n ∈ Z",
+        "s3² = 0 or (1 + 2c2 + 2c23)² = 0",
+        "q3 = 0 mod π ou 1 + 2c2 + 2c23 = 0",
+    ],
+)
+def test_both_families_of_the_leg_are_right(singular):
+    assert graded(singular) == []
+    assert graded(singular, LEG_A) == []
+
+
+@pytest.mark.parametrize("singular", ["θ2 = kπ", "sin θ2 = 0", "q2 = 0 or q2 = 180°", "s2 = 0"])
+def test_the_scaras_family_is_right(singular):
+    assert graded(singular, SCARA, ARM) == []
+
+
+def test_a_definition_may_stand_for_a_factor():
+    settings = {**LEG, "where": {"rho": "L1 + L2 c2 + L3 c23"}}
+    assert graded(r"s3 = 0 or \rho = 0", settings=settings) == []
+
+
+def test_report_as_claim_leaves_a_family_out():
+    """Erratum 10."""
+    (finding,) = graded(r"\theta_3 = k\pi, k \in \mathbb{Z}", LEG_A)
+    assert "singular postures are left out, such as θ1 = " in finding.fault
+    assert finding.remedy == "add L1 + L2*cos(θ2) + L3*cos(θ2 + θ3) = 0"
+
+
+def test_report_bs_claim_of_every_joint_is_wrong_for_all_but_one():
+    """Erratum 16."""
+    findings = graded("|J| = 0 when qi = 0 or π, i = 1, 2, 3", SCARA, ARM)
+    assert [finding.fault.partition(":")[0] for finding in findings] == [
+        "q1 = 0 is not singular",
+        "q3 = 0 is not singular",
+        "q1 = π is not singular",
+        "q3 = π is not singular",
+    ]
+    assert all(f.remedy.endswith("the determinant is zero where q2 = kπ") for f in findings)
+
+
+def test_half_a_family_is_not_all_of_it():
+    numbers = graded("q3 = kπ", settings={"lengths": "mm"})
+    assert {f.remedy for f in numbers} == {"add 100*cos(q2) + 100*cos(q2 + q3) + 50 = 0"}
+    assert {f.remedy for f in graded("q3 = 0 or 1 + 2c2 + 2c23 = 0")} == {"add q3 = kπ"}
+    remedies = {f.remedy for f in graded("q2 = 90° and q3 = 30°")}
+    assert remedies == {"add q3 = kπ", "add L1 + L2*cos(q2) + L3*cos(q2 + q3) = 0"}
+
+
+def test_a_set_without_postures_is_named():
+    assert graded("cos(q2) = 3")[0].fault == "no posture was found at which cos(q2) = 3"
+
+
+@pytest.mark.parametrize(
+    "singular",
+    [
+        "the leg is stretched",
+        "θ3 ≠ 0",
+        "q2 = 0, q3 = 0",
+        "qi = 0",
+        "θ3 = kπ + nπ",
+        r"\rho = 0",
+        "sin(q3) = 0 = q2",
+        "q3 = (0",
+        "q3 = " + " or ".join(map(str, range(60))),
+        "x" * 5000,
+    ],
+)
+def test_what_is_no_set_is_not_understood(singular):
+    (finding,) = graded(singular)
+    assert not finding.understood
+    assert finding.remedy
+
+
+def test_a_robot_without_a_square_jacobian_has_no_singular_postures():
+    settings = {"lengths": "m", "angles": "rad"}
+    assert "no square Jacobian" in graded("q1 = 0", PENDULUM, settings)[0].fault
+
+
+def test_without_sympy_a_posture_is_named(monkeypatch):
+    monkeypatch.setattr("drake_leg.check.singular_sets.find_spec", lambda name: None)
+    (finding,) = graded("θ3 = kπ")
+    assert finding.remedy == "add where the determinant is zero besides"
+
+
+def test_sets_and_determinants_are_read_from_text():
+    text = "|J| = 0 when qi = 0 or π, i = 1, 2, 3\nL1 = 50\n|J| = 5 s2\nT01,1,0\n"
+    text += r"$\det J = 0 \iff \theta_3 = k\pi$"
+    document = parse_csv(text, "x.txt")
+    assert document["singular"] == [text.splitlines()[0], text.splitlines()[-1]]
+    assert document["matrix"][0] == {"name": "|J|", "entries": "5 s2"}
+    assert parse_csv("singular,qi = 0, i = 1, 2", "x.csv") == {"singular": ["qi = 0, i = 1, 2"]}
+
+
+def test_sets_are_read_from_csv_and_must_be_text():
+    assert parse_csv("singular,θ3 = kπ\nsingular,s2 = 0\n", "x.csv") == {
+        "singular": ["θ3 = kπ", "s2 = 0"]
+    }
+    with pytest.raises(InvalidValueError, match="singular is 3; it must be text"):
+        graded(3)
