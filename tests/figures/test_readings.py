@@ -68,4 +68,4 @@ def test_torques_near_a_singularity_are_cut_off_and_said():
 def test_torques_that_one_axis_shows_are_not_cut_off():
     outcome = outcome_of()
     assert torques_away(outcome.recording, COLUMNS) is None
-    assert tip.torques(outcome.recording, "title", JOINTS).axes[0].texts == []
+    assert list(tip.torques(outcome.recording, "title", JOINTS).axes[0].texts) == []
