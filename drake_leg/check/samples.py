@@ -84,7 +84,10 @@ class Sampler:
         for name, cells in binding.items():
             if cells & set(factors):
                 values[name] = values[name] * factors[min(cells & set(factors))]
-        return Samples(values=values, chain=self._chain(values, factors))
+        chain = self._chain(values, factors)
+        joints = {f"q{i + 1}": chain.q[:, i] for i in self._reader.joints}
+        own = set(joints) - set(self._postures.variables)
+        return Samples(values=values | {name: joints[name] for name in own}, chain=chain)
 
     def _chain(self, values: Mapping[str, Any], factors: Mapping[Cell, Array]) -> Chain:
         """Put lengths into the table, and the joints where the symbols then say."""

@@ -215,6 +215,8 @@ def test_lengths_of_the_joints_formulas_vary_with_them():
     ):
         rows = (*entries[:2], (entries[2][0].replace("h", h),))
         assert said({"P04": rows}, SCARA, symbols, joints={"lift": joint}) == []
+    by_number = (*entries[:2], ("H - q4",))
+    assert said({"P04": by_number}, SCARA, symbols, joints={"lift": "H - 340 - R"}) == []
 
 
 def own_arm(height, upper, fore):
