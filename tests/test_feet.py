@@ -63,7 +63,7 @@ def test_six_joints_without_an_orientation_have_infinitely_many():
 def test_what_is_out_of_reach_is_said_with_the_distance():
     found = feet(PENDULUM, [0.1, 0.0, 0.0])
     assert found.solutions == ()
-    assert found.heading == "no posture found; the nearest that was found misses by 0.05 m"
+    assert found.heading == "no posture found; the nearest that was found misses by 0.1 m"
 
 
 def test_limits_are_told_and_units_are_the_joints():

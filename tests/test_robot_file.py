@@ -401,7 +401,7 @@ def test_whatever_is_typed_ends_in_a_robot_or_a_sentence(text):
     ("line", "remedy"),
     [
         ('mimic = "slide"', "joints do not follow one another here"),
-        ("theta_offset = 90", "adds its position to theta where it turns"),
+        ("theta_offset = 90", "adds to theta where it turns"),
         ("offset = 0.1", "to r (classic: d) where it slides"),
         ("theta_0 = 0.1", "write the offset there"),
         ('name = "shoulder"', 'write joint = "..." and link = "..."'),

@@ -46,8 +46,9 @@ def add(commands: Commands) -> None:
         "derivation, with Drake's plant on its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
         "the robot instead. A printed table alone (CSV or TOML) is only read for slips.",
-        epilog="Exit status: 0 nothing is wrong, 1 something is, 2 bad input, or nothing is wrong "
-        "and something is not understood, 3 nothing is wrong so far, but not all was compared.",
+        epilog="Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
+        "wrong and something is not understood, 3 nothing is wrong so far, but not all was "
+        "compared.",
     )
     add_robot_source(parser)
     parser.add_argument(
@@ -66,7 +67,10 @@ def add(commands: Commands) -> None:
 
 def _check(chosen: argparse.Namespace) -> int:
     if chosen.printed is not None:
-        refuse_ignored({"--samples": chosen.samples is not None}, "means nothing with --printed")
+        refuse_ignored(
+            {"--samples": chosen.samples is not None, "--budget": chosen.budget is not None},
+            "means nothing with --printed",
+        )
         return _check_print(robot_source(chosen.robot).robot(), chosen)
     if Path(chosen.robot).suffix.lower() in TABLES:
         return _check_table(Path(chosen.robot), chosen)
@@ -112,7 +116,11 @@ def _seed(chosen: argparse.Namespace) -> int:
 
 def _check_table(path: Path, chosen: argparse.Namespace) -> int:
     refuse_ignored(
-        {"--samples": chosen.samples is not None, "--seed": chosen.seed is not None},
+        {
+            "--samples": chosen.samples is not None,
+            "--seed": chosen.seed is not None,
+            "--budget": chosen.budget is not None,
+        },
         "means nothing to a printed table alone, which is only read for slips",
     )
     from drake_leg.check.printed_file import read_printed

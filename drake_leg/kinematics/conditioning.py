@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.pendulum import PendulumModel, acceleration
 
 STEP = 1e-6  # [rad], [rad/s], of the differences
 MOST = 1e300  # a growth beyond it is given as this
+GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)  # points of a step
+WEIGHTS = (0.25 - math.sqrt(3.0) / 6.0, 0.25 + math.sqrt(3.0) / 6.0)  # of the slopes there
 
 
 def instability(model: PendulumModel, q: Array, qdot: Array) -> float:
@@ -38,8 +41,8 @@ def instability(model: PendulumModel, q: Array, qdot: Array) -> float:
 def error_growth(model: PendulumModel, time: Array, q: Array, qdot: Array) -> float:
     """Greatest factor by which an error of the start becomes one of the angle.
 
-    The product of the exponentials of the linearized motion, row by row; a rate counts as the
-    angle that it is at the frequency of small swings.
+    The linearized motion, by two exponentials from row to row (Magnus, fourth order); a rate counts
+    as the angle that it is at the frequency of small swings.
 
     Parameters
     ----------
@@ -55,9 +58,10 @@ def error_growth(model: PendulumModel, time: Array, q: Array, qdot: Array) -> fl
     float
         At least 1, at most ``MOST``.
     """
+    if len(time) < 2:
+        return 1.0
     rate = model.natural_frequency or 1.0
-    stiffness, damping = ((slope[1:] + slope[:-1]) / 2.0 for slope in _slopes(model, q, qdot))
-    steps = _exponentials(stiffness / rate, damping, rate, np.diff(time))
+    steps = _steps(model, rate, time, q, qdot)
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     size, greatest = 0.0, 0.0  # logarithms
     for e, f, g, h in steps.tolist():
@@ -68,6 +72,28 @@ def error_growth(model: PendulumModel, time: Array, q: Array, qdot: Array) -> fl
         if max(length, abs(c), abs(d)) > 1e100:
             a, b, c, d, size = a / 1e100, b / 1e100, c / 1e100, d / 1e100, size + math.log(1e100)
     return math.exp(min(greatest, math.log(MOST)))
+
+
+def _steps(model: PendulumModel, rate: float, time: Array, q: Array, qdot: Array) -> Array:
+    """Return two exponentials for each step, from the slopes at its two Gauss points, (2 n, 4)."""
+    step = np.diff(time)
+    (stiff, damp), (stiffer, damper) = (
+        _slopes(model, *_between(time, q, qdot, at)) for at in GAUSS
+    )
+    halves = [
+        _exponentials(
+            2.0 * (a * stiff + b * stiffer) / rate, 2.0 * (a * damp + b * damper), rate, step / 2.0
+        )
+        for a, b in (WEIGHTS[::-1], WEIGHTS)
+    ]
+    return np.stack(halves, axis=1).reshape(-1, 4)
+
+
+def _between(time: Array, q: Array, qdot: Array, at: float) -> tuple[Array, Array]:
+    """Interpolate a motion at a part of every step, by cubics."""
+    motion = CubicHermiteSpline(time, q, qdot)
+    there = time[:-1] + at * np.diff(time)
+    return motion(there), motion(there, 1)
 
 
 def _slopes(model: PendulumModel, q: Array, qdot: Array) -> tuple[Array, Array]:

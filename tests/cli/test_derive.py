@@ -77,7 +77,7 @@ def test_latex_of_ones_own_is_one_equation_a_line_under_a_comment(capsys):
     lines = lines_of(capsys, "pendulum", "--latex")
     assert lines[0] == (
         "% Simple pendulum, derived from its table: c1 = cos(q1), s1 = sin(q1), "
-        "c23 = cos(q2 + q3) and so on; l1 = 0.15 m"
+        "c23 = cos(q2 + q3) and so on; l1 = 0.2 m"
     )
     assert "direct - indirect = 0" in lines
     assert lines[-2] == "% determinant: none, as no rows of the Jacobian are as many as its columns"

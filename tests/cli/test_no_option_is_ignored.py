@@ -27,7 +27,7 @@ OF_RUNS = {
     "--inverse", "--correction", "--q0-error", "--push", "--mass-error", "--torque-limit", "--l1",
     "--l2", "--l3", "--density", "--filter-time-constant", "--feedback", "--lift", "--tool-height",
     "--size", "--velocity-target", "--lower-limit", "--upper-limit", "--spring-stiffness",
-    "--spring-unit",
+    "--spring-unit", "--task",
 }  # fmt: skip
 
 ALWAYS = {
@@ -36,9 +36,9 @@ ALWAYS = {
                       "--stiffness"},
     "replay": {"--out", "--overwrite", "--from", "--robot"},
     "view": {"--q", "--still", "--from"},
-    "teleop": {"--q", "--host", "--port", "--no-browser", "--once"},
+    "teleop": {"--q", "--task", "--host", "--port", "--no-browser", "--once"},
     "report": {"--out", "--overwrite"},
-    "derive": {"--latex"},
+    "derive": {"--latex", "--budget"},
     "errata": {"--json"},
     "doctor": {"--q", "--direction", "--frequency", "--foot", "--json", "--out"},
     "sdf": {"--toml", "--out"},
@@ -85,8 +85,15 @@ MEANINGLESS = [
     ("view", "leg-b --once --still leg.png", "means nothing with --still"),
     ("view", "leg-b --overwrite --once", "goes with --still"),
     ("doctor", "leg-b --overwrite --q 90,-50,-90", "goes with --out"),
+    ("doctor", "leg-b --yaw 3 --foot 0.1,0,0", "a yaw is for a SCARA's tool"),
+    ("doctor", "scara --yaw 3 --q 30,90,-120", "goes with --foot"),
+    ("doctor", "leg-b --rpy 0,0,0 --foot 0.1,0,0", "cannot choose its orientation"),
+    ("doctor", "scara --rpy 0,0,0 --foot 0.1,0,0", "only yaws"),
+    ("doctor", "leg-b --foot 0.1,0,0 --direction 1,0,0", "is of a posture"),
     ("sdf", "leg-b --overwrite", "goes with --out"),
     ("check", f"leg-b --samples 32 --printed {PRINTED}/report_b_leg.toml", "with --printed"),
+    ("check", f"leg-b --budget 9 --printed {PRINTED}/report_b_leg.toml", "with --printed"),
+    ("check", f"{PRINTED}/report_b_leg_table.txt --budget 9", "only read for slips"),
     ("check", f"{PRINTED}/report_b_leg_table.txt --samples 32", "only read for slips"),
     ("check", f"{PRINTED}/report_b_leg_table.txt --seed 0", "only read for slips"),
     ("diagram", "leg-b --without-scopes --part mechanism --out a.svg", "means nothing to mech"),
@@ -194,15 +201,15 @@ BESIDE = {
 SAID = {
     "damping": 0.0, "damping_unit": "N*m*s/rad", "push_at": 2.0, "push_for": 0.1,
     "limit_stiffness": 1e4, "limit_damping": 10.0, "limit_width": 0.1, "spring_unit": "N*m/rad",
-    "target": 30.0, "correction": 5.0,
+    "target": 30.0, "correction": 5.0, "q0_error": [0.0, 0.0, 0.0],
 }  # fmt: skip
 SAID_OF = {
     ("pendulum", "q0"): [0.0], ("pendulum-spring", "q0"): [0.0], ("pendulum-damped", "q0"): [30.0],
-    ("robot.toml", "q0"): list(TARGETS),
+    ("robot.toml", "q0"): list(TARGETS), ("robot.toml", "direction"): [1.0, 0.0, 0.0],
 }  # fmt: skip
 NEVER_SAID = {  # without them something is absent, or follows from the robot
     "accuracy", "max_step", "damped_below", "rate_limit", "push", "torque_limit", "stiffness",
-    "filter_time_constant", "lower_limit", "upper_limit",
+    "filter_time_constant", "lower_limit", "upper_limit", "task",
 }  # fmt: skip
 
 CASES = [(name, f.name) for name, kind in KINDS.items() for f in dataclasses.fields(kind)]

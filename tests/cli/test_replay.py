@@ -56,7 +56,6 @@ def test_a_run_becomes_a_page(capsys):
         ({}, "Hexabot leg B", []),
         ({"run": "leg-b", "stop_reason": None}, "Hexabot leg B: the step", []),
         ({"run": "ellipse"}, "Leg B on an ellipse", []),
-        ({"run": "arm.toml"}, "Hexabot leg B: the step", []),
         ({"run": ["leg-b"], "stop_reason": 3}, "Hexabot leg B", []),
         (
             {"run": "leg-b", "stop_reason": "the leg is stretched", "stopped_at_s": 0.25},

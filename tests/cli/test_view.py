@@ -140,7 +140,8 @@ def test_a_leg_is_driven_from_the_posture_given(capsys):
 )
 def test_what_cannot_be_shown_is_one_sentence(words, status, said, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    code, out, err = run(capsys, *words, *["--once"])
+    once = [] if "--still" in words else ["--once"]
+    code, out, err = run(capsys, *words, *once)
     assert (code, out) == (status, "")
     assert err.startswith("drake-leg: ")
     assert err.count("\n") == 1

@@ -158,7 +158,7 @@ def test_the_singularity_check_shows_det_j_and_sigma_min_in_their_units(name, po
     top, bottom = figures_of(name)["singularity"]().axes
     np.testing.assert_array_equal(top.get_lines()[0].get_ydata(), recording["det_j"])
     np.testing.assert_array_equal(bottom.get_lines()[0].get_ydata(), recording["sigma_min"])
-    assert f"m$^{power}$" in top.get_ylabel()
+    assert f"m$^{{{power}}}$" in top.get_ylabel()
     assert "[m]" in bottom.get_ylabel()
 
 

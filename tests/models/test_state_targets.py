@@ -39,8 +39,9 @@ def test_a_motion_wins_over_a_target_of_low_priority_and_says_so():
     assert state.q == (0.0, 0.7, 0.0)
     assert state.qdot == (0.0, 1.0, 0.0)
     assert state.unmet == (
-        "the position target of joint knee is 0.5, but its motion starts at 0.7",
-        "the velocity target of joint knee is 0, but its motion starts at 1",
+        "the position target of joint knee is 28.6478898 deg, but its motion starts at "
+        "40.1070457 deg",
+        "the velocity target of joint knee is 0 deg/s, but its motion starts at 57.2957795 deg/s",
     )
 
 
@@ -50,7 +51,8 @@ def test_a_motion_that_starts_at_the_target_meets_it():
 
 
 def test_a_target_of_high_priority_off_the_motion_is_refused():
-    with pytest.raises(InvalidValueError, match=r"knee is 0.5, but its motion starts at 0.7: star"):
+    said = r"knee is 28.6\d+ deg, but its motion starts at 40.1\d+ deg: start the motion there"
+    with pytest.raises(InvalidValueError, match=said):
         initial_state(leg(knee=target(0.5)), {"knee": (0.7, 0.0)})
 
 

@@ -76,7 +76,7 @@ def test_a_push_is_what_the_torques_do_not_explain():
     options = LegBOptions(duration=3.0, push=UP, mass_error=0.3, torque_limit=0.02)
     outcome = run_straight("B", options)
     assert outcome.summary["max_torque_error_n_m"] < 1e-12
-    wrong = replace(options, push=[], push_at=None)
+    wrong = replace(options, push=None, push_at=None)
     assert outcome.summary["disturbance"]["push_n"] == UP
 
     class Seen:

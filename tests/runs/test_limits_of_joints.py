@@ -94,7 +94,7 @@ def test_joints_that_lag_behind_input_filters_do_not_cross_their_limit_either(la
 
 def test_a_push_over_a_limit_is_said_to_be_one():
     robot = limited(knee={"lower": math.radians(-50.01), "upper": math.radians(-49.99)})
-    pushed = replace(BACK, amplitude=0.0, push=[0.0, 0.0, 5.0], push_at=0.1)
+    pushed = replace(BACK, amplitude=0.0, frequency=1.0, push=[0.0, 0.0, 5.0], push_at=0.1)
     reason = run_robot(robot, pushed).summary["stop_reason"]
     assert "joint knee is at" in reason
     assert reason.endswith("or a weaker disturbance")

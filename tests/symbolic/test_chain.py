@@ -94,7 +94,7 @@ def test_a_row_is_its_four_motions():
         (LEG_A, {"l1": 0.05, "l2": 0.1, "l3": 0.1}),
         (LEG_B, {"l1": 0.05, "l2": 0.1, "l3": 0.1}),
         (SCARA, {"h": 0.4524, "l1": 0.22, "l2": 0.24}),
-        (PENDULUM, {"l1": 0.15}),
+        (PENDULUM, {"l1": 0.2}),
     ],
     ids=lambda value: getattr(value, "name", ""),
 )
