@@ -20,7 +20,7 @@ def outcome_of(**options):
 
 def texts_of(outcome, name):
     drawn = dict(
-        figures_of_run("leg-b", "title", outcome.robot, outcome.recording, outcome.summary)
+        figures_of_run(outcome.subject, "title", outcome.robot, outcome.recording, outcome.summary)
     )
     return [text.get_text() for axes in drawn[name]().axes for text in axes.texts]
 

@@ -88,11 +88,11 @@ def random_steps(rng):
     return given
 
 
-def drawn(name, outcome, number):
+def drawn(outcome, number):
     """Draw the figures of a run; that of the energy, which depends on little, now and then."""
     summary = json.loads(json.dumps(outcome.summary, allow_nan=False))
     for figure_name, draw in figures_of_run(
-        name, "title", outcome.robot, outcome.recording, summary
+        outcome.subject, "title", outcome.robot, outcome.recording, summary
     ):
         if figure_name == "energy" and number % ENERGY:
             continue
@@ -129,4 +129,4 @@ def test_pendulums_at_random_are_right_or_say_that_they_are_not(batch):
         name, given = random_options(rng)
         outcome = RUNS[name].run(RUNS[name].options(**given), None)
         is_right(outcome, given)
-        drawn(name, outcome, number)
+        drawn(outcome, number)
