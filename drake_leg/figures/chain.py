@@ -1,4 +1,4 @@
-"""Any chain with the frames of its table, its bodies and what pulls at them, seen askew."""
+"""Any chain with the frames of its table, its bodies and the forces on them, seen askew."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def chain(robot: Robot, title: str) -> Figure:
         axes.set_autoscale_on(False)
     views = [Sketch(axes, seen.right.tolist(), seen.up.tolist(), unit) for axes in (frames, bodies)]
     views[0].heading("frames: x and z of each")
-    views[1].heading("bodies: what pulls at them")
+    views[1].heading("bodies: forces on them")
     _table(table, robot, seen.q)
     figure.draw_without_rendering()  # from here on places on paper are known
     _frames(views[0], robot, seen)

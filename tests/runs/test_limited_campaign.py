@@ -111,7 +111,7 @@ def random_case(seed):
         rate_limit=rng.choice([None, 20.0, 120.0, 300.0]),
         correction=rng.choice([None, 0.0, 2.0, 20.0]),
         q0_error=given(robot, rng.normal(size=3) * 0.02 * errs),
-        push=(rng.normal(size=3) * 0.2).tolist() if pushed else [],
+        push=(rng.normal(size=3) * 0.2).tolist() if pushed else None,
         push_at=0.1 if pushed else None,
         feedback=str(rng.choice(["sensed", "sensed", "integrated"])),
     )
