@@ -104,7 +104,7 @@ def place_folder(folder: Path, wanted: Path) -> Path:
     OSError
         If it can be put nowhere.
     """
-    for target in _places(wanted):
+    for target in _places(wanted, ""):
         with held():
             try:
                 target.mkdir()  # claims the name: only one can
@@ -142,7 +142,7 @@ def place_file(file: Path, wanted: Path) -> Path:
     OSError
         If it can be put nowhere.
     """
-    for target in _places(wanted):
+    for target in _places(wanted, wanted.suffix):
         try:
             add_file(file, target)
         except FileExistsError:
@@ -183,8 +183,9 @@ def add_file(file: Path, name: Path | str, folder: int | None = None) -> None:
         file.unlink()
 
 
-def _places(wanted: Path) -> Iterator[Path]:
+def _places(wanted: Path, ending: str) -> Iterator[Path]:
+    """Name a place, and others beside it whose names have a number before the ending."""
     yield wanted
-    stem = wanted.stem[:LONGEST_NAME]
+    stem = wanted.name.removesuffix(ending)[:LONGEST_NAME]
     for number in count(2):
-        yield wanted.with_name(f"{stem}-{number}{wanted.suffix}")
+        yield wanted.with_name(f"{stem}-{number}{ending}")

@@ -25,6 +25,8 @@ class Interrupts:
         """Interrupt, or remember that it is to be done."""
         self.received = number
         if self.held:
+            if self.late and self.once and self.held == 1:  # nothing is half done
+                raise KeyboardInterrupt
             self.late = True
             return
         if self.once:
@@ -82,7 +84,9 @@ def held() -> Iterator[None]:
 
 @contextmanager
 def saved() -> Iterator[Callable[[], None]]:
-    """Let one signal interrupt, and hold others back until what it left is saved.
+    """Let one signal interrupt, and hold the next one back until what it left is saved.
+
+    A third one gives that up.
 
     Yields
     ------

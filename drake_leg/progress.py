@@ -76,12 +76,18 @@ class ProgressBar:
         self._show()
 
     def close(self) -> None:
-        """Wipe the bar off."""
+        """Wipe the bar off for good."""
         self._closed.set()
         if self._ticker.is_alive():
             self._ticker.join()
-        if self._shown:
-            self._write("\r" + " " * 78 + "\r")
+        self.wipe()
+
+    def wipe(self) -> None:
+        """Wipe the bar off, so that something can be printed; it comes back by itself."""
+        with self._drawing:
+            if self._shown:
+                self._write("\r" + " " * 78 + "\r")
+                self._shown = False
 
     def _tick(self) -> None:
         while not self._closed.wait(REFRESH):

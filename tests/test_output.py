@@ -316,6 +316,14 @@ def test_what_came_to_the_place_meanwhile_stays_and_the_results_are_beside_it(
     assert names(tmp_path / "out-2") == [LIST, "step.png", "summary.json"]
 
 
+def test_a_point_in_a_folders_name_is_no_ending(tmp_path):
+    folder = ResultsFolder(tmp_path / "run-0.05", overwrite=False)
+    with folder.begun() as scratch:
+        (scratch / "summary.json").write_text("new", encoding="utf-8")
+        (tmp_path / "run-0.05").mkdir()
+    assert folder.path == tmp_path / "run-0.05-2"
+
+
 def test_a_file_that_came_into_old_results_meanwhile_keeps_them(tmp_path):
     out = results(tmp_path / "out")
     folder = ResultsFolder(out, overwrite=True)

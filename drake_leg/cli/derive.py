@@ -14,6 +14,7 @@ from drake_leg.cli.common import (
     add_budget,
     budget_of,
     fail,
+    remark,
 )
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import TimeBudgetError
@@ -88,22 +89,30 @@ def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> in
     require_sympy(f"the derivation of {chosen.name}")
     from drake_leg.symbolic.own_table import OwnTable
 
-    table, undone = OwnTable(robot.rows), []
+    table = OwnTable(robot.rows)
+    undone: list[str] = []
+    too_large: list[str] = []
     letters = f"; {table.legend}" if table.legend else ""
     _print_heading(f"{robot.title}, derived from its table: {SHORTHAND}{letters}", chosen)
     for piece in table.pieces():
         bar.turn_to(piece.title)
         try:
             equations = budget.spend(piece.derive)
-        except (TimeBudgetError, RecursionError):
+        except TimeBudgetError:
             undone.append(piece.title)
             continue
+        except RecursionError:
+            too_large.append(piece.title)
+            continue
+        bar.wipe()
         for equation in equations:
             _print_equation(equation.title, equation, chosen)
         if not equations:
             _print_heading(f"\n{piece.title}: {piece.otherwise}", chosen)
+    if too_large:
+        remark(f"too large for SymPy: {'; '.join(too_large)}; give it a table of fewer rows")
     if not undone:
-        return 0
+        return STOPPED_EARLY if too_large else 0
     more = f" and {len(undone) - MOST_NAMED} more" if len(undone) > MOST_NAMED else ""
     return fail(
         f"not derived within {budget.seconds:g} s: {'; '.join(undone[:MOST_NAMED])}{more}: give it "

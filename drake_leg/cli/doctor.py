@@ -105,9 +105,12 @@ def _doctor(chosen: argparse.Namespace) -> int:
         return 0
     with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
         bar.turn_to("its maps")
-        status = _write_maps(folder, maps, diagnosis)
+        pictures = _write_maps(folder, maps, diagnosis)
     print(f"wrote {folder.path}", file=sys.stderr if chosen.json else sys.stdout)
-    return status
+    pictures.say_failures()
+    if folder.remark:
+        return fail(folder.remark, BAD_INPUT)
+    return FAILED if pictures.failures else 0
 
 
 def _place(chosen: argparse.Namespace) -> dict[str, Any]:
@@ -153,7 +156,7 @@ def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> tuple[Res
     return ResultsFolder(chosen.out, overwrite=chosen.overwrite), maps_of_posture(robot, q)
 
 
-def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> int:
+def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> Pictures:
     from drake_leg.figures.style import save
 
     with folder.begun() as scratch:
@@ -163,9 +166,7 @@ def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> int:
     for name, draw in maps.items():
         with pictures.trying(f"the map {name}"), folder.more() as scratch:
             save(draw(), scratch, name)
-    if folder.remark:
-        return fail(folder.remark, BAD_INPUT)
-    return FAILED if pictures.failed else 0
+    return pictures
 
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:

@@ -41,16 +41,16 @@ class Pictures:
 
     Attributes
     ----------
-    failed : int
-        How many could not be made.
+    failures : list of PictureError
+        What kept some of them from being made.
     """
 
     def __init__(self) -> None:
-        self.failed = 0
+        self.failures: list[PictureError] = []
 
     @contextmanager
     def trying(self, what: str) -> Iterator[None]:
-        """Try one, and say in a sentence what keeps it from being made.
+        """Try one, and remember what keeps it from being made.
 
         Parameters
         ----------
@@ -61,8 +61,12 @@ class Pictures:
             yield
         except Exception as error:
             show_place()
-            self.failed += 1
-            remark(PictureError(what, error))
+            self.failures.append(PictureError(what, error))
+
+    def say_failures(self) -> None:
+        """Say in a sentence each what kept pictures from being made."""
+        for failure in self.failures:
+            remark(failure)
 
 
 def show_place() -> None:

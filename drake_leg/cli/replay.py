@@ -104,26 +104,33 @@ def _motion(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Motion:
         _recorded_robot(chosen.run) if chosen.robot is None else robot_source(chosen.robot).robot()
     )
     recording = read_csv(chosen.run / "recording.csv")
-    _require_whole(chosen.run, recording, summary)
+    _require_all_rows(chosen.run, recording, summary)
     try:
-        return recorded_motion(robot, recording)
+        motion = recorded_motion(robot, recording)
     except OtherRobotError as error:
         raise _clearer(error, chosen.run, robot) from None
+    _require_end(chosen.run, motion, summary)
+    return motion
 
 
-def _require_whole(folder: Path, recording: Recording, summary: Mapping[str, Any]) -> None:
-    """Refuse a recording that has other rows, or another end, than its summary tells of."""
-    time, rows = recording["time"], summary.get("rows")
-    if isinstance(rows, int) and rows != len(time):
+def _require_all_rows(folder: Path, recording: Recording, summary: Mapping[str, Any]) -> None:
+    """Refuse a recording that has other rows than its summary tells of."""
+    found, rows = len(recording["time"]), summary.get("rows")
+    if isinstance(rows, int) and rows != found:
         raise OutputError(
-            f"{folder / 'recording.csv'} has {len(time)} rows and summary.json tells of {rows}: "
+            f"{folder / 'recording.csv'} has {found} rows and summary.json tells of {rows}: "
             "one of them is not whole; carry out the run again"
         )
+
+
+def _require_end(folder: Path, motion: Motion, summary: Mapping[str, Any]) -> None:
+    """Refuse a recording that has another end than its summary tells of."""
     end = summary.get("stopped_at_s", summary.get("duration_s"))
     end = summary.get("duration_s") if end is None else end
-    if rows and isinstance(end, float) and not math.isclose(time[-1], end, rel_tol=1e-9):
+    last = float(motion.time[-1])
+    if summary.get("rows") and isinstance(end, float) and not math.isclose(last, end, rel_tol=1e-9):
         raise OutputError(
-            f"{folder / 'recording.csv'} ends at {time[-1]:.9g} s and summary.json tells of "
+            f"{folder / 'recording.csv'} ends at {last:.9g} s and summary.json tells of "
             f"{end:.9g} s: one of them is not whole; carry out the run again"
         )
 

@@ -19,7 +19,7 @@ from drake_leg.cli.common import (
 )
 from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
-from drake_leg.cli.shows import Shows, add_shows
+from drake_leg.cli.shows import Shows, add_shows, say_if_sketched
 from drake_leg.imports import require_matplotlib
 from drake_leg.interrupts import saved
 from drake_leg.output import ResultsFolder
@@ -78,9 +78,14 @@ def _run(chosen: argparse.Namespace) -> int:
         with ProgressBar(sys.stderr, chosen.name, 1.0, "") as bar:
             bar.turn_to("pictures")
             _draw(chosen.name, kind, outcome, folder, pictures)
-            shows.write(kind.heading, outcome, folder, pictures)
+            made = shows.write(kind.heading, outcome, folder, pictures)
     except KeyboardInterrupt:
         return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
+    for path in made:
+        print(f"wrote {path}")
+    pictures.say_failures()
+    if shows.stills:
+        say_if_sketched()
     said = ("grazing", "ill_conditioned", "inaccuracy")
     remarks = [*summary.get("limits_exceeded", ()), *map(summary.get, said)]
     for sentence in filter(None, remarks):
@@ -109,7 +114,7 @@ def _draw(
     with pictures.trying(f"a figure of {name}"):
         from drake_leg.runs.files import figure_files
 
-        for file_name, write in figure_files(name, kind.title, outcome):
+        for file_name, write in figure_files(kind.title, outcome):
             with pictures.trying(f"the figure {file_name}"), folder.more() as scratch:
                 write(scratch)
 
@@ -117,7 +122,7 @@ def _draw(
 def _status(summary: Mapping[str, Any], folder: ResultsFolder, pictures: Pictures) -> int:
     """Say what did not go well, and choose the exit status."""
     status = FAILED if summary.get("inaccuracy") else 0
-    if pictures.failed:
+    if pictures.failures:
         status = fail(f"the data in {folder.path} are whole", FAILED)
     if folder.remark:
         status = fail(folder.remark, BAD_INPUT)

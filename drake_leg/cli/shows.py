@@ -115,7 +115,7 @@ class Shows:
 
     def write(
         self, title: str, outcome: Outcome, folder: ResultsFolder, pictures: Pictures
-    ) -> None:
+    ) -> list[Path]:
         """Write stills into the folder of results, page and video beside it.
 
         Parameters
@@ -128,7 +128,13 @@ class Shows:
             Of the results.
         pictures : Pictures
             Tries them.
+
+        Returns
+        -------
+        list of Path
+            Of page and video, as far as they could be made.
         """
+        made = []
         if self.stills:
             self._write_stills(outcome, folder, pictures)
         for option, path in self._files().items():
@@ -142,7 +148,8 @@ class Shows:
                     note=stop_note(outcome.summary),
                     overwrite=self.overwrite,
                 )
-                print(f"wrote {path}")
+                made.append(path)
+        return made
 
     def _write_stills(self, outcome: Outcome, folder: ResultsFolder, pictures: Pictures) -> None:
         from drake_leg.scene.views import VIEWS
@@ -153,7 +160,6 @@ class Shows:
 
                 motion = _motion(outcome)
                 write_stills(scratch, motion.robot, motion.q[0], views=[view], motion=motion)
-        say_if_sketched()
 
     def _files(self) -> dict[str, Path]:
         given = {"replay": self.replay, "video": self.video}

@@ -123,7 +123,11 @@ def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
     lower = low if mechanics.lower is None else mechanics.lower
     upper = high if mechanics.upper is None else mechanics.upper
     inside = max(low, lower), min(high, upper)
-    return inside if inside[0] < inside[1] else (lower, upper)
+    if inside[0] < inside[1]:
+        return inside
+    if mechanics.upper is None:
+        return lower, lower + high - low
+    return (upper - high + low, upper) if mechanics.lower is None else (lower, upper)
 
 
 def _clearness(seen: _Seen, size: float) -> float:

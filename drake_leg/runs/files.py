@@ -13,15 +13,11 @@ from drake_leg.figures.style import save
 from drake_leg.runs.outcome import Outcome
 
 
-def figure_files(
-    name: str, title: str, outcome: Outcome
-) -> Iterator[tuple[str, Callable[[Path], None]]]:
+def figure_files(title: str, outcome: Outcome) -> Iterator[tuple[str, Callable[[Path], None]]]:
     """Name a run's figures, and tell how each is written.
 
     Parameters
     ----------
-    name : str
-        Of the run, as on the command line.
     title : str
         Of the run, for the figures.
     outcome : Outcome

@@ -10,7 +10,11 @@ from typing import Any
 import numpy as np
 
 from drake_leg.diagrams.control import Control
-from drake_leg.errors import ForeseenSingularityError, SingularConfigurationError
+from drake_leg.errors import (
+    ForeseenSingularityError,
+    InvalidValueError,
+    SingularConfigurationError,
+)
 from drake_leg.kinematics.arms import Arm, ChainArm, ClosedArm, loses_turning
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.encounter import Encounter, Forecast, SineStep, encounter_at
@@ -143,6 +147,10 @@ def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
         If one makes no sense.
     """
     rate = options.rate_limit
+    if rate is not None and all(joint.row.joint == "prismatic" for joint in joints):
+        raise InvalidValueError(
+            "the rate limit is for joints that turn, and none of these does: leave it out"
+        )
     inverse = Inverse(
         method=options.inverse,
         damped_below=options.damped_below,

@@ -6,14 +6,16 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from drake_leg.figures.of_runs import Subject
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 from drake_leg.simulation import Run
+
+if TYPE_CHECKING:
+    from drake_leg.figures.of_runs import Subject
 
 
 @dataclass(frozen=True, kw_only=True)

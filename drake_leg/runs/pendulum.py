@@ -253,8 +253,8 @@ def _ill_conditioned(growth: float, rate: float) -> str | None:
     if growth < ILL_CONDITIONED:
         return None
     return (
-        f"the start is ill-conditioned: it passes where every tiny error grows by "
-        f"exp({rate:.3g} t), as upright, in all {growth:.1g} times"
+        f"the motion is ill-conditioned: near upright every tiny error grows as exp({rate:.3g} t), "
+        f"over the run by a factor of {growth:.1g}"
     )
 
 

@@ -18,6 +18,7 @@ ERROR_OF_STEPS = 3e-4  # measured: error = this (w h)^5 w t times the amplitude
 ORDER = 5
 MOST = 500_000  # steps: about a minute
 MOST_IMPLICIT = 20_000
+LONGEST_OSCILLATION = 3e4  # [rad]: what the exact motion is compared with in minutes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +83,8 @@ def steps_of(model: PendulumModel, duration: float, away: float) -> Steps:
         growth=rate / ORDER,
     )
     steps = _coarser(replace(steps, longest=max(steps.first, steps.longest)), duration)
-    if steps.longest < longest and steps.count(duration) > MOST:
+    endless = frequency > decay and frequency * duration > LONGEST_OSCILLATION
+    if endless or (steps.longest < longest and steps.count(duration) > MOST):
         raise InvalidValueError(_too_stiff(steps, duration, overdamped=frequency <= decay))
     return steps
 

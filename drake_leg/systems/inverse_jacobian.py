@@ -195,7 +195,7 @@ class InverseJacobian(LeafSystem):
         float
             [s]; infinite where the rates have no kink in it.
         """
-        if self._task.regime is None:
+        if self._task.regime is None or not self._a.HasValue(context):
             return math.inf
         q, v, rates = self._q.Eval(context), self._v.Eval(context), self._qdot.Eval(context)
         w = self._w.Eval(context) if self._w.HasValue(context) else rates

@@ -251,9 +251,9 @@ def _substep(
             moved = _advance(task.rates, q, share * v, span)
         if drive.sigma_min(moved) < min(drive.stop, before) or _crossed(task, q, moved):
             return q, 0.0, singular_words(drive, q)
-    beyond = _joint_beyond(drive.robot, q, moved)
-    if beyond:
-        return q, 0.0, f"the joint {beyond} is at its limit"
+    stopped = _joint_beyond(drive.robot, q, moved)
+    if stopped:
+        return q, 0.0, f"the joint {stopped} is at its limit"
     return moved, share, obstacle
 
 
@@ -280,8 +280,8 @@ def _crossed(task: Task, q: Array, moved: Array) -> bool:
 def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
     """Name a joint that goes further out of its limits."""
     for segment, now, then in zip(robot.moving, q, moved, strict=True):
-        low, high = segment.mechanics.bounds
-        if beyond(then, min(low, now), max(high, now)):
+        outside = beyond(then, *segment.mechanics.bounds)
+        if outside * (then - now) > 0.0:
             return segment.joint
     return None
 

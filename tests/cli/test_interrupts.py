@@ -80,7 +80,7 @@ def test_a_signal_ends_a_run_and_saves_what_was_recorded(number, no_figures, mon
 def test_a_second_signal_waits_until_the_first_ones_data_are_saved(
     number, monkeypatch, no_figures, capsys
 ):
-    first, second = come(signal.SIGINT), come(number, signal.SIGINT)
+    first, second = come(signal.SIGINT), come(number)
     monkeypatch.setattr(ProgressBar, "__call__", lambda self, done: first() if done > 0.5 else None)
     write = outcome.Outcome.write
     monkeypatch.setattr(outcome.Outcome, "write", before_it(write, second))
@@ -88,6 +88,17 @@ def test_a_second_signal_waits_until_the_first_ones_data_are_saved(
     assert summary_of("out")["stop_reason"] == "interrupted"
     assert inside() == ["out"]
     assert inside("out") == [LIST, "recording.csv", "summary.json"]
+
+
+@pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
+def test_two_signals_end_a_comparison_that_takes_for_ever(number, monkeypatch, capsys):
+    from drake_leg.runs import leg
+
+    act = come(signal.SIGINT, number)
+    monkeypatch.setattr(leg, "outcome_of", before_it(leg.outcome_of, act))
+    assert main(["run", "leg-b", "--out", "out", "--duration", "0.2"]) == 128 + number
+    assert "interrupted" in capsys.readouterr().err
+    assert inside() == []
 
 
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)

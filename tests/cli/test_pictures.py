@@ -93,7 +93,7 @@ def options_of(name):
 def made(request):
     kind, options = options_of(request.param)
     outcome = kind.run(options, None)
-    figures = [name for name, _ in files.figure_files(request.param, kind.title, outcome)]
+    figures = [name for name, _ in files.figure_files(kind.title, outcome)]
     return Made(request.param, kind, outcome, figures)
 
 
@@ -114,7 +114,8 @@ def test_each_figure_of_each_run_fails_alone(made, monkeypatch, capsys):
         )
         pictures = Pictures()
         run._draw(made.name, made.kind, made.outcome, folder, pictures)
-        assert pictures.failed == 1
+        assert len(pictures.failures) == 1
+        pictures.say_failures()
         assert capsys.readouterr().err == (
             f"drake-leg: the figure {failing} was not made (ValueError: max() arg is an empty "
             f"sequence): {REPORT}\n"

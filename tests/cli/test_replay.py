@@ -73,6 +73,25 @@ def test_a_page_is_named_after_its_run(summary, title, note):
     assert re.findall("<summary>(.*?)</summary>", page) == note
 
 
+def test_a_recording_in_milliseconds_ends_where_its_summary_says(capsys):
+    text = Path("leg/recording.csv").read_text(encoding="utf-8")
+    head, *rows = text.replace("time[s]", "time[ms]").splitlines()
+    place = head.split(",").index("time[ms]")
+    for number, row in enumerate(rows):
+        cells = row.split(",")
+        cells[place] = repr(1e3 * float(cells[place]))
+        rows[number] = ",".join(cells)
+    Path("leg/recording.csv").write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
+    summary = {"robot": "leg_b", "rows": len(rows), "duration_s": 0.5}
+    Path("leg/summary.json").write_text(json.dumps(summary))
+    assert main(["replay", "leg", "--out", "leg.html"]) == 0
+    summary["duration_s"] = 0.4
+    Path("leg/summary.json").write_text(json.dumps(summary))
+    assert "ends at 0.5 s and summary.json tells of 0.4 s" in refused(
+        capsys, "leg", "--out", "b.html"
+    )
+
+
 def test_a_page_opens_with_the_view_asked_for():
     assert main(["replay", "leg", "--out", "leg.html", "--from", "top"]) == 0
     page = Path("leg.html").read_text(encoding="utf-8")

@@ -193,8 +193,9 @@ def teleop(subject):
         return
     before, after = (subject.witness.foot(one.q)[:3, 3] for one in (start, step))
     np.testing.assert_allclose(step.foot, after, atol=1e-9 * subject.size)
-    if step.share is not None and step.state == "free" and subject.count == 3:
-        np.testing.assert_allclose(after - before, velocity * dt, atol=1e-4 * dt)
+    if step.share is not None and step.state == "free" and not drive.wanders:
+        wanted = drive.task.twists[3:] @ drive.task.command(velocity)
+        np.testing.assert_allclose(after - before, wanted * dt, atol=1e-4 * dt)
 
 
 def check(subject):

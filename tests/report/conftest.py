@@ -15,23 +15,24 @@ def folder(tmp_path_factory, worker_id):
     shared = base if worker_id == "master" else base.parent  # of all processes of these tests
     report, scratch = shared / "report", shared / "report.part"
     try:
-        scratch.mkdir()
+        (shared / "report.claimed").mkdir()
     except FileExistsError:
-        _wait_for(report, scratch)
+        _wait_for(report, shared / "report.failed")
         return report
     try:
+        scratch.mkdir()
         told = []
         write_report(scratch, told.append)
         assert told == list(range(1, STAGES + 1))
         return scratch.rename(report)
     except BaseException:
-        scratch.rename(shared / "report.failed")
+        (shared / "report.failed").touch()
         raise
 
 
-def _wait_for(report, scratch):
+def _wait_for(report, failed):
     deadline = time.monotonic() + PATIENCE
-    while scratch.exists() and time.monotonic() < deadline:
+    while not (report.exists() or failed.exists()) and time.monotonic() < deadline:
         time.sleep(0.5)
     assert report.exists(), "the process that makes the page did not make it"
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drake_leg.errors import JointLimitError
+from drake_leg.errors import InvalidValueError, JointLimitError
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.rate_box import MARGIN
 from drake_leg.quantities import AT_LIMIT, beyond, in_words, joint_entries
@@ -98,6 +98,13 @@ def test_a_push_over_a_limit_is_said_to_be_one():
     reason = run_robot(robot, pushed).summary["stop_reason"]
     assert "joint knee is at" in reason
     assert reason.endswith("or a weaker disturbance")
+
+
+def test_a_rate_limit_means_nothing_where_no_joint_turns():
+    gantry = read_robot(SLIDING, "gantry.toml")
+    options = StraightOptions(q0=[0.0, 0.0, 0.0], inverse="limited", rate_limit=10.0)
+    with pytest.raises(InvalidValueError, match="none of these does: leave it out"):
+        run_robot(gantry, options)
 
 
 def test_three_sliding_joints_step_stop_and_brake_in_metres():

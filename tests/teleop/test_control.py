@@ -234,6 +234,13 @@ def test_three_sliding_joints_without_a_length_are_driven_up_to_a_limit():
     assert stopped.q[0] <= 0.1
 
 
+def test_however_slowly_a_joint_is_driven_it_stays_within_its_limit():
+    drive, q = drive_of(read_robot(GANTRY, "gantry.toml")), [0.0001, 0.0, 0.0]
+    for _ in range(400):
+        q = control_step(drive, q, [0.0, 0.0, -2e-5], DT).q
+    assert -1e-6 - 1e-12 <= q[0] <= 0.0
+
+
 def test_a_joint_at_its_limit_within_rounding_is_driven_along_it():
     drive = drive_of(read_robot(GANTRY, "gantry.toml"))
     along = control_step(drive, [-1.63e-21, 0.0, 0.0], [0.1, 0.0, -1e-9], DT)
