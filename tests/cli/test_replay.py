@@ -85,6 +85,7 @@ def test_a_recording_in_milliseconds_ends_where_its_summary_says(capsys):
     summary = {"robot": "leg_b", "rows": len(rows), "duration_s": 0.5}
     Path("leg/summary.json").write_text(json.dumps(summary))
     assert main(["replay", "leg", "--out", "leg.html"]) == 0
+    capsys.readouterr()
     summary["duration_s"] = 0.4
     Path("leg/summary.json").write_text(json.dumps(summary))
     assert "ends at 0.5 s and summary.json tells of 0.4 s" in refused(

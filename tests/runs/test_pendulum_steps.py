@@ -70,7 +70,7 @@ def test_there_are_never_too_many_steps(stiffness, damping):
     try:
         steps = steps_of(model, 30.0, 0.5)
     except InvalidValueError:
-        assert stiffness == 1e6
+        assert stiffness >= 1e5
         return
     assert steps.count(30.0) <= 1.001 * MOST
     assert 0.0 < steps.first <= steps.longest <= 0.002
