@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from drake_leg.feet import Feet, Solution, feet, lift_limits, limits_of
 from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.chain_stroke import chain_stroke
+from drake_leg.kinematics.chain_task import size_of
 from drake_leg.kinematics.euler import euler_angles
-from drake_leg.kinematics.foot_line import (
-    Steering,
-    chain_length,
-    outside,
-    steered,
-    steering,
-    straight_way,
-)
+from drake_leg.kinematics.foot_task import STRAIGHT, foot_task, freedoms, turns_on_its_way
 from drake_leg.kinematics.khalil import foot_pose, jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, is_hexabot_leg
 from drake_leg.kinematics.scara import ScaraGeometry, is_scara, task_jacobian
@@ -36,11 +31,11 @@ from drake_leg.kinematics.stroke import (
     leg_stroke,
     scara_stroke,
 )
-from drake_leg.quantities import require_positive
+from drake_leg.kinematics.task import Task
+from drake_leg.quantities import beyond, require_positive
 from drake_leg.robot import Robot, Segment
 
 ROUNDING = 1e-13  # of the length: singular values that are none
-LEAVING = 1e-4  # of the length: where a foot with few joints has left a line that it cannot follow
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,12 +192,14 @@ def examine_posture(
     patient = _patient(robot)
     lifted = _lifted(robot, q)
     X_BF = foot_pose(robot.rows, lifted)
-    rank = examine(patient.jacobian(q), ROUNDING * chain_length(robot.rows))
-    how = steering(robot.rows)
+    size = size_of(robot.rows)
+    rank = examine(patient.jacobian(q), ROUNDING * size)
+    most = freedoms(robot.rows)[0].rank
+    task = foot_task(robot, lifted) if most else None
     forward = backward = None
-    if patient.is_regular(q, rank, how):
-        forward = _limited(robot, patient, q, direction, how)
-        backward = _limited(robot, patient, q, [-value for value in direction], how)
+    if patient.is_regular(lifted, rank, task):
+        forward = _limited(robot, patient, q, direction, task)
+        backward = _limited(robot, patient, q, [-value for value in direction], task)
     x, y, z = X_BF[:3, 3].tolist()
     yaw_there, pitch, roll = euler_angles("ZYX", X_BF[:3, :3]).tolist()
     many = len(robot.moving) > 3
@@ -211,11 +208,11 @@ def examine_posture(
         orientation=(roll, pitch, yaw_there),
         moved=patient.moved,
         rank=rank,
-        most_rank=min(patient.most_rank(how), rank.full_rank),
-        whole=examine_whole(robot.rows, lifted, chain_length(robot.rows)) if many else None,
+        most_rank=min(most, rank.full_rank),
+        whole=examine_whole(robot.rows, lifted, size) if many else None,
         nearness=tuple(sorted(patient.nearness(q), key=lambda near: near.measure)),
         outside=_outside(robot, q),
-        holds_orientation=how.holds,
+        holds_orientation=task is not None and task.keeps_orientation,
         forward=forward,
         backward=backward,
         greatest_amplitude=greatest_amplitude(forward, frequency) if forward else None,
@@ -234,30 +231,41 @@ def _lifted(robot: Robot, q: Sequence[float]) -> Sequence[float]:
 def _outside(robot: Robot, q: Sequence[float]) -> tuple[Outside, ...]:
     joints = robot.moving[: len(q)]
     return tuple(
-        Outside(segment=joints[index], position=float(q[index]))
-        for index in outside(q, limits_of(joints))
+        Outside(segment=joint, position=float(position))
+        for joint, position, (low, high) in zip(joints, q, limits_of(joints), strict=True)
+        if beyond(position, low, high)
     )
 
 
 def _limited(
-    robot: Robot, patient: _Patient, q: Sequence[float], direction: Sequence[float], how: Steering
+    robot: Robot,
+    patient: _Patient,
+    q: Sequence[float],
+    direction: Sequence[float],
+    task: Task | None,
 ) -> Stroke:
     """Return the way to the first singularity, or to the limit of a joint that comes before it."""
     lifted, limits = _lifted(robot, q), limits_of(robot.moving)
-    already = outside(lifted, limits)
+    already = _outside(robot, lifted)
     if already:
-        return Stroke(length=0.0, family=None, joint=robot.moving[already[0]].joint)
+        return Stroke(length=0.0, family=None, joint=already[0].segment.joint)
     known = patient.stroke(q, direction)
     if known is not None and not np.isfinite(limits).any():
         return known
-    farthest = None if known is None else known.length
-    way = straight_way(robot.rows, lifted, direction, how, limits, farthest)
-    joint = None if way.joint is None else robot.moving[way.joint].joint
-    if known is not None and joint is None:
+    names = [str(joint.joint) for joint in robot.moving]
+    found = chain_stroke(
+        robot.rows,
+        lifted,
+        direction,
+        task=task,
+        farthest=None if known is None else known.length,
+        limits=dict(zip(names, limits, strict=True)),
+    ).stroke
+    if known is not None and found.joint is None:
         return known
-    leaves = joint is None and way.length < LEAVING * chain_length(robot.rows)
-    length = 0.0 if leaves and how.twists.shape[1] > len(limits) else way.length
-    return Stroke(length=length, family=None, joint=joint)
+    curved = task is not None and turns_on_its_way(robot, task)
+    leaves = curved and found.joint is None and found.length < STRAIGHT * size_of(robot.rows)
+    return replace(found, length=0.0) if leaves else found
 
 
 def _finite(value: float | None) -> float | None:
@@ -309,14 +317,11 @@ class _Patient:
     def jacobian(self, q: Sequence[float]) -> Array:
         return jacobian(self._robot.rows, q)[3:]
 
-    def most_rank(self, how: Steering) -> int:
-        return how.position_rank
-
-    def is_regular(self, q: Sequence[float], _rank: RankReport, how: Steering) -> bool:
-        J = steered(self._robot.rows, _lifted(self._robot, q), how)
-        most = how.pose_rank if how.holds else how.position_rank
-        least = ROUNDING * chain_length(self._robot.rows)
-        return bool(examine(J, least).rank >= min(most, *J.shape))
+    def is_regular(self, q: Sequence[float], _rank: RankReport, task: Task | None) -> bool:
+        if task is None:
+            return True
+        J = np.array(task.row_lengths)[:, np.newaxis] * task.jacobian(q)
+        return examine(J, ROUNDING * size_of(self._robot.rows)).rank == task.size
 
     def nearness(self, _q: Sequence[float]) -> list[Nearness]:
         return []
@@ -370,10 +375,7 @@ class _Scara(_Patient):
         one_vector("q", q, len(q))
         return task_jacobian(self._arm, q[:3])[:2, :2]
 
-    def most_rank(self, _how: Steering) -> int:
-        return 2
-
-    def is_regular(self, _q: Sequence[float], rank: RankReport, _how: Steering) -> bool:
+    def is_regular(self, _q: Sequence[float], rank: RankReport, _task: Task | None) -> bool:
         return rank.rank == rank.full_rank
 
     def nearness(self, q: Sequence[float]) -> list[Nearness]:

@@ -10,12 +10,12 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import within_turns
-from drake_leg.kinematics.chain_inverse import find_postures
+from drake_leg.kinematics.chain_inverse import Limits, find_postures
 from drake_leg.kinematics.euler import euler_rotation
-from drake_leg.kinematics.foot_line import LIMIT_ROUNDING, Limits
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import branches
 from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, is_scara
+from drake_leg.quantities import beyond
 from drake_leg.robot import Robot, Segment
 
 
@@ -169,7 +169,7 @@ def _scara_feet(
     ]
     low, high = limits[3]
     heading = f"both branches, in closed form, at yaw {math.degrees(yaw):.6g} deg, {whose}"
-    if not low - LIMIT_ROUNDING <= lift <= high + LIMIT_ROUNDING:
+    if beyond(lift, low, high):
         heading += (
             f"; the lift would be at {lift:.6g} m, outside {low:.6g} ... {high:.6g} m: the tool is "
             f"{arm.height - high:.6g} ... {arm.height - low:.6g} m high"
@@ -231,7 +231,7 @@ def _solution(robot: Robot, name: str, q: Sequence[float], limits: Limits) -> So
     inside = all(
         within_turns(value, low, high)
         if segment.row.joint == "revolute"
-        else low - LIMIT_ROUNDING <= value <= high + LIMIT_ROUNDING
+        else not beyond(value, low, high)
         for value, (low, high), segment in zip(q, limits, robot.moving, strict=True)
     )
     return Solution(name=name, q=tuple(np.asarray(q).tolist()), within_limits=inside)

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.foot_line import Limits, chain_length
+from drake_leg.kinematics.chain_task import LEAST_LEVER, size_of
 from drake_leg.kinematics.khalil import foot_pose, jacobian, moving_rows
+from drake_leg.quantities import AT_LIMIT
 from drake_leg.robot import Row
 
 STARTS = 400  # random postures
@@ -21,8 +22,9 @@ REACHED = 1e-10  # of the length
 SAME = 1e-5  # [rad, or of the length]: postures that differ by less are one
 STUCK = 1e3  # damping from which on nothing moves any more
 LARGEST_STEP = 0.6  # [rad]
-LEAST_LEVER = 1e-3  # of the length: a joint on a shorter one is taken not to move the foot
 SHOWN = 4  # postures of infinitely many
+
+Limits = Sequence[tuple[float, float]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +90,7 @@ class _Search:
 
     def __init__(self, rows: Sequence[Row], goal: Array, *, turning: bool, limits: Limits) -> None:
         self._rows, self._goal = rows, goal
-        self.size = chain_length(rows)
+        self.size = size_of(rows)
         revolute = [rows[index].joint == "revolute" for index in moving_rows(rows)]
         self._turns = np.array(revolute)
         self._scale = np.where(self._turns, 1.0, self.size)
@@ -187,7 +189,7 @@ class _Search:
 
         def order(index: int) -> tuple[bool, list[float]]:
             one = placed[index]
-            out = bool(((one < self._low - 1e-9) | (one > self._high + 1e-9)).any())
+            out = bool(((one < self._low - AT_LIMIT) | (one > self._high + AT_LIMIT)).any())
             return out, np.round(one, 6).tolist()
 
         chosen.sort(key=order)
@@ -196,9 +198,9 @@ class _Search:
     def _turned(self, q: Array) -> Array:
         turn = 2.0 * math.pi
         wrapped = math.pi - np.mod(math.pi - q, turn)
-        up = wrapped + turn * np.maximum(np.ceil((self._low - wrapped) / turn - 1e-9), 0.0)
-        down = up - turn * np.maximum(np.ceil((up - self._high) / turn - 1e-9), 0.0)
-        placed = np.where(down >= self._low - 1e-9, down, wrapped)
+        up = wrapped + turn * np.maximum(np.ceil((self._low - AT_LIMIT - wrapped) / turn), 0.0)
+        down = up - turn * np.maximum(np.ceil((up - self._high - AT_LIMIT) / turn), 0.0)
+        placed = np.where(down >= self._low - AT_LIMIT, down, wrapped)
         return np.where(self._turns, placed, q)
 
     def _is_same(self, a: Array, b: Array) -> bool:

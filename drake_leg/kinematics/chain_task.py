@@ -24,6 +24,7 @@ from drake_leg.kinematics.task import Floats, Task
 from drake_leg.robot import Row
 
 SAMPLES = 256  # postures that tell what a chain can do
+LEAST_LEVER = 1e-3  # of the chain's length: what has a shorter one is taken not to move the foot
 
 
 class _Posture(NamedTuple):

@@ -11,7 +11,7 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain_stroke import chain_stroke
-from drake_leg.kinematics.chain_task import chain_task, sampled_postures, size_of
+from drake_leg.kinematics.chain_task import LEAST_LEVER, chain_task, sampled_postures, size_of
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg, leg_task
 from drake_leg.kinematics.task import Task
@@ -235,7 +235,7 @@ def _freedom(J: Array, size: float) -> Freedom:
     """Compare what one posture can do with what all together can, (samples, 6, n)."""
     scaled = np.array([size] * 3 + [1.0] * 3)[:, np.newaxis] * J
     each = np.linalg.svd(scaled, compute_uv=False)
-    greatest = float(each.max()) or 1.0
+    greatest = max(float(each.max()), LEAST_LEVER * size)
     rank = int((each > RANK_TOLERANCE * greatest).sum(axis=1).max())
     U, sigma, _ = np.linalg.svd(np.hstack(list(scaled)), full_matrices=False)
     together = int((sigma > RANK_TOLERANCE * greatest).sum())

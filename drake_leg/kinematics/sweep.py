@@ -125,6 +125,25 @@ def foot_jacobian_rate(here: Sweep, qdot: Sequence[float]) -> Array:
     return np.array(columns, dtype=np.float64).T
 
 
+def twist_between(here: Sweep, goal: Sweep) -> Array:
+    """Twist that takes the foot from one pose to another; a small one is exact.
+
+    Parameters
+    ----------
+    here, goal : Sweep
+        The chain in two postures.
+
+    Returns
+    -------
+    (6,) ndarray
+        Turning, then translation, base frame.
+    """
+    turning = ZERO
+    for axis, there in zip(here.rotation, goal.rotation, strict=True):
+        turning = _sum(1.0, turning, 0.5, _cross(axis, there))
+    return np.array([*turning, *_sum(1.0, goal.foot, -1.0, here.foot)])
+
+
 def _sum(a: float, u: Vector, b: float, v: Vector) -> Vector:
     return a * u[0] + b * v[0], a * u[1] + b * v[1], a * u[2] + b * v[2]
 

@@ -17,18 +17,22 @@ from chains import (
     SLIDER,
     SPINDLE,
     TILTED,
+    chain_of,
+    fixed,
+    turn,
 )
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.foot_task import (
     first_direction,
     foot_task,
+    freedoms,
     require_direction,
     turns_on_its_way,
 )
 from drake_leg.kinematics.khalil import jacobian, jacobian_rate_bias
 from drake_leg.robot import Row
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 
 def with_offset(robot, offset):
@@ -86,6 +90,23 @@ def test_the_foot_keeps_its_orientation_where_the_joints_can(robot, twists):
     np.testing.assert_allclose(task.twists.T @ task.twists, np.eye(task.size), atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("robot", "holds", "told", "pose", "position"),
+    [
+        (LEG_B, False, 3, 3, 3),
+        (PUMA, True, 6, 6, 3),
+        (SCARA, True, 4, 4, 3),
+        (PLANAR_3, True, 3, 3, 2),
+        (PENDULUM, False, 1, 1, 1),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_what_a_foot_can_be_told(robot, holds, told, pose, position):
+    task = foot_task(robot)
+    assert (task.keeps_orientation, task.size) == (holds, told)
+    assert [freedom.rank for freedom in freedoms(robot.rows)] == [position, pose]
+
+
 def test_a_tilted_plane_has_directions_of_its_own():
     task = foot_task(TILTED)
     normal = np.array([0.0, -np.sin(0.3), np.cos(0.3)])
@@ -117,6 +138,9 @@ def test_a_pose_that_cannot_be_kept_is_refused(robot):
 def test_a_foot_that_nothing_moves_is_refused():
     with pytest.raises(InvalidValueError, match="no joint of 'spindle' moves its foot"):
         foot_task(SPINDLE)
+    there_and_back = chain_of([turn(), fixed(d=0.3, theta=np.pi), fixed(d=0.3)])
+    with pytest.raises(InvalidValueError, match="no joint of 'chain' moves its foot"):
+        foot_task(there_and_back)  # its lever is what sin(pi) is off zero
     with pytest.raises(InvalidValueError, match="q0 has 2 numbers; leg_a has 3 joint positions"):
         foot_task(LEG_A, [0.0, 1.0])
 

@@ -4,12 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from chains import PLANAR_4
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.chain_stroke import chain_stroke
-from drake_leg.kinematics.foot_task import foot_task
-from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
 from drake_leg.kinematics.scara import ScaraGeometry
@@ -121,32 +117,3 @@ def test_a_scaras_stroke_ends_where_the_arm_is_flat(rng):
 def test_a_scaras_stroke_is_horizontal():
     with pytest.raises(InvalidValueError, match="horizontal"):
         scara_stroke(ScaraGeometry.from_robot(SCARA), [0.0, 1.0, 0.0], [0.0, 0.0, 1.0])
-
-
-def test_a_chains_stroke_is_the_closed_forms(rng):
-    leg = LegGeometry.from_robot(LEG_B)
-    for _ in range(5):
-        q, d = random_posture(rng), random_direction(rng)
-        numeric = chain_stroke(LEG_B.rows, q, d).stroke
-        assert numeric.family is None
-        assert numeric.length == pytest.approx(leg_stroke(leg, q, d).length, abs=1e-7)
-
-
-@pytest.mark.parametrize("keep", ["position", "pose"])
-def test_a_redundant_chain_goes_to_where_it_is_stretched(keep):
-    q = np.radians([20.0, 60.0, 30.0, 10.0])
-    x, y, _ = foot_pose(PLANAR_4.rows, q)[:3, 3]
-    yaw, reach = q.sum(), 0.8
-    if keep == "pose":  # the last link keeps its direction
-        x, y, reach = x - 0.1 * np.cos(yaw), y - 0.1 * np.sin(yaw), 0.7
-    task = foot_task(PLANAR_4, q.tolist(), keep)
-    found = chain_stroke(PLANAR_4.rows, q, [1.0, 0.0, 0.0], task=task)
-    assert found.stroke.length == pytest.approx(np.sqrt(reach**2 - y**2) - x, abs=1e-7)
-    assert np.ptp(found.q[1:3]) < 1e-3  # straight
-    near = chain_stroke(PLANAR_4.rows, q, [1.0, 0.0, 0.0], task=task, farthest=0.01)
-    assert near.stroke.length == np.inf
-
-
-def test_posture_and_chain_have_as_many_joints():
-    with pytest.raises(InvalidValueError, match="must be 4 long"):
-        chain_stroke(SCARA.rows, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0])
