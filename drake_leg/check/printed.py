@@ -23,6 +23,7 @@ from drake_leg.check.samples import Sampler
 from drake_leg.check.shifts import repaired
 from drake_leg.check.singular_sets import grade_singular_sets
 from drake_leg.check.table import lint_table
+from drake_leg.check.text_words import in_words_of_text
 from drake_leg.check.unused import unused_definitions
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Robot
@@ -80,7 +81,8 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     if printed.singular:
         rng = np.random.default_rng(seed)
         findings += grade_singular_sets(robot, printed, reader, rng)
-    return [*findings, *unused_definitions(printed), *printed.unread]
+    findings += [*unused_definitions(printed), *printed.unread]
+    return list(map(in_words_of_text, findings)) if printed.as_text else findings
 
 
 def _bindings(printed: Printed, reader: Reader, sampler: Sampler) -> list[Binding]:

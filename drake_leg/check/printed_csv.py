@@ -27,9 +27,9 @@ _SETTINGS = ("title", "angles", "lengths")
 _FRAME_WORDS = ("frame", "number", "i", "j", "row", "link", "joint", "n", "#")
 _SPELLINGS = {"α": "alpha", "σ": "sigma", "θ": "theta", "ϑ": "theta"}
 _STATEMENT = re.compile(
-    r"\s*(?:\$\$?|\\\[|\\\()?\s*(?P<name>[^=;\t]{1,60}?)\s*&?\s*:?=(?P<rest>.*)$"
+    r"\s*(?:\$\$?|\\\[|\\\()?\s*(?P<name>[^=;\t]{1,60}?)\s*+&?\s*+:?=(?P<rest>.*)$"
 )
-_HEADED = re.compile(r"\s*(?P<name>[^=,;\t:]{1,40}?)\s*:(?!=)(?P<rest>.*)$")  # T12: and its rows
+_HEADED = re.compile(r"\s*(?P<name>[^=,;\t:]{1,40}?)\s*+:(?!=)(?P<rest>.*)$")  # T12: and its rows
 _OPENING = re.compile(
     r"\\begin\s*\{[a-z]*(?:matrix|array|tabular)|[\[⎡]|(?:(?<==)|^)\s*\{|"
     r"\b(?:[A-Za-z]+\.)?(?:Immutable|Mutable)?(?:Dense)?(?:Matrix|matrix|array|sym)\s*\("
@@ -42,13 +42,13 @@ _FENCE = re.compile(r"\s*(?:```.*|~~~.*|\$\$|\\\[|\\\])\s*$")
 _EMPHASIS = re.compile(r"^(\s*)(\*\*|__|`)([^*`]{1,40}?)\2(?=\s*[:=]|\s*$)")
 _COMMENT = re.compile(r"(?<=\S)\s*(?<!\\)(?:%|//|#(?!\s*[|,;\t])).*$")
 _PROSE = re.compile(r"(?:[^\W\d_]+[-'.,:!?()]* +){2,}[^\W\d_]+[-'.,:!?()]*")
-_EQUATION = re.compile(r"\s*([^=,;\t|&]{1,40}?)\s*&?\s*:?=\s*(.+?)\s*;?\s*$")
+_EQUATION = re.compile(r"\s*+([^=,;\t|&]{1,40}?)\s*+&?\s*+:?=(.*[^\s;].*)$")
 _SINGULAR = re.compile(
     r"\s*\$?(?:\\?det\b|\|)[^=]{1,20}=\s*0\s*"
     r"(?:(?:when|if|iff|for|where|at|si|pour|lorsque|quand)\b|[⇔⟺⇒⟹]|<?=>|\\[a-zA-Z]+)"
 )
 _DETERMINANT = re.compile(r"\s*(\|[^|=]{1,20}\|)\s*[,;=\t]\s*(.+)")
-_SETTING = re.compile(r"(title|angles|lengths)\s*[,;\t:=]\s*(.+?)[,;\s]*$", re.IGNORECASE)
+_SETTING = re.compile(r"(title|angles|lengths)\s*+[,;\t:=](.+)$", re.IGNORECASE)
 _SINGULAR_LINE = re.compile(
     r"singular(?:ity|ities)?(?: postures?| positions?| configurations?)?\s*[,;\t:=]\s*(.+)$",
     re.IGNORECASE,
@@ -236,12 +236,12 @@ def _equations(line: str) -> list[tuple[str, str]]:
         r"^(?:\$\$?|\\\[|\\\()|(?:\$\$?|\\\]|\\\))[.,;]?$|\\\\$", "", line.strip()
     ).strip()
     found = _EQUATION.match(line)
-    if not found or "|" in found[1]:
+    if not found or len(line) > _LONGEST_LINE:
         return []
     parts = [_EQUATION.match(part) for part in re.split(r"[,;]", line) if part.strip()]
     if all(parts):
-        return [(_JOINING.sub("", part[1]), part[2]) for part in parts if part]
-    return [(found[1], found[2])]
+        return [(_JOINING.sub("", part[1]), part[2].strip(" ;\t")) for part in parts if part]
+    return [(found[1], found[2].strip(" ;\t"))]
 
 
 def _is_prose(line: str) -> bool:
@@ -268,7 +268,7 @@ class _Reading:
         if self._heading is None and not bare.startswith(("#", "%", "//")):
             setting = _SETTING.match(bare)
             if setting:
-                self._add_pair(setting[1], setting[2], number)
+                self._add_pair(setting[1], setting[2].strip(" ,;\t"), number)
                 return
             singular = _SINGULAR_LINE.match(bare)
             if singular:

@@ -48,6 +48,7 @@ class Printed:
     """A print as typed."""
 
     origin: str  # name of the file
+    as_text: bool = False  # whether that is text, and no TOML
     angles: str | None = None  # deg or rad, of bare numbers in a table
     lengths: str | None = None  # mm, cm or m, of bare numbers
     symbols: Mapping[str, float] = field(default_factory=dict)  # name to value in these units
@@ -81,7 +82,7 @@ def read_printed(path: Path) -> Printed:
     csv = path.suffix.lower() != ".toml"
     document = parse_csv(text, where) if csv else parse_document(text, where)
     unread = [unread_part(*part) for part in document.pop("unread", ())] if csv else []
-    return printed_of_document(document, where, unread)
+    return replace(printed_of_document(document, where, unread), as_text=csv)
 
 
 def is_print(document: Mapping[str, Any]) -> bool:

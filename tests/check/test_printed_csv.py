@@ -1,5 +1,7 @@
 """Text prints line by line: nothing that stands in one is lost without a word."""
 
+import time
+
 import pytest
 
 from drake_leg.check.findings import errors, not_understood
@@ -122,3 +124,25 @@ def test_what_cannot_be_read_has_its_line():
 def test_rows_are_said_of_all_matrices_of_a_name():
     document = parse_csv("J = [1 2]\nJ = [3 4]\nrows,J,x", "print.txt")
     assert [matrix["rows"] for matrix in document["matrix"]] == [["x"], ["x"]]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("T12 = [c2 -s2 0 L9; 0 0 1 0; -s2 -c2 0 0]", "formula in a line of its own, as a = 50"),
+        (TABLE.replace("50", "L9"), "say its value in a line of its own, as L1 = 50"),
+    ],
+)
+def test_advice_is_what_a_text_says(graded, text, said):
+    (finding,) = graded("angles,deg\n" + LENGTHS + "\n" + text)
+    assert said in finding.remedy
+    assert "[" not in finding.remedy
+
+
+@pytest.mark.parametrize(
+    "line", ["a" + " " * 50_000 + "b", "a = " + " " * 9_000 + "b", "x " * 30_000, "[" * 20_000]
+)
+def test_a_long_line_is_answered_at_once(line):
+    begin = time.process_time()
+    parse_csv(f"{line}\nT12 = {line}\n", "print.txt")
+    assert time.process_time() - begin < 1.0
