@@ -118,9 +118,11 @@ def _named(letter: str, first: int, last: int) -> MatrixName:
 
 
 def _step(name: str) -> MatrixName | None:
-    """Read A2, the pose of frame 2 in frame 1."""
-    found = re.fullmatch(r"a_?([1-9])", name)
-    return _named("a", int(found[1]) - 1, int(found[1])) if found else None
+    """Read A2, the pose of frame 2 in frame 1, and P4, the position of frame 4 in frame 0."""
+    found = re.fullmatch(r"([ap])_?([1-9])", name)
+    if not found:
+        return None
+    return _named(found[1], int(found[2]) - 1 if found[1] == "a" else 0, int(found[2]))
 
 
 def _jacobian(name: str) -> MatrixName | None:
@@ -131,7 +133,7 @@ def _jacobian(name: str) -> MatrixName | None:
         inner = inner[1:-1]
     found = re.fullmatch(
         rf"(?:\^?0)?{_JACOBIAN}_?(v|p|w|omega|o)?_?(?:0\d?)?(?:_?[1-9][x*][1-9])?"
-        r"(?:\((?:q|theta)\))?",
+        r"(?:_?[4-9])?(?:\((?:q|theta)(?:_?\d(?:,(?:q|theta)_?\d)*)?\))?",
         inner,
     )
     if not found:

@@ -23,6 +23,8 @@ from drake_leg.check.samples import Sampler
 from drake_leg.check.shifts import repaired
 from drake_leg.check.singular_sets import grade_singular_sets
 from drake_leg.check.table import lint_table
+from drake_leg.check.text_words import in_words_of_text
+from drake_leg.check.unused import unused_definitions
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Robot
 
@@ -54,7 +56,7 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
         If the print's units are not said, or a definition is no formula.
     """
     if printed.table is not None and printed.lengths is None and not printed.matrices:
-        return lint_table(printed.table)
+        return [*lint_table(printed.table), *printed.unread]
     if printed.lengths is None:
         raise InvalidValueError(f'{printed.origin}: lengths is missing; say lengths = "mm" or "m"')
     if seed < 0:
@@ -79,7 +81,8 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     if printed.singular:
         rng = np.random.default_rng(seed)
         findings += grade_singular_sets(robot, printed, reader, rng)
-    return findings
+    findings += [*unused_definitions(printed), *printed.unread]
+    return list(map(in_words_of_text, findings)) if printed.as_text else findings
 
 
 def _bindings(printed: Printed, reader: Reader, sampler: Sampler) -> list[Binding]:

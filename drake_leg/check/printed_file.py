@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from drake_leg.check.findings import Finding
 from drake_leg.check.matrix_names import kind_of_name
 from drake_leg.check.matrix_text import rows_of_text
 from drake_leg.check.printed_csv import parse_csv, parse_table
@@ -47,6 +48,7 @@ class Printed:
     """A print as typed."""
 
     origin: str  # name of the file
+    as_text: bool = False  # whether that is text, and no TOML
     angles: str | None = None  # deg or rad, of bare numbers in a table
     lengths: str | None = None  # mm, cm or m, of bare numbers
     symbols: Mapping[str, float] = field(default_factory=dict)  # name to value in these units
@@ -56,6 +58,7 @@ class Printed:
     table: Table | None = None
     matrices: tuple[PrintedMatrix, ...] = ()
     singular: tuple[str, ...] = ()  # sets of singular postures
+    unread: tuple[Finding, ...] = ()  # what else stands there and makes no sense
 
 
 def read_printed(path: Path) -> Printed:
@@ -78,7 +81,8 @@ def read_printed(path: Path) -> Printed:
     text, where = read_text(path), str(path)
     csv = path.suffix.lower() != ".toml"
     document = parse_csv(text, where) if csv else parse_document(text, where)
-    return printed_of_document(document, where)
+    unread = [unread_part(*part) for part in document.pop("unread", ())] if csv else []
+    return replace(printed_of_document(document, where, unread), as_text=csv)
 
 
 def is_print(document: Mapping[str, Any]) -> bool:
@@ -96,7 +100,29 @@ def is_print(document: Mapping[str, Any]) -> bool:
     return "row" not in document and any(key in document for key in ("table", "matrix", "singular"))
 
 
-def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
+def unread_part(place: str, sentence: str) -> Finding:
+    """Part a sentence into what is not understood and what to write instead.
+
+    Parameters
+    ----------
+    place : str
+        Where it stands: line 3, or T12.
+    sentence : str
+        Fault and remedy, parted by a semicolon.
+
+    Returns
+    -------
+    Finding
+    """
+    fault, _, remedy = sentence.partition("; ")
+    return Finding(
+        place=place, fault=fault, remedy=remedy or "write it another way", understood=False
+    )
+
+
+def printed_of_document(
+    document: Mapping[str, Any], where: str, unread: Sequence[Finding] = ()
+) -> Printed:
     """Take a print out of a file.
 
     Parameters
@@ -105,6 +131,8 @@ def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
         The file as nested tables.
     where : str
         Name of the file, the beginning of every error's sentence.
+    unread : sequence of Finding
+        What is in the file and makes no sense.
 
     Returns
     -------
@@ -119,10 +147,15 @@ def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
     angles = keys.choice("angles", ("deg", "rad")) if keys.has("angles") else None
     lengths = keys.choice("lengths", tuple(METRES)) if keys.has("lengths") else None
     table = _table(keys, angles, lengths) if keys.has("table") else None
-    matrices = tuple(_matrix(part, f"{where}: matrix {i}") for i, part in _parts(keys, "matrix"))
+    read = [_matrix(part, f"{where}: matrix {i}") for i, part in _parts(keys, "matrix")]
+    matrices = tuple(matrix for matrix in read if isinstance(matrix, PrintedMatrix))
+    unread = (*unread, *(part for part in read if isinstance(part, Finding)))
     singular = _singular(keys)
-    if table is None and not matrices and not singular:
-        raise keys.error("there is neither a [[table]] nor a [[matrix]] in it")
+    if table is None and not read and not singular:
+        if where.endswith(".toml"):
+            raise keys.error("there is neither a [[table]] nor a [[matrix]] in it")
+        first = f"; {unread[0].sentence()}" if unread else ""
+        raise keys.error(f"there is neither a table nor a matrix, as T12 = [...], in it{first}")
     return Printed(
         origin=where,
         angles=angles,
@@ -134,6 +167,7 @@ def printed_of_document(document: Mapping[str, Any], where: str) -> Printed:
         table=table,
         matrices=matrices,
         singular=singular,
+        unread=tuple(unread),
     )
 
 
@@ -187,7 +221,8 @@ def _cell(keys: Keys, key: str) -> str:
     )
 
 
-def _matrix(part: object, where: str) -> PrintedMatrix:
+def _matrix(part: object, where: str) -> PrintedMatrix | Finding:
+    """Read one matrix, or say why its rows make none."""
     called = part.get("name", "") if isinstance(part, dict) else ""
     keys = Keys(part, f"{where} ({called})" if called else where, _MATRIX_KEYS)
     name = keys.text("name")
@@ -195,12 +230,18 @@ def _matrix(part: object, where: str) -> PrintedMatrix:
     if isinstance(entries, list) and entries and all(isinstance(row, str) for row in entries):
         entries = "\n".join(entries)
     if isinstance(entries, str):
-        entries = _pasted(name, entries, keys)
+        try:
+            entries = _pasted(name, entries)
+        except InvalidValueError as error:
+            return replace(unread_part(name, str(error)), matrix=name)
     if not isinstance(entries, list) or not entries:
         raise keys.error("entries is no list of rows")
     for row in entries:
-        if not isinstance(row, list) or len(row) != len(entries[0]) or not row:
-            raise keys.error(f"the row {shown(row)} is not as long as the first one")
+        if not isinstance(row, list) or not row:
+            raise keys.error(f"the row {shown(row)} is no list of entries")
+        if len(row) != len(entries[0]):
+            fault = f"the row {shown(row)} is not as long as the first one; write all its entries"
+            return replace(unread_part(name, fault), matrix=name)
     rows = keys.value("rows", [])
     if isinstance(rows, str):
         rows = rows.replace(",", " ").split()
@@ -215,17 +256,14 @@ def _matrix(part: object, where: str) -> PrintedMatrix:
     )
 
 
-def _pasted(name: str, text: str, keys: Keys) -> list[list[str]]:
+def _pasted(name: str, text: str) -> list[list[str]]:
     """Part a pasted matrix into its rows; a determinant is one entry, a position a column."""
     kind = kind_of_name(name)
     if kind == "determinant":
         return [[text]]
     if kind == "position" and not re.search(r"[;&|\t{]|^\s*\[|,(?!\d)", text):
         return [[line] for line in text.splitlines() if line.strip()]
-    try:
-        return rows_of_text(text)
-    except InvalidValueError as error:
-        raise keys.error(str(error)) from None
+    return rows_of_text(text, column=kind == "position")
 
 
 def _entry(keys: Keys, cell: object) -> str:

@@ -46,6 +46,58 @@ def test_a_matrix_is_read_in_every_form(form):
     assert rows_of_text(FORMS[form]) == ROWS
 
 
+MATLAB = "[cos(q1) -sin(q1) 0; sin(q1) cos(q1) 0; 0 0 1]"
+LATEX = FORMS["bmatrix"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        MATLAB + " % from frame 0",
+        MATLAB + " # from frame 0",
+        MATLAB + " // from frame 0",
+        MATLAB + ".",
+        MATLAB + " (mm)",
+        MATLAB + " [mm]",
+        "[cos(q1) -sin(q1) 0; % first row\n sin(q1) cos(q1) 0;\n\n 0 0 1];",
+        "[cos(q1) sin(q1) 0; -sin(q1) cos(q1) 0; 0 0 1]'",
+        "[cos(q1) sin(q1) 0; -sin(q1) cos(q1) 0; 0 0 1]^T",
+        "[cos(q1), -sin(q1), 0]\n[sin(q1), cos(q1), 0]\n[0, 0, 1]",
+        FORMS["NumPy"] + "  # from frame 0",
+        FORMS["NumPy"].removesuffix(")") + ", dtype=float)",
+        "Matrix(3, 3, [cos(q1), -sin(q1), 0, sin(q1), cos(q1), 0, 0, 0, 1])",
+        "np.matrix('cos(q1) -sin(q1) 0; sin(q1) cos(q1) 0; 0 0 1')",
+        rf"$$\left( {LATEX} \right).$$",
+        rf"\[ {LATEX} \] (mm)",
+        r"\begin{bmatrix} cos(q1) & sin(q1) & 0 \\ -sin(q1) & cos(q1) & 0 \\ 0 & 0 & 1 "
+        r"\end{bmatrix}^{\top}",
+    ],
+)
+def test_what_changes_nothing_may_stand_around_a_matrix(text):
+    assert rows_of_text(text) == ROWS
+
+
+@pytest.mark.parametrize("matrix", [MATLAB, LATEX, FORMS["NumPy"]])
+@pytest.mark.parametrize(
+    "around", ["-{}", "2*{}", "1/2 {}", r"\frac{1}{2}{}", "{}*2", r"{} \cdot 2", "{}^{-1}", "{}{}"]
+)
+def test_a_factor_around_a_matrix_is_refused(around, matrix):
+    with pytest.raises(InvalidValueError, match="stands beside the matrix; multiply it in"):
+        rows_of_text(around.replace("{}", matrix))
+
+
+def test_two_matrices_on_one_line_are_refused():
+    with pytest.raises(InvalidValueError, match="write each matrix in a line of its own"):
+        rows_of_text("[1 0; 0 1], T23 = [1 0; 0 1]")
+
+
+def test_of_a_position_every_line_is_one_entry():
+    entries = [["c1 (L1 + L2 c2)"], ["s1 (L1 + L2 c2)"], ["L2 s2"]]
+    for sign in (";", "\n"):
+        assert rows_of_text(f"[{sign.join(row[0] for row in entries)}]", column=True) == entries
+    assert rows_of_text("(L1 c1, L1 s1, 0)", column=True) == [["L1 c1", "L1 s1", "0"]]
+
+
 def test_spaces_part_entries_as_in_matlab():
     assert rows_of_text("[c1*l1 + c2*l2 ; a - b; -c]") == [["c1*l1 + c2*l2"], ["a - b"], ["-c"]]
     assert rows_of_text("[a -b; sin q1 cos (q2)]") == [["a", "-b"], ["sin q1", "cos (q2)"]]
@@ -58,11 +110,17 @@ def test_spaces_part_entries_as_in_matlab():
         ("", "is empty"),
         ("a & b \\\\ c", "have 1 or 2 entries; part the entries by commas"),
         ("1 " * 20_000, "write at most"),
+        ("[1 0; 0 1", "a bracket is not closed"),
+        ("1 0; 0 1]", "] stands where no [ is open"),
+        (r"\begin{bmatrix} 1 & 0", "a matrix is not closed"),
+        ("Matrix(2, 2, [1, 0, 0])", "has 3 entries; write 4"),
+        ("np.array(T12)", "is no list of rows"),
     ],
 )
 def test_a_matrix_that_is_none_is_refused(text, said):
-    with pytest.raises(InvalidValueError, match=said):
+    with pytest.raises(InvalidValueError) as raised:
         rows_of_text(text)
+    assert said in str(raised.value)
 
 
 @given(st.text(alphabet="[](){};,&|\\ \n\tbegin{matrix}ends01-+*⎡⎤", max_size=120))
