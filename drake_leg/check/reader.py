@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 from drake_leg.check.expressions import CONSTANTS, names_in, parse_formula, substitute
 from drake_leg.check.notation import is_joint_variable, plain, quoted
@@ -34,6 +34,7 @@ class Reader:
         self._degrees = printed.angles == "deg"
         for name in (*printed.symbols, *printed.where):
             self._require_free(name)
+        self._require_one_meaning([*printed.symbols.items(), *printed.where.items()])
         self.symbols = {plain(name): value for name, value in printed.symbols.items()}
         self._names = (*self.symbols, *map(plain, printed.where))
         self._definitions = self.definitions(printed.where)
@@ -120,6 +121,21 @@ class Reader:
                 "name"
             )
 
+    def _require_one_meaning(self, said: Sequence[tuple[str, float | str]]) -> None:
+        """Refuse two values of one symbol, and two symbols that are read as one."""
+        first: dict[str, tuple[str, float | str]] = {}
+        for name, value in said:
+            other, known = first.setdefault(plain(name), (name, value))
+            if _number_or_text(known) == _number_or_text(value):
+                continue
+            values = f"is said to be {known} and {value}"
+            if other == name:
+                raise InvalidValueError(f"{self._origin}: {quoted(name)} {values}; say it once")
+            raise InvalidValueError(
+                f"{self._origin}: {quoted(other)} and {quoted(name)} are read as one symbol, which "
+                f"{values}; choose another name for one of them"
+            )
+
     def _parse(self, text: str, names: Collection[str], *, weak: bool = True) -> ast.expr:
         tree = parse_formula(text, names, weak=weak)
         return _with_degrees(tree) if self._degrees else tree
@@ -161,6 +177,13 @@ def _with_degrees(tree: ast.expr, inside: bool = False) -> ast.expr:
             changed = _with_degrees(argument, inside=True)
             return ast.Call(func=function, args=[changed], keywords=[])
     return tree
+
+
+def _number_or_text(value: float | str) -> float | str:
+    try:
+        return float(value)
+    except ValueError:
+        return value
 
 
 def _is_taken(name: str) -> bool:

@@ -17,6 +17,7 @@ from drake_leg.check.printed_file import Printed
 from drake_leg.check.reader import Reader
 from drake_leg.check.sampling import table_length
 from drake_leg.check.singular_claims import Alternative, Condition, alternatives_of
+from drake_leg.check.tasks import POSITION, task_rows
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import jacobian
@@ -28,7 +29,6 @@ STEPS = 60  # of Newton's method
 TURNS = range(-2, 3)  # values of k that are tried
 NEAR = 1e-4  # of a function's greatest value: counts as zero
 RARE = 0.03  # share of singular postures that may lie between two sets
-ROWS = ((3, 4, 5), (3, 4, 2))  # x, y, z; x, y, yaw
 
 Function = Callable[[Mapping[str, Array]], Array]  # of N postures' variables, (N,)
 
@@ -87,7 +87,7 @@ class _SingularGrader:
         spans = np.array(list(self._variables.values()))
         self._starts = rng.uniform(-spans, spans, (STARTS, len(spans)))
         self._spelling = " ".join([*printed.singular, *printed.symbols, *printed.where.values()])
-        self._rows = self._task()
+        self._rows = _square_rows(robot)
 
     def grade(self, alternative: Alternative) -> Iterator[Finding]:
         """Say whether an alternative is singular everywhere."""
@@ -220,17 +220,6 @@ class _SingularGrader:
         slope: Array = (function(x + h) - function(x - h)) / (2.0 * h[index])
         return slope
 
-    def _task(self) -> tuple[int, ...]:
-        """Choose the rows of a square Jacobian: x, y, z, or x, y, yaw where z is no task."""
-        for rows in ROWS:
-            self._rows = rows
-            if len(self._robot.moving) >= len(rows) and self._size(self._determinant) > 1e-9:
-                return rows
-        raise InvalidValueError(
-            f"{self._robot.name} has no square Jacobian of x, y, z or of x, y, yaw; write no "
-            "singular postures for it"
-        )
-
     def _determinant(self, values: Mapping[str, Array]) -> Array:
         Jv_BF = jacobian(self._robot.rows, self._q(values))
         determinant: Array = np.linalg.det(Jv_BF[..., list(self._rows), : len(self._rows)])
@@ -265,6 +254,17 @@ class _SingularGrader:
             if any(name in names_in(tree) for tree in formulas)
         )
         return spelled_as(self._spelling, text)
+
+
+def _square_rows(robot: Robot) -> tuple[int, ...]:
+    """Choose the rows of a square Jacobian."""
+    rows = task_rows(robot, len(POSITION)) if len(robot.moving) >= len(POSITION) else None
+    if rows is None:
+        raise InvalidValueError(
+            f"{robot.name} has no square Jacobian of x, y, z or of x, y, yaw; write no "
+            "singular postures for it"
+        )
+    return rows
 
 
 def _variables(robot: Robot, reader: Reader) -> dict[str, float]:

@@ -28,6 +28,12 @@ def graded(singular, robot=LEG_B, settings=LEG):
         "θ3 = n·180° or 1 + 2c2 + 2c23 = 0, n ∈ Z",
         "s3² = 0 or (1 + 2c2 + 2c23)² = 0",
         "q3 = 0 mod π ou 1 + 2c2 + 2c23 = 0",
+        "θ3 = 0 + kπ, k ∈ Z ; L1 + L2 c2 + L3 c23 = 0",
+        r"\theta_3 = k\pi, k\in\mathbb{Z} \text{ or } L_1 + L_2 c_2 + L_3 c_{23} = 0",
+        "θ3 = kπ (k ∈ Z) or L1 + L2 c2 + L3 c23 = 0",
+        "θ3 = kπ, k integer, or L1 + L2 c2 + L3 c23 = 0",
+        "θ3 = kπ for all k ∈ Z; L1 + L2 c2 + L3 c23 = 0",
+        "kπ = θ3, k = 0, ±1, ±2, or L1 + L2 c2 + L3 c23 = 0",
     ],
 )
 def test_both_families_of_the_leg_are_right(singular):
@@ -82,6 +88,7 @@ def test_a_set_without_postures_is_named():
         "the leg is stretched",
         "θ3 ≠ 0",
         "q2 = 0, q3 = 0",
+        "θ3 = kπ, k ∈ Z, L1 + L2 c2 + L3 c23 = 0",
         "qi = 0",
         "θ3 = kπ + nπ",
         r"\rho = 0",
