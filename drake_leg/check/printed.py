@@ -78,7 +78,7 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
         findings += grader.grade(matrix) if isinstance(matrix, Matrix) else [matrix]
     if printed.singular:
         rng = np.random.default_rng(seed)
-        findings += grade_singular_sets(robot, printed, reader, rng)
+        findings += grade_singular_sets(robot, printed, reader, sampler, likely, rng)
     return findings
 
 

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Collection, Mapping, Sequence
 
 from drake_leg.check.expressions import CONSTANTS, names_in, parse_formula, substitute
+from drake_leg.check.formula_trees import changed
 from drake_leg.check.notation import is_joint_variable, plain, quoted
 from drake_leg.check.printed_file import METRES, Printed
 from drake_leg.check.tokens import ANGLE_LETTERS
@@ -31,7 +32,7 @@ class Reader:
 
     def __init__(self, printed: Printed, robot: Robot) -> None:
         self._origin = printed.origin
-        self._degrees = printed.angles == "deg"
+        self.degrees = printed.angles == "deg"
         for name in (*printed.symbols, *printed.where):
             self._require_free(name)
         self._require_one_meaning([*printed.symbols.items(), *printed.where.items()])
@@ -100,7 +101,8 @@ class Reader:
         """
         definitions = {**self._definitions, **(own or {})}
         tree = self._parse(text, (*self._names, *definitions, *names))
-        return substitute(tree, {**self._alone, **definitions})
+        tree = substitute(tree, {**self._alone, **definitions})
+        return self._without_cosd(tree) if self.degrees else tree
 
     @property
     def variables(self) -> frozenset[str]:
@@ -136,9 +138,40 @@ class Reader:
                 f"{values}; choose another name for one of them"
             )
 
+    def _without_cosd(self, tree: ast.expr) -> ast.expr:
+        """Read cosd(q2 + 30) as cos(q2 + 30°), in a print whose angles are in degrees."""
+
+        def change(node: ast.expr) -> ast.expr | None:
+            match node:
+                case ast.Call(
+                    func=function,
+                    args=[ast.BinOp(left=angle, op=ast.Mult(), right=ast.Name(id="deg"))],
+                ) if self.turns(angle):
+                    return ast.Call(func=function, args=[self._in_radians(angle)], keywords=[])
+            return None
+
+        return changed(tree, change)
+
+    def _in_radians(self, tree: ast.expr) -> ast.expr:
+        """Turn what is added to joints' angles from degrees into radians."""
+        match tree:
+            case ast.BinOp(left=left, op=ast.Add() | ast.Sub() as sign, right=right):
+                return ast.BinOp(
+                    left=self._in_radians(left), op=sign, right=self._in_radians(right)
+                )
+            case ast.UnaryOp(op=sign, operand=operand):
+                return ast.UnaryOp(op=sign, operand=self._in_radians(operand))
+        if self.turns(tree):
+            return tree
+        return ast.BinOp(left=tree, op=ast.Mult(), right=ast.Name(id="deg"))
+
+    def turns(self, tree: ast.expr) -> bool:
+        """Whether a joint's position stands in a formula."""
+        return any(is_joint_variable(n) or n in self.variables for n in names_in(tree))
+
     def _parse(self, text: str, names: Collection[str], *, weak: bool = True) -> ast.expr:
         tree = parse_formula(text, names, weak=weak)
-        return _with_degrees(tree) if self._degrees else tree
+        return _with_degrees(tree) if self.degrees else tree
 
     def _parsed(
         self,

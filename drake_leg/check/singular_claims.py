@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from drake_leg.check.characters import typed
 from drake_leg.check.expressions import names_in
+from drake_leg.check.formula_trees import number_of, parts
 from drake_leg.check.latex import without_latex
 from drake_leg.check.notation import LONGEST, quoted
 from drake_leg.check.reader import Reader
@@ -20,6 +21,7 @@ from drake_leg.errors import InvalidValueError
 
 INTEGERS = ("k", "n", "m")
 _MOST = 50  # alternatives
+_LEAST_DEGREES = 10.0  # smaller numbers are radians: 3.1416
 _BEFORE = re.compile(
     r"^.*?(?:\b(?:when|whenever|if|iff|for(?! (?:all|any) )|where|at|pour|si|lorsque|quand)\b"
     r"|<=>|=>|⇔|⟺|⇒|⟹)"
@@ -44,6 +46,7 @@ class Condition:
     left: ast.expr
     right: ast.expr
     integer: str | None  # k, n or m, where it may be any integer
+    bare: bool = False  # a number without a unit, such as 180, is said of an angle
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,13 +145,36 @@ def _conditions(text: str, reader: Reader) -> Iterator[Condition]:
         left_tree = reader.formula(sides[0], names=INTEGERS)
         right_tree = reader.formula(right, names=INTEGERS)
         integer = _integer((left_tree, right_tree), reader)
-        yield Condition(left=left_tree, right=right_tree, integer=integer)
+        left_bare = _is_bare(left_tree, integer) and reader.turns(right_tree)
+        right_bare = _is_bare(right_tree, integer) and reader.turns(left_tree)
+        if reader.degrees:
+            left_tree = _degrees(left_tree) if left_bare else left_tree
+            right_tree = _degrees(right_tree) if right_bare else right_tree
+        yield Condition(
+            left=left_tree,
+            right=right_tree,
+            integer=integer,
+            bare=(left_bare or right_bare) and not reader.degrees,
+        )
 
 
 def _with_period(text: str) -> str:
     """Read 0 mod π, and 0 [π], as 0 + k π."""
     found = re.fullmatch(r"(.*?)\s*(?:\(?\s*mod(?:ulo)?\s+(.+?)\s*\)?|\[(.+)\])\s*", text)
     return f"{found[1]} + k*({found[2] or found[3]})" if found else text
+
+
+def _is_bare(tree: ast.expr, integer: str | None) -> bool:
+    """Whether a side is a number that people write for degrees, without their sign."""
+    nodes = parts(tree)
+    if any(isinstance(n, ast.Call) or (isinstance(n, ast.Name) and n.id != integer) for n in nodes):
+        return False
+    numbers = [abs(value) for value in map(number_of, nodes) if value is not None]
+    return max(numbers, default=0.0) >= _LEAST_DEGREES
+
+
+def _degrees(tree: ast.expr) -> ast.expr:
+    return ast.BinOp(left=tree, op=ast.Mult(), right=ast.Name(id="deg"))
 
 
 def _integer(sides: Sequence[ast.expr], reader: Reader) -> str | None:

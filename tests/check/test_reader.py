@@ -35,3 +35,11 @@ def test_one_symbol_with_two_values_is_refused():
 
 def test_one_value_may_be_said_twice():
     assert graded(symbols={"L1": 50, "L_1": 50}, where={"L1": "50"}) == []
+
+
+def test_cosd_of_a_joints_angle_is_its_cosine():
+    entries = (
+        "cosd(q2), -sind(q2), 0, 50; 0, 0, -1, 0; cosd(q2 - 90), -sind(q2 - 90), 0, 0; 0, 0, 0, 1"
+    )
+    assert graded(matrix=[{"name": "T12", "entries": entries}]) == []
+    assert graded(angles="rad", matrix=[{"name": "T12", "entries": entries}])
