@@ -61,6 +61,28 @@ def cell_values(robot: Robot, metres: float) -> dict[Cell, float]:
     }
 
 
+def cell_names(binding: Binding, spelled: Mapping[str, str]) -> dict[Cell, str]:
+    """Name cells of the table as the print does.
+
+    Parameters
+    ----------
+    binding : Binding
+        What the print's symbols stand for.
+    spelled : mapping
+        Name in lower case to name as printed.
+
+    Returns
+    -------
+    dict
+        The first symbol of each cell.
+    """
+    return {
+        cell: spelled.get(name, name)
+        for name, cells in reversed(list(binding.items()))
+        for cell in cells
+    }
+
+
 def same(a: float, b: float) -> bool:
     """Whether two lengths are the same but for their signs and rounding."""
     return math.isclose(abs(a), abs(b), rel_tol=_NEAR)

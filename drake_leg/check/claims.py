@@ -11,6 +11,7 @@ from drake_leg.check.chains import Chain
 from drake_leg.check.matrix_names import Kind, read_name
 from drake_leg.check.notation import plain
 from drake_leg.check.printed_file import PrintedMatrix
+from drake_leg.check.tasks import POSITION, fewest_columns, task_rows
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
@@ -27,7 +28,7 @@ _SHAPES: dict[Kind, tuple[tuple[int, int], ...]] = {
     "rotation": ((3, 3),),
     "position": ((3, 1), (4, 1), (1, 3), (1, 4)),
 }
-_USUAL_ROWS = {3: ("x", "y", "z"), 6: ("wx", "wy", "wz", "x", "y", "z")}
+_ALL_ROWS = (0, 1, 2, 3, 4, 5)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,27 +72,39 @@ def claim_of(matrix: PrintedMatrix, robot: Robot) -> Claim:
         shape = typed if typed in others else first
         return Claim(name=matrix.name, kind=name.kind, frames=name.frames, shape=shape)
     if name.kind == "determinant":
-        rows = _row_indices(matrix, name.rows, 3)
+        rows = _row_indices(matrix, name.rows) or task_rows(robot, 3) or POSITION
         if len(rows) > len(robot.moving):
             raise InvalidValueError(
                 f"a determinant of {len(rows)} rows, and {robot.name} has {len(robot.moving)} "
                 "joint positions; name as many rows under rows"
             )
         return Claim(name=matrix.name, kind="determinant", rows=rows, shape=(1, 1))
-    rows = _row_indices(matrix, name.rows, len(matrix.entries))
-    columns = min(len(matrix.entries[0]), len(robot.moving))
+    rows = _row_indices(matrix, name.rows) or _usual_rows(matrix, robot)
+    fewest, joints = fewest_columns(robot, rows), len(robot.moving)
+    typed_columns = len(matrix.entries[0])
+    columns = typed_columns if fewest <= typed_columns <= joints else joints
     return Claim(name=matrix.name, kind="jacobian", rows=rows, shape=(len(rows), columns))
 
 
-def _row_indices(matrix: PrintedMatrix, named: Sequence[str], count: int) -> tuple[int, ...]:
-    names = [_row_name(name) for name in matrix.rows or named or _USUAL_ROWS.get(count, ())]
-    if not names or any(name not in JACOBIAN_ROWS for name in names):
-        said = ", ".join(matrix.rows) or "not said"
-        raise InvalidValueError(
-            f"what its rows are is {said}; name every row under rows, each one of "
-            f"{', '.join(JACOBIAN_ROWS)}"
-        )
+def _usual_rows(matrix: PrintedMatrix, robot: Robot) -> tuple[int, ...]:
+    """Take the rows of a Jacobian that does not say them by their number."""
+    count = len(matrix.entries)
+    if count == len(_ALL_ROWS):
+        return _ALL_ROWS
+    if count != len(POSITION):
+        raise InvalidValueError(f"it does not say what its rows are; {_name_rows()}")
+    return task_rows(robot, len(matrix.entries[0])) or POSITION
+
+
+def _row_indices(matrix: PrintedMatrix, named: Sequence[str]) -> tuple[int, ...]:
+    names = [_row_name(name) for name in matrix.rows or named]
+    if any(name not in JACOBIAN_ROWS for name in names):
+        raise InvalidValueError(f"its rows are said to be {', '.join(matrix.rows)}; {_name_rows()}")
     return tuple(JACOBIAN_ROWS[name] for name in names)
+
+
+def _name_rows() -> str:
+    return f"name every row under rows, each one of {', '.join(JACOBIAN_ROWS)}"
 
 
 def _row_name(name: str) -> str:

@@ -48,13 +48,7 @@ class RightForms:
         self._chain = symbolic_chain(robot.rows)
         self._metres = METRES[printed.lengths or "m"]
         self._symbols = printed.symbols
-        self._names = {
-            symbol: names[Cell(index, column)]
-            for index, row in enumerate(self._chain.rows)
-            for column in ("d", "alpha", "r", "theta")
-            for symbol in getattr(row, column).free_symbols & set(self._chain.values)
-            if Cell(index, column) in names
-        }
+        self._names = named_symbols(self._chain, names)
         spelling = " ".join(printed.joints.values())
         self._joints = {
             self._chain.q[index]: _as_sympy(tree, spelling) for index, tree in reader.joints.items()
@@ -98,6 +92,30 @@ class RightForms:
             return sp.Float(value)
         number = Fraction(value / self._metres).limit_denominator(10**6)
         return sp.Rational(number.numerator, number.denominator)
+
+
+def named_symbols(chain: SymbolicChain, names: Mapping[Cell, str]) -> dict[sp.Symbol, str]:
+    """Find a print's names of a chain's symbols.
+
+    Parameters
+    ----------
+    chain : SymbolicChain
+        Of the robot.
+    names : mapping
+        Cells of the table to the names that the print has for them.
+
+    Returns
+    -------
+    dict
+        Without symbols that have no name there.
+    """
+    return {
+        symbol: names[Cell(index, column)]
+        for index, row in enumerate(chain.rows)
+        for column in ("d", "alpha", "r", "theta")
+        for symbol in getattr(row, column).free_symbols & set(chain.values)
+        if Cell(index, column) in names
+    }
 
 
 class _Decimals(StrPrinter):  # type: ignore[misc] # SymPy has no types

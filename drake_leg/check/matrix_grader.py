@@ -9,7 +9,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from drake_leg.check.bindings import Cell
+from drake_leg.check.bindings import cell_names
 from drake_leg.check.captions import grade_caption
 from drake_leg.check.comparison import Comparison
 from drake_leg.check.diagnosis import Vocabulary, explain
@@ -55,7 +55,7 @@ class MatrixGrader:
     ) -> None:
         self._robot, self._comparison, self._postures = robot, comparison, postures
         self._spelled = {plain(name): readable(name) for name in printed.symbols}
-        names = self._names()
+        names = cell_names(comparison.binding, self._spelled)
         self._vocabulary = Vocabulary(
             angles=len(robot.moving),
             symbols={n: reader.symbols[n] for n in sorted(comparison.binding)},
@@ -70,14 +70,6 @@ class MatrixGrader:
             from drake_leg.check.formulas import RightForms
 
             self._right_forms = RightForms(robot, printed, reader, names)
-
-    def _names(self) -> dict[Cell, str]:
-        """Name cells of the table as the print does."""
-        return {
-            cell: self._spelled.get(name, name)
-            for name, cells in reversed(list(self._comparison.binding.items()))
-            for cell in cells
-        }
 
     def _lengths(self) -> Iterator[float]:
         for cell, value in self._comparison.sampler.lengths.items():

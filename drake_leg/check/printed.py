@@ -80,7 +80,7 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
         findings += grader.grade(matrix) if isinstance(matrix, Matrix) else [matrix]
     if printed.singular:
         rng = np.random.default_rng(seed)
-        findings += grade_singular_sets(robot, printed, reader, rng)
+        findings += grade_singular_sets(robot, printed, reader, sampler, likely, rng)
     findings += [*unused_definitions(printed), *printed.unread]
     return list(map(in_words_of_text, findings)) if printed.as_text else findings
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 from drake_leg.check.expressions import CONSTANTS, names_in, parse_formula, substitute
+from drake_leg.check.formula_trees import changed
 from drake_leg.check.notation import is_joint_variable, plain, quoted
 from drake_leg.check.printed_file import METRES, Printed
 from drake_leg.check.tokens import ANGLE_LETTERS
@@ -31,9 +32,10 @@ class Reader:
 
     def __init__(self, printed: Printed, robot: Robot) -> None:
         self._origin = printed.origin
-        self._degrees = printed.angles == "deg"
+        self.degrees = printed.angles == "deg"
         for name in (*printed.symbols, *printed.where):
             self._require_free(name)
+        self._require_one_meaning([*printed.symbols.items(), *printed.where.items()])
         self.symbols = {plain(name): value for name, value in printed.symbols.items()}
         self._names = (*self.symbols, *map(plain, printed.where))
         self._definitions = self.definitions(printed.where)
@@ -99,7 +101,8 @@ class Reader:
         """
         definitions = {**self._definitions, **(own or {})}
         tree = self._parse(text, (*self._names, *definitions, *names))
-        return substitute(tree, {**self._alone, **definitions})
+        tree = substitute(tree, {**self._alone, **definitions})
+        return self._without_cosd(tree) if self.degrees else tree
 
     @property
     def variables(self) -> frozenset[str]:
@@ -120,9 +123,55 @@ class Reader:
                 "name"
             )
 
+    def _require_one_meaning(self, said: Sequence[tuple[str, float | str]]) -> None:
+        """Refuse two values of one symbol, and two symbols that are read as one."""
+        first: dict[str, tuple[str, float | str]] = {}
+        for name, value in said:
+            other, known = first.setdefault(plain(name), (name, value))
+            if _number_or_text(known) == _number_or_text(value):
+                continue
+            values = f"is said to be {known} and {value}"
+            if other == name:
+                raise InvalidValueError(f"{self._origin}: {quoted(name)} {values}; say it once")
+            raise InvalidValueError(
+                f"{self._origin}: {quoted(other)} and {quoted(name)} are read as one symbol, which "
+                f"{values}; choose another name for one of them"
+            )
+
+    def _without_cosd(self, tree: ast.expr) -> ast.expr:
+        """Read cosd(q2 + 30) as cos(q2 + 30°), in a print whose angles are in degrees."""
+
+        def change(node: ast.expr) -> ast.expr | None:
+            match node:
+                case ast.Call(
+                    func=function,
+                    args=[ast.BinOp(left=angle, op=ast.Mult(), right=ast.Name(id="deg"))],
+                ) if self.turns(angle):
+                    return ast.Call(func=function, args=[self._in_radians(angle)], keywords=[])
+            return None
+
+        return changed(tree, change)
+
+    def _in_radians(self, tree: ast.expr) -> ast.expr:
+        """Turn what is added to joints' angles from degrees into radians."""
+        match tree:
+            case ast.BinOp(left=left, op=ast.Add() | ast.Sub() as sign, right=right):
+                return ast.BinOp(
+                    left=self._in_radians(left), op=sign, right=self._in_radians(right)
+                )
+            case ast.UnaryOp(op=sign, operand=operand):
+                return ast.UnaryOp(op=sign, operand=self._in_radians(operand))
+        if self.turns(tree):
+            return tree
+        return ast.BinOp(left=tree, op=ast.Mult(), right=ast.Name(id="deg"))
+
+    def turns(self, tree: ast.expr) -> bool:
+        """Whether a joint's position stands in a formula."""
+        return any(is_joint_variable(n) or n in self.variables for n in names_in(tree))
+
     def _parse(self, text: str, names: Collection[str], *, weak: bool = True) -> ast.expr:
         tree = parse_formula(text, names, weak=weak)
-        return _with_degrees(tree) if self._degrees else tree
+        return _with_degrees(tree) if self.degrees else tree
 
     def _parsed(
         self,
@@ -161,6 +210,13 @@ def _with_degrees(tree: ast.expr, inside: bool = False) -> ast.expr:
             changed = _with_degrees(argument, inside=True)
             return ast.Call(func=function, args=[changed], keywords=[])
     return tree
+
+
+def _number_or_text(value: float | str) -> float | str:
+    try:
+        return float(value)
+    except ValueError:
+        return value
 
 
 def _is_taken(name: str) -> bool:

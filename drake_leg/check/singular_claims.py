@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from drake_leg.check.characters import typed
+from drake_leg.check.expressions import names_in
+from drake_leg.check.formula_trees import number_of, parts
 from drake_leg.check.latex import without_latex
 from drake_leg.check.notation import LONGEST, quoted
 from drake_leg.check.reader import Reader
@@ -19,12 +21,18 @@ from drake_leg.errors import InvalidValueError
 
 INTEGERS = ("k", "n", "m")
 _MOST = 50  # alternatives
+_LEAST_DEGREES = 10.0  # smaller numbers are radians: 3.1416
 _BEFORE = re.compile(
-    r"^.*?(?:\b(?:when|whenever|if|iff|for|where|at|pour|si|lorsque|quand)\b|<=>|=>|⇔|⟺|⇒|⟹)"
+    r"^.*?(?:\b(?:when|whenever|if|iff|for(?! (?:all|any) )|where|at|pour|si|lorsque|quand)\b"
+    r"|<=>|=>|⇔|⟺|⇒|⟹)"
 )
+_END = r"(?=$|;|\bor\b|\band\b)"  # of an alternative
+_SAID = rf"(?:(?!{_END})[^=])*{_END}"
+_WITH = r"(?:with|avec|for any|for all|∀|and\b|where\b|,|;|\()"
 _ANY_INTEGER = re.compile(
-    r"[,;]?\s*\(?\s*(?:with|avec|for any|for all|∀)?\s*(?:integer )?[knm]"
-    r"(?:\s*(?:∈|in\b|is\b|an integer|integer|entier|=\s*0\s*,).*|\s*$)"
+    rf"(?:\s*{_WITH})*\s*\b(?:integer )?[knm]"
+    rf"\s*(?:∈|in\b|is\b|an integer|integer|entier|=\s*0\s*,){_SAID}"
+    rf"|(?:\s*{_WITH})+\s*(?:integer )?[knm]\s*\)?\s*$"
 )
 _INDICES = re.compile(
     r"[,;]?\s*(?:for |with |pour )?\bi\s*(?:=|∈|in)\s*\{?([1-9](?:\s*,\s*[1-9])*)\}?"
@@ -38,6 +46,7 @@ class Condition:
     left: ast.expr
     right: ast.expr
     integer: str | None  # k, n or m, where it may be any integer
+    bare: bool = False  # a number without a unit, such as 180, is said of an angle
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +103,7 @@ def _bare(text: str) -> str:
     words = re.sub(r"\\(?:text|mathrm)\s*\{\s*(or|and|when|if)\s*\}", r" \1 ", words)
     words = " ".join(without_latex(typed(words)).split())
     words = re.sub(r"\bou\b", "or", re.sub(r"\bet\b", "and", words))
-    return _ANY_INTEGER.sub("", _BEFORE.sub("", words)).strip(" .")
+    return _ANY_INTEGER.sub(" ", _BEFORE.sub("", words)).strip(" .")
 
 
 def _parts(text: str) -> Iterator[str]:
@@ -135,7 +144,18 @@ def _conditions(text: str, reader: Reader) -> Iterator[Condition]:
         right = _with_period(sides[1])
         left_tree = reader.formula(sides[0], names=INTEGERS)
         right_tree = reader.formula(right, names=INTEGERS)
-        yield Condition(left=left_tree, right=right_tree, integer=_integer(right_tree, reader))
+        integer = _integer((left_tree, right_tree), reader)
+        left_bare = _is_bare(left_tree, integer) and reader.turns(right_tree)
+        right_bare = _is_bare(right_tree, integer) and reader.turns(left_tree)
+        if reader.degrees:
+            left_tree = _degrees(left_tree) if left_bare else left_tree
+            right_tree = _degrees(right_tree) if right_bare else right_tree
+        yield Condition(
+            left=left_tree,
+            right=right_tree,
+            integer=integer,
+            bare=(left_bare or right_bare) and not reader.degrees,
+        )
 
 
 def _with_period(text: str) -> str:
@@ -144,8 +164,21 @@ def _with_period(text: str) -> str:
     return f"{found[1]} + k*({found[2] or found[3]})" if found else text
 
 
-def _integer(tree: ast.expr, reader: Reader) -> str | None:
-    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+def _is_bare(tree: ast.expr, integer: str | None) -> bool:
+    """Whether a side is a number that people write for degrees, without their sign."""
+    nodes = parts(tree)
+    if any(isinstance(n, ast.Call) or (isinstance(n, ast.Name) and n.id != integer) for n in nodes):
+        return False
+    numbers = [abs(value) for value in map(number_of, nodes) if value is not None]
+    return max(numbers, default=0.0) >= _LEAST_DEGREES
+
+
+def _degrees(tree: ast.expr) -> ast.expr:
+    return ast.BinOp(left=tree, op=ast.Mult(), right=ast.Name(id="deg"))
+
+
+def _integer(sides: Sequence[ast.expr], reader: Reader) -> str | None:
+    names = {name for side in sides for name in names_in(side)}
     free = sorted(names & set(INTEGERS) - set(reader.symbols))
     if len(free) > 1:
         raise InvalidValueError(f"it has the integers {' and '.join(free)}; write one")

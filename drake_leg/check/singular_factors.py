@@ -8,7 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import sympy as sp
 
-from drake_leg.check.notation import plain, readable, spelled_as
+from drake_leg.check.bindings import Cell
+from drake_leg.check.formulas import named_symbols
+from drake_leg.check.notation import spelled_as
 from drake_leg.check.printed_file import METRES, Printed
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
@@ -17,7 +19,11 @@ from drake_leg.symbolic.trigonometry import tidy
 
 
 def factors(
-    robot: Robot, rows: Sequence[int], printed: Printed, spelling: str
+    robot: Robot,
+    rows: Sequence[int],
+    printed: Printed,
+    names: Mapping[Cell, str],
+    spelling: str,
 ) -> list[tuple[str, Callable[[Mapping[str, Array]], Array]]]:
     """Factor the determinant of a square part of the Jacobian.
 
@@ -28,7 +34,9 @@ def factors(
     rows : sequence of int
         Of the Jacobian, rotation first; as many columns, the first ones.
     printed : Printed
-        Whose lengths are named as there.
+        Whose unit of lengths is used.
+    names : mapping
+        Cells of the table to the names that the print has for them.
     spelling : str
         Some of the print's formulas.
 
@@ -43,8 +51,8 @@ def factors(
     determinant = tidy(square.applyfunc(tidy).det())
     found = [f for f in sp.Mul.make_args(determinant) if f.free_symbols & set(chain.q)]
     found.sort(key=sp.count_ops)
-    names = _names(chain, printed)
-    return [(spelled_as(spelling, _zeros_text(f.subs(names))), _value(f, chain)) for f in found]
+    lengths = _lengths(chain, printed, names)
+    return [(spelled_as(spelling, _zeros_text(f.subs(lengths))), _value(f, chain)) for f in found]
 
 
 def _zeros_text(factor: sp.Expr) -> str:
@@ -64,13 +72,13 @@ def _value(factor: sp.Expr, chain: SymbolicChain) -> Callable[[Mapping[str, Arra
     return value
 
 
-def _names(chain: SymbolicChain, printed: Printed) -> dict[sp.Symbol, sp.Expr]:
+def _lengths(
+    chain: SymbolicChain, printed: Printed, names: Mapping[Cell, str]
+) -> dict[sp.Symbol, sp.Expr]:
     """Name lengths as the print does where it declares them, or write their numbers."""
     metres = METRES[printed.lengths or "m"]
-    names: dict[sp.Symbol, sp.Expr] = {}
-    for symbol, value in chain.values.items():
-        number = value / metres
-        same = [n for n, v in printed.symbols.items() if abs(v - number) <= 1e-9 * abs(v)]
-        named = next((n for n in same if plain(n) == symbol.name), next(iter(same), None))
-        names[symbol] = sp.Symbol(readable(named)) if named else sp.Float(f"{number:.9g}")
-    return names
+    named = named_symbols(chain, names)
+    return {
+        symbol: sp.Symbol(named[symbol]) if symbol in named else sp.Float(f"{value / metres:.9g}")
+        for symbol, value in chain.values.items()
+    }

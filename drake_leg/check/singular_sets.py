@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 
+from drake_leg.check.bindings import Binding, cell_names
 from drake_leg.check.expressions import evaluate, names_in
 from drake_leg.check.findings import Finding
-from drake_leg.check.notation import spelled_as
+from drake_leg.check.notation import plain, readable, spelled_as
 from drake_leg.check.printed_file import Printed
 from drake_leg.check.reader import Reader
+from drake_leg.check.samples import Sampler
 from drake_leg.check.sampling import table_length
 from drake_leg.check.singular_claims import Alternative, Condition, alternatives_of
+from drake_leg.check.tasks import POSITION, task_rows
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.robot import Robot
+from drake_leg.robot import Robot, Row
 
 PLACE = "singular"
 STARTS = 150  # random postures from which zeros are looked for
@@ -28,13 +33,17 @@ STEPS = 60  # of Newton's method
 TURNS = range(-2, 3)  # values of k that are tried
 NEAR = 1e-4  # of a function's greatest value: counts as zero
 RARE = 0.03  # share of singular postures that may lie between two sets
-ROWS = ((3, 4, 5), (3, 4, 2))  # x, y, z; x, y, yaw
 
 Function = Callable[[Mapping[str, Array]], Array]  # of N postures' variables, (N,)
 
 
 def grade_singular_sets(
-    robot: Robot, printed: Printed, reader: Reader, rng: np.random.Generator
+    robot: Robot,
+    printed: Printed,
+    reader: Reader,
+    sampler: Sampler,
+    bindings: Sequence[Binding],
+    rng: np.random.Generator,
 ) -> Iterator[Finding]:
     """Compare claimed sets of singular postures with the zeros of the determinant.
 
@@ -46,6 +55,10 @@ def grade_singular_sets(
         With its claims.
     reader : Reader
         Of the print.
+    sampler : Sampler
+        Of the same.
+    bindings : sequence of Binding
+        What its symbols can stand for, the likeliest first.
     rng : Generator
         Seeded.
 
@@ -65,7 +78,7 @@ def grade_singular_sets(
             yield Finding(place=PLACE, fault=fault, remedy=remedy, understood=False)
             unread = True
     try:
-        grader = _SingularGrader(robot, printed, reader, rng)
+        grader = _SingularGrader(robot, printed, reader, sampler, bindings, rng)
         findings = [finding for a in alternatives for finding in grader.grade(a)]
     except InvalidValueError as error:
         fault, _, remedy = str(error).partition("; ")
@@ -76,27 +89,44 @@ def grade_singular_sets(
         yield from grader.left_out(alternatives)
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Lengths:
+    """A table, and the print's symbols with it."""
+
+    table: tuple[Row, ...]
+    symbols: Mapping[str, float]
+
+
 class _SingularGrader:
     """Looks for zeros of the determinant and of claimed equations, from random postures."""
 
     def __init__(
-        self, robot: Robot, printed: Printed, reader: Reader, rng: np.random.Generator
+        self,
+        robot: Robot,
+        printed: Printed,
+        reader: Reader,
+        sampler: Sampler,
+        bindings: Sequence[Binding],
+        rng: np.random.Generator,
     ) -> None:
         self._robot, self._printed, self._reader = robot, printed, reader
+        self._spelled = {plain(name): readable(name) for name in printed.symbols}
+        self._sampler, self._bindings = sampler, bindings
+        self._lengths = _Lengths(table=robot.rows, symbols=reader.symbols)
         self._variables = _variables(robot, reader)
         spans = np.array(list(self._variables.values()))
         self._starts = rng.uniform(-spans, spans, (STARTS, len(spans)))
         self._spelling = " ".join([*printed.singular, *printed.symbols, *printed.where.values()])
-        self._rows = self._task()
+        self._rows = _square_rows(robot)
 
     def grade(self, alternative: Alternative) -> Iterator[Finding]:
         """Say whether an alternative is singular everywhere."""
-        said = spelled_as(self._spelling, _shown(alternative.text))
+        said = self._said(alternative)
         strangers = self._strangers(alternative)
         if strangers:
             yield Finding(
                 place=PLACE,
-                fault=f"{said} has {' and '.join(strangers)} in it, which has no value",
+                fault=f"{said} has {' and '.join(strangers)} in it, without a value",
                 remedy="say what it is: a number under [symbols], a formula under [where]",
                 understood=False,
             )
@@ -105,11 +135,53 @@ class _SingularGrader:
         sizes = np.abs(self._determinant(self._named(points)))
         if not len(points):
             fault = f"no posture was found at which {said}"
-            yield Finding(place=PLACE, fault=fault, remedy=self._instead())
+            yield Finding(place=PLACE, fault=fault, remedy=self._instead(alternative))
         elif sizes.max() > NEAR * self._size(self._determinant):
             posture = self._posture(points[int(np.argmax(sizes))])
             fault = f"{said} is not singular: at {posture} the determinant is not zero"
-            yield Finding(place=PLACE, fault=fault, remedy=self._instead())
+            yield Finding(place=PLACE, fault=fault, remedy=self._instead(alternative))
+        elif not any(
+            self._is_singular(alternative, lengths) for lengths in self._other(alternative)
+        ):
+            values = ", ".join(f"{n} = {v:g}" for n, v in self._printed.symbols.items())
+            fault = f"{said} is singular for {values} only"
+            yield Finding(place=PLACE, fault=fault, remedy=self._instead(alternative))
+
+    def _other(self, alternative: Alternative) -> Iterator[_Lengths]:
+        """Vary the lengths that an alternative names, by every reading of the symbols."""
+        names = self._names(alternative)
+        seen: list[Binding] = []
+        for binding in self._bindings:
+            bound = {name: binding[name] for name in sorted(names) if name in binding}
+            if bound not in seen:
+                seen.append(bound)
+                yield self._varied(binding, bound)
+
+    def _varied(self, binding: Binding, names: Collection[str]) -> _Lengths:
+        samples, unit = self._sampler.varied(binding, names), 1.0 / self._reader.units["m"]
+        chain = samples.chain
+        table = tuple(
+            replace(row, d=chain.d[0, i] * unit, r=chain.r[0, i] * unit)
+            for i, row in enumerate(self._robot.rows)
+        )
+        symbols = {n: float(np.ravel(samples.values[n])[0]) for n in self._reader.symbols}
+        return _Lengths(table=table, symbols=symbols)
+
+    def _said(self, alternative: Alternative) -> str:
+        """Write an alternative with the print's names of lengths and angles."""
+        text = _shown(alternative.text)
+        for name, spelled in self._spelled.items():
+            text = re.sub(rf"\b{re.escape(name)}\b", spelled.replace("\\", r"\\"), text)
+        return spelled_as(self._spelling, text)
+
+    def _is_singular(self, alternative: Alternative, lengths: _Lengths) -> bool:
+        """Whether an alternative is singular for other lengths, too, where it is possible."""
+        usual, self._lengths = self._lengths, lengths
+        try:
+            sizes = np.abs(self._determinant(self._named(self._points(alternative))))
+            return bool(sizes.max(initial=0.0) <= NEAR * self._size(self._determinant))
+        finally:
+            self._lengths = usual
 
     def left_out(self, alternatives: Sequence[Alternative]) -> Iterator[Finding]:
         """Look for singular postures that no alternative has."""
@@ -136,20 +208,27 @@ class _SingularGrader:
             return []
         from drake_leg.check.singular_factors import factors
 
-        return factors(self._robot, self._rows, self._printed, self._spelling)
+        named = [cell_names(binding, self._spelled) for binding in self._bindings]
+        names = max(named, key=len)
+        return factors(self._robot, self._rows, self._printed, names, self._spelling)
 
-    def _instead(self) -> str:
-        """Say where the determinant is zero."""
+    def _instead(self, alternative: Alternative) -> str:
+        """Say where the determinant is zero, or that degrees have a sign."""
+        if any(condition.bare for condition in alternative.conditions):
+            return 'numbers are in rad: write 180° for 180, or say angles = "deg"'
         found = " or ".join(said for said, _ in self._factors())
         return f"leave it out; the determinant is zero where {found}" if found else "leave it out"
 
     def _strangers(self, alternative: Alternative) -> list[str]:
         known = {*self._variables, *self._reader.symbols, *self._reader.units}
+        return sorted(self._names(alternative) - known)
+
+    def _names(self, alternative: Alternative) -> set[str]:
         names: set[str] = set()
         for condition in alternative.conditions:
             names |= names_in(condition.left) | names_in(condition.right)
-            names -= {condition.integer}
-        return sorted(names - known)
+            names -= {condition.integer or ""}
+        return names
 
     def _points(self, alternative: Alternative) -> Array:
         """Look for postures at which an alternative holds."""
@@ -220,19 +299,8 @@ class _SingularGrader:
         slope: Array = (function(x + h) - function(x - h)) / (2.0 * h[index])
         return slope
 
-    def _task(self) -> tuple[int, ...]:
-        """Choose the rows of a square Jacobian: x, y, z, or x, y, yaw where z is no task."""
-        for rows in ROWS:
-            self._rows = rows
-            if len(self._robot.moving) >= len(rows) and self._size(self._determinant) > 1e-9:
-                return rows
-        raise InvalidValueError(
-            f"{self._robot.name} has no square Jacobian of x, y, z or of x, y, yaw; write no "
-            "singular postures for it"
-        )
-
     def _determinant(self, values: Mapping[str, Array]) -> Array:
-        Jv_BF = jacobian(self._robot.rows, self._q(values))
+        Jv_BF = jacobian(self._lengths.table, self._q(values))
         determinant: Array = np.linalg.det(Jv_BF[..., list(self._rows), : len(self._rows)])
         return determinant
 
@@ -250,7 +318,7 @@ class _SingularGrader:
         return dict(zip(self._variables, np.moveaxis(points, -1, 0), strict=True))
 
     def _known(self, values: Mapping[str, Array]) -> dict[str, Any]:
-        return {**self._reader.units, **self._reader.symbols, **values}
+        return {**self._reader.units, **self._lengths.symbols, **values}
 
     def _posture(self, point: Array) -> str:
         """Say the variables that the determinant depends on."""
@@ -260,11 +328,28 @@ class _SingularGrader:
         ]
         named = zip(self._variables, point.tolist(), strict=True)
         text = ", ".join(
-            f"{name} = {round(math.remainder(value, 2 * math.pi), 3) + 0.0:g}"
+            f"{name} = {self._value(name, value)}"
             for name, value in named
             if any(name in names_in(tree) for tree in formulas)
         )
         return spelled_as(self._spelling, text)
+
+    def _value(self, name: str, value: float) -> str:
+        """Say an angle in degrees, without full turns, or a length."""
+        if self._variables[name] != math.pi:
+            return f"{value:.4g}"
+        return f"{round(math.degrees(math.remainder(value, 2 * math.pi)), 1) + 0.0:g}°"
+
+
+def _square_rows(robot: Robot) -> tuple[int, ...]:
+    """Choose the rows of a square Jacobian."""
+    rows = task_rows(robot, len(POSITION)) if len(robot.moving) >= len(POSITION) else None
+    if rows is None:
+        raise InvalidValueError(
+            f"{robot.name} has no square Jacobian of x, y, z or of x, y, yaw; write no "
+            "singular postures for it"
+        )
+    return rows
 
 
 def _variables(robot: Robot, reader: Reader) -> dict[str, float]:
@@ -286,6 +371,5 @@ def _is_angle(tree: ast.expr, variables: Mapping[str, float]) -> bool:
 
 def _shown(text: str) -> str:
     """Write theta3 as q3, to be spelled as the print does."""
-    for word in ("theta", "teta", "phi", "th"):
-        text = text.replace(f"{word}_", "q").replace(word, "q")
-    return " ".join(text.replace("pi", "π").split())
+    text = re.sub(r"(?<![a-z])(?:theta|teta|phi|th)_?(?=\d)", "q", text)
+    return " ".join(re.sub(r"pi\b", "π", text).split())

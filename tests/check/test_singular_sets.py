@@ -28,6 +28,12 @@ def graded(singular, robot=LEG_B, settings=LEG):
         "θ3 = n·180° or 1 + 2c2 + 2c23 = 0, n ∈ Z",
         "s3² = 0 or (1 + 2c2 + 2c23)² = 0",
         "q3 = 0 mod π ou 1 + 2c2 + 2c23 = 0",
+        "θ3 = 0 + kπ, k ∈ Z ; L1 + L2 c2 + L3 c23 = 0",
+        r"\theta_3 = k\pi, k\in\mathbb{Z} \text{ or } L_1 + L_2 c_2 + L_3 c_{23} = 0",
+        "θ3 = kπ (k ∈ Z) or L1 + L2 c2 + L3 c23 = 0",
+        "θ3 = kπ, k integer, or L1 + L2 c2 + L3 c23 = 0",
+        "θ3 = kπ for all k ∈ Z; L1 + L2 c2 + L3 c23 = 0",
+        "kπ = θ3, k = 0, ±1, ±2, or L1 + L2 c2 + L3 c23 = 0",
     ],
 )
 def test_both_families_of_the_leg_are_right(singular):
@@ -82,6 +88,7 @@ def test_a_set_without_postures_is_named():
         "the leg is stretched",
         "θ3 ≠ 0",
         "q2 = 0, q3 = 0",
+        "θ3 = kπ, k ∈ Z, L1 + L2 c2 + L3 c23 = 0",
         "qi = 0",
         "θ3 = kπ + nπ",
         r"\rho = 0",
@@ -123,3 +130,48 @@ def test_sets_are_read_from_csv_and_must_be_text():
     }
     with pytest.raises(InvalidValueError, match="singular is 3; it must be text"):
         graded(3)
+
+
+@pytest.mark.parametrize(
+    "equation",
+    [
+        "L1 + L3*c2 + L2*c23 = 0",
+        "L1 + 2*L1*c2 + L2*c23 = 0",
+        "0.5*L2 + L2*c2 + L3*c23 = 0",
+    ],
+)
+def test_an_equation_that_holds_for_equal_lengths_only_is_wrong(equation):
+    (finding,) = graded(f"q3 = kπ or {equation}")
+    assert finding.fault == f"{equation} is singular for L1 = 50, L2 = 100, L3 = 100 only"
+    assert finding.remedy.endswith("q3 = kπ or L1 + L2*c2 + L3*c23 = 0")
+
+
+@pytest.mark.parametrize(
+    "equation", ["a + L*c2 + L*c23 = 0", "a + 100*c2 + L*c23 = 0", "1 + L/a*c2 + L/a*c23 = 0"]
+)
+def test_one_symbol_may_stand_for_two_equal_lengths(equation):
+    settings = {**LEG, "symbols": {"a": 50, "L": 100}}
+    assert graded(f"q3 = kπ or {equation}", settings=settings) == []
+
+
+def test_a_factor_has_the_names_of_its_lengths():
+    settings = {**LEG, "symbols": {"L_coxa": 50, "L_femur": 100, "L_tibia": 100}}
+    (finding,) = graded("θ3 = kπ", settings=settings)
+    assert finding.remedy == "add L_coxa + L_femur*cos(θ2) + L_tibia*cos(θ2 + θ3) = 0"
+
+
+@pytest.mark.parametrize("angle", ["q3 = k*180", "q3 = 0 or 180", "180k = q3", "sind(q3) = 0"])
+def test_bare_numbers_are_degrees_where_angles_are(angle):
+    assert graded(f"{angle}; L1 + L2 cosd(q2) + L3 cosd(q2 + q3) = 0") == []
+
+
+def test_bare_numbers_are_radians_where_no_unit_is_said():
+    settings = {"lengths": "mm", "symbols": LEG["symbols"]}
+    assert graded("q3 = 3.14159k or L1 + L2 c2 + L3 c23 = 0", settings=settings) == []
+    fault, *_ = graded("q3 = 180k or L1 + L2 c2 + L3 c23 = 0", settings=settings)
+    assert "write 180° for 180" in fault.remedy
+
+
+def test_postures_are_in_degrees():
+    (finding, _) = graded("q3 = 90 or L1 + L2 c2 + L3 c23 = 0")
+    assert "q3 = 90° the determinant is not zero" in finding.fault

@@ -89,12 +89,14 @@ def random_steps(rng):
 
 
 def drawn(outcome, number):
-    """Draw the figures of a run; that of the energy, which depends on little, now and then."""
+    """Draw one figure of the angle, with or without its rate; that of the energy now and then."""
+    odd = number % 2 == 1
+    turns = {"angle": not odd, "angle_and_rate": odd, "energy": number % ENERGY == 0}
     summary = json.loads(json.dumps(outcome.summary, allow_nan=False))
     for figure_name, draw in figures_of_run(
         outcome.subject, "title", outcome.robot, outcome.recording, summary
     ):
-        if figure_name == "energy" and number % ENERGY:
+        if not turns[figure_name]:
             continue
         figure = draw()
         if number % LAID_OUT == 0:
