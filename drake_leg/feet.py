@@ -111,9 +111,9 @@ def feet(
     if is_scara(robot):
         return _scara_feet(robot, foot, q, yaw, rpy)
     if yaw is not None:
+        otherwise = ", or give the orientation by --rpy" if len(robot.moving) > 3 else ""
         raise InvalidValueError(
-            f"a yaw is for a SCARA's tool; {robot.name!r} is none: leave it out, or give the "
-            "orientation by --rpy"
+            f"a yaw is for a SCARA's tool; {robot.name!r} is none: leave it out{otherwise}"
         )
     if rpy is not None and len(robot.moving) <= 3:
         raise InvalidValueError(
@@ -149,14 +149,14 @@ def _scara_feet(
 ) -> Feet:
     if rpy is not None:
         raise InvalidValueError("a SCARA's tool only yaws: give --yaw instead of --rpy")
-    if yaw is None and q is None:
-        raise InvalidValueError(
-            "a SCARA's tool has a yaw besides its place: give --yaw, or the posture whose yaw it "
-            "keeps by --q"
-        )
     arm, whose = ScaraGeometry.from_robot(robot), "as asked for"
     if yaw is None:
-        yaw, whose = sum((q or ())[:3]), "that of the posture"
+        if q is None:
+            raise InvalidValueError(
+                "a SCARA's tool has a yaw besides its place: give --yaw, or the posture whose yaw "
+                "it keeps by --q"
+            )
+        yaw, whose = float(sum(q[:3])), "that of the posture"
     limits = [*limits_of(robot.moving[:3]), lift_limits(robot)]
     lift = arm.height - foot[2]
     solutions = [

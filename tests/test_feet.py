@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from chains import PLANAR_2
 
 from drake_leg.check.sampling import random_configurations
 from drake_leg.check.witness import DrakeWitness
@@ -74,3 +75,13 @@ def test_limits_are_told_and_units_are_the_joints():
     np.testing.assert_allclose(found.solutions[0].q, q, atol=1e-9)
     assert found.units == units_of(robot) == ("deg", "deg", "m")
     assert limits_of(robot.moving)[2] == (0.0, 0.1)
+
+
+def test_a_stretched_arm_has_one_posture():
+    found = feet(PLANAR_2, [0.5, 0.0, 0.0])
+    assert len(found.solutions) == 1
+
+
+def test_a_posture_may_be_an_array():
+    given = feet(SCARA, [0.2, 0.2, 0.4], q=[0.5, 1.5, -2.0])
+    assert feet(SCARA, [0.2, 0.2, 0.4], q=np.array([0.5, 1.5, -2.0])) == given
