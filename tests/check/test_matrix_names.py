@@ -19,7 +19,9 @@ from drake_leg.errors import InvalidValueError
         ("^{1}_{0}T", "transform", (1, 0)),
         ("A3", "transform", (2, 3)),
         *((name, "rotation", (0, 4)) for name in ("R04", "R_0^4", "^0R_4")),
-        *((name, "position", (0, 4)) for name in ("P04", "p_04", "p_{04}", "^0p_4", "P_4^0", "P4", "P_4")),
+        *((name, "position", (0, 4)) for name in (
+            "P04", "p_04", "p_{04}", "^0p_4", "P_4^0", "P4", "P_4",
+        )),
     ],
 )  # fmt: skip
 def test_frames_are_read(name, kind, frames):
