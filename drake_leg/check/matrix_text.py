@@ -22,7 +22,7 @@ _ENVIRONMENT = re.compile(
     r"\\begin\s*\{(?P<kind>[a-zA-Z]*(?:matrix|array|tabular))\*?\}(?P<rows>.*?)\\end\s*\{(?P=kind)\*?\}",
     re.DOTALL,
 )
-_COMMENT = re.compile(r"(?<!\\)(?:%|#|//)[^\n]*")
+_COMMENT = re.compile(r"(?<!\\)(?:%|#|(?<![\w)])//)[^\n]*")
 _BEFORE = re.compile(
     r"(?:\s|\$|\\\[|\\\(|\\[,;:!]|&|\\left\s*[\[(|.]|\\(?:big|Big)+l?\s*[\[(|]|[\[(])*$"
 )

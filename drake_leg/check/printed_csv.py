@@ -40,7 +40,7 @@ _LAYOUT = re.compile(
 )
 _FENCE = re.compile(r"\s*(?:```.*|~~~.*|\$\$|\\\[|\\\])\s*$")
 _EMPHASIS = re.compile(r"^(\s*)(\*\*|__|`)([^*`]{1,40}?)\2(?=\s*[:=]|\s*$)")
-_COMMENT = re.compile(r"(?<=\S)\s*(?<!\\)(?:%|//|#(?!\s*[|,;\t])).*$")
+_COMMENT = re.compile(r"(?<=\S)\s*(?<!\\)(?:%|(?<![\w)])//|#(?!\s*[|,;\t])).*$")
 _PROSE = re.compile(r"(?:[^\W\d_]+[-'.,:!?()]* +){2,}[^\W\d_]+[-'.,:!?()]*")
 _EQUATION = re.compile(r"\s*+([^=,;\t|&]{1,40}?)\s*+&?\s*+:?=(.*[^\s;].*)$")
 _SINGULAR = re.compile(
@@ -108,7 +108,10 @@ def parse_table(text: str, where: str) -> list[dict[str, str]]:
     InvalidValueError
         If it has no heading, or a row is not as long as that.
     """
-    rows: list[dict[str, str]] = parse_csv(text.strip(), f"{where}: table").get("table", [])
+    document = parse_csv(text.strip(), f"{where}: table")
+    for place, sentence in document.get("unread", ()):
+        raise InvalidValueError(f"{where}: table, {place}: {sentence}")
+    rows: list[dict[str, str]] = document.get("table", [])
     if not rows:
         raise InvalidValueError(f"{where}: table has no heading; write i | σ | d | α | r | θ above")
     return rows
@@ -142,7 +145,7 @@ def _without_blocks(lines: list[str], reading: _Reading) -> Iterator[str]:
 def _tidy(line: str) -> str:
     """Take off what a line of text, of LaTeX or of Markdown has around a statement."""
     if _FENCE.match(line):
-        return "#"
+        return ""
     if line.lstrip().startswith(("#", "%", "//")) or len(line) > _LONGEST_LINE:
         return line
     return _EMPHASIS.sub(r"\1\3", _LAYOUT.sub("", _COMMENT.sub("", line)))

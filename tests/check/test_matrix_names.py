@@ -19,7 +19,9 @@ from drake_leg.errors import InvalidValueError
         ("^{1}_{0}T", "transform", (1, 0)),
         ("A3", "transform", (2, 3)),
         *((name, "rotation", (0, 4)) for name in ("R04", "R_0^4", "^0R_4")),
-        *((name, "position", (0, 4)) for name in ("P04", "p_04", "p_{04}", "^0p_4", "P_4^0")),
+        *((name, "position", (0, 4)) for name in (
+            "P04", "p_04", "p_{04}", "^0p_4", "P_4^0", "P4", "P_4",
+        )),
     ],
 )  # fmt: skip
 def test_frames_are_read(name, kind, frames):
@@ -32,6 +34,7 @@ def test_frames_are_read(name, kind, frames):
     [
         *((name, "jacobian", ()) for name in (
             "J", "Jacobian", "Jacobian matrix", "J(q)", "J3x3", "J_{3×3}", "^0J", "J =", "J04",
+            "{}^0J_4", "J_4", "J_{4}", "0J4", "J(q1,q2,q3)", "J(θ_1, θ_2)",
         )),
         *((name, "jacobian", ("x", "y", "z")) for name in ("Jv", "J_v", "J_{v}", "J_P")),
         *((name, "jacobian", ("wx", "wy", "wz")) for name in ("Jw", "J_ω", r"J_\omega", "J_O")),

@@ -155,6 +155,11 @@ def test_a_table_without_a_heading_is_refused():
         parse_table("T12,1,0,0,0", "print.toml")
 
 
+def test_a_line_behind_a_table_is_not_lost():
+    with pytest.raises(InvalidValueError, match=r"table, line 4: 'nonsense' stands alone"):
+        parse_table("i σ d α r θ\n2 0 L1 90° 0 θ2\n\nnonsense", "print.toml")
+
+
 PASTED = r"""
 lengths = mm
 L1 = 50

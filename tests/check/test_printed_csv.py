@@ -55,6 +55,7 @@ def graded(tmp_path):
         "\n".join("J;" + row.strip().replace(" ", ";") for row in J.split(";")),
         "\n".join("J | " + row.strip().replace(" ", " | ") for row in J.split(";")),
         f"P04 = [{P04}]",
+        f"P04 =\n```\n{P04.replace('; ', chr(10))}\n```",
         f"P_4 = [{P04.replace('; ', chr(10))}]",
         f"P04 = ({P04.replace(';', ',')})",
         f"P04 = [{P04.replace(';', ',')}]'",
