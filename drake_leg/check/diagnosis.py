@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import ast
+import itertools
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple
 
 from drake_leg.check.bindings import Cell, same
 from drake_leg.check.formula_trees import (
+    alike,
+    changed,
     distinct,
     exchange_functions,
     exchange_names,
@@ -42,6 +46,7 @@ class Vocabulary:
     lengths: tuple[float, ...] = ()  # of the robot, in the print's unit
     unit: str = ""  # of the print's lengths
     units: Mapping[str, float] = field(default_factory=dict)  # of lengths, in the print's unit
+    power: int = 1  # of a length: 3 in a determinant of x, y, z
     names: Mapping[Cell, str] = field(default_factory=dict)  # of the table's cells, as printed
 
 
@@ -104,8 +109,10 @@ def changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
     if len(parts(tree)) > LARGEST:
         return
     yield from _other_units(tree, vocabulary)
+    yield from _other_length(tree, vocabulary.symbols)
     if not isinstance(tree, ast.Constant):
         yield from _usual_changes(tree, vocabulary)
+        yield from _other_products(tree, vocabulary.angles)
         yield from _other_sums(tree, vocabulary.angles)
         yield from _other_places(tree, vocabulary.symbols)
         yield from _other_numbers(tree, vocabulary.lengths)
@@ -127,9 +134,58 @@ def _other_units(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
     """Read metres as millimetres."""
     for unit, size in vocabulary.units.items():
         if unit != vocabulary.unit:
-            scaled = ast.BinOp(left=_number(size), op=ast.Mult(), right=tree)
+            scaled = ast.BinOp(left=_number(size**vocabulary.power), op=ast.Mult(), right=tree)
             words = f"lengths are in {unit} and should be in {vocabulary.unit}"
             yield Change("unit", words, scaled)
+
+
+def _other_length(tree: ast.expr, symbols: Mapping[str, float]) -> Iterator[Change]:
+    """Read an entry that is one length's number as another length."""
+    value = number_of(tree)
+    for name in symbols if value else ():
+        if same(value or 0.0, symbols[name]):
+            for other in symbols:
+                if other != name:
+                    words = f"{text_of(tree)} is {name}, and {other} belongs there"
+                    yield Change("length", words, ast.Name(id=other))
+
+
+def _other_products(tree: ast.expr, angles: int) -> Iterator[Change]:
+    """Read cos(q2) * cos(q3), and cos(q2) + cos(q3), as cos(q2 + q3), everywhere."""
+    for one, other in itertools.combinations(_joints(angles), 2):
+        for sign, what in ((ast.Mult, "products"), (ast.Add, "sums")):
+            new = changed(tree, partial(_with_sum, one, other, sign))
+            if not alike(new, tree):
+                whose = f"sines or cosines of {one} and {other}"
+                words = f"{what} of {whose} should be those of {one} + {other}"
+                yield Change("sum of angles", words, new)
+
+
+def _with_sum(one: str, other: str, sign: type[ast.operator], node: ast.expr) -> ast.expr | None:
+    """Put the function of a sum into a product, or a sum, that has it of both angles."""
+    operands = list(_operands(node, sign))
+    texts = [text_of(operand) for operand in operands]
+    for function in ("cos", "sin"):
+        calls = [f"{function}({name})" for name in (one, other)]
+        if all(call in texts for call in calls):
+            rest = [o for o, text in zip(operands, texts, strict=True) if text not in calls]
+            whole: ast.expr = _parsed(f"{function}({one} + {other})")
+            for operand in rest:
+                whole = ast.BinOp(left=whole, op=sign(), right=operand)
+            return whole
+    return None
+
+
+def _operands(node: ast.expr, sign: type[ast.operator]) -> Iterator[ast.expr]:
+    if isinstance(node, ast.BinOp) and isinstance(node.op, sign):
+        yield from _operands(node.left, sign)
+        yield from _operands(node.right, sign)
+    else:
+        yield node
+
+
+def _parsed(text: str) -> ast.expr:
+    return ast.parse(text, mode="eval").body
 
 
 def _other_angle_sums(tree: ast.expr) -> Iterator[Change]:
@@ -187,7 +243,7 @@ def _other_sums(tree: ast.expr, angles: int) -> Iterator[Change]:
 
 
 def _sum(names: list[str]) -> ast.expr:
-    return ast.parse(" + ".join(names), mode="eval").body
+    return _parsed(" + ".join(names))
 
 
 def _other_names(kind: str, tree: ast.expr, names: list[str]) -> Iterator[Change]:
@@ -274,7 +330,8 @@ def _other_numbers(tree: ast.expr, lengths: tuple[float, ...]) -> Iterator[Chang
 
 def _number(value: float) -> ast.expr:
     """Write a whole number as one, which nobody has rounded."""
-    return ast.Constant(value=int(value) if float(value).is_integer() else value)
+    value = float(f"{value:.10g}")
+    return ast.Constant(value=int(value) if value.is_integer() else value)
 
 
 def _is_name(node: ast.AST, name: str) -> bool:

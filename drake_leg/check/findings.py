@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from drake_leg.errors import InvalidValueError
+
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
@@ -45,6 +47,27 @@ class Finding:
         dict
         """
         return asdict(self)
+
+
+def unreadable(place: str, error: InvalidValueError, matrix: str = "") -> Finding:
+    """Part an error's sentence into what is not understood and what to write instead.
+
+    Parameters
+    ----------
+    place : str
+        What cannot be read.
+    error : InvalidValueError
+        Why.
+    matrix : str
+        Name as printed, where it is one.
+
+    Returns
+    -------
+    Finding
+    """
+    fault, _, remedy = str(error).partition("; ")
+    remedy = remedy or "write it another way"
+    return Finding(place=place, fault=fault, remedy=remedy, understood=False, matrix=matrix)
 
 
 def errors(findings: Iterable[Finding]) -> list[Finding]:

@@ -91,7 +91,7 @@ def parts(tree: ast.expr) -> list[ast.expr]:
     """List a formula and all formulas in it, without the names of functions."""
     found = [tree]
     for node in found:
-        found += _children(node) + (node.args if isinstance(node, ast.Call) else [])
+        found += inside(node)
     return found
 
 
@@ -101,6 +101,11 @@ def outside_calls(tree: ast.expr) -> list[ast.expr]:
     for node in found:
         found += _children(node)
     return found
+
+
+def inside(node: ast.expr) -> list[ast.expr]:
+    """List the formulas that stand right in another one."""
+    return _children(node) + (node.args if isinstance(node, ast.Call) else [])
 
 
 def _children(node: ast.expr) -> list[ast.expr]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Collection
 from itertools import islice
 
-from drake_leg.check.limits import number_of
+from drake_leg.check.limits import fraction_of
 from drake_leg.check.notation import plain, quoted
 from drake_leg.check.tokens import ANGLE_LETTERS, END, Token, tokens_of
 from drake_leg.errors import InvalidValueError
@@ -156,7 +156,7 @@ class _Parser:
     def _exponent(self) -> ast.expr:
         """Read a number, plain or in brackets: 2, -1, (1/2)."""
         tree = self._signed_number() if self._next.text != "(" else self._bracket()
-        value = number_of(tree)
+        value = fraction_of(tree)
         if value is None or abs(value) > GREATEST_POWER:
             raise InvalidValueError(
                 f"its exponent is {ast.unparse(tree)}; write a number of at most {GREATEST_POWER}"
@@ -311,7 +311,7 @@ class _Parser:
         if not self._skip("^"):
             return None
         exponent = self._exponent()
-        if (number_of(exponent) or 0.0) <= 0.0:
+        if (fraction_of(exponent) or 0.0) <= 0.0:
             raise InvalidValueError(
                 f"{function}^-1 may be the inverse function or the reciprocal; "
                 f"write 1/{function}(...) or the angle"

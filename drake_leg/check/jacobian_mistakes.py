@@ -23,6 +23,7 @@ from drake_leg.check.subject import Mistake, Subject
 from drake_leg.kinematics.batches import Array
 
 FIRST_LENGTH = 3  # of the rows, rotation first
+HALVES = "halves"
 
 
 def jacobian_mistakes(subject: Subject) -> Iterator[Mistake]:
@@ -119,7 +120,7 @@ def _halves(subject: Subject) -> Iterator[Mistake]:
     printed = "(w; v)" if wanted == "(v; w)" else "(v; w)"
     if len(order) == 6:
         yield Mistake(
-            kind="halves",
+            kind=HALVES,
             fault=f"it is {printed}, velocity and rotation having changed places",
             remedy=f"write {wanted}, or name the rows as they stand under rows",
             printed=lambda c: np.roll(subject.right(c), 3, axis=-2),

@@ -163,6 +163,14 @@ def in_other_units(subject: Subject, lengths: Mask) -> Iterator[Mistake]:
                 f"multiply them by {size:g}",
                 np.where(lengths, 1.0 / size, 1.0),
             )
+            times = max(size, 1.0 / size)
+            yield scaled(
+                subject,
+                "unit",
+                f"its lengths are {times:g} times too great",
+                f"divide them by {times:g}",
+                np.where(lengths, times, 1.0),
+            )
 
 
 def with_pi(subject: Subject, whose: str, inside: Mask) -> Iterator[Mistake]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 
+from drake_leg.check.formula_trees import inside
 from drake_leg.check.notation import quoted
 from drake_leg.errors import InvalidValueError
 
@@ -30,7 +31,7 @@ def require_small(tree: ast.expr, text: str) -> None:
     nodes, level = 0, [tree]
     for _ in range(DEEPEST):
         nodes += len(level)
-        level = [child for node in level for child in _children(node)]
+        level = [child for node in level for child in inside(node)]
         if not level and nodes <= MOST_NODES:
             break
     else:
@@ -43,22 +44,11 @@ def require_small(tree: ast.expr, text: str) -> None:
         )
 
 
-def _children(node: ast.expr) -> tuple[ast.expr, ...]:
-    match node:
-        case ast.UnaryOp(operand=operand):
-            return (operand,)
-        case ast.BinOp(left=left, right=right):
-            return (left, right)
-        case ast.Call(args=[argument]):
-            return (argument,)
-    return ()
-
-
 def _degree(tree: ast.expr) -> float:
     """How often a formula multiplies what stands in it at most."""
     match tree:
         case ast.BinOp(left=base, op=ast.Pow(), right=exponent):
-            return _degree(base) * max(1.0, abs(number_of(exponent) or 1.0))
+            return _degree(base) * max(1.0, abs(fraction_of(exponent) or 1.0))
         case ast.BinOp(left=left, op=ast.Mult() | ast.Div(), right=right):
             return _degree(left) + _degree(right)
         case ast.BinOp(left=left, right=right):
@@ -68,26 +58,15 @@ def _degree(tree: ast.expr) -> float:
     return 1.0
 
 
-def number_of(tree: ast.expr) -> float | None:
-    """Evaluate a number, a sign, or a fraction of numbers.
-
-    Parameters
-    ----------
-    tree : ast.expr
-        Any formula.
-
-    Returns
-    -------
-    float or None
-        None for anything else.
-    """
+def fraction_of(tree: ast.expr) -> float | None:
+    """Evaluate a number, a sign, or a fraction of numbers."""
     match tree:
         case ast.Constant(value=int() | float() as value):
             return float(value)
         case ast.UnaryOp(op=ast.USub(), operand=operand):
-            inner = number_of(operand)
+            inner = fraction_of(operand)
             return None if inner is None else -inner
         case ast.BinOp(left=left, op=ast.Div(), right=right):
-            above, below = number_of(left), number_of(right)
+            above, below = fraction_of(left), fraction_of(right)
             return above / below if above is not None and below else None
     return None

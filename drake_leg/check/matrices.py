@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from drake_leg.check.claims import Claim, claim_of, scales
 from drake_leg.check.comparison import Comparison, Meaning
 from drake_leg.check.expressions import names_in
-from drake_leg.check.findings import Finding
+from drake_leg.check.findings import Finding, unreadable
 from drake_leg.check.printed_file import METRES, Printed, PrintedMatrix
 from drake_leg.check.reader import Reader
 from drake_leg.check.sampling import table_length
@@ -42,6 +44,15 @@ class Matrix:
     def claim(self) -> Claim:
         """What it says it is."""
         return self.subject.claim
+
+    def with_halves_exchanged(self) -> Matrix:
+        """Take a Jacobian's rows for (v; w) where they are said to be (w; v), or the other way."""
+        rows = self.claim.rows
+        half = len(rows) // 2
+        claim = replace(self.claim, rows=rows[half:] + rows[:half])
+        subject = replace(self.subject, claim=claim)
+        margin = np.roll(self.margin, half, axis=0)
+        return replace(self, subject=subject, margin=margin, right=Meaning(subject.right))
 
     def is_right(self, place: Place, comparison: Comparison, formula: ast.expr) -> bool:
         """Whether a formula would be right in an entry's place."""
@@ -113,7 +124,7 @@ class MatrixReader:
             claim = claim_of(matrix, self._robot)
             definitions = self._reader.definitions(matrix.where)
         except InvalidValueError as error:
-            return _unread(matrix.name, error)
+            return unreadable(matrix.name, error, matrix.name)
         return self._read(matrix, self._subject(claim), definitions)
 
     def _read(
@@ -170,10 +181,3 @@ class MatrixReader:
         """Join all formulas that belong to a matrix, as examples of its notation."""
         cells = [cell for row in matrix.entries for cell in row]
         return " ".join([*cells, *matrix.where.values(), *self._printed.where.values()])
-
-
-def _unread(place: str, error: InvalidValueError) -> Finding:
-    """Part an error's sentence into what is not understood and what to write instead."""
-    fault, _, remedy = str(error).partition("; ")
-    remedy = remedy or "write it another way"
-    return Finding(place=place, fault=fault, remedy=remedy, understood=False, matrix=place)

@@ -14,6 +14,7 @@ from drake_leg.check.captions import grade_caption
 from drake_leg.check.comparison import Comparison
 from drake_leg.check.diagnosis import Vocabulary, explain
 from drake_leg.check.findings import Finding
+from drake_leg.check.jacobian_mistakes import FIRST_LENGTH, HALVES
 from drake_leg.check.matrices import TOLERANCE, Matrix, Place
 from drake_leg.check.notation import is_joint_variable, plain, readable, spelled_as
 from drake_leg.check.postures import COUNT, Postures
@@ -99,6 +100,10 @@ class MatrixGrader:
         whole = explain_whole(matrix, wrong, self._comparison, self._vocabulary)
         if whole:
             yield self._whole_finding(matrix, whole)
+        if whole and whole.kind == HALVES:
+            matrix = matrix.with_halves_exchanged()
+            wrong = matrix.wrong(self._comparison)
+            whole = None
         rest = [place for place in wrong if not whole or place not in whole.explained]
         for place in matrix.texts:
             if place in rest:
@@ -126,9 +131,11 @@ class MatrixGrader:
 
     def _wrong_finding(self, matrix: Matrix, place: Place, wrong: Sequence[Place]) -> Finding:
         """Say what is wrong inside an entry, and what is right."""
+        lengths = sum(row >= FIRST_LENGTH for row in matrix.claim.rows)
+        power = lengths if matrix.claim.kind == "determinant" else 1
         found = explain(
             matrix.trees[place],
-            self._vocabulary,
+            replace(self._vocabulary, power=power),
             lambda tree: matrix.is_right(place, self._comparison, tree),
             self._trials,
         ) or explain_alone(matrix, wrong, self._comparison, self._vocabulary.names)
@@ -153,8 +160,8 @@ class MatrixGrader:
 
     def _stranger_finding(self, matrix: Matrix, place: Place, strangers: Sequence[str]) -> Finding:
         """Say which symbols have no value: one more joint is wrong, others may be anything."""
-        names = " and ".join(strangers)
-        fault = f"printed {readable(matrix.texts[place])}, in which {names} has no value"
+        names, verb = " and ".join(strangers), "have" if len(strangers) > 1 else "has"
+        fault = f"printed {readable(matrix.texts[place])}, in which {names} {verb} no value"
         fault, remedy = spelled_as(matrix.spelling, fault), self._remedy(matrix, place)
         if all(is_joint_variable(name) for name in strangers):
             return matrix.finding(place, fault, remedy, "unknown joint")
@@ -201,11 +208,16 @@ def _of_another_shape(matrix: Matrix) -> Finding:
     seems = " and seems transposed" if turned else ""
     return Finding(
         place=matrix.claim.name,
-        fault=f"it has {rows} rows and {columns} columns{seems}",
-        remedy=f"it should have {right_rows} rows and {right_columns} columns",
+        fault=f"it has {_shape(rows, columns)}{seems}",
+        remedy=f"it should have {_shape(right_rows, right_columns)}",
         kind="shape",
         matrix=matrix.claim.name,
     )
+
+
+def _shape(rows: int, columns: int) -> str:
+    """Count rows and columns: 1 row and 3 columns."""
+    return f"{rows} row{'s' * (rows != 1)} and {columns} column{'s' * (columns != 1)}"
 
 
 def _list(places: Sequence[tuple[int, int]]) -> str:

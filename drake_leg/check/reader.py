@@ -130,7 +130,7 @@ class Reader:
             other, known = first.setdefault(plain(name), (name, value))
             if _number_or_text(known) == _number_or_text(value):
                 continue
-            values = f"is said to be {known} and {value}"
+            values = f"is said to be {_said(known)} and {_said(value)}"
             if other == name:
                 raise InvalidValueError(f"{self._origin}: {quoted(name)} {values}; say it once")
             raise InvalidValueError(
@@ -217,6 +217,10 @@ def _number_or_text(value: float | str) -> float | str:
         return float(value)
     except ValueError:
         return value
+
+
+def _said(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:g}"
 
 
 def _is_taken(name: str) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 
 from drake_leg.check.bindings import Binding, cell_names
 from drake_leg.check.expressions import evaluate, names_in
-from drake_leg.check.findings import Finding
+from drake_leg.check.findings import Finding, unreadable
 from drake_leg.check.notation import plain, readable, spelled_as
 from drake_leg.check.printed_file import Printed
 from drake_leg.check.reader import Reader
@@ -74,15 +74,13 @@ def grade_singular_sets(
         try:
             alternatives += alternatives_of(text, reader)
         except InvalidValueError as error:
-            fault, _, remedy = str(error).partition("; ")
-            yield Finding(place=PLACE, fault=fault, remedy=remedy, understood=False)
+            yield unreadable(PLACE, error)
             unread = True
     try:
         grader = _SingularGrader(robot, printed, reader, sampler, bindings, rng)
-        findings = [finding for a in alternatives for finding in grader.grade(a)]
+        findings = list(grader.grade_all(alternatives))
     except InvalidValueError as error:
-        fault, _, remedy = str(error).partition("; ")
-        yield Finding(place=PLACE, fault=fault, remedy=remedy, understood=False)
+        yield unreadable(PLACE, error)
         return
     yield from findings
     if not unread and all(finding.understood for finding in findings):
@@ -119,8 +117,40 @@ class _SingularGrader:
         self._spelling = " ".join([*printed.singular, *printed.symbols, *printed.where.values()])
         self._rows = _square_rows(robot)
 
-    def grade(self, alternative: Alternative) -> Iterator[Finding]:
-        """Say whether an alternative is singular everywhere."""
+    def grade_all(self, alternatives: Sequence[Alternative]) -> Iterator[Finding]:
+        """Say what is wrong with each alternative, those that are not singular together."""
+        outside: dict[str, list[tuple[str, str]]] = {}
+        for alternative in alternatives:
+            posture = self._regular_posture(alternative)
+            if posture is None:
+                yield from self._grade(alternative)
+            else:
+                remedy = self._instead(alternative)
+                outside.setdefault(remedy, []).append((self._said(alternative), posture))
+        for remedy, cases in outside.items():
+            (said, posture), *others = cases
+            verb, pronoun = "is", "it"
+            if others:
+                said = f"{', '.join(each for each, _ in cases[:-1])} and {cases[-1][0]}"
+                verb, pronoun = "are", "them"
+            yield Finding(
+                place=PLACE,
+                fault=f"{said} {verb} not singular: at {posture} the determinant is not zero",
+                remedy=remedy.replace("leave it out", f"leave {pronoun} out"),
+            )
+
+    def _regular_posture(self, alternative: Alternative) -> str | None:
+        """Find a posture of an alternative at which the determinant is not zero."""
+        if self._strangers(alternative):
+            return None
+        points = self._points(alternative)
+        sizes = np.abs(self._determinant(self._named(points)))
+        if sizes.max(initial=0.0) <= NEAR * self._size(self._determinant):
+            return None
+        return self._posture(points[int(np.argmax(sizes))])
+
+    def _grade(self, alternative: Alternative) -> Iterator[Finding]:
+        """Say whether an alternative is understood, possible, and singular for all lengths."""
         said = self._said(alternative)
         strangers = self._strangers(alternative)
         if strangers:
@@ -131,14 +161,8 @@ class _SingularGrader:
                 understood=False,
             )
             return
-        points = self._points(alternative)
-        sizes = np.abs(self._determinant(self._named(points)))
-        if not len(points):
+        if not len(self._points(alternative)):
             fault = f"no posture was found at which {said}"
-            yield Finding(place=PLACE, fault=fault, remedy=self._instead(alternative))
-        elif sizes.max() > NEAR * self._size(self._determinant):
-            posture = self._posture(points[int(np.argmax(sizes))])
-            fault = f"{said} is not singular: at {posture} the determinant is not zero"
             yield Finding(place=PLACE, fault=fault, remedy=self._instead(alternative))
         elif not any(
             self._is_singular(alternative, lengths) for lengths in self._other(alternative)

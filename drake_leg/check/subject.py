@@ -35,3 +35,4 @@ class Mistake:
     remedy: str
     printed: Callable[[Chain], Array]  # what the mistake makes of the matrix, (N, r, c)
     rough: float = 1.0  # times the usual margin: numbers that people round
+    exact: bool = False  # whether it must explain every entry that can be read

@@ -16,7 +16,7 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 
 QUARTER = math.pi / 2.0
-CONVENTION = "convention"
+CONVENTION, DEGREES = "convention", "degrees"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,19 +167,19 @@ def _other_lengths(robot: Robot, names: Mapping[Cell, str]) -> Iterator[OtherTab
         if getattr(row, column) != 0.0
     ]
     called = {cell: names.get(cell, f"{cell.column} of row {cell.row + 1}") for cell in cells}
-    for a, b in itertools.combinations(cells, 2):
-        yield OtherTable(
-            kind="length",
-            fault=f"{called[a]} and {called[b]} have changed places",
-            remedy="change them back",
-            change=partial(_exchange, a, b),
-        )
     for a, b in itertools.permutations(cells, 2):
         yield OtherTable(
             kind="length",
             fault=f"{called[b]} should be {called[a]} where {a.column} of row {a.row + 1} is meant",
             remedy=f"write {called[a]} there",
             change=partial(_take, a, b),
+        )
+    for a, b in itertools.combinations(cells, 2):
+        yield OtherTable(
+            kind="length",
+            fault=f"{called[a]} and {called[b]} have changed places",
+            remedy="change them back",
+            change=partial(_exchange, a, b),
         )
     for a in cells:
         yield OtherTable(
@@ -221,7 +221,7 @@ def _other_zeros(robot: Robot, variables: tuple[str, ...]) -> Iterator[OtherTabl
 
 def _degrees() -> OtherTable:
     return OtherTable(
-        kind="degrees",
+        kind=DEGREES,
         fault="its fixed angles are degrees taken as radians",
         remedy="multiply degrees by pi/180 before taking sines and cosines",
         change=lambda c: replace(c, alpha=np.degrees(c.alpha), theta=np.degrees(c.theta)),

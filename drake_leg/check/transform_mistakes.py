@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -30,6 +31,9 @@ def transform_mistakes(subject: Subject) -> Iterator[Mistake]:
     Mistake
         The likeliest first.
     """
+    first, last = subject.claim.frames
+    if first > last:  # T10 holds T01, which may be its transpose, too
+        yield _inverse(subject)
     yield from transposed(subject)
     if subject.claim.kind == "transform":
         yield _transposed_rotation(subject)
@@ -66,27 +70,38 @@ def _transposed_rotation(subject: Subject) -> Mistake:
     )
 
 
-def _other_frames(subject: Subject) -> Iterator[Mistake]:
-    """Take the inverse, or the transform between two other frames."""
+def _inverse(subject: Subject) -> Mistake:
     first, last = subject.claim.frames
-    letter = {"transform": "T", "rotation": "R"}.get(subject.claim.kind, "P")
-    right = f"{letter}{first}{last}"
-    yield _of_pose(
+    letter = _letter(subject)
+    return _of_pose(
         subject,
         "inverse",
         f"it is the inverse, {letter}{last}{first}",
-        f"write {right}, from frame {last} to frame {first}",
+        f"write {letter}{first}{last}, from frame {last} to frame {first}",
         partial(_between, last, first),
     )
+
+
+def _letter(subject: Subject) -> str:
+    return {"transform": "T", "rotation": "R"}.get(subject.claim.kind, "P")
+
+
+def _other_frames(subject: Subject) -> Iterator[Mistake]:
+    """Take the inverse, or the transform between two other frames."""
+    first, last = subject.claim.frames
+    letter = _letter(subject)
+    right = f"{letter}{first}{last}"
+    yield _inverse(subject)
     for a, b in itertools.permutations(range(len(subject.robot.rows) + 1), 2):
         if {a, b} != {first, last}:
-            yield _of_pose(
+            other = _of_pose(
                 subject,
                 "other frames",
                 f"it is {letter}{a}{b}, not {right}",
                 f"write {right}, from frame {last} to frame {first}",
                 partial(_between, a, b),
             )
+            yield replace(other, exact=True)
 
 
 def _between(first: int, last: int, chain: Chain) -> Array:

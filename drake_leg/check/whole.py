@@ -128,14 +128,15 @@ def _matching(
         meaning = Meaning(mistake.printed)
         margin = mistake.rough * matrix.margin
         same = _same_in_number(printed, meaning.at(comparison.sampler.as_it_is), margin)
-        if not _explains(same, wrong, printed):
+        readable = set(printed)
+        if not _explains(same, wrong, readable) or (mistake.exact and same != readable):
             continue
         same = {
             place
             for place in same
             if comparison.agrees(matrix.trees[place], meaning, place, float(margin[place]))
         }
-        if _explains(same, wrong, printed):
+        if _explains(same, wrong, readable) and not (mistake.exact and same != readable):
             yield _explanation(mistake, same, wrong, len(printed))
 
 
