@@ -79,6 +79,8 @@ def test_it_is_read_back_as_it_was():
         ("position_target = 30", "position_target = true", "position_target is true"),
         ('"low"', '"none"', 'velocity_priority is "none"; it must be "high" or "low"'),
         ("velocity_target = -90\n", "", "velocity_priority is 'low', but there is no"),
+        ("spring_stiffness = 0.1\n", "", "but there is no spring_stiffness; give both"),
+        ("stiffness = 5, ", "", "spring_unit is 'N*m/deg', but there is no stiffness; give both"),
         ("upper = 70\n", "", "the upper limit pushes back, but has no bound"),
         ("lower_stop = {}", "lower_stop = 5", "lower_stop is 5; it must be a table"),
         ("stiffness = 5,", "stiffness = 0,", "upper_stop: the limit's stiffness is 0.0"),

@@ -100,7 +100,11 @@ def read_mechanics(
 def _in_si(keys: Keys, key: str, unit_key: str, units: dict[str, float], default: float) -> float:
     """Read a number that is not negative, and the unit that the file may choose for it."""
     unit = keys.choice(unit_key, tuple(units), next(iter(units)))
-    return default if not keys.has(key) else keys.non_negative(key, unit, 0.0) * units[unit]
+    if keys.has(key):
+        return keys.non_negative(key, unit, 0.0) * units[unit]
+    if keys.has(unit_key):
+        raise keys.error(f"{unit_key} is {unit!r}, but there is no {key}; give both")
+    return default
 
 
 def _stop(bounds: Keys, key: str, units: JointUnits) -> HardStop | None:
