@@ -11,7 +11,7 @@ from drake_leg.kinematics.task import Floats
 MARGIN = 5e-4  # [rad or m], at most
 PART = 0.1  # of the way between the limits, at most
 RETREAT = 2.0  # [s] in which a joint that starts nearer than that goes back
-HEADROOM = 0.01  # part of the greatest rate that is kept for the same errors
+HEADROOM = 0.02  # part of the greatest rate that is kept for the same errors
 
 FREE, FASTEST, BRAKING = range(3)  # what bounds a rate
 

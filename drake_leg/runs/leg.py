@@ -267,6 +267,7 @@ def _outcome(
     findings = {
         **joint_entries("q0", config.q0, [s.row.joint == "prismatic" for s in robot.moving]),
         "task": "pose" if task.keeps_orientation else "position",
+        "direction": list(config.direction),
         **control_findings(config.control),
         **tip_findings(run, start, path, np.array(config.direction), across, config.disturbance),
         "max_torque_error_n_m": torque_error(robot, run, config.gravity, config.disturbance),

@@ -99,6 +99,7 @@ def random_case(seed):
     robot = random_robot(rng)
     q0 = random_posture(robot, rng)
     robot = random_limits(robot, q0, rng)
+    rate_limit = rng.choice([None, 20.0, 120.0, 300.0])
     errs, pushed = rng.random() < 0.2, rng.random() < 0.1
     options = StraightOptions(
         q0=given(robot, q0),
@@ -108,7 +109,7 @@ def random_case(seed):
         duration=0.25,
         max_step=0.01,
         inverse="limited",
-        rate_limit=rng.choice([None, 20.0, 120.0, 300.0]),
+        rate_limit=rate_limit if any(s.row.joint == "revolute" for s in robot.moving) else None,
         correction=rng.choice([None, 0.0, 2.0, 20.0]),
         q0_error=given(robot, rng.normal(size=3) * 0.02 * errs),
         push=(rng.normal(size=3) * 0.2).tolist() if pushed else None,

@@ -150,7 +150,7 @@ if (live) (() => {
     }
   }
   dark.addEventListener("change", paintLines);
-  paintLines();
+  for (const delay of [0, 500, 2000, 8000]) setTimeout(paintLines, delay);  // objects may come late
 
   // The bar ends at twice the singular value at which the guard begins to slow.
   const share = (sigma) => `${Math.min(100, 50 * sigma / data.slow)}%`;
