@@ -12,6 +12,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import within_turns
 from drake_leg.kinematics.chain_inverse import Limits, find_postures
 from drake_leg.kinematics.euler import euler_rotation
+from drake_leg.kinematics.foot_task import joints_in_words
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.kinematics.leg_inverse import branches
 from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, is_scara
@@ -50,13 +51,7 @@ def limits_of(joints: Sequence[Segment]) -> Limits:
     list of (float, float)
         Lower and upper [rad or m].
     """
-    return [
-        (
-            -math.inf if joint.mechanics.lower is None else joint.mechanics.lower,
-            math.inf if joint.mechanics.upper is None else joint.mechanics.upper,
-        )
-        for joint in joints
-    ]
+    return [joint.mechanics.bounds for joint in joints]
 
 
 def units_of(robot: Robot) -> tuple[str, ...]:
@@ -118,14 +113,9 @@ def feet(
     if rpy is not None and len(robot.moving) <= 3:
         raise InvalidValueError(
             f"the foot of {robot.name!r} cannot choose its orientation, with "
-            f"{_joints(robot)}: leave --rpy out"
+            f"{joints_in_words(robot)}: leave --rpy out"
         )
     return _leg_feet(robot, foot) if is_hexabot_leg(robot) else _chain_feet(robot, foot, rpy)
-
-
-def _joints(robot: Robot) -> str:
-    count = len(robot.moving)
-    return f"{count} joint{'s' * (count > 1)}"
 
 
 def _leg_feet(robot: Robot, foot: Sequence[float]) -> Feet:
@@ -217,8 +207,8 @@ def _found(
         return f"no posture found; the nearest that was found misses by {nearest:.6g} m"
     if many and rpy is None and len(robot.moving) > 3:
         return (
-            f"{count} found of infinitely many: {_joints(robot)} reach a point in any of many "
-            "orientations; --rpy chooses one"
+            f"{count} found of infinitely many: {joints_in_words(robot)} reach a point in any of "
+            "many orientations; --rpy chooses one"
         )
     if many:
         return f"{count} found of infinitely many: joints can move while the foot stays"

@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
+from drake_leg.errors import OutputError
 from drake_leg.interrupts import held
 
 LONGEST_NAME = 200  # characters of a name that a number is added to
@@ -181,6 +182,24 @@ def add_file(file: Path, name: Path | str, folder: int | None = None) -> None:
             os.replace(file, name, dst_dir_fd=folder)
             return
         file.unlink()
+
+
+def cannot_write(target: Path, error: Exception) -> OutputError:
+    """Say why something cannot be made, to be raised.
+
+    Parameters
+    ----------
+    target : Path
+        What was to be made.
+    error : Exception
+        What the system said.
+
+    Returns
+    -------
+    OutputError
+    """
+    why = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    return OutputError(f"{target} cannot be written ({why}): choose another --out")
 
 
 def _places(wanted: Path, ending: str) -> Iterator[Path]:

@@ -10,7 +10,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from drake_leg.errors import OutputError, UnreadableFileError
-from drake_leg.folders import add_file, place_folder, scratch_beside, scratch_prefix, try_writing
+from drake_leg.folders import (
+    add_file,
+    cannot_write,
+    place_folder,
+    scratch_beside,
+    scratch_prefix,
+    try_writing,
+)
 from drake_leg.interrupts import held
 from drake_leg.reading import read_text
 
@@ -195,16 +202,11 @@ def _in_a_sentence(target: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, UnicodeError) as error:
-        raise _cannot_write(target, error) from error
+        raise cannot_write(target, error) from error
     except ValueError as error:
         if "null" not in str(error):
             raise
-        raise _cannot_write(target, error) from error
-
-
-def _cannot_write(target: Path, error: Exception) -> OutputError:
-    why = (error.strerror if isinstance(error, OSError) else None) or str(error)
-    return OutputError(f"{target} cannot be written ({why}): choose another --out")
+        raise cannot_write(target, error) from error
 
 
 def _stranger(folder: Path) -> str | None:

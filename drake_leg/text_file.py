@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drake_leg.errors import DrakeLegError, OutputError
-from drake_leg.folders import place_file, scratch_beside, try_writing
+from drake_leg.folders import cannot_write, place_file, scratch_beside, try_writing
 from drake_leg.interrupts import held
 
 
@@ -72,7 +72,7 @@ def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> It
     except DrakeLegError:
         raise
     except (OSError, UnicodeError) as error:
-        raise _cannot_write(target, error) from error
+        raise cannot_write(target, error) from error
     if place != target:
         raise OutputError(
             f"{target} came to exist meanwhile, and was left alone: what was made is {place}"
@@ -106,12 +106,7 @@ def check_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> No
             raise OutputError(f"{target} exists: choose another --out, or add --overwrite")
         try_writing(target)
     except (OSError, ValueError) as error:
-        raise _cannot_write(target, error) from error
-
-
-def _cannot_write(target: Path, error: Exception) -> OutputError:
-    why = (error.strerror if isinstance(error, OSError) else None) or str(error)
-    return OutputError(f"{target} cannot be written ({why}): choose another --out")
+        raise cannot_write(target, error) from error
 
 
 def _replaced(scratch: Path, target: Path) -> Path:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from drake_leg.check.chains import Chain, twists
-from drake_leg.check.claims import claimed_part
 from drake_leg.check.layout_mistakes import (
     Mask,
     emptied,
@@ -54,17 +53,6 @@ def jacobian_mistakes(subject: Subject) -> Iterator[Mistake]:
     yield from _other_axes(subject)
     yield from _other_joints(subject)
     yield from emptied(subject)
-
-
-def _of_twists(
-    subject: Subject, kind: str, fault: str, remedy: str, jacobian: Callable[[Chain], Array]
-) -> Mistake:
-    return Mistake(
-        kind=kind,
-        fault=fault,
-        remedy=remedy,
-        printed=lambda c: claimed_part(subject.claim, jacobian(c)),
-    )
 
 
 def _of_lengths(subject: Subject) -> Mask:
@@ -132,22 +120,19 @@ def _other_points(subject: Subject) -> Iterator[Mistake]:
     count = len(subject.robot.rows)
     for last in range(count - 1, 0, -1):
         left = "the last link" if last == count - 1 else f"the links after frame {last}"
-        yield _of_twists(
-            subject,
+        yield subject.mistaken(
             "other point",
             f"it is the Jacobian of frame {last}'s origin, without {left}",
             "write the Jacobian of the foot",
             partial(_of_point, last),
         )
-    yield _of_twists(
-        subject,
+    yield subject.mistaken(
         "other point",
         "it is the spatial Jacobian, of the point that passes the base's origin",
         "take z x OF, with F the foot",
         lambda c: twists(c, c.frames()[:, 1:], np.zeros((len(c.q), 3))),
     )
-    yield _of_twists(
-        subject,
+    yield subject.mistaken(
         "other point",
         "distances are taken from the base's origin and not from the joints",
         "take z x (p_F - p_i), with p_i on the axis of joint i",
@@ -173,8 +158,7 @@ def _other_frames(subject: Subject) -> Iterator[Mistake]:
     count = len(subject.robot.rows)
     for index in range(count, 0, -1):
         whose = "the foot's frame" if index == count else f"frame {index}"
-        yield _of_twists(
-            subject,
+        yield subject.mistaken(
             "other frame",
             f"it is expressed in {whose}",
             "express it in the base's frame: multiply by the rotation from there to the base",
@@ -190,16 +174,14 @@ def _expressed_in(index: int, chain: Chain) -> Array:
 
 def _other_axes(subject: Subject) -> Iterator[Mistake]:
     """Turn about the z axis of the frame before, as in classic tables; or about x, about y."""
-    yield _of_twists(
-        subject,
+    yield subject.mistaken(
         "other axes",
         "its joints turn about the z axes of the frames before, as in classic (standard) tables",
         "in Khalil's tables joint i turns about z of frame i",
         lambda c: twists(c, c.frames()[:, :-1], c.frames()[:, -1, :3, 3]),
     )
     for letter, column in (("x", 0), ("y", 1)):
-        yield _of_twists(
-            subject,
+        yield subject.mistaken(
             "other axes",
             f"its joints turn about the {letter} axes of their frames",
             "joint i turns about z of frame i",
@@ -220,8 +202,7 @@ def _other_joints(subject: Subject) -> Iterator[Mistake]:
     for number, index in enumerate(moving[: subject.claim.shape[1]], start=1):
         turns = subject.robot.rows[index].joint == "revolute"
         meant, is_one = ("sliding", "turning") if turns else ("turning", "sliding")
-        yield _of_twists(
-            subject,
+        yield subject.mistaken(
             "other joint",
             f"joint {number} is taken for a {meant} one",
             f"joint {number} is a {is_one} one",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from drake_leg.check.chains import Chain
-from drake_leg.check.claims import Claim, right_values
+from drake_leg.check.claims import Claim, claimed_part, right_values
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Robot
 
@@ -24,6 +24,17 @@ class Subject:
     def right(self, chain: Chain) -> Array:
         """Evaluate what is right, (N, r, c)."""
         return right_values(self.claim, chain)
+
+    def mistaken(
+        self, kind: str, fault: str, remedy: str, whole: Callable[[Chain], Array]
+    ) -> Mistake:
+        """Describe the mistake of printing the claimed part of another pose or Jacobian."""
+        return Mistake(
+            kind=kind,
+            fault=fault,
+            remedy=remedy,
+            printed=lambda c: claimed_part(self.claim, whole(c)),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

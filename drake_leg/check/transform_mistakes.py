@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from drake_leg.check.chains import Chain, rotation_x, rotation_z, running_products
-from drake_leg.check.claims import between, claimed_part
+from drake_leg.check.claims import between
 from drake_leg.check.layout_mistakes import Mask, in_other_units, reordered, transposed, turned
 from drake_leg.check.subject import Mistake, Subject
 from drake_leg.kinematics.batches import Array
@@ -45,17 +45,6 @@ def transform_mistakes(subject: Subject) -> Iterator[Mistake]:
     yield from _classic(subject)
 
 
-def _of_pose(
-    subject: Subject, kind: str, fault: str, remedy: str, pose: Callable[[Chain], Array]
-) -> Mistake:
-    return Mistake(
-        kind=kind,
-        fault=fault,
-        remedy=remedy,
-        printed=lambda c: claimed_part(subject.claim, pose(c)),
-    )
-
-
 def _transposed_rotation(subject: Subject) -> Mistake:
     def printed(chain: Chain) -> Array:
         X = subject.right(chain).copy()
@@ -73,8 +62,7 @@ def _transposed_rotation(subject: Subject) -> Mistake:
 def _inverse(subject: Subject) -> Mistake:
     first, last = subject.claim.frames
     letter = _letter(subject)
-    return _of_pose(
-        subject,
+    return subject.mistaken(
         "inverse",
         f"it is the inverse, {letter}{last}{first}",
         f"write {letter}{first}{last}, from frame {last} to frame {first}",
@@ -94,8 +82,7 @@ def _other_frames(subject: Subject) -> Iterator[Mistake]:
     yield _inverse(subject)
     for a, b in itertools.permutations(range(len(subject.robot.rows) + 1), 2):
         if {a, b} != {first, last}:
-            other = _of_pose(
-                subject,
+            other = subject.mistaken(
                 "other frames",
                 f"it is {letter}{a}{b}, not {right}",
                 f"write {right}, from frame {last} to frame {first}",
@@ -138,8 +125,7 @@ def _other_products(subject: Subject) -> Iterator[Mistake]:
         return
     remedy = f"multiply {_product_text(factors)}"
     for order in _other_orders(factors):
-        yield _of_pose(
-            subject,
+        yield subject.mistaken(
             "order of the product",
             f"it is the product in the wrong order, {_product_text(order)}",
             remedy,
@@ -147,8 +133,7 @@ def _other_products(subject: Subject) -> Iterator[Mistake]:
         )
     for index in factors[1:-1]:
         order = tuple(factor for factor in factors if factor != index)
-        yield _of_pose(
-            subject,
+        yield subject.mistaken(
             "factor left out",
             f"{_product_text([index])} is left out of the product",
             remedy,
@@ -181,8 +166,7 @@ def _classic(subject: Subject) -> Iterator[Mistake]:
         last < len(subject.robot.rows)
     )
     for following, rows in enumerate(whose):
-        yield _of_pose(
-            subject,
+        yield subject.mistaken(
             "classic",
             f"{words} {rows}",
             "Khalil's turns and shifts about x first: Rx(alpha) Tx(d) Rz(theta) Tz(r)",

@@ -103,7 +103,7 @@ def chain_task(rows: tuple[Row, ...], twists: Array) -> Task:
         found: list[float] = qddot.tolist()
         return found
 
-    sampled = twists.T @ batch_jacobian(rows, sampled_postures(rows))
+    sampled = twists.T @ sampled_jacobians(rows)
     return Task(
         jacobian=jacobian,
         bias=bias,
@@ -133,24 +133,26 @@ def size_of(rows: Sequence[Row]) -> float:
     return sum(math.hypot(row.d, row.r) for row in rows) or 1.0
 
 
-def sampled_postures(rows: Sequence[Row]) -> Array:
-    """Return postures from everywhere, always the same ones.
+@lru_cache(maxsize=16)
+def sampled_jacobians(rows: tuple[Row, ...]) -> Array:
+    """Return Jacobians of the foot in postures from everywhere, always the same ones.
 
     Parameters
     ----------
-    rows : sequence of Row
+    rows : tuple of Row
         The table, of which n rows move.
 
     Returns
     -------
-    (SAMPLES, n) ndarray
-        [rad or m].
+    (SAMPLES, 6, n) ndarray
+        Turning first; not to be written to.
     """
     size = size_of(rows)
     widest = [math.pi if row.joint == "revolute" else size for row in rows if row.joint != "fixed"]
     random = np.random.default_rng(0).uniform(-1.0, 1.0, (SAMPLES, len(widest)))
-    postures: Array = random * np.array(widest)
-    return postures
+    J = batch_jacobian(rows, random * np.array(widest))
+    J.setflags(write=False)
+    return J
 
 
 def determinants(J: Array) -> Array:

@@ -11,14 +11,14 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain_stroke import chain_stroke
-from drake_leg.kinematics.chain_task import LEAST_LEVER, chain_task, sampled_postures, size_of
+from drake_leg.kinematics.chain_task import LEAST_LEVER, chain_task, sampled_jacobians, size_of
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg, leg_task
+from drake_leg.kinematics.singularity import RANK_TOLERANCE
 from drake_leg.kinematics.task import Task
 from drake_leg.robot import Robot, Row
 
 TASKS = ("position", "pose")
-RANK_TOLERANCE = 1e-9  # of the greatest singular value
 STRAIGHT = 1e-3  # of the robot's length: way along which a foot must be able to go straight
 OUTSIDE = 1e-5  # of a direction's length, outside of what the foot can do, that is let pass
 
@@ -86,8 +86,8 @@ def _twists(robot: Robot, q0: Sequence[float], keep: str | None) -> Array:
         return pose.span
     if keep == "pose":
         raise InvalidValueError(
-            f"{robot.name!r} cannot hold its foot's orientation with its {_joints(robot)} while "
-            "the foot moves: choose --task position"
+            f"{robot.name!r} cannot hold its foot's orientation with its "
+            f"{joints_in_words(robot)} while the foot moves: choose --task position"
         )
     if position.span is not None:
         return position.span
@@ -148,8 +148,8 @@ def require_direction(
         )
     if not _straight(robot, task, q0, direction):
         raise InvalidValueError(
-            f"{robot.name!r} takes its foot along a curve with its {_joints(robot)}: from q0 it "
-            f"cannot go straight along {_vector(np.asarray(direction))}; choose another "
+            f"{robot.name!r} takes its foot along a curve with its {joints_in_words(robot)}: "
+            f"from q0 it cannot go straight along {_vector(np.asarray(direction))}; choose another "
             "--direction, or a robot with more joints"
         )
 
@@ -224,7 +224,7 @@ def freedoms(rows: tuple[Row, ...]) -> tuple[Freedom, Freedom]:
     Freedom, Freedom
         Of its translation alone, and of its turning and translation.
     """
-    J = jacobian(rows, sampled_postures(rows))
+    J = sampled_jacobians(rows)
     only = J.copy()
     only[:, :3] = 0.0
     size = size_of(rows)
@@ -258,7 +258,19 @@ def _tidy(span: Array) -> Array:
     return np.where(np.abs(tidy) < RANK_TOLERANCE, 0.0, tidy)
 
 
-def _joints(robot: Robot) -> str:
+def joints_in_words(robot: Robot) -> str:
+    """Say how many joints a robot has.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any.
+
+    Returns
+    -------
+    str
+        Such as "3 joints".
+    """
     count = len(robot.moving)
     return f"{count} joint{'s' * (count > 1)}"
 

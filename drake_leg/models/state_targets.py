@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -102,8 +101,7 @@ def starting_posture(robot: Robot) -> tuple[float, ...]:
 def _beginning(mechanics: JointMechanics) -> float:
     if mechanics.position_target is not None:
         return mechanics.position_target.value
-    low = -math.inf if mechanics.lower is None else mechanics.lower
-    high = math.inf if mechanics.upper is None else mechanics.upper
+    low, high = mechanics.bounds
     return min(max(0.0, low), high)
 
 
