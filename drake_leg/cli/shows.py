@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -135,15 +136,22 @@ class Shows:
             Of page and video, as far as they could be made.
         """
         made = []
+
+        @cache
+        def motion() -> Motion:
+            from drake_leg.scene.motion import recorded_motion
+
+            return recorded_motion(outcome.robot, outcome.recording)
+
         if self.stills:
-            self._write_stills(outcome, folder, pictures)
+            self._write_stills(motion, folder, pictures)
         for option, path in self._files().items():
             with pictures.trying(f"the {option} {path}"), naming_option(f"--{option}"):
                 from drake_leg.scene.files import write_show
 
                 write_show(
                     path,
-                    _motion(outcome),
+                    motion(),
                     title=title,
                     note=stop_note(outcome.summary),
                     overwrite=self.overwrite,
@@ -151,22 +159,18 @@ class Shows:
                 made.append(path)
         return made
 
-    def _write_stills(self, outcome: Outcome, folder: ResultsFolder, pictures: Pictures) -> None:
+    def _write_stills(
+        self, motion: Callable[[], Motion], folder: ResultsFolder, pictures: Pictures
+    ) -> None:
         from drake_leg.scene.views import VIEWS
 
         for view in VIEWS.values():
             with pictures.trying(f"the still {view.name}"), folder.more() as scratch:
                 from drake_leg.scene.stills import write_stills
 
-                motion = _motion(outcome)
-                write_stills(scratch, motion.robot, motion.q[0], views=[view], motion=motion)
+                shown = motion()
+                write_stills(scratch, shown.robot, shown.q[0], views=[view], motion=shown)
 
     def _files(self) -> dict[str, Path]:
         given = {"replay": self.replay, "video": self.video}
         return {option: path for option, path in given.items() if path is not None}
-
-
-def _motion(outcome: Outcome) -> Motion:
-    from drake_leg.scene.motion import recorded_motion
-
-    return recorded_motion(outcome.robot, outcome.recording)
