@@ -245,15 +245,10 @@ def _mark_rest(axes: Axes, recording: Recording, rest: float, equilibrium: float
     margin = 0.05 * max(high, rest) - 0.05 * min(low, rest)
     axes.set_ylim(min(low, rest - margin), max(high, rest + margin))
     axes.axhline(rest, color=GREY, linestyle=":", linewidth=1.2)
-    away = np.flatnonzero(np.abs(recording["q"] - rest) > NEAR_REST)
-    since = recording["time"][away[-1]] if len(away) else recording["time"][0]
-    first, second = 6, -14
+    offsets = (6, -14)
     if equilibrium is not None:
-        first, second = (20, 6) if equilibrium <= rest else (-14, -28)
-    for text, offset in (
-        (f"at rest at {rest:.4f} rad = {np.degrees(rest):.2f} deg", first),
-        (f"within 1 deg of it from {since:.1f} s on", second),
-    ):
+        offsets = (20, 6) if equilibrium <= rest else (-14, -28)
+    for text, offset in zip(_of_rest(recording, rest), offsets, strict=True):
         axes.annotate(
             text,
             (0.98, rest),
@@ -264,6 +259,17 @@ def _mark_rest(axes: Axes, recording: Recording, rest: float, equilibrium: float
             fontsize=9.5,
             color=GREY,
         )
+
+
+def _of_rest(recording: Recording, rest: float) -> tuple[str, str]:
+    """Say where the pendulum is at rest, and from when on it is near there, if it is."""
+    time, off = recording["time"], np.abs(recording["q"] - rest)
+    where = f"at rest at {rest:.4f} rad = {np.degrees(rest):.2f} deg"
+    away = np.flatnonzero(off > NEAR_REST)
+    if len(away) and away[-1] == len(off) - 1:
+        return where, f"still {np.degrees(off[-1]):.1f} deg away from it at {time[-1]:.1f} s"
+    since = time[away[-1]] if len(away) else time[0]
+    return where, f"within 1 deg of it from {since:.1f} s on"
 
 
 def _mark_equilibrium(axes: Axes, equilibrium: float) -> None:

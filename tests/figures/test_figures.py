@@ -233,6 +233,18 @@ def test_the_pendulums_angle_is_drawn_with_degrees_and_where_it_rests():
     assert "[deg]" in [child.get_ylabel() for child in axes.child_axes]
 
 
+@pytest.mark.parametrize("seconds", [5.0, 15.0])
+def test_a_pendulum_that_is_still_on_its_way_is_not_said_to_be_near_its_rest(seconds):
+    kind = RUNS["pendulum-damped"]
+    options = kind.options(damping_unit="N*m/(deg/s)", duration=seconds)
+    recording = kind.run(options, None).recording
+    said = texts(pendulum_figures.angle(recording, "slow", np.pi / 2))
+    off = 90.0 - np.degrees(recording["q"][-1])
+    assert off > 5.0
+    assert f"still {off:.1f} deg away from it at {seconds:.1f} s" in said
+    assert not any("within" in text for text in said)
+
+
 def test_a_run_that_came_to_rest_shows_where():
     kind = RUNS["pendulum-spring"]
     outcome = kind.run(kind.options(duration=10.0, damping=0.05), None)
