@@ -19,11 +19,6 @@ PURPLE = "#9B4F96"  # darker than theirs, to be read on white
 def rgb(code: str) -> Colour:
     """Write a colour as three numbers.
 
-    Parameters
-    ----------
-    code : str
-        As ``#0072B2``.
-
     Returns
     -------
     (3,) tuple of float

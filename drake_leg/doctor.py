@@ -93,12 +93,7 @@ class Diagnosis:
         return None if self.feet is None else self.feet.solutions
 
     def as_json(self) -> dict[str, Any]:
-        """Return the numbers under the command line's keys, with angles in degrees.
-
-        Returns
-        -------
-        dict
-        """
+        """Return the numbers under the command line's keys, with angles in degrees."""
         lost = self.rank.lost_directions
         return {
             "foot_m": list(self.position),
@@ -129,10 +124,6 @@ def feet_json(found: Feet | None) -> dict[str, Any]:
     ----------
     found : Feet or None
         None gives empty lists.
-
-    Returns
-    -------
-    dict
     """
     solutions = found.solutions if found else ()
     units = list(found.units) if found else []
@@ -178,10 +169,6 @@ def examine_posture(
         Point whose inverse kinematics is asked for [m].
     yaw, rpy : float and (3,) sequence of float, optional
         How the foot is to be turned there, as ``feet`` takes them [rad].
-
-    Returns
-    -------
-    Diagnosis
 
     Raises
     ------

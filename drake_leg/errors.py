@@ -68,18 +68,7 @@ class PictureError(DrakeLegError):
 
 
 def in_a_line(error: BaseException) -> str:
-    """Say in one line what an error is that nobody foresaw.
-
-    Parameters
-    ----------
-    error : BaseException
-        Of whatever type.
-
-    Returns
-    -------
-    str
-        ``KeyError: 'x'``.
-    """
+    """Say in one line what an error is that nobody foresaw."""
     text = " ".join(str(error).split())
     return f"{type(error).__name__}: {text[:MOST_OF_A_TEXT]}" if text else type(error).__name__
 
@@ -157,8 +146,6 @@ class StepBudgetError(DrakeLegError):
 
     Attributes
     ----------
-    steps : int
-        Steps taken.
     time : float
         Simulated time reached [s].
     """

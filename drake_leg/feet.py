@@ -41,11 +41,6 @@ class Feet:
 def limits_of(joints: Sequence[Segment]) -> Limits:
     """Read the joints' limits, infinite where there is none.
 
-    Parameters
-    ----------
-    joints : sequence of Segment
-        The moving ones.
-
     Returns
     -------
     list of (float, float)
@@ -56,11 +51,6 @@ def limits_of(joints: Sequence[Segment]) -> Limits:
 
 def units_of(robot: Robot) -> tuple[str, ...]:
     """Return the unit that a person reads each joint's position in.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any.
 
     Returns
     -------
@@ -93,10 +83,6 @@ def feet(
     rpy : (3,) sequence of float, optional
         Roll, pitch, yaw of the foot of a chain of more than three joints, about the base's x, y, z
         [rad]; without them any orientation will do.
-
-    Returns
-    -------
-    Feet
 
     Raises
     ------
@@ -169,11 +155,6 @@ def _scara_feet(
 
 def lift_limits(robot: Robot) -> tuple[float, float]:
     """Return how far a SCARA's lift goes: to its limits, or as the report's table has it.
-
-    Parameters
-    ----------
-    robot : Robot
-        A SCARA.
 
     Returns
     -------

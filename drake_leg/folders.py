@@ -35,33 +35,13 @@ def try_writing(target: Path) -> None:
 
 
 def scratch_prefix(target: Path) -> str:
-    """How the names begin of what is made beside a target for a while.
-
-    Parameters
-    ----------
-    target : Path
-        What is made.
-
-    Returns
-    -------
-    str
-    """
+    """How the names begin of what is made beside a target for a while."""
     return f".{target.name[:40]}."
 
 
 @contextmanager
 def scratch_beside(target: Path) -> Iterator[Path]:
     """Hand out a folder beside a target, and take it away; so missing folders above, on failure.
-
-    Parameters
-    ----------
-    target : Path
-        To be made.
-
-    Yields
-    ------
-    Path
-        An empty folder.
 
     Raises
     ------
@@ -87,13 +67,6 @@ def scratch_beside(target: Path) -> Iterator[Path]:
 
 def place_folder(folder: Path, wanted: Path) -> Path:
     """Rename a folder, or, where its name is taken, to that name with a number.
-
-    Parameters
-    ----------
-    folder : Path
-        Whole.
-    wanted : Path
-        Where it belongs.
 
     Returns
     -------
@@ -126,13 +99,6 @@ def place_folder(folder: Path, wanted: Path) -> Path:
 def place_file(file: Path, wanted: Path) -> Path:
     """Rename a file, or, where its name is taken, to that name with a number.
 
-    Parameters
-    ----------
-    file : Path
-        Whole.
-    wanted : Path
-        Where it belongs.
-
     Returns
     -------
     Path
@@ -157,10 +123,6 @@ def add_file(file: Path, name: Path | str, folder: int | None = None) -> None:
 
     Parameters
     ----------
-    file : Path
-        Whole.
-    name : Path or str
-        Where it belongs.
     folder : int, optional
         Descriptor of the folder that the name is in.
 
@@ -193,10 +155,6 @@ def cannot_write(target: Path, error: Exception) -> OutputError:
         What was to be made.
     error : Exception
         What the system said.
-
-    Returns
-    -------
-    OutputError
     """
     why = (error.strerror if isinstance(error, OSError) else None) or str(error)
     return OutputError(f"{target} cannot be written ({why}): choose another --out")

@@ -65,11 +65,6 @@ class HardStop:
             [N*m/(deg/s)].
         transition_width : float
             [deg].
-
-        Returns
-        -------
-        HardStop
-            In SI units.
         """
         return cls(
             stiffness=stiffness * _PER_DEGREE,
@@ -91,10 +86,6 @@ class HardStop:
             [N*s/m].
         transition_width : float
             [m].
-
-        Returns
-        -------
-        HardStop
         """
         return cls(stiffness=stiffness, damping=damping, transition_width=transition_width)
 
@@ -201,19 +192,12 @@ class JointMechanics:
             [N*m/(deg/s)].
         position_target, velocity_target : float, optional
             [deg], [deg/s].
-        position_priority, velocity_priority : {"high", "low"}
-            Of the targets.
         lower, upper : float, optional
             Bounds of the limits [deg].
         lower_stop, upper_stop : HardStop, optional
             Of the limits; ``HardStop.rotational()`` where there is a bound.
         actuated : bool
             Whether a torque or a motion acts by an actuator.
-
-        Returns
-        -------
-        JointMechanics
-            In SI units.
 
         Raises
         ------

@@ -19,10 +19,6 @@ def frame_name(index: int) -> str:
     ----------
     index : int
         Of the row, counted from 1; 0 is the base.
-
-    Returns
-    -------
-    str
     """
     return f"frame_{index}"
 
@@ -36,10 +32,6 @@ def place_name(link: str, place: str) -> str:
         Name of the link.
     place : {"base", "cog", "end"}
         Where on the link.
-
-    Returns
-    -------
-    str
     """
     return f"{link}_{place}"
 

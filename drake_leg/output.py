@@ -65,11 +65,6 @@ class ResultsFolder:
         Where something fails, nothing is left, and an older folder stays as it was. What has come
         to the place meanwhile stays there, and the results are beside it.
 
-        Yields
-        ------
-        Path
-            An empty folder.
-
         Raises
         ------
         OutputError
@@ -87,11 +82,6 @@ class ResultsFolder:
     @contextmanager
     def more(self) -> Iterator[Path]:
         """Hand out a folder to write more files into; put each in its place when all are written.
-
-        Yields
-        ------
-        Path
-            An empty folder.
 
         Raises
         ------

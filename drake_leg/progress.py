@@ -23,12 +23,6 @@ class ProgressBar:
     ----------
     stream : TextIO
         Where to draw, usually the standard error.
-    label : str
-        What goes on.
-    total : float
-        Where it ends.
-    unit : str
-        Of the total.
     """
 
     def __init__(self, stream: TextIO, label: str, total: float, unit: str) -> None:
@@ -65,13 +59,7 @@ class ProgressBar:
         self._show()
 
     def turn_to(self, stage: str) -> None:
-        """Say what goes on from now on, of which nobody knows how much is done.
-
-        Parameters
-        ----------
-        stage : str
-            ``its figures``.
-        """
+        """Say what goes on from now on, of which nobody knows how much is done."""
         self._stage = stage
         self._show()
 

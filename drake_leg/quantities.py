@@ -83,16 +83,8 @@ def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> flo
     ----------
     what : str
         Of which quantity it is the unit, for the error's sentence.
-    value : float
-        In that unit.
-    unit : str
-        Its name.
     units : mapping
         Name -> value in SI.
-
-    Returns
-    -------
-    float
 
     Raises
     ------
@@ -146,16 +138,10 @@ def joint_entries(name: str, q: Sequence[float], slides: Sequence[bool]) -> dict
 
     Parameters
     ----------
-    name : str
-        Such as ``q0``.
     q : (n,) sequence of float
         [rad or m].
     slides : (n,) sequence of bool
         Which joints are prismatic.
-
-    Returns
-    -------
-    dict
     """
     shown = [
         position if sliding else round(math.degrees(position), 9)

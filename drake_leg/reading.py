@@ -21,14 +21,8 @@ def opened(path: Path, *, most: int = LARGEST_TEXT) -> Iterator[BufferedReader]:
 
     Parameters
     ----------
-    path : Path
-        A regular file.
     most : int
         Bytes that it may have.
-
-    Yields
-    ------
-    BufferedReader
 
     Raises
     ------
@@ -63,14 +57,8 @@ def read_bytes(path: Path, *, most: int = LARGEST_TEXT) -> bytes:
 
     Parameters
     ----------
-    path : Path
-        A regular file.
     most : int
         Bytes that it may have.
-
-    Returns
-    -------
-    bytes
 
     Raises
     ------

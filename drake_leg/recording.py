@@ -83,11 +83,6 @@ class Recording:
     def stack(self, *names: str) -> Array:
         """Return several columns side by side.
 
-        Parameters
-        ----------
-        *names : str
-            Names of columns.
-
         Returns
         -------
         (rows, len(names)) ndarray
@@ -101,11 +96,6 @@ class Recording:
 
     def write_csv(self, path: Path) -> None:
         """Write the columns with 17 significant digits, so that reading gives them back exactly.
-
-        Parameters
-        ----------
-        path : Path
-            File to write.
 
         Raises
         ------
@@ -203,17 +193,8 @@ def numbered(name: str, units: Sequence[str], values: Array) -> dict[str, Array]
 
     Parameters
     ----------
-    name : str
-        Of the quantity.
-    units : sequence of str
-        One a column.
     values : (rows, n) ndarray
         One column each.
-
-    Returns
-    -------
-    dict
-        Header to column.
     """
     return {f"{name}{i + 1}[{unit}]": values[:, i] for i, unit in enumerate(units)}
 
@@ -227,11 +208,6 @@ def lettered(prefix: str, letters: str, unit: str, values: Array) -> dict[str, A
         ``v``, ``xyz``, ``m/s``; an empty unit gives no brackets.
     values : (rows, len(letters)) ndarray
         One column each.
-
-    Returns
-    -------
-    dict
-        Header to column.
     """
     suffix = f"[{unit}]" if unit else ""
     return {f"{prefix}{letter}{suffix}": values[:, i] for i, letter in enumerate(letters)}

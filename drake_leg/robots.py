@@ -79,11 +79,6 @@ def pendulum(
     mechanics : JointMechanics, optional
         Damping and spring of the joint; by default there is neither.
 
-    Returns
-    -------
-    Robot
-        Named ``pendulum``.
-
     Raises
     ------
     InvalidValueError
@@ -209,11 +204,6 @@ def scara(
         Of all solids [kg/m^3].
     damping : float
         Of all joints [N*m*s/rad, N*s/m].
-
-    Returns
-    -------
-    Robot
-        Named ``scara``.
 
     Raises
     ------

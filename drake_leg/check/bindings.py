@@ -95,14 +95,8 @@ def said_cells(said: Mapping[str, str], values: Mapping[Cell, float], origin: st
     ----------
     said : mapping
         Symbol to cells, as ``d2`` or ``d3 d4``.
-    values : mapping
-        Of ``cell_values``.
     origin : str
         Name of the file, for the error's sentence.
-
-    Returns
-    -------
-    Binding
 
     Raises
     ------
@@ -132,12 +126,6 @@ def printed_cells(
         As printed, its rows put right.
     symbols : mapping
         Name in lower case to value.
-    values : mapping
-        Of ``cell_values``.
-
-    Returns
-    -------
-    Binding
     """
     found: dict[str, set[Cell]] = {}
     for cell, value in values.items():
@@ -166,8 +154,6 @@ def readings(
     ----------
     symbols : mapping
         Name in lower case to value.
-    values : mapping
-        Of ``cell_values``.
     known : Binding
         Symbols of which it is said, or written into a table.
 

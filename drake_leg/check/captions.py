@@ -17,8 +17,6 @@ def grade_caption(caption: str, claim: Claim, robot: Robot) -> Finding | None:
 
     Parameters
     ----------
-    caption : str
-        As printed.
     claim : Claim
         What the matrix is.
     robot : Robot

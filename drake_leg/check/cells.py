@@ -67,52 +67,19 @@ def kind_of(text: str, variables: Collection[str] = ()) -> Kind:
 
 
 def fits(text: str, sort: Sort, variables: Collection[str] = ()) -> bool:
-    """Whether a cell's text may stand in a column.
-
-    Parameters
-    ----------
-    text : str
-        As printed.
-    sort : str
-        Of the column.
-    variables : collection of str
-        As for ``kind_of``.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a cell's text may stand in a column."""
     if sort == "type":
         return text.strip() in ("0", "1", "~")
     return kind_of(text, variables) in _FITTING[sort]
 
 
 def unreadable(text: str, variables: Collection[str] = ()) -> bool:
-    """Whether a cell's text is no formula, so that nobody can say what it is.
-
-    Parameters
-    ----------
-    text : str
-        As printed.
-    variables : collection of str
-        As for ``kind_of``.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a cell's text is no formula, so that nobody can say what it is."""
     return kind_of(text, variables) == "other"
 
 
 def described(text: str, variables: Collection[str] = ()) -> str:
     """Show a cell with what it is.
-
-    Parameters
-    ----------
-    text : str
-        As printed.
-    variables : collection of str
-        As for ``kind_of``.
 
     Returns
     -------

@@ -66,10 +66,6 @@ def chain_of(rows: Sequence[Row], q: Array, metres: float) -> Chain:
         Joint positions [rad or m].
     metres : float
         [m] of the chain's unit of lengths.
-
-    Returns
-    -------
-    Chain
     """
 
     def column(name: str, unit: float) -> Array:

@@ -45,11 +45,6 @@ _WORDS = str.maketrans(_GREEK)
 def typed(text: str) -> str:
     """Write signs that no keyboard has with those that one has.
 
-    Parameters
-    ----------
-    text : str
-        As printed.
-
     Returns
     -------
     str

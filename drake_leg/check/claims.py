@@ -52,10 +52,6 @@ def claim_of(matrix: PrintedMatrix, robot: Robot) -> Claim:
     robot : Robot
         Whose frames these are.
 
-    Returns
-    -------
-    Claim
-
     Raises
     ------
     InvalidValueError
@@ -183,8 +179,6 @@ def scales(claim: Claim, length: float) -> Array:
 
     Parameters
     ----------
-    claim : Claim
-        What is compared.
     length : float
         Of the robot's table, in the print's unit.
 

@@ -42,8 +42,6 @@ class Comparison:
 
     Parameters
     ----------
-    sampler : Sampler
-        Of the print.
     binding : Binding
         Which cells of the table its symbols stand for.
     """

@@ -18,8 +18,6 @@ def with_lengths_as_symbols(printed: Printed, robot: Robot) -> Printed:
 
     Parameters
     ----------
-    printed : Printed
-        As typed.
     robot : Robot
         Whose print it is.
 

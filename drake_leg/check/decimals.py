@@ -24,8 +24,6 @@ def agrees_within_digits(
 
     Parameters
     ----------
-    tree : ast.expr
-        A formula.
     right : (N,) ndarray
         What is right at N postures.
     margin : float

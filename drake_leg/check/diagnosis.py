@@ -67,8 +67,6 @@ def explain(
 
     Parameters
     ----------
-    tree : ast.expr
-        A wrong entry.
     vocabulary : Vocabulary
         What may stand for one another.
     is_right : callable
@@ -96,8 +94,6 @@ def changes(tree: ast.expr, vocabulary: Vocabulary) -> Iterator[Change]:
 
     Parameters
     ----------
-    tree : ast.expr
-        A wrong entry.
     vocabulary : Vocabulary
         What may stand for one another.
 

@@ -65,17 +65,7 @@ def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = Tru
 
 
 def names_in(tree: ast.expr) -> set[str]:
-    """Collect the symbols of a formula, constants like pi left out.
-
-    Parameters
-    ----------
-    tree : ast.expr
-        Of ``parse_formula``.
-
-    Returns
-    -------
-    set of str
-    """
+    """Collect the symbols of a formula, constants like pi left out."""
     names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
     return names - set(FUNCTIONS) - set(CONSTANTS)
 
@@ -87,12 +77,6 @@ def substitute(tree: ast.expr, definitions: Mapping[str, ast.expr]) -> ast.expr:
     ----------
     tree : ast.expr
         Of ``parse_formula``; stays as it is.
-    definitions : mapping
-        Name to formula.
-
-    Returns
-    -------
-    ast.expr
 
     Raises
     ------
@@ -141,8 +125,6 @@ def evaluate(tree: ast.expr, values: Mapping[str, Any]) -> Any:  # noqa: ANN401 
 
     Parameters
     ----------
-    tree : ast.expr
-        Of ``parse_formula``.
     values : mapping
         Symbol to number or array; angles in rad.
 

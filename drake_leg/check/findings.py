@@ -40,12 +40,7 @@ class Finding:
         return f"{self.place}{mark}: {self.fault}; {self.remedy}"
 
     def as_json(self) -> dict[str, Any]:
-        """Return the fields by name.
-
-        Returns
-        -------
-        dict
-        """
+        """Return the fields by name."""
         return asdict(self)
 
 
@@ -56,14 +51,8 @@ def unreadable(place: str, error: InvalidValueError, matrix: str = "") -> Findin
     ----------
     place : str
         What cannot be read.
-    error : InvalidValueError
-        Why.
     matrix : str
         Name as printed, where it is one.
-
-    Returns
-    -------
-    Finding
     """
     fault, _, remedy = str(error).partition("; ")
     remedy = remedy or "write it another way"
@@ -77,10 +66,6 @@ def errors(findings: Iterable[Finding]) -> list[Finding]:
     ----------
     findings : iterable of Finding
         Errors, warnings, and what is not understood.
-
-    Returns
-    -------
-    list of Finding
     """
     return [f for f in findings if f.severity == "error" and f.understood]
 
@@ -92,9 +77,5 @@ def not_understood(findings: Iterable[Finding]) -> list[Finding]:
     ----------
     findings : iterable of Finding
         Errors, warnings, and what is not understood.
-
-    Returns
-    -------
-    list of Finding
     """
     return [finding for finding in findings if not finding.understood]

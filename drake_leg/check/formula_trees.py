@@ -17,10 +17,6 @@ def changed(tree: ast.expr, change: Change) -> ast.expr:
         Of ``parse_formula``; stays as it is.
     change : callable
         Gives what stands in a node's place, or None.
-
-    Returns
-    -------
-    ast.expr
     """
     new = change(tree)
     if new is not None:

@@ -36,8 +36,6 @@ class RightForms:
         The robot as it is.
     printed : Printed
         Whose names of lengths and angles are used.
-    reader : Reader
-        Of the print.
     names : mapping
         Cells of the table to the names that the print has for them.
     """
@@ -65,10 +63,6 @@ class RightForms:
             Of the entry, from 0.
         spelling : str
             All of the matrix's text: angles and lengths are named as there.
-
-        Returns
-        -------
-        str
         """
         entry = tidy(_matrix(claim, self._chain)[row, column])
         names = " ".join(self._symbols) if claim.kind == "determinant" else spelling
@@ -99,8 +93,6 @@ def named_symbols(chain: SymbolicChain, names: Mapping[Cell, str]) -> dict[sp.Sy
 
     Parameters
     ----------
-    chain : SymbolicChain
-        Of the robot.
     names : mapping
         Cells of the table to the names that the print has for them.
 

@@ -26,8 +26,6 @@ def tree_of(text: str, declared: Collection[str] = (), *, weak: bool = True) -> 
 
     Parameters
     ----------
-    text : str
-        As printed.
     declared : collection of str
         Names of symbols in lower case.
     weak : bool

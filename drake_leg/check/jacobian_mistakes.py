@@ -26,18 +26,7 @@ HALVES = "halves"
 
 
 def jacobian_mistakes(subject: Subject) -> Iterator[Mistake]:
-    """List mistakes of a Jacobian.
-
-    Parameters
-    ----------
-    subject : Subject
-        J.
-
-    Yields
-    ------
-    Mistake
-        The likeliest first.
-    """
+    """List mistakes of a Jacobian."""
     lengths = _lengths(subject)
     yield from transposed(subject)
     yield from _inverse(subject)

@@ -24,16 +24,8 @@ def scaled(subject: Subject, kind: str, fault: str, remedy: str, factor: Array) 
 
     Parameters
     ----------
-    subject : Subject
-        The matrix.
-    kind, fault, remedy : str
-        Of the mistake.
     factor : (r, c) ndarray
         What every entry is multiplied by.
-
-    Returns
-    -------
-    Mistake
     """
     return Mistake(
         kind=kind, fault=fault, remedy=remedy, printed=lambda c: subject.right(c) * factor
@@ -105,14 +97,8 @@ def turned(subject: Subject, parts: Sequence[tuple[str, Mask]]) -> Iterator[Mist
 
     Parameters
     ----------
-    subject : Subject
-        The matrix.
     parts : sequence of (str, (r, c) ndarray)
         Name of a part, and which entries belong to it.
-
-    Yields
-    ------
-    Mistake
     """
     rows, columns = subject.claim.shape
     named = [*parts]
@@ -145,14 +131,8 @@ def in_other_units(subject: Subject, lengths: Mask) -> Iterator[Mistake]:
 
     Parameters
     ----------
-    subject : Subject
-        The matrix.
     lengths : (r, c) ndarray
         Which entries are lengths.
-
-    Yields
-    ------
-    Mistake
     """
     for unit, size in subject.units.items():
         if unit != subject.unit:

@@ -16,13 +16,6 @@ GREATEST_DEGREE = 100  # of powers of powers
 def require_small(tree: ast.expr, text: str) -> None:
     """Refuse a formula that is too deep or too long to walk through.
 
-    Parameters
-    ----------
-    tree : ast.expr
-        Of ``grammar.tree_of``.
-    text : str
-        As printed.
-
     Raises
     ------
     InvalidValueError

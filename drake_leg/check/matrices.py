@@ -92,10 +92,6 @@ class MatrixReader:
     ----------
     robot : Robot
         The robot as it is.
-    printed : Printed
-        The print.
-    reader : Reader
-        Of its formulas.
     known : collection of str
         Symbols that have a value.
     """
@@ -109,11 +105,6 @@ class MatrixReader:
 
     def read(self, matrix: PrintedMatrix) -> Matrix | Finding:
         """Read one, or say why it cannot be read.
-
-        Parameters
-        ----------
-        matrix : PrintedMatrix
-            As printed.
 
         Returns
         -------

@@ -36,10 +36,6 @@ class MatrixGrader:
     ----------
     robot : Robot
         The robot as it is.
-    printed : Printed
-        The print.
-    reader : Reader
-        Of its formulas.
     comparison : Comparison
         With what its symbols stand for.
     postures : Postures
@@ -79,11 +75,6 @@ class MatrixGrader:
 
     def grade(self, matrix: Matrix) -> Iterator[Finding]:
         """Find everything that is wrong with a matrix, or not understood in it.
-
-        Parameters
-        ----------
-        matrix : Matrix
-            As read.
 
         Yields
         ------

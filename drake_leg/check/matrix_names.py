@@ -49,15 +49,6 @@ def read_name(text: str) -> MatrixName:
     on which is which: both are T12. In front, ``{}^1T_2`` and ``{}^1_2T``, the upper one is the
     frame that is looked from.
 
-    Parameters
-    ----------
-    text : str
-        As printed.
-
-    Returns
-    -------
-    MatrixName
-
     Raises
     ------
     InvalidValueError
@@ -79,11 +70,6 @@ def read_name(text: str) -> MatrixName:
 
 def kind_of_name(text: str) -> Kind | None:
     """Say what a matrix is, or None where its name means nothing.
-
-    Parameters
-    ----------
-    text : str
-        As printed.
 
     Returns
     -------

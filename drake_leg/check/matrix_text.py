@@ -42,8 +42,6 @@ def rows_of_text(text: str, *, column: bool = False) -> list[list[str]]:
 
     Parameters
     ----------
-    text : str
-        As pasted.
     column : bool
         Whether it is a position, of which every line is one entry.
 
@@ -265,17 +263,7 @@ def _cells(row: str) -> list[str]:
 
 
 def spaced_cells(row: str) -> list[str]:
-    """Part a row by spaces: ``a - b`` is one entry and ``a -b`` are two, as in MATLAB.
-
-    Parameters
-    ----------
-    row : str
-        In one line.
-
-    Returns
-    -------
-    list of str
-    """
+    """Part a row by spaces: ``a - b`` is one entry and ``a -b`` are two, as in MATLAB."""
     cells: list[str] = []
     depth = 0
     for word in row.split():

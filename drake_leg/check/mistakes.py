@@ -16,8 +16,6 @@ def mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
 
     Parameters
     ----------
-    subject : Subject
-        The matrix.
     names : mapping
         Cells of the robot's table to the print's names of lengths.
 
@@ -36,17 +34,7 @@ def mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
 
 
 def table_mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
-    """List what another table than the robot's makes of a matrix.
-
-    Parameters
-    ----------
-    subject, names
-        As for ``mistakes``.
-
-    Yields
-    ------
-    Mistake
-    """
+    """List what another table than the robot's makes of a matrix."""
     for table in other_tables(subject.robot, subject.variables, names):
         if subject.claim.kind != "determinant" or table.kind != DEGREES:  # too rough for one entry
             yield _with(subject, table)

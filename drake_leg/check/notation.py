@@ -26,10 +26,6 @@ def quoted(text: str, longest: int = 60) -> str:
         As printed, with LaTeX's single backslashes.
     longest : int
         Characters that are shown.
-
-    Returns
-    -------
-    str
     """
     text = " ".join(text.split())
     return f"'{text}'" if len(text) <= longest else f"'{text[: longest - 3]}...'"
@@ -101,10 +97,6 @@ def is_joint_variable(name: str) -> bool:
     ----------
     name : str
         In a parsed formula.
-
-    Returns
-    -------
-    bool
     """
     return bool(re.fullmatch(r"q[1-9]", name))
 
@@ -118,10 +110,6 @@ def spelled_as(spelling: str, text: str) -> str:
         Some of the print's formulas: with θ1, th1, theta1 or q1, with cos(θ1) or c1.
     text : str
         Formulas in q1, cos(q1), sin(q2 + q3), also amid words.
-
-    Returns
-    -------
-    str
     """
     if re.search(r"(?<![a-z])[cs]_?\{?\d", spelling.casefold()):
         text = re.sub(r"\b(cos|sin)\((q\d(?: \+ q\d)*)\)", _short, text)

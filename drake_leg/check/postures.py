@@ -30,11 +30,6 @@ class Postures:
     def at(self, index: int) -> str:
         """Say the variables at one posture.
 
-        Parameters
-        ----------
-        index : int
-            Of the posture.
-
         Returns
         -------
         str
@@ -52,12 +47,6 @@ def draw_postures(robot: Robot, reader: Reader, rng: np.random.Generator) -> Pos
         Of which m rows move.
     reader : Reader
         Of the print: its symbols, units and the joints' formulas.
-    rng : Generator
-        Seeded.
-
-    Returns
-    -------
-    Postures
 
     Raises
     ------

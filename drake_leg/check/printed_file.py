@@ -69,10 +69,6 @@ def read_printed(path: Path) -> Printed:
     path : Path
         ``.toml``; anything else is read as CSV.
 
-    Returns
-    -------
-    Printed
-
     Raises
     ------
     InvalidValueError
@@ -92,10 +88,6 @@ def is_print(document: Mapping[str, Any]) -> bool:
     ----------
     document : mapping
         The file as nested tables.
-
-    Returns
-    -------
-    bool
     """
     return "row" not in document and any(key in document for key in ("table", "matrix", "singular"))
 
@@ -109,10 +101,6 @@ def unread_part(place: str, sentence: str) -> Finding:
         Where it stands: line 3, or T12.
     sentence : str
         Fault and remedy, parted by a semicolon.
-
-    Returns
-    -------
-    Finding
     """
     fault, _, remedy = sentence.partition("; ")
     return Finding(
@@ -133,10 +121,6 @@ def printed_of_document(
         Name of the file, the beginning of every error's sentence.
     unread : sequence of Finding
         What is in the file and makes no sense.
-
-    Returns
-    -------
-    Printed
 
     Raises
     ------

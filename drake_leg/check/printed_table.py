@@ -36,12 +36,6 @@ def grade_table(robot: Robot, table: Table, reader: Reader, postures: Postures) 
     ----------
     robot : Robot
         The robot as it is.
-    table : Table
-        As printed.
-    reader : Reader
-        Of the print.
-    postures : Postures
-        N of them.
 
     Returns
     -------

@@ -55,12 +55,7 @@ class Comparison:
         return self.difference <= TOLERANCE
 
     def as_json(self) -> dict[str, Any]:
-        """Return the fields by name; units in the names.
-
-        Returns
-        -------
-        dict
-        """
+        """Return the fields by name; units in the names."""
         fields = asdict(self)
         q = fields.pop("q")
         return {"agrees": self.agrees, **fields, "q_rad_or_m": q}
@@ -111,12 +106,7 @@ class Proof:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Return everything by name; units in the names.
-
-        Returns
-        -------
-        dict
-        """
+        """Return everything by name; units in the names."""
         return {
             "holds": self.holds,
             "complete": self.complete,
@@ -144,8 +134,6 @@ def prove(
 
     Parameters
     ----------
-    robot : Robot
-        Any robot.
     samples : int
         Random configurations within the joints' limits.
     seed : int

@@ -82,8 +82,6 @@ class Reader:
 
         Parameters
         ----------
-        text : str
-            As printed.
         own : mapping, optional
             Definitions that hold for it alone.
         names : collection of str

@@ -36,10 +36,6 @@ class Sampler:
         The robot as it is.
     reader : Reader
         Of the print: its symbols and the joints' formulas.
-    postures : Postures
-        N of them.
-    rng : Generator
-        Seeded.
     """
 
     def __init__(

@@ -14,11 +14,6 @@ from drake_leg.robot import Robot, Row, Segment
 def table_length(rows: Sequence[Row]) -> float:
     """Length of a chain's table, all d and r together.
 
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table.
-
     Returns
     -------
     float
@@ -59,10 +54,6 @@ def random_configurations(robot: Robot, count: int, rng: np.random.Generator) ->
     ----------
     robot : Robot
         Of which m rows move.
-    count : int
-        How many.
-    rng : Generator
-        Seeded.
 
     Returns
     -------
@@ -75,11 +66,6 @@ def random_configurations(robot: Robot, count: int, rng: np.random.Generator) ->
 
 def chain_size(robot: Robot) -> float:
     """How far the foot can be from the base at most.
-
-    Parameters
-    ----------
-    robot : Robot
-        Rows and limits.
 
     Returns
     -------

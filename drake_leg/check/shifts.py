@@ -33,8 +33,6 @@ def find_shift(table: Table, row: TableRow) -> Shift | None:
 
     Parameters
     ----------
-    table : Table
-        The whole table.
     row : TableRow
         A row that has a cell where it cannot belong.
 
@@ -66,8 +64,6 @@ def find_swap(table: Table, row: TableRow) -> Swap | None:
 
     Parameters
     ----------
-    table : Table
-        The whole table.
     row : TableRow
         A row that has a cell where it cannot belong.
 
@@ -107,8 +103,6 @@ def likely_sigma(table: Table, cells: list[str]) -> str:
 
     Parameters
     ----------
-    table : Table
-        The whole table.
     cells : list of str
         Of the row, in the columns' order.
 
@@ -127,11 +121,6 @@ def likely_sigma(table: Table, cells: list[str]) -> str:
 
 def repaired(table: Table) -> Table:
     """Put rows right whose cells stand under another heading.
-
-    Parameters
-    ----------
-    table : Table
-        As it stands.
 
     Returns
     -------

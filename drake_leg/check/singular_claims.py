@@ -64,8 +64,6 @@ def alternatives_of(text: str, reader: Reader) -> list[Alternative]:
     ----------
     text : str
         As printed; an introduction such as "|J| = 0 when" is skipped.
-    reader : Reader
-        Of the print.
 
     Returns
     -------

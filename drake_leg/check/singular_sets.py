@@ -51,16 +51,8 @@ def grade_singular_sets(
     ----------
     robot : Robot
         The robot as it is.
-    printed : Printed
-        With its claims.
-    reader : Reader
-        Of the print.
-    sampler : Sampler
-        Of the same.
     bindings : sequence of Binding
         What its symbols can stand for, the likeliest first.
-    rng : Generator
-        Seeded.
 
     Yields
     ------

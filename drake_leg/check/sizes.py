@@ -16,16 +16,6 @@ def lint_sizes(robot: Robot) -> Iterator[Finding]:
     """Look for links of more than 10 m, and for inertias that no such link has.
 
     The table's own lengths are the table linter's.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any robot.
-
-    Yields
-    ------
-    Finding
-        Warnings.
     """
     for index, segment in enumerate(robot.segments, start=1):
         if segment.link is None:

@@ -20,18 +20,7 @@ FRACTIONS = (1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1.0, 3 / 2, 2.0)  # of pi
 
 
 def lint_numbers(table: Table) -> Iterator[Finding]:
-    """Look for numbers in another unit than the table's, or in none.
-
-    Parameters
-    ----------
-    table : Table
-        As it stands.
-
-    Yields
-    ------
-    Finding
-        Warnings.
-    """
+    """Look for numbers in another unit than the table's, or in none."""
     cells = list(_numbers(table))
     if table.lengths is None and any(sort in LENGTHS for _, _, sort, _ in cells):
         yield _unit_finding("lengths", '"mm" or lengths = "m"')
@@ -97,11 +86,6 @@ def lint_convention(table: Table) -> Iterator[Finding]:
 
     Khalil's frame 0 is usually chosen to fall together with frame 1, so that the first row has
     neither d nor alpha; in classic tables it is the last joint's row that often has neither.
-
-    Parameters
-    ----------
-    table : Table
-        As it stands.
 
     Yields
     ------

@@ -28,11 +28,6 @@ _BELONGS = {
 def lint_table(table: Table) -> list[Finding]:
     """Read a table as a teacher does.
 
-    Parameters
-    ----------
-    table : Table
-        As it stands.
-
     Returns
     -------
     list of Finding

@@ -43,11 +43,6 @@ def other_tables(
         Of the joints' positions.
     names : mapping
         Cells to the print's names of lengths, as far as it has any.
-
-    Yields
-    ------
-    OtherTable
-        The likeliest first.
     """
     yield from _other_variables(variables)
     yield from _other_twists(robot)

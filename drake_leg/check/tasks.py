@@ -45,12 +45,6 @@ def fewest_columns(robot: Robot, rows: tuple[int, ...]) -> int:
     ----------
     robot : Robot
         The robot as it is.
-    rows : tuple of int
-        Rotation first.
-
-    Returns
-    -------
-    int
     """
     Jv_BF = np.abs(_jacobians(robot)[:, list(rows)])
     moved = np.flatnonzero(Jv_BF.max(axis=(0, 1)) > NEGLIGIBLE * Jv_BF.max())

@@ -24,10 +24,6 @@ def in_words_of_text(finding: Finding) -> Finding:
     ----------
     finding : Finding
         With advice for TOML.
-
-    Returns
-    -------
-    Finding
     """
     fault, remedy = finding.fault, finding.remedy
     for words, instead in _WORDS.items():

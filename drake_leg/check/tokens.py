@@ -53,10 +53,6 @@ def tokens_of(formula: str, declared: Collection[str], weak: bool = True) -> Ite
     weak : bool
         Whether t1 and phi1 are the first joint's angle.
 
-    Yields
-    ------
-    Token
-
     Raises
     ------
     InvalidValueError

@@ -25,11 +25,6 @@ def transform_mistakes(subject: Subject) -> Iterator[Mistake]:
     ----------
     subject : Subject
         T12, P04 or the like.
-
-    Yields
-    ------
-    Mistake
-        The likeliest first.
     """
     first, last = subject.claim.frames
     if first > last:  # T10 holds T01, which may be its transpose, too

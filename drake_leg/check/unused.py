@@ -19,11 +19,6 @@ _RESULT = re.compile(r"(?:[jptxyz]|delta|det\w*)_?\(?[\d, ]*\)?")
 def unused_definitions(printed: Printed) -> Iterator[Finding]:
     """Find what is defined and graded nowhere.
 
-    Parameters
-    ----------
-    printed : Printed
-        The print.
-
     Yields
     ------
     Finding

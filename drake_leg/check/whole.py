@@ -38,12 +38,8 @@ def explain_whole(
 
     Parameters
     ----------
-    matrix : Matrix
-        As read.
     wrong : sequence of places
         Its entries that are wrong.
-    comparison : Comparison
-        Of the print.
     vocabulary : Vocabulary
         What the print can write for one another.
 
@@ -68,8 +64,6 @@ def explain_alone(
 
     Parameters
     ----------
-    matrix, wrong, comparison
-        As for ``explain_whole``.
     names : mapping
         Cells of the robot's table to the print's names of lengths.
 

@@ -14,11 +14,6 @@ from drake_leg.robot import Robot
 class DrakeWitness:
     """A plant parsed from a robot's SDF and a scratch context.
 
-    Parameters
-    ----------
-    robot : Robot
-        Any robot.
-
     Raises
     ------
     InvalidValueError

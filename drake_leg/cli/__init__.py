@@ -27,11 +27,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ----------
     arguments : sequence of str, optional
         Without the program's name; by default the process's own.
-
-    Returns
-    -------
-    int
-        Exit status.
     """
     with heeded() as interrupts:
         return _of_signal(interrupts, _carried_out(arguments))

@@ -32,13 +32,7 @@ TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "check",
         help="prove a robot, or grade a print against it",

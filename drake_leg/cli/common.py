@@ -29,13 +29,6 @@ def fail(error: object, status: int) -> int:
     ----------
     error : object
         Its text is one sentence.
-    status : int
-        Exit status.
-
-    Returns
-    -------
-    int
-        The same status.
     """
     remark(error)
     return status
@@ -55,11 +48,6 @@ def remark(sentence: object) -> None:
 @contextmanager
 def naming_option(option: str) -> Iterator[None]:
     """Name the option that was given where an error about a file says ``--out``.
-
-    Parameters
-    ----------
-    option : str
-        ``--still``.
 
     Raises
     ------
@@ -93,13 +81,7 @@ def refuse_ignored(options: Mapping[str, bool], why: str) -> None:
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a command that makes a folder.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of the command.
-    """
+    """Add the options of a command that makes a folder."""
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder to make")
     parser.add_argument(
         "--overwrite", action="store_true", help="replace DIR if it holds older results"
@@ -111,8 +93,6 @@ def add_budget(parser: argparse.ArgumentParser, what: str) -> None:
 
     Parameters
     ----------
-    parser : ArgumentParser
-        Of the command.
     what : str
         Whose time it is.
     """
@@ -126,11 +106,6 @@ def add_budget(parser: argparse.ArgumentParser, what: str) -> None:
 
 def budget_of(chosen: argparse.Namespace) -> float:
     """Read ``--budget``.
-
-    Parameters
-    ----------
-    chosen : Namespace
-        What was given.
 
     Returns
     -------
@@ -156,14 +131,8 @@ def numbers(option: str, text: str, count: int | None = None) -> list[float]:
     ----------
     option : str
         Where they were given, for the error's sentence.
-    text : str
-        ``1,0,0``.
     count : int, optional
         How many there must be.
-
-    Returns
-    -------
-    list of float
 
     Raises
     ------

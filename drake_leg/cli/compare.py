@@ -23,13 +23,7 @@ ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "compare",
         help="compare a Simulink model with a run's diagram",

@@ -28,10 +28,6 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
     path : Path
         YAML file: keys are names of options, what is left out keeps its default.
 
-    Returns
-    -------
-    RunOptions
-
     Raises
     ------
     InvalidValueError

@@ -32,13 +32,7 @@ MOST_NAMED = 6  # pieces that a sentence names
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "derive",
         help="derive a robot's matrices and equations with SymPy",

@@ -28,13 +28,7 @@ if TYPE_CHECKING:
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "doctor",
         help="examine a posture before simulating it",

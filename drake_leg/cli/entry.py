@@ -77,11 +77,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ----------
     arguments : sequence of str, optional
         Without the program's name; by default the process's own.
-
-    Returns
-    -------
-    int
-        Exit status.
     """
     words = sys.argv[1:] if arguments is None else list(arguments)
     parser = _build_parser()

@@ -19,13 +19,7 @@ INDENT = 13  # columns before the text
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "errata",
         help="list what the reports print wrongly",

@@ -10,13 +10,7 @@ from drake_leg.cli.common import Commands
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "inspect",
         help="list what a Simulink model holds",

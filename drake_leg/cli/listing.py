@@ -9,13 +9,7 @@ from drake_leg.runs.catalogue import RUNS
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser("list", help="list the runs", description="List the runs.")
     parser.set_defaults(command=_list)
 

@@ -17,11 +17,6 @@ PLACES = "DRAKE_LEG_TRACEBACK"  # environment variable: show where an unforeseen
 def picture(what: str) -> Iterator[None]:
     """Make one sentence of whatever keeps a picture from being made.
 
-    Parameters
-    ----------
-    what : str
-        ``the still leg.png``.
-
     Raises
     ------
     PictureError
@@ -50,13 +45,7 @@ class Pictures:
 
     @contextmanager
     def trying(self, what: str) -> Iterator[None]:
-        """Try one, and remember what keeps it from being made.
-
-        Parameters
-        ----------
-        what : str
-            ``the figure angle``.
-        """
+        """Try one, and remember what keeps it from being made."""
         try:
             yield
         except Exception as error:

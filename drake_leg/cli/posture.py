@@ -16,13 +16,7 @@ HELP = "joint angles [deg]; a lift [m]"
 
 
 def add_posture(parser: argparse.ArgumentParser) -> None:
-    """Add the option.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of the command.
-    """
+    """Add the option."""
     parser.add_argument("--q", metavar="X,Y,Z", help=f"{HELP} (default: where a run starts)")
 
 
@@ -33,8 +27,6 @@ def posture(name: str, robot: Robot, text: str | None) -> list[float]:
     ----------
     name : str
         Of the robot, as on the command line.
-    robot : Robot
-        m joint positions.
     text : str or None
         ``90,-50,-90``.
 
@@ -67,15 +59,8 @@ def as_option(robot: Robot, q: list[float]) -> str:
 
     Parameters
     ----------
-    robot : Robot
-        m joint positions.
     q : (m,) list of float
         [rad or m].
-
-    Returns
-    -------
-    str
-        ``90,-50,-90``.
     """
     return ",".join(
         f"{math.degrees(value) if segment.row.joint == 'revolute' else value:.6g}"

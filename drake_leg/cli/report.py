@@ -13,13 +13,7 @@ from drake_leg.progress import ProgressBar
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "report",
         help="reproduce the figures and tables of both reports on one page",

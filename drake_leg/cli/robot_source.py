@@ -33,13 +33,7 @@ class RobotSource:
 
 
 def add_robot_source(parser: argparse.ArgumentParser) -> None:
-    """Add the argument that names a robot or its file.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of the command.
-    """
+    """Add the argument that names a robot or its file."""
     names = ", ".join(ROBOT_NAMES)
     parser.add_argument(
         "robot",
@@ -56,10 +50,6 @@ def robot_source(name: str) -> RobotSource:
     ----------
     name : str
         As on the command line.
-
-    Returns
-    -------
-    RobotSource
 
     Raises
     ------

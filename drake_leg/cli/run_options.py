@@ -22,13 +22,7 @@ if typing.TYPE_CHECKING:
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of all runs, and ``--config``.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of the command.
-    """
+    """Add the options of all runs, and ``--config``."""
     parser.add_argument(
         "--config",
         type=Path,
@@ -59,10 +53,6 @@ def kind_of(name: str) -> RunKind:
     ----------
     name : str
         As on the command line.
-
-    Returns
-    -------
-    RunKind
 
     Raises
     ------
@@ -96,17 +86,6 @@ def kind_of(name: str) -> RunKind:
 
 def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
     """Put the options together: defaults, then the file's, then the command line's.
-
-    Parameters
-    ----------
-    kind : RunKind
-        Of the run.
-    chosen : Namespace
-        What was given.
-
-    Returns
-    -------
-    RunOptions
 
     Raises
     ------

@@ -11,13 +11,7 @@ from drake_leg.cli.robot_source import add_robot_source, robot_source
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "sdf",
         help="write a robot as SDF, or as TOML",

@@ -17,13 +17,7 @@ HOST = "localhost"
 
 
 def add_server(parser: argparse.ArgumentParser) -> None:
-    """Add the options.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of the command.
-    """
+    """Add the options."""
     parser.add_argument(
         "--host",
         help=f"name or address to serve at; '*' lets other machines in (default {HOST})",
@@ -44,10 +38,6 @@ def server_options(chosen: argparse.Namespace) -> dict[str, bool]:
     ----------
     chosen : Namespace
         With the options of ``add_server``.
-
-    Returns
-    -------
-    dict of str to bool
     """
     return {
         "--host": chosen.host is not None,

@@ -41,13 +41,7 @@ def stop_note(summary: Mapping[str, Any]) -> str | None:
 
 
 def add_shows(parser: argparse.ArgumentParser) -> None:
-    """Add ``--replay``, ``--video`` and ``--stills``.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of the command.
-    """
+    """Add ``--replay``, ``--video`` and ``--stills``."""
     parser.add_argument(
         "--replay", type=Path, metavar="FILE", help="write a page that replays the run (.html)"
     )
@@ -79,17 +73,7 @@ class Shows:
 
     @classmethod
     def of(cls, chosen: argparse.Namespace) -> Self:
-        """Read it off the command line.
-
-        Parameters
-        ----------
-        chosen : Namespace
-            What was given.
-
-        Returns
-        -------
-        Shows
-        """
+        """Read it off the command line."""
         return cls(
             replay=chosen.replay,
             video=chosen.video,
@@ -118,17 +102,6 @@ class Shows:
         self, title: str, outcome: Outcome, folder: ResultsFolder, pictures: Pictures
     ) -> list[Path]:
         """Write stills into the folder of results, page and video beside it.
-
-        Parameters
-        ----------
-        title : str
-            Of the motion.
-        outcome : Outcome
-            Of the run.
-        folder : ResultsFolder
-            Of the results.
-        pictures : Pictures
-            Tries them.
 
         Returns
         -------

@@ -24,13 +24,7 @@ IDLE = "the guard is idle"
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "teleop",
         help="drive a leg's foot by hand, in real time",

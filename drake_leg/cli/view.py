@@ -15,13 +15,7 @@ from drake_leg.imports import require_pillow
 
 
 def add(commands: Commands) -> None:
-    """Add the command.
-
-    Parameters
-    ----------
-    commands : argparse subparsers
-        Of the program.
-    """
+    """Add the command."""
     parser = commands.add_parser(
         "view",
         help="look at a robot in 3D, its joints on sliders",
@@ -42,15 +36,7 @@ def add(commands: Commands) -> None:
 
 
 def add_view(parser: argparse.ArgumentParser, what: str) -> None:
-    """Add the option that names a view.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of the command.
-    what : str
-        Whose view.
-    """
+    """Add the option that names a view."""
     parser.add_argument(
         "--from",
         dest="view",

@@ -30,11 +30,6 @@ AFFINE = 1e-12  # relative, of an expression that counts as a factor and a const
 def law_of(block: Block) -> Law | None:
     """Find the law of a block.
 
-    Parameters
-    ----------
-    block : Block
-        Of the model.
-
     Returns
     -------
     callable or None
@@ -54,13 +49,6 @@ def law_of(block: Block) -> Law | None:
 
 def added(parts: Sequence[Signal], factors: Sequence[float]) -> Signal:
     """Sum signals with factors; a scalar is added to every component.
-
-    Parameters
-    ----------
-    parts : sequence of Signal
-        At least one.
-    factors : sequence of float
-        One for each.
 
     Returns
     -------

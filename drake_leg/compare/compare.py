@@ -63,14 +63,8 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     ----------
     model : Model
         As read from a file.
-    live : LiveModel
-        The diagram.
     strict : bool
         Whether cross sections, colours and the converters' filters count.
-
-    Returns
-    -------
-    Comparison
 
     Raises
     ------

@@ -29,12 +29,7 @@ class Comparison:
         return not (self.missing or self.different)
 
     def as_json(self) -> dict[str, list[Item]]:
-        """Return the lists under their names.
-
-        Returns
-        -------
-        dict
-        """
+        """Return the lists under their names."""
         return {
             "matched": self.matched,
             "missing": self.missing,

@@ -60,10 +60,6 @@ class Correspondence:
         ----------
         signal : Signal or None
             None counts as empty.
-
-        Returns
-        -------
-        Signal
         """
         return tuple(scalar.renamed(self.names).per(self.scales) for scalar in signal or ())
 
@@ -74,25 +70,11 @@ class Correspondence:
         ----------
         signal : Signal or None
             None counts as empty.
-
-        Returns
-        -------
-        Signal
         """
         return tuple(scalar.renamed(self.live_names) for scalar in signal or ())
 
     def block(self, sid: str) -> Block:
-        """Find a block of the model.
-
-        Parameters
-        ----------
-        sid : str
-            Its SID.
-
-        Returns
-        -------
-        Block
-        """
+        """Find a block of the model."""
         return self.ours.blocks[sid]
 
     def stands_for(self, sid: str, live: Iterable[str], text: str = "", **more: object) -> None:
@@ -119,8 +101,6 @@ class Correspondence:
 
         Parameters
         ----------
-        port : str
-            ``SID#in:1``.
         what : str
             What the input is.
         ours, live : Scalar or None
@@ -143,13 +123,6 @@ class Correspondence:
     def origins(self, scalar: Scalar, *types: str) -> list[Block]:
         """List the blocks of some types that a signal comes from or has passed.
 
-        Parameters
-        ----------
-        scalar : Scalar
-            Of the model.
-        *types : str
-            Block types.
-
         Returns
         -------
         list of Block
@@ -158,17 +131,7 @@ class Correspondence:
         return [b for b in self.model.blocks if b.sid in scalar.origins and b.type in types]
 
     def unit_of(self, joint: int) -> str:
-        """Return the SI unit of a joint's position.
-
-        Parameters
-        ----------
-        joint : int
-            Its number.
-
-        Returns
-        -------
-        str
-        """
+        """Return the SI unit of a joint's position."""
         turns = self.network.mechanism.joints[joint - 1].type == "revolute"
         return "rad" if turns else "m"
 
@@ -211,20 +174,7 @@ class Correspondence:
 
 
 def integral_roles(scalar: Scalar, joint: int) -> dict[Atom, Atom]:
-    """Name the integrals in a joint's commanded position after the joint.
-
-    Parameters
-    ----------
-    scalar : Scalar
-        The commanded position.
-    joint : int
-        Its number.
-
-    Returns
-    -------
-    dict
-        Atom -> role.
-    """
+    """Name the integrals in a joint's commanded position after the joint."""
     role = Atom(kind="integral", of=f"of joint {joint}")
     return {atom: role for atom in scalar.terms if atom.kind == "integral"}
 
@@ -238,10 +188,6 @@ def function_role(what: str, index: int = 0) -> Atom:
         "qdot" or "det J".
     index : int
         The component, from 0.
-
-    Returns
-    -------
-    Atom
     """
     return Atom(kind="function", of=INVERSE_JACOBIAN, what=what, index=index)
 
@@ -250,15 +196,6 @@ def same_factors(ours: Scalar, live: Scalar) -> bool:
     """Tell whether all atoms but sines and integrals have the same factors.
 
     A factor behind an integrator is one of the rate that it integrates.
-
-    Parameters
-    ----------
-    ours, live : Scalar
-        In roles.
-
-    Returns
-    -------
-    bool
     """
     return all(
         close(factor, live.terms.get(atom, math.nan))
@@ -268,15 +205,5 @@ def same_factors(ours: Scalar, live: Scalar) -> bool:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Write names one after the other.
-
-    Parameters
-    ----------
-    names : iterable of str
-        Of blocks.
-
-    Returns
-    -------
-    str
-    """
+    """Write names one after the other."""
     return ", ".join(repr(name) for name in names)

@@ -47,8 +47,6 @@ class DiagramSignals:
 
     Parameters
     ----------
-    diagram : Diagram
-        Built.
     root : Context
         Its context, as a run starts.
     """
@@ -63,11 +61,6 @@ class DiagramSignals:
     def input(self, block: str, port: str) -> Signal | None:
         """Signal at a block's input.
 
-        Parameters
-        ----------
-        block, port : str
-            Their names.
-
         Returns
         -------
         Signal or None
@@ -77,17 +70,7 @@ class DiagramSignals:
         return None if wire is None else self.output(wire.source, wire.output)
 
     def output(self, block: str, port: str) -> Signal:
-        """Signal at a block's output.
-
-        Parameters
-        ----------
-        block, port : str
-            Their names.
-
-        Returns
-        -------
-        Signal
-        """
+        """Signal at a block's output."""
         key = (block, port)
         if key not in self._known:
             signal = self._signal(self.systems[block], port)
@@ -95,17 +78,7 @@ class DiagramSignals:
         return self._known[key]
 
     def of_type(self, kind: type) -> list[str]:
-        """Names of the blocks of a type.
-
-        Parameters
-        ----------
-        kind : type
-            Of system.
-
-        Returns
-        -------
-        list of str
-        """
+        """Names of the blocks of a type."""
         return [name for name, system in self.systems.items() if isinstance(system, kind)]
 
     def input_filter(self) -> str:

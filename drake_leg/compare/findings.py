@@ -29,8 +29,6 @@ class Findings:
 
         Parameters
         ----------
-        block : Block
-            Of the model.
         counterpart : str
             What stands for it.
         **more
@@ -42,15 +40,7 @@ class Findings:
             self.comparison.matched.append(item)
 
     def miss(self, block: Block, why: str) -> None:
-        """Note a block that nothing stands for.
-
-        Parameters
-        ----------
-        block : Block
-            Of the model.
-        why : str
-            The reason.
-        """
+        """Note a block that nothing stands for."""
         if block.sid not in self.seen:
             self.seen.add(block.sid)
             self.comparison.missing.append({**_about(block), "why": why})
@@ -70,14 +60,8 @@ class Findings:
 
         Parameters
         ----------
-        sid, name : str
-            Of the block.
-        parameter : str
-            What differs.
         simulink, drake : object
             Both values, in SI.
-        unit : str
-            Their unit.
         counts : bool
             Whether it counts without ``strict``.
         """
@@ -128,14 +112,8 @@ class Findings:
 
         Parameters
         ----------
-        block : Block
-            Of the model.
-        parameter : str
-            Its name.
         simulink, drake : float, str or tuple of float
             Both values, in SI.
-        unit : str
-            Their unit.
         counts : bool
             Whether a difference counts without ``strict``.
 

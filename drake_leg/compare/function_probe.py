@@ -101,12 +101,8 @@ class FunctionProbe:
 
     Parameters
     ----------
-    signals : SimulinkSignals
-        Of the model.
     sid : str
         Of the function's block.
-    slots : list of list of Slot
-        Its inputs.
     """
 
     def __init__(self, signals: SimulinkSignals, sid: str, slots: Slots) -> None:
@@ -118,17 +114,7 @@ class FunctionProbe:
         self.joints = [slot for slot in flat if slot.joint]
 
     def wired(self, slots: Slots) -> FunctionProbe:
-        """Take the same function with its inputs wired otherwise.
-
-        Parameters
-        ----------
-        slots : list of list of Slot
-            Its inputs.
-
-        Returns
-        -------
-        FunctionProbe
-        """
+        """Take the same function with its inputs wired otherwise."""
         return FunctionProbe(self._signals, self._sid, slots)
 
     def outputs(self, q: Array, v: Array) -> dict[Atom, float]:
@@ -140,11 +126,6 @@ class FunctionProbe:
             Joint positions [rad or m].
         v : (m,)
             The other inputs, in the function's units.
-
-        Returns
-        -------
-        dict
-            Every scalar output.
         """
         parts = iter(v.tolist())
         arguments = [
@@ -187,8 +168,6 @@ class FunctionProbe:
         ----------
         postures : (k, n)
             Where [rad].
-        rates : list of Atom
-            The rates.
 
         Returns
         -------
@@ -236,8 +215,6 @@ def slots_of(signals: SimulinkSignals, sid: str, commanded: dict[int, Scalar]) -
 
     Parameters
     ----------
-    signals : SimulinkSignals
-        Of the model.
     sid : str
         Of the function's block.
     commanded : dict

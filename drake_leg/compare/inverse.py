@@ -50,20 +50,12 @@ def match_function(
 
     Parameters
     ----------
-    signals : SimulinkSignals
-        Of the model.
     sid : str
         Of the function's block.
-    block : InverseJacobian
-        The live one.
     commanded : dict
         Joint -> the scalar that is commanded to it, as the model writes it.
     rate_unit : float
         Value in rad/s of the unit of the function's rates.
-
-    Returns
-    -------
-    Match
     """
     probe = FunctionProbe(signals, sid, slots_of(signals, sid, commanded))
     live = LiveInverse(block)

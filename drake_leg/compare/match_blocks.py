@@ -36,13 +36,7 @@ LIKELY = {  # what the live block's name begins with, where several carry the si
 
 
 def match_carriers(c: Correspondence) -> None:
-    """Name for every mux, gain, sum and converter the live block at which its signal appears.
-
-    Parameters
-    ----------
-    c : Correspondence
-        With all roles.
-    """
+    """Name for every mux, gain, sum and converter the live block at which its signal appears."""
     for block in c.model.blocks:
         if block.type == "Terminator":
             c.findings.match(block, UNCONNECTED)
@@ -51,13 +45,7 @@ def match_carriers(c: Correspondence) -> None:
 
 
 def check_units(c: Correspondence) -> None:
-    """Refuse converters whose unit measures something else than what reaches them.
-
-    Parameters
-    ----------
-    c : Correspondence
-        With all roles.
-    """
+    """Refuse converters whose unit measures something else than what reaches them."""
     for sid, joint in c.network.joints.items():
         converter = c.ours.converter(sid)
         if converter is not None:
@@ -85,13 +73,7 @@ def _check_unit(c: Correspondence, block: Block, wanted: str) -> None:
 
 
 def match_sinks(c: Correspondence) -> None:
-    """Find the scopes that record what the model's scopes show.
-
-    Parameters
-    ----------
-    c : Correspondence
-        With all roles.
-    """
+    """Find the scopes that record what the model's scopes show."""
     logged = [(scalar.renamed(c.live_names), name) for scalar, name in c.live.logged()]
     for block in c.model.blocks:
         if block.kind in SINKS or block.type in SINKS:

@@ -56,10 +56,6 @@ def align(simulink: Mechanism, drake: Mechanism, *, orientation: bool) -> Alignm
         Of the model and of the plant.
     orientation : bool
         Whether the foot's orientation is sensed, so that it matters.
-
-    Returns
-    -------
-    Alignment
     """
     found = Alignment()
     gauge = np.eye(4)
@@ -93,8 +89,6 @@ def report(alignment: Alignment, blocks: dict[str, Block], findings: Findings) -
 
     Parameters
     ----------
-    alignment : Alignment
-        Of both chains.
     blocks : dict
         The model's blocks by SID.
     findings : Findings

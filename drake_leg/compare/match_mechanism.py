@@ -39,12 +39,8 @@ def match_mechanism(
 
     Parameters
     ----------
-    network : Network
-        Of the model.
     drake : Mechanism
         Of the live plant.
-    alignment : Alignment
-        Of both.
     blocks : dict
         The model's blocks by SID.
     findings : Findings

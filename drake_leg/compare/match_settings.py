@@ -31,16 +31,10 @@ def match_sensor(
 
     Parameters
     ----------
-    network : Network
-        Of the model.
-    drake : Mechanism
-        Of the plant.
     blocks : dict
         The model's blocks by SID.
     findings : Findings
         What is found is noted there.
-    signals : DiagramSignals
-        Of the diagram.
     """
     if network.sensor is None:
         return
@@ -78,10 +72,6 @@ def match_settings(
 
     Parameters
     ----------
-    model : Model
-        Flattened.
-    plant : MultibodyPlant
-        Of the diagram.
     findings : Findings
         What is found is noted there.
     scheme : str
@@ -155,8 +145,6 @@ def miss_the_rest(flat: Model, findings: Findings) -> None:
 
     Parameters
     ----------
-    flat : Model
-        Flattened.
     findings : Findings
         With everything that has been judged.
     """
@@ -176,12 +164,6 @@ def match_nodes(flat: Model, network: Network, plant: MultibodyPlant, findings: 
 
     Parameters
     ----------
-    flat : Model
-        Flattened.
-    network : Network
-        Of the model.
-    plant : MultibodyPlant
-        Of the diagram.
     findings : Findings
         They are noted there.
     """

@@ -38,17 +38,7 @@ def match_wires(c: Correspondence) -> None:
 
 
 def physical(live: DiagramSignals) -> set[LiveWire]:
-    """Find the connections that in Simscape are physical ones: around the plant.
-
-    Parameters
-    ----------
-    live : DiagramSignals
-        Of the diagram.
-
-    Returns
-    -------
-    set of Wire
-    """
+    """Find the connections that in Simscape are physical ones: around the plant."""
     plants, logs = set(live.of_type(MultibodyPlant)), set(live.of_type(VectorLogSink))
     inner = {*plants, *live.of_type(PrescribedMotion), *live.of_type(FrameSensor)}
     around = inner | {w.target for w in live.wires if w.source in plants} - logs

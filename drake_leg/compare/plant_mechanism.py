@@ -48,11 +48,6 @@ class Links:
     def locate(self, frame: Frame) -> tuple[int, Array]:
         """Tell which link carries a frame, and where.
 
-        Parameters
-        ----------
-        frame : Frame
-            Of the plant.
-
         Returns
         -------
         int, (4, 4) ndarray
@@ -91,10 +86,6 @@ def read_plant(
         Link -> its solid, for shape and colour, which a plant without a scene does not keep.
     stops : mapping, optional
         Joint -> mechanics of those whose limits push back.
-
-    Returns
-    -------
-    Mechanism
     """
     links = Links(plant)
     places: list[list[Place]] = [[] for _ in links.bodies]

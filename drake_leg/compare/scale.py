@@ -49,19 +49,7 @@ def scale_of(simulink: Mechanism, drake: Mechanism) -> float:
 
 
 def shrunk(network: Network, scale: float) -> Network:
-    """Divide all lengths of a model's chain by a factor.
-
-    Parameters
-    ----------
-    network : Network
-        Of the model.
-    scale : float
-        The factor.
-
-    Returns
-    -------
-    Network
-    """
+    """Divide all lengths of a model's chain by a factor."""
     mechanism = replace(
         network.mechanism,
         bodies=tuple(

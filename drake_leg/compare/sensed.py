@@ -39,15 +39,8 @@ def sensed_by_joint(joint: Block, number: int) -> list[Signal]:
 
     Parameters
     ----------
-    joint : Block
-        With its switches.
     number : int
         Of the joint in the chain.
-
-    Returns
-    -------
-    list of Signal
-        In SI.
     """
     return [
         atoms([Atom(kind="sensed", of=str(number), what=what)])
@@ -58,11 +51,6 @@ def sensed_by_joint(joint: Block, number: int) -> list[Signal]:
 
 def sensed_by_sensor(sensor: Block) -> list[Signal]:
     """List the quantities at the outputs of a 6-DOF Joint or a Transform Sensor.
-
-    Parameters
-    ----------
-    sensor : Block
-        With its switches.
 
     Returns
     -------
@@ -95,10 +83,6 @@ def senses_rotation(sensor: Block) -> bool:
     ----------
     sensor : Block
         6-DOF Joint or Transform Sensor.
-
-    Returns
-    -------
-    bool
     """
     return any(
         atom.what in ("quaternion", "rotation matrix")
@@ -117,13 +101,7 @@ def on(block: Block, switch: str) -> bool:
 
     Parameters
     ----------
-    block : Block
-        The block.
     switch : str
         Name of the parameter.
-
-    Returns
-    -------
-    bool
     """
     return block.parameters.get(switch) == "on"

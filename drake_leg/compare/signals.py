@@ -59,17 +59,7 @@ class Scalar:
     origins: frozenset[str] = field(default=frozenset(), compare=False)  # SIDs on its way
 
     def scaled(self, factor: float) -> Scalar:
-        """Multiply by a number.
-
-        Parameters
-        ----------
-        factor : float
-            The number.
-
-        Returns
-        -------
-        Scalar
-        """
+        """Multiply by a number."""
         return total([self], [factor])
 
     @property
@@ -84,10 +74,6 @@ class Scalar:
         ----------
         names : mapping
             Old atom -> new atom; others stay.
-
-        Returns
-        -------
-        Scalar
         """
         terms = {names.get(atom, atom): factor for atom, factor in self.terms.items()}
         return Scalar(self.constant, terms, self.origins)
@@ -99,21 +85,12 @@ class Scalar:
         ----------
         units : mapping
             Atom -> its unit, of which the factors are multiples now.
-
-        Returns
-        -------
-        Scalar
         """
         terms = {atom: factor / units.get(atom, 1.0) for atom, factor in self.terms.items()}
         return Scalar(self.constant, terms, self.origins)
 
     def through(self, sid: str) -> Scalar:
         """Note a block that the signal has passed.
-
-        Parameters
-        ----------
-        sid : str
-            Of the block.
 
         Returns
         -------
@@ -150,14 +127,8 @@ def total(signals: Sequence[Scalar], factors: Iterable[float]) -> Scalar:
 
     Parameters
     ----------
-    signals : sequence of Scalar
-        What is summed.
     factors : iterable of float
         One for each signal.
-
-    Returns
-    -------
-    Scalar
     """
     constant = 0.0
     terms: dict[Atom, float] = {}
@@ -172,17 +143,7 @@ def total(signals: Sequence[Scalar], factors: Iterable[float]) -> Scalar:
 
 
 def constants(values: Iterable[float]) -> Signal:
-    """Make a constant signal.
-
-    Parameters
-    ----------
-    values : iterable of float
-        Its numbers.
-
-    Returns
-    -------
-    Signal
-    """
+    """Make a constant signal."""
     return tuple(Scalar(float(value)) for value in values)
 
 
@@ -193,10 +154,6 @@ def atoms(atom: Iterable[Atom]) -> Signal:
     ----------
     atom : iterable of Atom
         One for each component.
-
-    Returns
-    -------
-    Signal
     """
     return tuple(Scalar(0.0, {one: 1.0}) for one in atom)
 
@@ -212,10 +169,6 @@ def sine_term(amplitude: float, frequency: float, phase: float) -> Scalar:
         [rad/s].
     phase : float
         [rad].
-
-    Returns
-    -------
-    Scalar
     """
     if frequency < 0.0:
         amplitude, frequency, phase = -amplitude, -frequency, -phase
@@ -236,10 +189,6 @@ def close(a: float, b: float) -> bool:
     ----------
     a, b : float
         In the same unit.
-
-    Returns
-    -------
-    bool
     """
     return bool(math.isclose(a, b, rel_tol=CLOSE, abs_tol=NOTHING) or a == b)
 
@@ -251,12 +200,5 @@ def mixed(matrix: np.ndarray, signal: Signal) -> Signal:
     ----------
     matrix : (m, n) ndarray
         Of numbers.
-    signal : Signal
-        Of n components.
-
-    Returns
-    -------
-    Signal
-        Of m components.
     """
     return tuple(total(signal, row) for row in matrix.tolist())

@@ -59,15 +59,9 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
 
     Parameters
     ----------
-    model : Model
-        Flattened: without subsystems.
     taken_as_drawn : sequence of int
         Numbers of joints whose base and follower are exchanged by mistake: their frames are read
         as if they were not.
-
-    Returns
-    -------
-    Network
 
     Raises
     ------

@@ -26,13 +26,6 @@ class SimulinkSignals:
     A block that does something for which there is no law here, with one input, counts as if it
     passed the signal on: it is missing in the diagram, what lies behind it is not.
 
-    Parameters
-    ----------
-    model : Model
-        Without subsystems.
-    network : Network
-        Its mechanical part.
-
     Raises
     ------
     InvalidValueError
@@ -73,13 +66,6 @@ class SimulinkSignals:
     def input(self, sid: str, port: int) -> Signal | None:
         """Signal at a block's input.
 
-        Parameters
-        ----------
-        sid : str
-            Of the block.
-        port : int
-            Counted from 1.
-
         Returns
         -------
         Signal or None
@@ -91,11 +77,6 @@ class SimulinkSignals:
     def inputs(self, block: Block) -> list[Signal | None]:
         """Signals at all inputs of a block.
 
-        Parameters
-        ----------
-        block : Block
-            Of the model.
-
         Returns
         -------
         list of Signal or None
@@ -104,34 +85,14 @@ class SimulinkSignals:
         return [self.input(block.sid, place + 1) for place in range(max(self._count(block), 1))]
 
     def is_carrier(self, block: Block) -> bool:
-        """Tell whether a block only carries signals on, scaled and summed.
-
-        Parameters
-        ----------
-        block : Block
-            Of the model.
-
-        Returns
-        -------
-        bool
-        """
+        """Tell whether a block only carries signals on, scaled and summed."""
         if block.sid in self.lawless:
             return False
         routes = block.type == "BusSelector" or block.kind == "PS-Simulink Converter"
         return routes or (block.type not in SOURCES and law_of(block) is not None)
 
     def output(self, port: str) -> Signal:
-        """Signal at a block's output.
-
-        Parameters
-        ----------
-        port : str
-            ``SID#out:1``.
-
-        Returns
-        -------
-        Signal
-        """
+        """Signal at a block's output."""
         if not self._under_way:
             for earlier in self._before(port):
                 self._output(earlier)
@@ -178,8 +139,6 @@ class SimulinkSignals:
 
         Parameters
         ----------
-        port : str
-            ``SID#in:1``.
         index : int
             Of the component, from 0.
 
@@ -204,8 +163,6 @@ class SimulinkSignals:
 
         Parameters
         ----------
-        sid : str
-            Of the joint.
         derivative : int
             0 the position, 1 and 2 its derivatives, where the converter takes them.
 
@@ -223,11 +180,6 @@ class SimulinkSignals:
 
     def converter(self, sid: str) -> Block | None:
         """Find the Simulink-PS converter at a joint's motion input.
-
-        Parameters
-        ----------
-        sid : str
-            Of the joint.
 
         Returns
         -------
@@ -336,11 +288,6 @@ class SimulinkSignals:
 def is_integrator(block: Block) -> bool:
     """Tell whether a block integrates its input.
 
-    Parameters
-    ----------
-    block : Block
-        Of the model.
-
     Returns
     -------
     bool
@@ -356,11 +303,6 @@ def is_integrator(block: Block) -> bool:
 
 def unit_factor(converter: Block) -> float:
     """Value in SI of the unit that a converter speaks.
-
-    Parameters
-    ----------
-    converter : Block
-        Simulink-PS or PS-Simulink.
 
     Returns
     -------

@@ -17,11 +17,6 @@ SAME = 1e-12  # [m], and of a rotation matrix: what is nearer coincides
 def number_text(value: float) -> str:
     """Write a number with four digits.
 
-    Parameters
-    ----------
-    value : float
-        In whatever unit.
-
     Returns
     -------
     str
@@ -32,11 +27,6 @@ def number_text(value: float) -> str:
 
 def values_text(values: Iterable[float]) -> str:
     """Write one number; many different ones only by how many they are.
-
-    Parameters
-    ----------
-    values : iterable of float
-        At least one.
 
     Returns
     -------
@@ -54,11 +44,6 @@ def gravity_words(gravity: Sequence[float]) -> tuple[str, ...]:
     ----------
     gravity : (3,)
         [m/s^2].
-
-    Returns
-    -------
-    tuple of str
-        Line by line.
     """
     gx, gy, gz = gravity
     text = f"gravity {gx:g}, {gy:g}, {gz:.7g} m/s²".replace("-", "−")

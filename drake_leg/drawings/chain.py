@@ -73,10 +73,6 @@ def solid_of(body: RigidBody, shape: str) -> Block:
         Its mass is written.
     shape : str
         "brick", "cylinder", "sphere"; anything else is a box.
-
-    Returns
-    -------
-    Block
     """
     caption = (body.name(), _KINDS.get(shape, "Solid"), mass_words(body.default_mass()))
     return solid_block(f"Solid of {body.name()}", caption, shape)
@@ -89,14 +85,6 @@ def solid_block(name: str, caption: tuple[str, ...], shape: str) -> Block:
     ----------
     name : str
         Unique in its picture.
-    caption : tuple of str
-        Line by line.
-    shape : str
-        As of ``solid_of``.
-
-    Returns
-    -------
-    Block
     """
     known = shape in _KINDS
     return Block(
@@ -114,9 +102,5 @@ def connection_of(name: str) -> Block:
     ----------
     name : str
         Of the frame that it hands out.
-
-    Returns
-    -------
-    Block
     """
     return Block(name=name, glyph="connection", text=(name,))

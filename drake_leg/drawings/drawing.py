@@ -45,8 +45,6 @@ def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
 
     Parameters
     ----------
-    *pictures : Picture
-        At least one.
     background : {"auto", "white", "none"}
         White or dark as the reader's system is, always white, or none, for light places.
 

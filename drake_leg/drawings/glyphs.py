@@ -20,13 +20,6 @@ def draw_block(block: Block, box: Box) -> str:
     ----------
     block : Block
         With a known glyph.
-    box : Box
-        Its place.
-
-    Returns
-    -------
-    str
-        SVG elements.
     """
     return GLYPHS[block.glyph](block, box)
 

@@ -59,18 +59,12 @@ def heights_of(
 
     Parameters
     ----------
-    picture : Picture
-        What is drawn.
     columns : Columns
         Of the same picture.
     order : Order
         From the top to the bottom.
     apart : iterable of (End, End, float)
         Ends of which the first must be lower than the second by so much [px].
-
-    Returns
-    -------
-    Heights
     """
     return _Programme(picture, columns, order).solve(apart)
 

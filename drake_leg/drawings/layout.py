@@ -58,11 +58,6 @@ class Layout:
 def lay_out(picture: Picture) -> Layout:
     """Lay a picture out, from left to right.
 
-    Parameters
-    ----------
-    picture : Picture
-        Blocks and nets.
-
     Returns
     -------
     Layout

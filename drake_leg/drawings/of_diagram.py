@@ -64,10 +64,6 @@ def block_diagram(
 
     Parameters
     ----------
-    diagram : Diagram
-        Built.
-    title : str
-        Above the picture.
     scopes : bool
         Whether the logs are drawn.
     accelerations : bool
@@ -88,15 +84,6 @@ def diagram_picture(
     diagram: Diagram, *, title: str, scopes: bool = True, accelerations: bool = True
 ) -> Picture:
     """Read a diagram's own blocks and wires.
-
-    Parameters
-    ----------
-    diagram : Diagram
-        Built.
-    title : str
-        Above the picture.
-    scopes, accelerations : bool
-        As of ``block_diagram``.
 
     Returns
     -------

@@ -29,16 +29,8 @@ def link_diagram(
         Finalised, with the frames that ``models.sdf`` writes.
     link : str
         Name of its body.
-    title : str
-        Above the picture.
-    shape : {"brick", "cylinder", "sphere", "solid"}
-        Of the solid.
     background : {"auto", "white", "none"}
         White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    Drawing
 
     References
     ----------
@@ -49,11 +41,6 @@ def link_diagram(
 
 def link_picture(plant: MultibodyPlant, link: str, *, title: str, shape: str = "solid") -> Picture:
     """Read one link of a plant.
-
-    Parameters
-    ----------
-    plant, link, title, shape
-        As of ``link_diagram``.
 
     Returns
     -------

@@ -41,20 +41,12 @@ def mechanism_diagram(
 
     Parameters
     ----------
-    plant : MultibodyPlant
-        Finalised.
-    title : str
-        Above the picture.
     shapes : mapping, optional
         Body to "brick", "cylinder" or "sphere"; other solids are boxes.
     sensed : str, optional
         A frame that a 6-DOF joint watches from the world.
     background : {"auto", "white", "none"}
         White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    Drawing
     """
     picture = mechanism_picture(plant, title=title, shapes=shapes, sensed=sensed)
     return draw(picture, background=background)
@@ -68,11 +60,6 @@ def mechanism_picture(
     sensed: str | None = None,
 ) -> Picture:
     """Read the bodies and joints of a plant.
-
-    Parameters
-    ----------
-    plant, title, shapes, sensed
-        As of ``mechanism_diagram``.
 
     Returns
     -------

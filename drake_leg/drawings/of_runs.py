@@ -27,21 +27,12 @@ def run_pictures(
 
     Parameters
     ----------
-    diagram : Diagram
-        With one plant.
     robot : Robot
         What the plant is of; it tells the shapes of the solids.
-    title : str
-        Of the run.
     part : str
         "signals", "mechanism", "all" (both), or the name of a link.
     scopes, accelerations : bool
         Whether the logs are drawn, and what only accelerations need.
-
-    Returns
-    -------
-    tuple of Picture
-        For ``drawing.draw``.
 
     Raises
     ------

@@ -21,10 +21,6 @@ def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Pictur
     ----------
     model : Model
         As read from its file; subsystems are opened, Goto and From become wires.
-    title : str
-        Of the model.
-    part : {"all", "signals", "mechanism"}
-        Which pictures.
 
     Returns
     -------

@@ -42,10 +42,6 @@ def order_of(picture: Picture, columns: Columns) -> Order:
         Its blocks say which ports are loose.
     columns : Columns
         Of the same picture.
-
-    Returns
-    -------
-    Order
     """
     sides = [
         (range(len(picture.blocks[s.block].inputs)), range(len(picture.blocks[s.block].outputs)))

@@ -17,11 +17,6 @@ BETWEEN = 36.0  # [px], two parts
 def lay_out_parts(picture: Picture) -> Layout:
     """Lay a picture out part by part, and put the parts into rows, in their order.
 
-    Parameters
-    ----------
-    picture : Picture
-        Blocks and nets.
-
     Returns
     -------
     Layout

@@ -91,10 +91,6 @@ def rounded(points: Sequence[Point], sharp: Collection[Point] = ()) -> str:
         Simplified.
     sharp : collection of (x, y)
         Corners that are not rounded, because another line begins there.
-
-    Returns
-    -------
-    str
     """
     parts = [f"M{_at(points[0])}"]
     for before, corner, after in zip(points, points[1:], points[2:], strict=False):

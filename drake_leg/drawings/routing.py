@@ -36,20 +36,7 @@ class Trunk:
 
 
 def trunks_of(tracks: Sequence[Track], heights: Mapping[End, float]) -> list[Trunk]:
-    """Find the vertical lines of a channel.
-
-    Parameters
-    ----------
-    tracks : sequence of Track
-        In the channel.
-    heights : mapping
-        Of all ends.
-
-    Returns
-    -------
-    list of Trunk
-        Straight nets included.
-    """
+    """Find the vertical lines of a channel."""
     return [
         Trunk(
             track,
@@ -62,11 +49,6 @@ def trunks_of(tracks: Sequence[Track], heights: Mapping[End, float]) -> list[Tru
 
 def lanes_of(trunks: Sequence[Trunk]) -> tuple[dict[int, int], list[tuple[Trunk, Trunk]]]:
     """Give every vertical line of a channel its lane.
-
-    Parameters
-    ----------
-    trunks : sequence of Trunk
-        Of the channel.
 
     Returns
     -------

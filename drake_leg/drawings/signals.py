@@ -47,13 +47,6 @@ def signal_names(systems: Mapping[str, System], shown: Sequence[Wire]) -> dict[E
     A signal is called as the input that it feeds; one that a Mux joins, or a Demux takes apart,
     as the whole, with a number.
 
-    Parameters
-    ----------
-    systems : mapping
-        Blocks by name.
-    shown : sequence of Wire
-        The wires.
-
     Returns
     -------
     dict

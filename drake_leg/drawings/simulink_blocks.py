@@ -61,8 +61,6 @@ def signal_block(
 
     Parameters
     ----------
-    block : Block
-        Of the model.
     name : str
         Unique in its picture.
     inputs, outputs : sequence of str
@@ -92,17 +90,7 @@ def signal_block(
 
 
 def value_text(value: Value | None) -> str:
-    """Write a parameter: its number, how many numbers it has, or its text.
-
-    Parameters
-    ----------
-    value : Value, optional
-        Of a block.
-
-    Returns
-    -------
-    str
-    """
+    """Write a parameter: its number, how many numbers it has, or its text."""
     if isinstance(value, tuple):
         rows = (row if isinstance(row, tuple) else (row,) for row in value)
         return values_text(chain.from_iterable(rows)) if value else "[]"

@@ -46,8 +46,6 @@ def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> Drawn:
 
     Parameters
     ----------
-    block : Block
-        Of the model.
     name : str
         Unique in its picture.
     turned : bool

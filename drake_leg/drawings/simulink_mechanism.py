@@ -26,14 +26,8 @@ def model_mechanism_picture(
 
     Parameters
     ----------
-    model : Model
-        Flattened.
-    network : Network
-        Its physical connections.
     names : mapping
         SID to unique name.
-    title : str
-        Above the picture.
 
     Returns
     -------

@@ -15,11 +15,6 @@ _MOST_LINES = 3
 def unique_names(model: Model) -> dict[str, str]:
     """Name every block otherwise than all others.
 
-    Parameters
-    ----------
-    model : Model
-        With its subsystems.
-
     Returns
     -------
     dict
@@ -53,11 +48,6 @@ def name_lines(name: str, width: float) -> tuple[str, ...]:
 
 def cut(text: str) -> str:
     """Cut a long line of text off.
-
-    Parameters
-    ----------
-    text : str
-        Of the file.
 
     Returns
     -------

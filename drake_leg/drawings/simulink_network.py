@@ -31,15 +31,6 @@ def network_of(model: Model) -> Network:
 
     A connection carries a signal where one of its ends is a converter, a block of physical
     signals, or a port of a joint or a sensor beyond its two frames.
-
-    Parameters
-    ----------
-    model : Model
-        Flattened.
-
-    Returns
-    -------
-    Network
     """
     blocks = {block.sid: block for block in model.blocks}
     signals = [node for node in model.nodes if any(_has_signal(port, blocks) for port in node)]
@@ -61,11 +52,6 @@ def network_of(model: Model) -> Network:
 
 def ports_by_block(ports: Iterable[str]) -> dict[str, list[str]]:
     """Gather ports by their blocks.
-
-    Parameters
-    ----------
-    ports : iterable of str
-        As ``SID#in:1``.
 
     Returns
     -------

@@ -30,14 +30,8 @@ def signals_picture(
 
     Parameters
     ----------
-    model : Model
-        Flattened.
-    network : Network
-        Its physical connections.
     names : mapping
         SID to unique name.
-    title : str
-        Above the picture.
 
     Returns
     -------

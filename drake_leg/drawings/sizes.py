@@ -54,14 +54,8 @@ class Box:
 
         Parameters
         ----------
-        other : Box
-            The other one.
         margin : float
             How near is near enough [px].
-
-        Returns
-        -------
-        bool
         """
         return (
             self.x < other.right + margin
@@ -88,10 +82,6 @@ def size_of(block: Block) -> Size:
     ----------
     block : Block
         With a known glyph.
-
-    Returns
-    -------
-    Size
     """
     sides = [ports for ports in (block.inputs, block.outputs) if ports]
     ports = 2 * PORT_PAD + PORT_PITCH * (max(map(len, sides), default=1) - 1)

@@ -46,18 +46,10 @@ def element(
 
     Parameters
     ----------
-    tag : str
-        Its name.
     content : str, optional
         What is inside, already SVG.
-    classes : str
-        CSS classes.
     **attributes : object
         Numbers are rounded to a tenth; an underscore stands for a hyphen.
-
-    Returns
-    -------
-    str
     """
     words = [tag, f"class={quoteattr(classes)}"] if classes else [tag]
     for name, value in attributes.items():
@@ -96,8 +88,6 @@ def text_at(
 
     Parameters
     ----------
-    text : str
-        Any characters.
     x, y : float
         Where [px].
     baseline : float
@@ -106,12 +96,6 @@ def text_at(
         Of the font [px].
     anchor : {"start", "middle", "end"}
         Which part of the text is at x.
-    classes : str
-        CSS classes.
-
-    Returns
-    -------
-    str
     """
     sized = {"font_size": size} if size != SIZE else {}
     return element(
@@ -132,19 +116,12 @@ def document(
 
     Parameters
     ----------
-    content : str
-        SVG elements.
     title, description : str
         For those who read and do not see.
     width, height : float
         [px].
     background : {"auto", "white", "none"}
         White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    str
-        An SVG document.
     """
     root = "drake-leg-drawing" if background == "auto" else "drake-leg-drawing-light"
     paper = element("rect", classes="paper", width=width, height=height)

@@ -16,8 +16,6 @@ def text_width(text: str, size: float = SIZE) -> float:
 
     Parameters
     ----------
-    text : str
-        One line.
     size : float
         Of the font [px].
 
@@ -44,14 +42,8 @@ def wrapped(text: str, width: float) -> tuple[str, ...]:
 
     Parameters
     ----------
-    text : str
-        Words.
     width : float
         That a line should not exceed [px]; a longer word stands alone.
-
-    Returns
-    -------
-    tuple of str
     """
     lines: list[str] = []
     for word in text.split():
@@ -63,16 +55,5 @@ def wrapped(text: str, width: float) -> tuple[str, ...]:
 
 
 def spaced(name: str) -> str:
-    """Put spaces between the words of a name in capitals.
-
-    Parameters
-    ----------
-    name : str
-        ``ZeroOrderHold``.
-
-    Returns
-    -------
-    str
-        ``Zero Order Hold``.
-    """
+    """Put spaces between the words of a name in capitals."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)

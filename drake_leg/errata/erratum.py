@@ -24,14 +24,8 @@ def number(value: float, decimals: int = 1) -> str:
 
     Parameters
     ----------
-    value : float
-        In any unit.
     decimals : int
         Digits after the point.
-
-    Returns
-    -------
-    str
     """
     return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−")
 
@@ -41,14 +35,8 @@ def vector(values: Iterable[float], decimals: int = 1) -> str:
 
     Parameters
     ----------
-    values : iterable of float
-        In any unit.
     decimals : int
         Digits after the point.
-
-    Returns
-    -------
-    str
     """
     return f"({', '.join(number(value, decimals) for value in values)})"
 
@@ -60,9 +48,5 @@ def angles(q: Iterable[float]) -> str:
     ----------
     q : iterable of float
         [rad].
-
-    Returns
-    -------
-    str
     """
     return f"({', '.join(number(math.degrees(angle), 0) + '°' for angle in q)})"

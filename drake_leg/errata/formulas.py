@@ -56,17 +56,7 @@ def evaluate_entry(entry: str, values: Values) -> float:
 
 
 def shown(formula: Formula) -> str:
-    """Write a matrix in one line, rows between semicolons.
-
-    Parameters
-    ----------
-    formula : tuple of tuples of str
-        Its entries.
-
-    Returns
-    -------
-    str
-    """
+    """Write a matrix in one line, rows between semicolons."""
     rows = "; ".join(", ".join(row) for row in formula)
     return f"[{rows}]".replace("*", "·").replace("-", "−")
 
@@ -78,11 +68,6 @@ def angle_values(q: Sequence[float]) -> dict[str, float]:
     ----------
     q : (n,) sequence of float
         [rad].
-
-    Returns
-    -------
-    dict
-        θ1 to θn.
     """
     return {f"θ{joint}": angle for joint, angle in enumerate(q, start=1)}
 

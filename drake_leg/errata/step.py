@@ -18,8 +18,6 @@ def far_end(leg: LegGeometry, options: LegBOptions) -> Array:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     options : LegBOptions
         Start, amplitude, frequency and direction of the step.
 

@@ -53,13 +53,6 @@ class _Seen(NamedTuple):
 def chain(robot: Robot, title: str) -> Figure:
     """Draw a chain twice, with its frames and with its bodies, above its table.
 
-    Parameters
-    ----------
-    robot : Robot
-        Any.
-    title : str
-        Of the figure.
-
     Returns
     -------
     Figure

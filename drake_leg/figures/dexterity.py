@@ -31,16 +31,8 @@ def dexterity(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     start : (3,) array_like
         A posture to be marked [rad].
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
     """
     reach, far = leg.l2 + leg.l3, leg.l1 + leg.l2 + leg.l3
     x, z = np.meshgrid(np.linspace(0.0, 1.02 * far, 221), np.linspace(-reach, reach, 361))
@@ -77,16 +69,8 @@ def arm_dexterity(arm: ScaraGeometry, start: ArrayLike, title: str) -> Figure:
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     start : (4,) array_like
         The posture of the arm that is drawn [rad, the last one m].
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
 
     References
     ----------

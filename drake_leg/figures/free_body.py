@@ -59,17 +59,6 @@ def _frames(robot: Robot, q: list[float]) -> Array:
 def pendulum(robot: Robot, title: str) -> Figure:
     """Draw the pendulum with its weight and what its pivot takes.
 
-    Parameters
-    ----------
-    robot : Robot
-        A pendulum.
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
-
     References
     ----------
     Report A, figures 1 and 2.
@@ -108,17 +97,6 @@ def pendulum(robot: Robot, title: str) -> Figure:
 
 def leg(robot: Robot, title: str) -> Figure:
     """Draw the leg with what acts on it in its own plane, and from above.
-
-    Parameters
-    ----------
-    robot : Robot
-        A hexabot leg.
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
 
     References
     ----------
@@ -192,17 +170,6 @@ def _leg_top(robot: Robot, sign: int, sketch: Sketch) -> None:
 
 def scara(robot: Robot, title: str) -> Figure:
     """Draw the SCARA from the side and from above.
-
-    Parameters
-    ----------
-    robot : Robot
-        A SCARA.
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
 
     References
     ----------

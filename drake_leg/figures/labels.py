@@ -53,10 +53,6 @@ class Labels:
         ----------
         at : (x, y)
             Data.
-        text : str
-            The label.
-        colour : str
-            Of the label.
         away : (x, y)
             Direction in which it stands best, of any length.
         size : float

@@ -34,10 +34,6 @@ def figures_of_run(
         What the run shows: a pendulum that swings, a foot or a tool that is moved.
     title : str
         Of the run, for the figures' titles.
-    robot : Robot
-        What moved.
-    recording : Recording
-        What was recorded.
     summary : mapping
         What it came to.
 

@@ -47,20 +47,12 @@ def angle(
 
     Parameters
     ----------
-    recording : Recording
-        Of a pendulum.
-    title : str
-        Of the figure.
     rest : float, optional
         Rest angle [rad].
     equilibrium : float, optional
         Of a spring at the joint [rad].
     span : (low, high), optional
         Angles that the axis shows at least [rad], so that figures can be compared.
-
-    Returns
-    -------
-    Figure
     """
     figure = time_plot(
         recording, {"q": "q"}, title=title, ylabel="joint angle q [rad]", degrees=True
@@ -94,16 +86,8 @@ def angle_and_rate(
 
     Parameters
     ----------
-    recording : Recording
-        Of a pendulum.
-    title : str
-        Of the figure.
     span, rates : (low, high), optional
         Angles [rad] and rates [rad/s] that the axes show at least.
-
-    Returns
-    -------
-    Figure
     """
     figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.6)
     _curve(top, recording, "q")
@@ -133,16 +117,8 @@ def energy(recording: Recording, title: str, scale: float) -> Figure:
 
     Parameters
     ----------
-    recording : Recording
-        Of a pendulum.
-    title : str
-        Of the figure.
     scale : float
         m g L / 2 [J].
-
-    Returns
-    -------
-    Figure
     """
     figure = time_plot(
         recording, {"energy": "energy"}, title=title, ylabel="kinetic + potential energy [J]"

@@ -14,11 +14,6 @@ FAR_HIGHER = 3.0  # times the torques elsewhere: what would hide them
 def step_frequency(recording: Recording) -> float | None:
     """Find the frequency of a step that begins at rest: half a period is over where it turns.
 
-    Parameters
-    ----------
-    recording : Recording
-        With vx.
-
     Returns
     -------
     float or None
@@ -34,11 +29,6 @@ def step_frequency(recording: Recording) -> float | None:
 
 def sine_frequency(recording: Recording) -> float | None:
     """Find the frequency of a foot that moves as a sine, a quarter period behind its velocity.
-
-    Parameters
-    ----------
-    recording : Recording
-        With x, vx.
 
     Returns
     -------
@@ -64,8 +54,6 @@ def torques_away(recording: Recording, columns: list[str]) -> tuple[float, float
     ----------
     recording : Recording
         With sigma_min and these columns.
-    columns : list of str
-        Torques of joints.
 
     Returns
     -------

@@ -45,16 +45,8 @@ def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     start : (3,) array_like
         A posture to be marked [rad].
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
 
     References
     ----------
@@ -87,16 +79,8 @@ def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     start : (3,) array_like
         A posture to be marked [rad].
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
     """
     q = finite_vectors("start", start, 3).reshape(1, 3)
     figure, axes = _space(title)
@@ -123,13 +107,6 @@ def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 
 def foot_space(leg: LegGeometry, title: str) -> Figure:
     """Draw where the foot is at the singular postures: torus, circle, piece of the hip axis.
-
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths and variant.
-    title : str
-        Of the figure.
 
     Returns
     -------

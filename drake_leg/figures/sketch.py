@@ -249,8 +249,6 @@ class Sketch:
             Directions on paper [deg], counter-clockwise from the right.
         label : str
             In the middle of the arc, outside.
-        size : float
-            Radius, in units.
         colour : str
             Of arc and label.
         """

@@ -27,12 +27,6 @@ def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
         Its table places the joints.
     recording : Recording
         With joint positions and x, y, z.
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
     """
     tip = recording.stack("x", "y", "z")
     distance = np.linalg.norm(tip - tip[0], axis=1)

@@ -92,17 +92,10 @@ def new_figure(
 
     Parameters
     ----------
-    title : str
-        Above everything, left.
     rows, columns : int
         Of axes; those one above the other share their x axis.
     width, height : float
         Of the figure [inch].
-
-    Returns
-    -------
-    Figure, list of Axes
-        Row by row.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
@@ -119,8 +112,6 @@ def claim(axes: Axes, text: str) -> None:
     ----------
     axes : Axes
         Of which it is said.
-    text : str
-        A short sentence.
     """
     axes.annotate(
         text,
@@ -138,14 +129,8 @@ def inset(axes: Axes, bounds: tuple[float, float, float, float]) -> Axes:
 
     Parameters
     ----------
-    axes : Axes
-        The larger ones.
     bounds : (left, bottom, width, height)
         Of the smaller ones, in shares of the larger.
-
-    Returns
-    -------
-    Axes
     """
     with mpl.rc_context(STYLE):
         inner = axes.inset_axes(bounds)
@@ -193,8 +178,6 @@ def save(figure: Figure, folder: Path, name: str) -> dict[str, Path]:
     ----------
     figure : Figure
         To be written; its layout is fixed from here on.
-    folder : Path
-        Where.
     name : str
         File name without ending.
 
@@ -217,14 +200,8 @@ def svg_text(figure: Figure, *, background: Background = "white") -> str:
 
     Parameters
     ----------
-    figure : Figure
-        To be written.
     background : {"auto", "white", "none"}
         White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    str
     """
     file = io.StringIO()
     paper = "none" if background == "none" else "auto"

@@ -35,10 +35,6 @@ def time_plot(
         The label with its unit.
     degrees : bool
         Whether to add an axis in degrees for columns in rad.
-
-    Returns
-    -------
-    Figure
     """
     return curves_plot(
         recording["time"],
@@ -64,10 +60,6 @@ def curves_plot(
         The label with its unit.
     degrees : bool
         Whether to add an axis in degrees for curves in rad.
-
-    Returns
-    -------
-    Figure
     """
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
     for (label, values), (colour, style) in zip(curves.items(), cycle(LINES), strict=False):

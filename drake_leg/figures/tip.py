@@ -37,14 +37,6 @@ def position(recording: Recording, title: str, what: str = "foot") -> Figure:
     ----------
     recording : Recording
         With x, y, z.
-    title : str
-        Of the figure.
-    what : str
-        Foot or tool.
-
-    Returns
-    -------
-    Figure
     """
     figure = time_plot(
         recording,
@@ -71,14 +63,6 @@ def velocity(recording: Recording, title: str, what: str = "foot") -> Figure:
     ----------
     recording : Recording
         With vx, vy, vz.
-    title : str
-        Of the figure.
-    what : str
-        Foot or tool.
-
-    Returns
-    -------
-    Figure
     """
     figure = time_plot(
         recording,
@@ -107,14 +91,8 @@ def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Fi
     ----------
     recording : Recording
         With q1, q2, ...
-    title : str
-        Of the figure.
     joints : dict
         Number of the joint, from 1, to its name.
-
-    Returns
-    -------
-    Figure
     """
     figure, panels = _joint_panels(recording, title, joints, "rad")
     for axes in panels:
@@ -129,14 +107,8 @@ def joint_strokes(recording: Recording, title: str, joints: dict[int, str]) -> F
     ----------
     recording : Recording
         With q1, q2, ...
-    title : str
-        Of the figure.
     joints : dict
         Number of the joint, from 1, to its name.
-
-    Returns
-    -------
-    Figure
     """
     return _joint_panels(recording, title, joints, "m")[0]
 
@@ -169,16 +141,8 @@ def rotation(robot: Robot, recording: Recording, title: str) -> Figure:
 
     Parameters
     ----------
-    robot : Robot
-        The leg.
     recording : Recording
         With the columns qw, qx, qy, qz.
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
     """
     R_BF = rotation_matrices(recording.stack("qw", "qx", "qy", "qz"))
     angles = np.unwrap(foot_rotation_angles(LegGeometry.from_robot(robot), R_BF), axis=0)
@@ -199,14 +163,8 @@ def torques(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
     ----------
     recording : Recording
         With tau1, tau2, ...
-    title : str
-        Of the figure.
     joints : dict
         Number of the joint, from 1, to its name.
-
-    Returns
-    -------
-    Figure
     """
     columns = {f"tau{number}": name for number, name in joints.items()}
     figure = time_plot(recording, columns, title=title, ylabel="computed torque [N m]")
@@ -225,14 +183,8 @@ def forces(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
     ----------
     recording : Recording
         With tau1, tau2, ...
-    title : str
-        Of the figure.
     joints : dict
         Number of the joint, from 1, to its name.
-
-    Returns
-    -------
-    Figure
     """
     columns = {f"tau{number}": name for number, name in joints.items()}
     return time_plot(recording, columns, title=title, ylabel="computed force [N]")
@@ -245,12 +197,6 @@ def singularity(recording: Recording, title: str) -> Figure:
     ----------
     recording : Recording
         With det_j, or the manipulability of a redundant robot, and sigma_min.
-    title : str
-        Of the figure.
-
-    Returns
-    -------
-    Figure
     """
     figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.0)
     header = next(h for h in recording.columns if h.startswith(tuple(SINGULARITY)))
@@ -273,14 +219,8 @@ def input_and_velocity(recording: Recording, title: str, gain: float) -> Figure:
     ----------
     recording : Recording
         With input, dx, dy, dz and the foot's velocity.
-    title : str
-        Of the figure.
     gain : float
         Of the block between the two.
-
-    Returns
-    -------
-    Figure
     """
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
     time = recording["time"]
@@ -312,16 +252,10 @@ def velocity_and_position(
     ----------
     recording : Recording
         With x, vx, and input.
-    title : str
-        Of the figure.
     frequency : float, optional
         Of the sine [rad/s]; where given, the quarter period between the maxima is marked.
     with_input : bool
         Whether to draw the sine's output, too.
-
-    Returns
-    -------
-    Figure
     """
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH, height=4.0)
     time = recording["time"]

@@ -163,12 +163,6 @@ def arm_of(robot: Robot, task: Task) -> LegArm | ChainArm:
     ----------
     robot : Robot
         The leg, or any chain.
-    task : Task
-        Its exact one.
-
-    Returns
-    -------
-    LegArm or ChainArm
     """
     if is_hexabot_leg(robot):
         return LegArm(LegGeometry.from_robot(robot))
@@ -180,14 +174,8 @@ def loses_turning(arm: Arm, q: Sequence[float]) -> bool:
 
     Parameters
     ----------
-    arm : Arm
-        The robot.
     q : (n,) sequence of float
         A posture that is singular, or nearly [rad or m].
-
-    Returns
-    -------
-    bool
     """
     _, sigma, moved = _translations(arm, q)
     return bool(arm.twists[:3].any() and sigma[moved - 1] > STILL_MOVES * sigma[0])
@@ -198,8 +186,6 @@ def lost_direction(arm: Arm, q: Sequence[float]) -> tuple[float, float, float]:
 
     Parameters
     ----------
-    arm : Arm
-        The robot.
     q : (n,) sequence of float
         A posture that is singular, or nearly [rad or m].
 

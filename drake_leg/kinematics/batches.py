@@ -69,8 +69,6 @@ def one_vector(what: str, values: ArrayLike, size: int) -> Array:
         Name of the quantity, for the error's sentence.
     values : (size,) array_like
         In any unit.
-    size : int
-        Its length.
 
     Returns
     -------
@@ -180,10 +178,6 @@ def within_turns(angle: float, low: float, high: float) -> bool:
     ----------
     angle, low, high : float
         [rad]; a limit may be infinite.
-
-    Returns
-    -------
-    bool
     """
     if math.isinf(low) or math.isinf(high):
         return True

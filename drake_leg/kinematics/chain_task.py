@@ -52,10 +52,6 @@ def chain_task(rows: tuple[Row, ...], twists: Array) -> Task:
     twists : (6, m) ndarray
         Turning, then translation of the foot, base frame, that each part of a command is;
         orthonormal, m at most n.
-
-    Returns
-    -------
-    Task
     """
     length = size_of(rows)
     row_lengths = length * np.linalg.norm(twists[:3], axis=0) + np.linalg.norm(twists[3:], axis=0)
@@ -119,17 +115,7 @@ def chain_task(rows: tuple[Row, ...], twists: Array) -> Task:
 
 
 def size_of(rows: Sequence[Row]) -> float:
-    """Return the sum of all lengths in a table [m]; 1 m where there are none.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table.
-
-    Returns
-    -------
-    float
-    """
+    """Return the sum of all lengths in a table [m]; 1 m where there are none."""
     return sum(math.hypot(row.d, row.r) for row in rows) or 1.0
 
 

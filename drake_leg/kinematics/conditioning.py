@@ -23,8 +23,6 @@ def instability(model: PendulumModel, q: Array, qdot: Array) -> float:
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     q, qdot : (n,) ndarray
         The motion [rad], [rad/s].
 
@@ -46,8 +44,6 @@ def error_growth(model: PendulumModel, time: Array, q: Array, qdot: Array) -> fl
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     time : (n,) ndarray
         [s].
     q, qdot : (n,) ndarray

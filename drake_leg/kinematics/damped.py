@@ -51,8 +51,6 @@ def damped_task(task: Task, below: float, box: RateBox | None = None) -> Task:
 
     Parameters
     ----------
-    task : Task
-        Exact.
     below : float
         Singular value at which damping begins [m].
     box : RateBox, optional

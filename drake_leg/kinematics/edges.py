@@ -53,14 +53,8 @@ def leg_edges(leg: LegGeometry, facing: float) -> Edges:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths.
     facing : float
         +1 with the foot in front of the hip axis, -1 behind it.
-
-    Returns
-    -------
-    Edges
     """
 
     def from_knee(p: Array) -> Array:
@@ -77,17 +71,7 @@ def leg_edges(leg: LegGeometry, facing: float) -> Edges:
 
 
 def scara_edges(arm: ScaraGeometry) -> Edges:
-    """Return the edges of a SCARA's workspace: the stretched and the folded arm.
-
-    Parameters
-    ----------
-    arm : ScaraGeometry
-        Lengths.
-
-    Returns
-    -------
-    Edges
-    """
+    """Return the edges of a SCARA's workspace: the stretched and the folded arm."""
 
     def from_base(p: Array) -> Array:
         return np.hypot(p[:, 0], p[:, 1])
@@ -110,8 +94,6 @@ def leg_extremes(leg: LegGeometry, p: Array, d: Array) -> list[float]:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths.
     p, d : (3,) ndarray
         Start [m] and unit vector of the line.
 
@@ -138,10 +120,6 @@ def line(p: Array, d: Array) -> Path:
     ----------
     p, d : (3,) ndarray
         Start [m] and unit vector.
-
-    Returns
-    -------
-    callable
     """
     return lambda ways: p + np.multiply.outer(ways, d)
 
@@ -151,10 +129,6 @@ def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> lis
 
     Parameters
     ----------
-    edges : Edges
-        Of the workspace.
-    path : callable
-        Parameters to points.
     breaks : (n,) sequence of float
         Increasing parameters, the first and the last of the path among them, so close to each
         other that between two of them no clearance has more than one extreme.

@@ -31,12 +31,7 @@ class Encounter:
     turning: tuple[bool, ...] = (True, True, True)  # joint by joint: revolute, not prismatic
 
     def describe(self) -> str:
-        """Say it in the middle of a sentence.
-
-        Returns
-        -------
-        str
-        """
+        """Say it in the middle of a sentence."""
         family = f" ({self.family} family)" if self.family else ""
         about = "about " if self.numerical else ""
         at = f"{self.time:.{6 if self.numerical else 9}f}"
@@ -54,12 +49,7 @@ class Encounter:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Return its numbers, with the joints as ``--q0`` takes them.
-
-        Returns
-        -------
-        dict
-        """
+        """Return its numbers, with the joints as ``--q0`` takes them."""
         return {
             "family": self.family,
             "time_s": self.time,
@@ -81,12 +71,7 @@ class Graze:
     clearance: float  # [m]
 
     def describe(self) -> str:
-        """Say it in a sentence.
-
-        Returns
-        -------
-        str
-        """
+        """Say it in a sentence."""
         return (
             f"the command passes within {self.clearance:.3g} m of the {self.family} family "
             f"at t = {self.time:.9f} s"
@@ -136,18 +121,12 @@ def encounter_at(
 
     Parameters
     ----------
-    arm : Arm
-        The robot.
     q : (n,) sequence of float
         [rad or m].
     time : float
         [s].
     greatest_amplitude : float, optional
         What would have stayed inside [m/s].
-
-    Returns
-    -------
-    Encounter
     """
     posture = tuple(float(value) for value in q)
     return Encounter(

@@ -137,8 +137,6 @@ def gimbal_distance(sequence: str, angles: ArrayLike) -> Array:
 
     Parameters
     ----------
-    sequence : str
-        One of ``SEQUENCES``.
     angles : (..., 3) array_like
         [rad].
 
@@ -168,8 +166,6 @@ def continuous_angles(sequence: str, series: ArrayLike) -> Array:
 
     Parameters
     ----------
-    sequence : str
-        One of ``SEQUENCES``.
     series : (n, 3) array_like
         Angles over time, such as principal values [rad].
 

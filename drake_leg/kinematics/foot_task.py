@@ -40,8 +40,6 @@ def foot_task(robot: Robot, q0: Sequence[float] | None = None, keep: str | None 
 
     Parameters
     ----------
-    robot : Robot
-        Any.
     q0 : (n,) sequence of float, optional
         Where it starts [rad or m]: what the foot can do may depend on it. All 0 by default.
     keep : {"position", "pose"}, optional
@@ -100,10 +98,6 @@ def first_direction(robot: Robot, task: Task, q0: Sequence[float]) -> tuple[floa
 
     Parameters
     ----------
-    robot : Robot
-        Any.
-    task : Task
-        Of the robot.
     q0 : (n,) sequence of float
         Where it starts [rad or m].
 
@@ -126,10 +120,6 @@ def require_direction(
 
     Parameters
     ----------
-    robot : Robot
-        Any.
-    task : Task
-        Of the robot.
     q0 : (n,) sequence of float
         Where it starts [rad or m].
     direction : (3,) sequence of float
@@ -172,29 +162,12 @@ def _is_commanded(task: Task, direction: Array) -> bool:
 
 
 def turns_on_its_way(robot: Robot, task: Task) -> bool:
-    """Tell whether what a foot can do changes from posture to posture.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any.
-    task : Task
-        Of its foot.
-
-    Returns
-    -------
-    bool
-    """
+    """Tell whether what a foot can do changes from posture to posture."""
     return not task.keeps_orientation and freedoms(robot.rows)[0].span is None
 
 
 def motion_in_words(task: Task) -> str:
     """Say which translations a task commands.
-
-    Parameters
-    ----------
-    task : Task
-        Of a foot.
 
     Returns
     -------
@@ -213,11 +186,6 @@ def motion_in_words(task: Task) -> str:
 @lru_cache(maxsize=16)
 def freedoms(rows: tuple[Row, ...]) -> tuple[Freedom, Freedom]:
     """Find out what a chain's foot can do.
-
-    Parameters
-    ----------
-    rows : tuple of Row
-        The table.
 
     Returns
     -------
@@ -260,11 +228,6 @@ def _tidy(span: Array) -> Array:
 
 def joints_in_words(robot: Robot) -> str:
     """Say how many joints a robot has.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any.
 
     Returns
     -------

@@ -39,18 +39,10 @@ def forecast_step(
 
     Parameters
     ----------
-    arm : ClosedArm or ChainArm
-        The robot.
     q0 : (3,) sequence of float
         Where it starts [rad or m], not singular.
-    step : SineStep
-        The command.
     duration : float
         Of the run [s].
-
-    Returns
-    -------
-    Forecast
     """
     end = step.way(duration)
     if end == 0.0:
@@ -84,8 +76,6 @@ def forecast_path(
 
     Parameters
     ----------
-    arm : ClosedArm
-        The robot.
     q0 : (3,) sequence of float
         Where it starts [rad], not singular.
     path : callable
@@ -96,10 +86,6 @@ def forecast_path(
         Over which the path turns [s].
     duration : float
         Of what has to be looked at [s].
-
-    Returns
-    -------
-    Forecast
     """
     count = min(max(int(PER_PERIOD * duration / period), PER_PERIOD), MOST_POINTS)
     times = np.linspace(0.0, duration, count + 1)

@@ -56,16 +56,10 @@ class Inverse:
 
         Parameters
         ----------
-        task : Task
-            Exact.
         joints : tuple of Segment
             The moving ones, with their limits.
         lag : float
             Time constant of two lags in series that the joints are behind their rates [s].
-
-        Returns
-        -------
-        Task
         """
         if self.is_exact:
             return task

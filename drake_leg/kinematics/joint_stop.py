@@ -20,8 +20,6 @@ def engagement(stop: HardStop, depth: ArrayLike) -> Array:
 
     Parameters
     ----------
-    stop : HardStop
-        Its transition width.
     depth : (...) array_like
         [rad or m].
 
@@ -107,8 +105,6 @@ def limit_energy(mechanics: JointMechanics, q: ArrayLike) -> Array:
 
     Parameters
     ----------
-    mechanics : JointMechanics
-        Of the joint.
     q : (...) array_like
         Position [rad or m].
 

@@ -18,11 +18,6 @@ from drake_leg.robot import Row
 def moving_rows(rows: Sequence[Row]) -> list[int]:
     """Return the indices of the rows that have a joint position, in order.
 
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table.
-
     Returns
     -------
     list of int

@@ -54,10 +54,6 @@ class LegGeometry:
         robot : Robot
             A leg as ``robots.hexabot_leg`` makes it.
 
-        Returns
-        -------
-        LegGeometry
-
         Raises
         ------
         InvalidValueError
@@ -78,17 +74,7 @@ class LegGeometry:
 
 
 def is_hexabot_leg(robot: Robot) -> bool:
-    """Tell whether a robot has the table of the reports' leg, whatever its lengths.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any.
-
-    Returns
-    -------
-    bool
-    """
+    """Tell whether a robot has the table of the reports' leg, whatever its lengths."""
     try:
         LegGeometry.from_robot(robot)
     except InvalidValueError:
@@ -101,8 +87,6 @@ def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     q : (..., 3) array_like
         Hip, knee, ankle angles [rad].
 
@@ -131,8 +115,6 @@ def foot_and_jacobian(leg: LegGeometry, q: ArrayLike) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     q : (..., 3) array_like
         Hip, knee, ankle angles [rad].
 
@@ -173,8 +155,6 @@ def foot_rotation(leg: LegGeometry, q: ArrayLike) -> Array:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     q : (..., 3) array_like
         Hip, knee, ankle angles [rad].
 
@@ -211,8 +191,6 @@ def foot_jacobian(leg: LegGeometry, q: ArrayLike) -> Array:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     q : (..., 3) array_like
         Hip, knee, ankle angles [rad].
 
@@ -240,8 +218,6 @@ def determinant(leg: LegGeometry, q: ArrayLike) -> Array:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     q : (..., 3) array_like
         Hip, knee, ankle angles [rad].
 
@@ -271,8 +247,6 @@ def jacobian_rate_bias(leg: LegGeometry, q: ArrayLike, qdot: ArrayLike) -> Array
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     q, qdot : (..., 3) array_like
         Joint angles [rad] and rates [rad/s].
 
@@ -305,11 +279,6 @@ def leg_task(leg: LegGeometry) -> Task:
     In the leg's own plane the foot moves radially and vertically, across it tangentially:
     ``qdot1 = v_t / reach``, and the knee and the ankle solve the two-link arm,
     ``qdot2 = (c23 v_r + s23 v_z) / (l2 s3)`` and so on, with ``v_z`` signed by the variant.
-
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths and variant.
 
     Returns
     -------

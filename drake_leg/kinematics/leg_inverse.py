@@ -51,8 +51,6 @@ def branch_angles(leg: LegGeometry, p_BF: ArrayLike) -> Array:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     p_BF : (..., 3) array_like
         Foot positions in the base frame [m]. On the hip axis the hip angle is arbitrary: 0 or pi.
 
@@ -92,8 +90,6 @@ def branches(
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     p_BF : (3,) array_like
         Foot position in the base frame [m].
     limits : sequence of three pairs of float, optional
@@ -137,8 +133,6 @@ def inverse_kinematics(leg: LegGeometry, p_BF: ArrayLike, like: ArrayLike) -> Ar
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     p_BF : (..., 3) array_like
         Foot position in the base frame [m].
     like : (3,) array_like

@@ -65,10 +65,6 @@ class PendulumModel:
         gravity : float
             [m/s^2].
 
-        Returns
-        -------
-        PendulumModel
-
         Raises
         ------
         InvalidValueError
@@ -105,11 +101,6 @@ class PendulumModel:
 def is_pendulum(robot: Robot) -> bool:
     """Tell whether a robot is the report's pendulum, whatever its size.
 
-    Parameters
-    ----------
-    robot : Robot
-        Any.
-
     Returns
     -------
     bool
@@ -140,8 +131,6 @@ def energy(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     q, qdot : (...) array_like
         Angle [rad] and rate [rad/s].
 
@@ -165,8 +154,6 @@ def acceleration(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     q, qdot : (...) array_like
         Angle [rad] and rate [rad/s].
 
@@ -205,8 +192,6 @@ def exact_period(model: PendulumModel, q0: float) -> float | None:
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     q0 : float
         Angle of release [rad].
 
@@ -234,8 +219,6 @@ def exact_motion(
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     q0 : float
         Angle of release [rad].
     time : (n,) array_like
@@ -320,8 +303,6 @@ def rest_angle(model: PendulumModel, q_end: float) -> float | None:
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     q_end : float
         Angle near the rest [rad].
 

@@ -83,10 +83,6 @@ class RateBox:
         ----------
         q, qdot : (n,) sequence of float
             Joint positions [rad or m] and their rates.
-
-        Returns
-        -------
-        bool
         """
         low, high = self.bounds(q)
         return all(a <= rate <= b for a, rate, b in zip(low, qdot, high, strict=True))

@@ -51,10 +51,6 @@ class ScaraGeometry:
         robot : Robot
             A SCARA as ``robots.scara`` makes it.
 
-        Returns
-        -------
-        ScaraGeometry
-
         Raises
         ------
         InvalidValueError
@@ -67,17 +63,7 @@ class ScaraGeometry:
 
 
 def is_scara(robot: Robot) -> bool:
-    """Tell whether a robot has the table of the report's SCARA, whatever its lengths.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any.
-
-    Returns
-    -------
-    bool
-    """
+    """Tell whether a robot has the table of the report's SCARA, whatever its lengths."""
     rows = robot.rows
     kinds = ("revolute", "revolute", "revolute", "prismatic")
     return (
@@ -95,8 +81,6 @@ def lift_position(arm: ScaraGeometry, R: float) -> float:
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Heights.
     R : float
         Height of the tool above its lowest position [m].
 
@@ -125,8 +109,6 @@ def tool_position(arm: ScaraGeometry, q: ArrayLike) -> Array:
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths and heights.
     q : (..., 4) array_like
         Three angles [rad] and the lift [m].
 
@@ -182,8 +164,6 @@ def task_jacobian(arm: ScaraGeometry, q: ArrayLike) -> Array:
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     q : (..., 3) array_like
         The three angles [rad].
 
@@ -212,8 +192,6 @@ def determinant(arm: ScaraGeometry, q: ArrayLike) -> Array:
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     q : (..., 3) array_like
         The three angles [rad].
 
@@ -239,8 +217,6 @@ def jacobian_rate_bias(arm: ScaraGeometry, q: ArrayLike, qdot: ArrayLike) -> Arr
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     q, qdot : (..., 3) array_like
         The three angles [rad] and their rates [rad/s].
 
@@ -264,11 +240,6 @@ def jacobian_rate_bias(arm: ScaraGeometry, q: ArrayLike, qdot: ArrayLike) -> Arr
 
 def scara_task(arm: ScaraGeometry) -> Task:
     """Make the task (x, y, yaw) of the tool.
-
-    Parameters
-    ----------
-    arm : ScaraGeometry
-        Lengths.
 
     Returns
     -------
@@ -294,8 +265,6 @@ def branch_angles(arm: ScaraGeometry, task: ArrayLike) -> Array:
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     task : (..., 3) array_like
         x, y [m] and yaw [rad].
 
@@ -324,8 +293,6 @@ def inverse_kinematics(arm: ScaraGeometry, task: ArrayLike, like: ArrayLike) -> 
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     task : (..., 3) array_like
         x, y [m] and yaw [rad].
     like : (3,) array_like

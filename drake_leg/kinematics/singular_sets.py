@@ -22,8 +22,6 @@ def hip_axis_arcs(leg: LegGeometry, samples: int = 181) -> tuple[Array, ...]:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     samples : int
         Points of an arc, at least 2.
 
@@ -59,8 +57,6 @@ def stretched_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     turns : (m,) ndarray
         Hip angles [rad].
     lean : (n,) ndarray
@@ -79,8 +75,6 @@ def folded_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     turns : (m,) ndarray
         Hip angles [rad].
     lean : (n,) ndarray
@@ -102,11 +96,6 @@ def _feet(leg: LegGeometry, turns: Array, lean: Array, ankle: float) -> Array:
 def leaning_over(leg: LegGeometry) -> float:
     """Greatest knee angle at which the stretched leg has its foot in front of the hip.
 
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths and variant.
-
     Returns
     -------
     float
@@ -117,11 +106,6 @@ def leaning_over(leg: LegGeometry) -> float:
 
 def axis_reach(leg: LegGeometry) -> tuple[float, float]:
     """From where to where the foot reaches the hip axis, above the hip and below alike.
-
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths and variant.
 
     Returns
     -------

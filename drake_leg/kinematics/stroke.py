@@ -44,8 +44,6 @@ def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     q : (3,) array_like
         Joint angles at the start [rad], not singular.
     direction : (3,) array_like
@@ -69,8 +67,6 @@ def leg_approaches(leg: LegGeometry, q: ArrayLike, d: Array, end: float) -> list
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths and variant.
     q : (3,) array_like
         Joint angles at the start [rad].
     d : (3,) ndarray
@@ -94,15 +90,8 @@ def facing(leg: LegGeometry, q: ArrayLike) -> float:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths.
     q : (3,) array_like
         Joint angles [rad].
-
-    Returns
-    -------
-    float
-        +1 or -1.
     """
     _, q2, q3 = one_vector("q", q, 3).tolist()
     reach = leg.l1 + leg.l2 * math.cos(q2) + leg.l3 * math.cos(q2 + q3)
@@ -114,8 +103,6 @@ def scara_approaches(arm: ScaraGeometry, q: ArrayLike, d: Array, end: float) -> 
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     q : (3,) array_like
         The three angles at the start [rad].
     d : (3,) ndarray
@@ -150,16 +137,10 @@ def scara_stroke(arm: ScaraGeometry, q: ArrayLike, direction: ArrayLike) -> Stro
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     q : (3,) array_like
         The three angles at the start [rad], not singular.
     direction : (3,) array_like
         Unit vector in the base frame; its third number is zero.
-
-    Returns
-    -------
-    Stroke
 
     Raises
     ------

@@ -37,10 +37,6 @@ def sweep(rows: Sequence[Row], q: Sequence[float]) -> Sweep:
         The table, of which n rows move.
     q : (n,) sequence of float
         Joint positions [rad or m].
-
-    Returns
-    -------
-    Sweep
     """
     x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     o = ZERO

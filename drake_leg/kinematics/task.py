@@ -100,10 +100,6 @@ class Task:
         ----------
         q : (n,) sequence of float
             Joint positions [rad or m].
-
-        Returns
-        -------
-        float
         """
         lengths = np.array(self.row_lengths)[:, np.newaxis]
         return float(smallest_singular_value(lengths * self.jacobian(q)))
@@ -134,10 +130,6 @@ def task_from_jacobian(
         What makes each row of J a length.
     twists : (6, n) ndarray
         Turning, then translation, that each part of a command is.
-
-    Returns
-    -------
-    Task
     """
 
     def rates(q: Floats, v: Floats) -> Floats:
@@ -180,8 +172,6 @@ def singular_posture(
 
     Parameters
     ----------
-    jacobian : callable
-        q -> J.
     q : (n,) sequence of float
         Joint positions [rad or m].
     time : float, optional

@@ -40,17 +40,7 @@ class Equation:
 
 
 def table(*robots: Robot) -> Shown:
-    """Show Khalil tables.
-
-    Parameters
-    ----------
-    *robots : Robot
-        Whose.
-
-    Returns
-    -------
-    Shown
-    """
+    """Show Khalil tables."""
     return Shown("".join(f"<h3>{escape(r.title)}</h3>\n{khalil_table(r)}" for r in robots))
 
 
@@ -96,10 +86,6 @@ def errata(*numbers: int) -> Shown:
     *numbers : int
         From 1 to 25.
 
-    Returns
-    -------
-    Shown
-
     Raises
     ------
     InvalidValueError
@@ -110,13 +96,6 @@ def errata(*numbers: int) -> Shown:
 
 def replay(robot: Robot, recording: Recording) -> Shown:
     """Show a motion in 3D, to be played, scrubbed and looked at from the reports' views.
-
-    Parameters
-    ----------
-    robot : Robot
-        What moved.
-    recording : Recording
-        Of a run.
 
     Returns
     -------

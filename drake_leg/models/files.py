@@ -48,10 +48,6 @@ def sdf_file(name: str) -> Path:
     name : str
         ``pendulum``, ``leg_a``, ``leg_b`` or ``scara``.
 
-    Returns
-    -------
-    Path
-
     Raises
     ------
     InvalidValueError

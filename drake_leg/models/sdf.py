@@ -60,13 +60,7 @@ def sdf_text(robot: Robot, *, origin: str = "drake_leg.robots") -> str:
 
 
 def package_text() -> str:
-    """Write the ``package.xml`` that makes ``package://drake_leg/`` known to parsers.
-
-    Returns
-    -------
-    str
-        An XML document.
-    """
+    """Write the ``package.xml`` that makes ``package://drake_leg/`` known to parsers."""
     package = ET.Element("package", format="2")
     for tag, text in (
         ("name", PACKAGE),

@@ -20,11 +20,6 @@ class MassProperties:
 def volume(shape: Shape) -> float:
     """Volume of a shape.
 
-    Parameters
-    ----------
-    shape : Brick, Cylinder or Sphere
-        Dimensions in m.
-
     Returns
     -------
     float
@@ -39,11 +34,6 @@ def volume(shape: Shape) -> float:
 
 def bounding_radius(shape: Shape) -> float:
     """Distance of a shape's farthest point from its centre.
-
-    Parameters
-    ----------
-    shape : Brick, Cylinder or Sphere
-        Dimensions in m.
 
     Returns
     -------
@@ -62,11 +52,6 @@ def mass_properties(solid: Solid) -> MassProperties:
 
     A brick has ``Ixx = m (w^2 + h^2) / 12`` and so on, a cylinder ``Izz = m r^2 / 2`` and
     ``Ixx = m (3 r^2 + l^2) / 12``, a ball ``2/5 m r^2``.
-
-    Parameters
-    ----------
-    solid : Solid
-        Shape and density.
 
     Returns
     -------

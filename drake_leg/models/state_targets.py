@@ -38,10 +38,6 @@ def initial_state(
         Joint name to position [rad or m] and velocity [rad/s or m/s] at the start, of the joints
         that a motion drives.
 
-    Returns
-    -------
-    InitialState
-
     Raises
     ------
     InvalidValueError

@@ -20,23 +20,12 @@ def erratum_notes(numbers: Iterable[int]) -> str:
     ----------
     numbers : iterable of int
         Of the errata, from 1.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     return "\n".join(_note(_numbered(number)) for number in numbers)
 
 
 def errata_chapter() -> str:
-    """Write the chapter; its numbers are computed now.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Write the chapter; its numbers are computed now."""
     return (
         '<h2 id="errata">Errata</h2>\n<p>What the reports print, what is right, and what the '
         "error does. The numbers are computed for this page, at the default postures and "
@@ -52,11 +41,6 @@ def errata_entries(numbers: Iterable[int]) -> str:
     ----------
     numbers : iterable of int
         Of the errata, from 1.
-
-    Returns
-    -------
-    str
-        HTML.
 
     Raises
     ------

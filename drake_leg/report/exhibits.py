@@ -61,15 +61,6 @@ class Workshop:
     def make(self, item: Item) -> Exhibit:
         """Make an item's exhibit, and write its files.
 
-        Parameters
-        ----------
-        item : Item
-            Of the contents.
-
-        Returns
-        -------
-        Exhibit
-
         Raises
         ------
         OSError
@@ -79,17 +70,7 @@ class Workshop:
 
 
 def missing(error: PictureError) -> Exhibit:
-    """Stand in for an item that could not be made.
-
-    Parameters
-    ----------
-    error : PictureError
-        Why not.
-
-    Returns
-    -------
-    Exhibit
-    """
+    """Stand in for an item that could not be made."""
     return Exhibit(body=f"<p>{escape(str(error))}</p>", commands=())
 
 

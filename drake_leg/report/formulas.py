@@ -93,15 +93,8 @@ def of_variant(formula: Formula, sign: int) -> Formula:
 
     Parameters
     ----------
-    formula : tuple of tuples of str
-        Of ``LEG``.
     sign : int
         What ``s`` stands for: -1 for leg A, +1 for leg B.
-
-    Returns
-    -------
-    tuple of tuples of str
-        Without ``s``.
     """
     return tuple(tuple(_signed(entry, sign) for entry in row) for row in formula)
 
@@ -121,8 +114,6 @@ def leg_symbols(leg: LegGeometry, q: Sequence[float]) -> dict[str, float]:
 
     Parameters
     ----------
-    leg : LegGeometry
-        Lengths.
     q : (3,) sequence of float
         Angles [rad].
 
@@ -141,8 +132,6 @@ def scara_symbols(arm: ScaraGeometry, q: Sequence[float]) -> dict[str, float]:
 
     Parameters
     ----------
-    arm : ScaraGeometry
-        Lengths.
     q : (4,) sequence of float
         Three angles [rad] and the lift [m].
 
@@ -169,11 +158,6 @@ def as_html(entry: str) -> str:
     ----------
     entry : str
         Sums and products of the symbols.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     text = escape(entry).replace("**2", "<sup>2</sup>")
     text = re.sub(r"\b([a-z])(\d*)\b(?!>)", _symbol, text)

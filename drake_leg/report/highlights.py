@@ -16,18 +16,7 @@ from drake_leg.runs.outcome import Outcome
 
 
 def highlights(outcomes: Mapping[str, Outcome]) -> str:
-    """Write questions, answers, and where on the page the answers are shown.
-
-    Parameters
-    ----------
-    outcomes : mapping
-        Of all ``RUNS``.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Write questions, answers, and where on the page the answers are shown."""
     rows = "".join(
         f'<dt>{prose(question)}</dt><dd>{answer} <a href="#{place}">{prose(label)}</a></dd>\n'
         for question, answer, place, label in _answers(outcomes)

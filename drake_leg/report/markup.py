@@ -26,29 +26,13 @@ PLAIN = " !$'()*+,-./:;<=>?@[]_~"  # what stands as it is in an attribute's addr
 
 
 def prose(text: str) -> str:
-    """Write text; the digits of names such as q1 and T04 become subscripts, and so does ``_j``.
-
-    Parameters
-    ----------
-    text : str
-        Without HTML.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Write text; the digits of names such as q1 and T04 become subscripts, and so does ``_j``."""
     shown = re.sub(r"_(\w)", r"<sub>\1</sub>", escape(text, quote=False))
     return re.sub(r"\b([^\W\d_])(\d+)\b", r"\1<sub>\2</sub>", shown)
 
 
 def number(value: float) -> str:
     """Write a number in four decimals, or as a power of ten where that says nothing.
-
-    Parameters
-    ----------
-    value : float
-        In any unit.
 
     Returns
     -------
@@ -63,18 +47,7 @@ def number(value: float) -> str:
 
 
 def power(value: float) -> str:
-    """Write a small number with a power of ten.
-
-    Parameters
-    ----------
-    value : float
-        In any unit.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Write a small number with a power of ten."""
     if value == 0.0:
         return "0"
     digits, _, exponent = f"{value:.1e}".partition("e")
@@ -82,18 +55,7 @@ def power(value: float) -> str:
 
 
 def formula_grid(formula: Formula) -> str:
-    """Set a formula as a matrix; a single entry stands without brackets.
-
-    Parameters
-    ----------
-    formula : tuple of tuples of str
-        Its entries.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Set a formula as a matrix; a single entry stands without brackets."""
     return grid([[as_html(entry) for entry in row] for row in formula])
 
 
@@ -104,11 +66,6 @@ def value_grid(value: Array) -> str:
     ----------
     value : (m, n) ndarray
         In any unit.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     return grid([[number(entry) for entry in row] for row in value])
 
@@ -122,11 +79,6 @@ def grid(cells: Sequence[Sequence[str]], marks: Mapping[tuple[int, int], str] | 
         HTML of the entries, row by row.
     marks : mapping, optional
         Row and column, from 0, of entries with a class of their own.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     if len(cells) == len(cells[0]) == 1:
         return f"<span>{cells[0][0]}</span>"
@@ -149,11 +101,6 @@ def table(head: Iterable[str], rows: Iterable[Sequence[object]]) -> str:
         HTML of the headings.
     rows : iterable of sequence
         HTML of the cells.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     headings = "".join(f"<th>{cell}</th>" for cell in head)
     body = "".join("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>" for row in rows)
@@ -180,11 +127,6 @@ def picture(
         A PNG for dark screens.
     narrow : str, optional
         The text of an SVG that is seen instead on phones and on paper.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     images = {"any": _svg(data) if isinstance(data, str) else _webp(data)}
     if dark is not None:

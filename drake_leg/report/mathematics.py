@@ -35,18 +35,7 @@ def _compared(name: str) -> Mapping[str, Comparison]:
 
 
 def khalil_table(robot: Robot) -> str:
-    """Write a robot's table.
-
-    Parameters
-    ----------
-    robot : Robot
-        Whose.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Write a robot's table."""
     rows = []
     position = 0
     for index, row in enumerate(robot.rows, start=1):
@@ -75,11 +64,6 @@ def equations(item: Item) -> str:
     ----------
     item : Item
         Which equations, of which robot.
-
-    Returns
-    -------
-    str
-        HTML.
     """
     found, subject = _compared(item.subject), SUBJECTS[item.subject]
     lines = [
@@ -143,18 +127,7 @@ def _label(label: str) -> str:
 
 
 def both_methods(item: Item) -> str:
-    """Write the Jacobian by the direct and the indirect method, and their difference.
-
-    Parameters
-    ----------
-    item : Item
-        Of which robot.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Write the Jacobian by the direct and the indirect method, and their difference."""
     subject = SUBJECTS[item.subject]
     found = methods(subject)
     lines = "".join(
@@ -172,18 +145,7 @@ def both_methods(item: Item) -> str:
 
 
 def singular_postures(item: Item) -> str:
-    """Tabulate singular postures: determinant, rank, smallest singular value, lost directions.
-
-    Parameters
-    ----------
-    item : Item
-        Of which robot.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Tabulate singular postures: determinant, rank, smallest singular value, lost directions."""
     subject = SUBJECTS[item.subject]
     rows = []
     for name, posture in subject.singular:
@@ -216,17 +178,7 @@ def singular_postures(item: Item) -> str:
 
 
 def singular_commands(item: Item) -> list[str]:
-    """Write the commands that examine an item's singular postures.
-
-    Parameters
-    ----------
-    item : Item
-        Of which robot.
-
-    Returns
-    -------
-    list of str
-    """
+    """Write the commands that examine an item's singular postures."""
     return [
         f"drake-leg doctor {item.subject} --q {option(posture)}"
         for _, posture in SUBJECTS[item.subject].singular
@@ -240,18 +192,7 @@ def _determinant(subject: Subject, q: list[float]) -> float:
 
 
 def stroke(item: Item) -> str:
-    """Answer whether the default step fits between the singularities.
-
-    Parameters
-    ----------
-    item : Item
-        Of which leg.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Answer whether the default step fits between the singularities."""
     subject, options = SUBJECTS[item.subject], LegBOptions()
     leg = LegGeometry.from_robot(subject.robot)
     room = leg_stroke(leg, subject.q, options.unit_direction())

@@ -96,10 +96,6 @@ def methods(subject: Subject) -> BothMethods:
     ----------
     subject : Subject
         A leg or the SCARA.
-
-    Returns
-    -------
-    BothMethods
     """
     rows = subject.robot.rows
     size = len(subject.task)

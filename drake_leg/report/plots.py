@@ -38,8 +38,6 @@ def deviation(plot: Plot, outcome: Outcome) -> float:
 
     Parameters
     ----------
-    plot : Plot
-        Which columns.
     outcome : Outcome
         Recording and exact answer.
 

@@ -21,12 +21,7 @@ class ReportRun:
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def carry_out(self) -> Outcome:
-        """Simulate it.
-
-        Returns
-        -------
-        Outcome
-        """
+        """Simulate it."""
         kind = run_kind(self.name)
         return kind.run(kind.options(**self.options), None)
 
@@ -44,18 +39,7 @@ RUNS: Mapping[str, ReportRun] = {
 
 
 def command(key: str) -> str:
-    """Write the command that carries a run out.
-
-    Parameters
-    ----------
-    key : str
-        Of ``RUNS``.
-
-    Returns
-    -------
-    str
-        For a shell.
-    """
+    """Write the command that carries a run out."""
     run = RUNS[key]
     options = "".join(f" --{option} {value:g}" for option, value in run.options.items())
     return f"drake-leg run {run.name}{options} --out {key}"

@@ -48,11 +48,6 @@ def option(degrees: Sequence[float]) -> str:
     ----------
     degrees : sequence of float
         [deg].
-
-    Returns
-    -------
-    str
-        ``90,-50,-90``.
     """
     return ",".join(f"{angle:.17g}" for angle in degrees)
 

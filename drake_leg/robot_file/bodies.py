@@ -53,10 +53,6 @@ def read_solid(table: object, where: str, inertial: Inertial | None, row: int) -
     row : int
         Of the link in the table, from 1: it chooses a colour where none is given.
 
-    Returns
-    -------
-    Solid
-
     Raises
     ------
     InvalidValueError
@@ -92,10 +88,6 @@ def read_inertial(table: object, where: str) -> Inertial:
         What stands behind the key ``inertial``.
     where : str
         File and row, the beginning of every error's sentence.
-
-    Returns
-    -------
-    Inertial
 
     Raises
     ------

@@ -23,15 +23,8 @@ def parse_document(text: str, where: str) -> Document:
 
     Parameters
     ----------
-    text : str
-        The file's content.
     where : str
         Name of the file, for the error's sentence.
-
-    Returns
-    -------
-    dict
-        Nested tables.
 
     Raises
     ------

@@ -54,10 +54,6 @@ def read_mechanics(
     units : JointUnits
         The file's units at this joint.
 
-    Returns
-    -------
-    JointMechanics
-
     Raises
     ------
     InvalidValueError

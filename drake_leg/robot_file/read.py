@@ -75,11 +75,6 @@ _INSTEAD_OF_ROW = {
 def load_robot(path: Path) -> Robot:
     """Read a robot from a TOML file.
 
-    Parameters
-    ----------
-    path : Path
-        Of the file.
-
     Returns
     -------
     Robot
@@ -98,8 +93,6 @@ def read_robot(text: str, where: str) -> Robot:
 
     Parameters
     ----------
-    text : str
-        The file's content.
     where : str
         Name of the file, the beginning of every error's sentence.
 

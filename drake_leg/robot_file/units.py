@@ -43,10 +43,6 @@ def joint_units(joint: JointType, angles: AngleUnit) -> JointUnits:
         Whether it turns or slides.
     angles : {"deg", "rad"}
         The file's unit of angles.
-
-    Returns
-    -------
-    JointUnits
     """
     if joint == "prismatic":
         return JointUnits(

@@ -22,11 +22,6 @@ def robot_toml(robot: Robot) -> str:
 
     ``read_robot(robot_toml(robot), name) == robot``, to the last bit.
 
-    Parameters
-    ----------
-    robot : Robot
-        Any robot.
-
     Returns
     -------
     str

@@ -28,17 +28,7 @@ def shows(error: float, span: float) -> bool:
 
 
 def finer(settings: IntegratorSettings) -> str:
-    """Say how an integration becomes more accurate.
-
-    Parameters
-    ----------
-    settings : IntegratorSettings
-        Of the run.
-
-    Returns
-    -------
-    str
-    """
+    """Say how an integration becomes more accurate."""
     if settings.accuracy is None:
         remedy = "choose a smaller --max-step"
     else:
@@ -53,10 +43,6 @@ def inaccuracy(error: float, span: float, what: str, unit: str, remedy: str) -> 
     ----------
     error, span : float
         As ``shows`` takes them.
-    what : str
-        Angle or foot.
-    unit : str
-        Of both.
     remedy : str
         What to do about it.
 

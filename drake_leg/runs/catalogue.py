@@ -215,10 +215,6 @@ def run_kind(name: str) -> RunKind:
     name : str
         As on the command line.
 
-    Returns
-    -------
-    RunKind
-
     Raises
     ------
     InvalidValueError

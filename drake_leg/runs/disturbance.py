@@ -26,15 +26,6 @@ STEP_OF_LIMIT = 0.005  # [s], greatest step where torques may meet their limit i
 def disturbance_of(options: StepOptions) -> Disturbance:
     """Read the disturbance off the options.
 
-    Parameters
-    ----------
-    options : StepOptions
-        Of the run.
-
-    Returns
-    -------
-    Disturbance
-
     Raises
     ------
     InvalidValueError
@@ -78,8 +69,6 @@ def disturbance_findings(run: Run, distance: Array, disturbance: Disturbance) ->
         With joint, foot and torque scopes.
     distance : (rows,) ndarray
         Of the tip from its command [m].
-    disturbance : Disturbance
-        What acted.
 
     Returns
     -------
@@ -125,8 +114,6 @@ def push_torques(robot: Robot, run: Run, disturbance: Disturbance) -> Array:
     ----------
     robot : Robot
         Whose tip is pushed.
-    run : Run
-        With joint positions.
     disturbance : Disturbance
         With the push, or without.
 

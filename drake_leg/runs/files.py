@@ -20,8 +20,6 @@ def figure_files(title: str, outcome: Outcome) -> Iterator[tuple[str, Callable[[
     ----------
     title : str
         Of the run, for the figures.
-    outcome : Outcome
-        What it left.
 
     Yields
     ------

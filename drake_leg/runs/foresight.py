@@ -96,10 +96,6 @@ class Plan:
         force : bool
             Whether it may go up to the singularity.
 
-        Returns
-        -------
-        Forecast
-
         Raises
         ------
         ForeseenSingularityError
@@ -136,10 +132,6 @@ def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
         In a person's units.
     joints : sequence of Segment
         Those that the command moves, with their limits.
-
-    Returns
-    -------
-    Control
 
     Raises
     ------
@@ -218,14 +210,6 @@ def singularity_findings(
 
     Parameters
     ----------
-    arm : Arm
-        The robot.
-    run : Run
-        With joint positions.
-    forecast : Forecast
-        Of its motion.
-    name : str
-        Of the robot.
     disturbed : bool
         Whether something kept the joints from their motion.
 

@@ -65,17 +65,10 @@ def run_straight(
 
     Parameters
     ----------
-    variant : {"A", "B"}
-        Whose leg.
     options : LegBOptions
         Posture, step, lengths, integrator.
     progress : callable, optional
         Called with the simulated time [s].
-
-    Returns
-    -------
-    Outcome
-        Compared with ``paths.straight_path``.
 
     Raises
     ------
@@ -98,11 +91,6 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
         Posture, in degrees where a joint turns and in m where it slides, step, integrator.
     progress : callable, optional
         Called with the simulated time [s].
-
-    Returns
-    -------
-    Outcome
-        Compared with ``paths.straight_path``.
 
     Raises
     ------

@@ -31,17 +31,6 @@ from drake_leg.simulation import Start
 def leg_of(variant: LegVariant, options: LegOptions) -> Robot:
     """Return the leg that the options describe.
 
-    Parameters
-    ----------
-    variant : {"A", "B"}
-        Whose leg.
-    options : LegOptions
-        Lengths, density, damping.
-
-    Returns
-    -------
-    Robot
-
     Raises
     ------
     InvalidValueError
@@ -64,12 +53,6 @@ def straight_config(robot: Robot, options: StraightOptions) -> hexabot_leg.Hexab
     ----------
     robot : Robot
         Any whose foot can make the step.
-    options : StraightOptions
-        Posture and step.
-
-    Returns
-    -------
-    HexabotLegConfig
 
     Raises
     ------
@@ -101,8 +84,6 @@ def straight_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, S
     ----------
     robot : Robot
         Any whose foot can make the step.
-    options : StraightOptions
-        Posture and step.
 
     Returns
     -------
@@ -119,15 +100,6 @@ def straight_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, S
 
 def ellipse_config(options: EllipseOptions) -> ellipse.EllipseConfig:
     """Say how the diagram of an elliptic step is built.
-
-    Parameters
-    ----------
-    options : EllipseOptions
-        Posture and ellipse.
-
-    Returns
-    -------
-    EllipseConfig
 
     Raises
     ------

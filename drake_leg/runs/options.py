@@ -50,16 +50,10 @@ def option(default: Any, help_text: str, unit: str = "", *, shown: str = "") -> 
     ----------
     default : object
         A list is copied for every instance.
-    help_text : str
-        One phrase.
     unit : str
         As in the help, without brackets.
     shown : str
         Default as the help shows it, where the value does not say it.
-
-    Returns
-    -------
-    dataclasses.Field
     """
     metadata = {"help": help_text, "unit": unit, "shown": shown}
     if isinstance(default, list):
@@ -72,8 +66,6 @@ def joint_values(name: str, values: Sequence[float], joints: Sequence[Segment]) 
 
     Parameters
     ----------
-    name : str
-        Of the option.
     values : (n,) sequence of float
         As they were given.
     joints : sequence of Segment
@@ -126,10 +118,6 @@ class RunOptions:
         default_step : float
             Greatest step where none is asked for [s].
 
-        Returns
-        -------
-        IntegratorSettings
-
         Raises
         ------
         InvalidValueError
@@ -153,10 +141,6 @@ class DampingOptions(RunOptions):
 
     def si_damping(self) -> float:
         """Return the damping in N*m*s/rad.
-
-        Returns
-        -------
-        float
 
         Raises
         ------
@@ -397,10 +381,6 @@ class PendulumOptions(DampingOptions):
     def limits(self) -> dict[str, Any]:
         """Return bounds and stops in SI units, as ``JointMechanics`` takes them.
 
-        Returns
-        -------
-        dict
-
         Raises
         ------
         InvalidValueError
@@ -425,10 +405,6 @@ class PendulumOptions(DampingOptions):
 
     def start(self) -> float:
         """Return the initial angle in rad.
-
-        Returns
-        -------
-        float
 
         Raises
         ------
@@ -456,10 +432,6 @@ class DampedPendulumOptions(PendulumOptions):
 
     def start(self) -> float:
         """Return the state target in rad, under either of its names.
-
-        Returns
-        -------
-        float
 
         Raises
         ------
@@ -493,10 +465,6 @@ class SpringPendulumOptions(PendulumOptions):
     def equilibrium(self) -> float:
         """Return the angle in rad at which the spring is at rest.
 
-        Returns
-        -------
-        float
-
         Raises
         ------
         InvalidValueError
@@ -511,10 +479,6 @@ class SpringPendulumOptions(PendulumOptions):
 
     def si_stiffness(self) -> float:
         """Return the spring's stiffness in N*m/rad.
-
-        Returns
-        -------
-        float
 
         Raises
         ------

@@ -64,26 +64,14 @@ def outcome_of(
 
     Parameters
     ----------
-    robot : Robot
-        What moved.
-    run : Run
-        How it went.
     settings : IntegratorSettings
         How time was stepped.
     duration : float
         What was asked for [s].
-    recording : Recording
-        What was recorded.
     exact : mapping of str to (rows,) ndarray
         Exact values of some of the columns.
     findings : mapping
         The entries of the summary that belong to this kind of run.
-    subject : {"swing", "foot", "tool"}
-        What it shows.
-
-    Returns
-    -------
-    Outcome
     """
     common = {
         "robot": robot.name,

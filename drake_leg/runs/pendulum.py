@@ -57,11 +57,6 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
     progress : callable, optional
         Called with the simulated time [s].
 
-    Returns
-    -------
-    Outcome
-        Compared with ``kinematics.pendulum.exact_motion``.
-
     Raises
     ------
     InvalidValueError
@@ -131,10 +126,6 @@ def pendulum_config(options: PendulumOptions) -> pendulum.PendulumConfig:
     ----------
     options : PendulumOptions
         Link, joint mechanics, start.
-
-    Returns
-    -------
-    PendulumConfig
 
     Raises
     ------

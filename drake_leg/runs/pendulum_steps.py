@@ -48,16 +48,10 @@ def steps_of(model: PendulumModel, duration: float, away: float) -> Steps:
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     duration : float
         Of the run [s].
     away : float
         How far the oscillation of a spring is from its rest at the start [rad].
-
-    Returns
-    -------
-    Steps
 
     Raises
     ------
@@ -113,8 +107,6 @@ def implicit_step(model: PendulumModel, duration: float) -> float:
 
     Parameters
     ----------
-    model : PendulumModel
-        The pendulum.
     duration : float
         Of the run [s].
 

@@ -52,11 +52,6 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     progress : callable, optional
         Called with the simulated time [s].
 
-    Returns
-    -------
-    Outcome
-        Compared with ``paths.straight_path``.
-
     Raises
     ------
     InvalidValueError
@@ -141,15 +136,6 @@ def _plan(config: scara.ScaraConfig, duration: float) -> Plan:
 
 def scara_config(options: ScaraOptions) -> scara.ScaraConfig:
     """Say how the diagram of the SCARA's move is built.
-
-    Parameters
-    ----------
-    options : ScaraOptions
-        Posture, move, lengths.
-
-    Returns
-    -------
-    ScaraConfig
 
     Raises
     ------

@@ -96,8 +96,6 @@ def tip_findings(
 
     Parameters
     ----------
-    run : Run
-        With foot scopes.
     start : (3,) ndarray
         Exact position of the tip at the start [m].
     path : CommandedMotion
@@ -144,14 +142,10 @@ def tip_inaccuracy(
     ----------
     findings : mapping
         As ``tip_findings`` gives them, with the filters' time constant if there are any.
-    path : CommandedMotion
-        Exact motion.
     control : Control
         What else may take a tip off its command.
     settings : IntegratorSettings
         How time was stepped.
-    what : str
-        Foot or tool.
 
     Returns
     -------
@@ -184,10 +178,6 @@ def torque_error(
 
     Parameters
     ----------
-    robot : Robot
-        Motion-driven.
-    run : Run
-        With joint scopes.
     gravity : float
         [m/s^2].
     disturbance : Disturbance

@@ -55,8 +55,6 @@ def write_show(
     ----------
     target : Path
         Ends in ``.html``, ``.mp4`` or ``.gif``.
-    motion : Motion
-        What moves.
     title, note : str, optional
         Of a page, as ``replay_page`` has them.
     view : View

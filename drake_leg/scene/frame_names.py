@@ -72,8 +72,6 @@ def frame_names(
         What there is to see.
     X_WF : (n + 1, 4, 4) ndarray
         Poses of the robot's frames, as one row of ``Motion.poses``.
-    view : View
-        From where.
     share : int
         What the artist's picture is reduced by before it is written on.
     size : int
@@ -108,14 +106,8 @@ def spread_frame_names(
 
     Parameters
     ----------
-    artist, scene, X_WF, view, share, size, paper
-        As in ``frame_names``.
     others : sequence of Words
         What is written already.
-
-    Returns
-    -------
-    list of Words
     """
     axes = list(_seen_axes(artist, scene, X_WF, view, share, paper))
     marks = np.linspace(0.0, 1.0, SAMPLES)[:, np.newaxis]

@@ -76,8 +76,6 @@ def width_of(text: str, size: int) -> float:
 
     Parameters
     ----------
-    text : str
-        In one line.
     size : int
         Of its letters [pixels].
 

@@ -32,8 +32,6 @@ def triad_parts(robot: Robot, size: float) -> tuple[Part, ...]:
 
     Parameters
     ----------
-    robot : Robot
-        Any.
     size : float
         Of the scene [m].
 
@@ -58,8 +56,6 @@ def triad_tips(robot: Robot, X_BF: Array, size: float) -> Array:
 
     Parameters
     ----------
-    robot : Robot
-        n rows.
     X_BF : (..., n + 1, 4, 4) ndarray
         Poses of its frames.
     size : float
@@ -80,8 +76,6 @@ def triad_lengths(robot: Robot, size: float) -> list[float]:
 
     Parameters
     ----------
-    robot : Robot
-        n rows.
     size : float
         Of the scene [m].
 
@@ -129,10 +123,6 @@ def trace_piece(number: int, start: Array, end: Array, size: float) -> Part:
         In the base frame, apart from each other [m].
     size : float
         Of the scene [m].
-
-    Returns
-    -------
-    Part
     """
     shape, pose = rod(start, end, TRACE_RADIUS * size)
     return Part(path=f"trace/{number}", frame=0, shape=shape, X_FP=pose, colour=TRACE)

@@ -71,10 +71,6 @@ def frame_path(index: int) -> str:
     ----------
     index : int
         Of the frame in the table; 0 is the base.
-
-    Returns
-    -------
-    str
     """
     return f"{ROOT}/frame_{index}"
 

@@ -122,8 +122,6 @@ def tip(robot: Robot, X_BF: Array) -> Array:
 
     Parameters
     ----------
-    robot : Robot
-        n rows.
     X_BF : (..., n + 1, 4, 4) ndarray
         Poses of its frames, as ``frame_poses``.
 
@@ -144,8 +142,6 @@ def still(robot: Robot, q: ArrayLike) -> Motion:
 
     Parameters
     ----------
-    robot : Robot
-        m joint positions.
     q : (m,) array_like
         Joint positions [rad or m].
 
@@ -168,16 +164,10 @@ def recorded_motion(robot: Robot, recording: Recording) -> Motion:
 
     Parameters
     ----------
-    robot : Robot
-        What moved.
     recording : Recording
         With ``time`` and ``q1`` ... ``qm``, or ``q`` where there is one joint, in the units of
         their headers, or in SI where these name none. Where the tip was recorded too, in ``x``,
         ``y``, ``z``, it proves that the robot is the right one.
-
-    Returns
-    -------
-    Motion
 
     Raises
     ------

@@ -55,14 +55,8 @@ def solid_parts(robot: Robot, size: float) -> tuple[Part, ...]:
 
     Parameters
     ----------
-    robot : Robot
-        Any.
     size : float
         Of the scene [m].
-
-    Returns
-    -------
-    tuple of Part
     """
     return (*_base_parts(robot, size), *_link_solids(robot), *_link_rods(robot, size))
 
@@ -140,8 +134,6 @@ def outline(robot: Robot, X_BF: Array) -> Array:
 
     Parameters
     ----------
-    robot : Robot
-        n rows.
     X_BF : (rows, n + 1, 4, 4) ndarray
         Poses of its frames, as ``Motion.poses``.
 
@@ -162,8 +154,6 @@ def corners(robot: Robot, index: int) -> Array:
 
     Parameters
     ----------
-    robot : Robot
-        Any.
     index : int
         Of the link's frame in the table, from 1 on.
 
@@ -222,7 +212,6 @@ def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
 
     Returns
     -------
-    Cylinder
     X_FC : (4, 4) ndarray
         Its pose [-, m].
     """

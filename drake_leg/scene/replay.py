@@ -35,10 +35,6 @@ def write_replay(
 
     Parameters
     ----------
-    target : Path
-        Ends in ``.html``.
-    motion : Motion
-        What moves.
     title : str, optional
         Of the motion; by default the robot's.
     note : str, optional
@@ -72,8 +68,6 @@ def replay_page(
 
     Parameters
     ----------
-    motion : Motion
-        What moves.
     title : str, optional
         Of the motion; by default the robot's.
     note : str, optional

@@ -43,17 +43,7 @@ class Scene:
         return np.concatenate([self.points, corners])
 
     def framing(self, view: View) -> Framing:
-        """Find how a view sees the whole scene.
-
-        Parameters
-        ----------
-        view : View
-            From where.
-
-        Returns
-        -------
-        Framing
-        """
+        """Find how a view sees the whole scene."""
         return frame(view, self.held)
 
     def hull(self) -> Array:
@@ -79,10 +69,6 @@ def scene_of(motion: Motion, *, room: float = 0.0, around: Array | None = None) 
         How much larger than the motion the scene is on every side, of its size.
     around : (n, 3) ndarray, optional
         More points that the scene must hold, on the same floor [m].
-
-    Returns
-    -------
-    Scene
     """
     few = np.unique(np.linspace(0, len(motion.time) - 1, MOST_POSTURES).astype(int))
     poses = motion.poses()[few]

@@ -38,8 +38,6 @@ class Sketcher:
         What there is to see.
     width, height : int
         Of the pictures [pixels].
-    paper : Paper
-        Behind everything.
     """
 
     def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
@@ -53,8 +51,6 @@ class Sketcher:
         ----------
         X_WF : (n + 1, 4, 4) ndarray
             Poses of the robot's frames, as one row of ``Motion.poses``.
-        view : View
-            From where.
 
         Returns
         -------
@@ -80,8 +76,6 @@ class Sketcher:
         ----------
         points : (n, 3) ndarray
             In the world [m].
-        view : View
-            From where.
 
         Returns
         -------

@@ -40,21 +40,10 @@ def still_png(
 
     Parameters
     ----------
-    robot : Robot
-        m joint positions.
     q : (m,) array_like
         The posture [rad or m].
-    view : View
-        From where.
     motion : Motion, optional
         Whose trace is shown, and whose room.
-    paper : Paper
-        Light or dark.
-
-    Returns
-    -------
-    bytes
-        A PNG.
 
     Raises
     ------
@@ -80,19 +69,10 @@ def write_stills(
     ----------
     folder : Path
         Existing, to be written into.
-    robot : Robot
-        m joint positions.
     q : (m,) array_like
         The posture [rad or m].
-    views : iterable of View
-        From where.
     motion : Motion, optional
         Whose trace is shown, and whose room.
-
-    Returns
-    -------
-    list of Path
-        The files written.
 
     Raises
     ------

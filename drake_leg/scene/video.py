@@ -70,19 +70,12 @@ def write_video(
     ----------
     target : Path
         Ends in ``.mp4`` or ``.gif``.
-    motion : Motion
-        What moves.
     view : View
         From where it is seen.
     overwrite : bool
         Whether a file that is there may be replaced.
     progress : callable, optional
         Called with the time rendered [s].
-
-    Returns
-    -------
-    int
-        Number of frames.
 
     Raises
     ------

@@ -51,8 +51,6 @@ def joint_sliders(robot: Robot, q: ArrayLike) -> tuple[Slider, ...]:
 
     Parameters
     ----------
-    robot : Robot
-        m joint positions.
     q : (m,) array_like
         Where the sliders stand first [rad or m].
 
@@ -158,12 +156,8 @@ def view_robot(
 
     Parameters
     ----------
-    robot : Robot
-        m joint positions.
     q : (m,) array_like
         Where it starts [rad or m].
-    server : Server
-        Not yet serving.
     view : View
         From where it is seen first.
     once : bool

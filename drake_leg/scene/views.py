@@ -27,11 +27,6 @@ class View:
     def titled(self, title: str) -> str:
         """Say what is seen, and from where.
 
-        Parameters
-        ----------
-        title : str
-            Of the robot.
-
         Returns
         -------
         str
@@ -68,10 +63,6 @@ def view_named(name: str) -> View:
     ----------
     name : str
         As on the command line.
-
-    Returns
-    -------
-    View
 
     Raises
     ------
@@ -130,14 +121,8 @@ def frame(view: View, points: Array) -> Framing:
 
     Parameters
     ----------
-    view : View
-        From where.
     points : (n, 3) ndarray
         In the world [m].
-
-    Returns
-    -------
-    Framing
     """
     seen = points @ view.axes
     low, high = seen.min(axis=0), seen.max(axis=0)

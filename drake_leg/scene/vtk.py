@@ -62,8 +62,6 @@ class Renderer:
         What there is to see.
     width, height : int
         Of the pictures [pixels].
-    paper : Paper
-        Behind everything.
     """
 
     def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
@@ -95,8 +93,6 @@ class Renderer:
         ----------
         X_WF : (n + 1, 4, 4) ndarray
             Poses of the robot's frames, as one row of ``Motion.poses``.
-        view : View
-            From where.
 
         Returns
         -------
@@ -123,8 +119,6 @@ class Renderer:
         ----------
         points : (n, 3) ndarray
             In the world [m].
-        view : View
-            From where.
 
         Returns
         -------

@@ -49,8 +49,6 @@ def web_page(
 
     Parameters
     ----------
-    scene : Scene
-        What Meshcat shows.
     sheet : Sheet
         What stands around it.
     draw_more : callable, optional
@@ -99,14 +97,8 @@ def page_text(name: str, room: str = ROOM) -> str:
 
     Parameters
     ----------
-    name : str
-        Of the file.
     room : str
         In whose folder ``page`` it is.
-
-    Returns
-    -------
-    str
     """
     return (files(room) / "page" / name).read_text(encoding="utf-8")
 
@@ -116,15 +108,8 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
 
     Parameters
     ----------
-    scene : Scene
-        What is shown.
     first : View
         From where it is seen first.
-
-    Returns
-    -------
-    dict
-        For JSON.
     """
     robot = scene.robot
     moving = range(1, len(robot.rows) + 1)
@@ -149,10 +134,6 @@ def drake_path(index: int) -> str:
     ----------
     index : int
         Of the frame in the table; 0 is the base.
-
-    Returns
-    -------
-    str
     """
     from drake_leg.scene.meshcat import frame_path
 
@@ -184,10 +165,6 @@ def replaced(page: str, old: str, new: str) -> str:
     ----------
     page, old, new : str
         The page, what it must have, and what takes its place.
-
-    Returns
-    -------
-    str
 
     Raises
     ------

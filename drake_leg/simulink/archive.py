@@ -61,11 +61,6 @@ class Parts:
     def read(self, name: str) -> bytes | None:
         """Read a part.
 
-        Parameters
-        ----------
-        name : str
-            ``simulink/systems/system_root.xml``.
-
         Returns
         -------
         bytes or None

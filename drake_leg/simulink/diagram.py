@@ -71,10 +71,6 @@ def read_diagram(
         From a block that holds some chart, and the tag of the S-Function inside, to whether the
         chart is a MATLAB function: files of about R2012 do not tell at the block.
 
-    Returns
-    -------
-    Diagram
-
     Raises
     ------
     InvalidValueError

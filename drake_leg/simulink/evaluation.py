@@ -27,11 +27,6 @@ def evaluate(text: str, unit: str, quantity: str, scope: Scope = NO_NAMES) -> Va
     scope : Scope
         Names that the text may use.
 
-    Returns
-    -------
-    float, tuple of float, tuple of rows, or str
-        In SI.
-
     Raises
     ------
     InvalidValueError
@@ -51,10 +46,6 @@ def require_finite(
 
     Parameters
     ----------
-    number : Value
-        What `text` gave.
-    text : str
-        In the file.
     unbounded : bool
         Whether it may be infinite, if the text, or a name that it uses, says so.
     scope : Scope

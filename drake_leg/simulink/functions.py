@@ -36,8 +36,6 @@ class Charts:
 
         Parameters
         ----------
-        block : DrawnBlock
-            Of the diagram.
         tag : str
             Of the S-Function inside.
         """
@@ -52,13 +50,6 @@ class Charts:
 
 def functions_of(diagram: Diagram, charts: Charts) -> tuple[Function, ...]:
     """Find the code of every MATLAB Function block.
-
-    Parameters
-    ----------
-    diagram : Diagram
-        Of the file.
-    charts : Charts
-        Of the file.
 
     Returns
     -------

@@ -32,10 +32,6 @@ def read_line(element: Element) -> DrawnLine:
     element : Element
         ``<Line>``, with its branches.
 
-    Returns
-    -------
-    DrawnLine
-
     Raises
     ------
     InvalidValueError
@@ -75,19 +71,10 @@ def _port(text: str) -> str:
 def split_port(port: str) -> tuple[str, str, int]:
     """Take a port apart.
 
-    Parameters
-    ----------
-    port : str
-        ``SID#kind:number``.
-
     Returns
     -------
-    sid : str
-        Of its block.
     kind : str
         ``in``, ``out``, ``lconn``, ``rconn``, ``enable``, ...
-    number : int
-        From 1.
     """
     sid, _, rest = port.partition("#")
     kind, _, number = rest.partition(":")

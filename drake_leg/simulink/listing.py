@@ -19,11 +19,6 @@ _UNITS = "Units"
 def as_json(model: Model) -> dict[str, Any]:
     """Return a model as JSON can hold it.
 
-    Parameters
-    ----------
-    model : Model
-        Of a file.
-
     Returns
     -------
     dict
@@ -57,11 +52,6 @@ def as_json(model: Model) -> dict[str, Any]:
 def as_lines(model: Model) -> list[str]:
     """Return a model as tables.
 
-    Parameters
-    ----------
-    model : Model
-        Of a file.
-
     Returns
     -------
     list of str
@@ -93,11 +83,6 @@ def as_lines(model: Model) -> list[str]:
 
 def block_paths(model: Model) -> dict[str, str]:
     """Name each block by its path.
-
-    Parameters
-    ----------
-    model : Model
-        With its subsystems.
 
     Returns
     -------
@@ -154,10 +139,6 @@ def plain(value: object) -> object:
     ----------
     value : object
         Of dictionaries, lists, tuples, numbers and texts.
-
-    Returns
-    -------
-    object
     """
     if isinstance(value, dict):
         return {key: plain(entry) for key, entry in value.items()}
@@ -169,17 +150,7 @@ def plain(value: object) -> object:
 
 
 def printable(text: str) -> str:
-    """Write control characters out, so that a name cannot speak to the terminal.
-
-    Parameters
-    ----------
-    text : str
-        Of a file.
-
-    Returns
-    -------
-    str
-    """
+    """Write control characters out, so that a name cannot speak to the terminal."""
     return "".join(sign if sign.isprintable() else f"\\x{ord(sign):02x}" for sign in text)
 
 

@@ -59,15 +59,8 @@ def parse_markup(content: bytes, part: str) -> Element:
 
     Parameters
     ----------
-    content : bytes
-        XML.
     part : str
         Name of the part, for the error's sentence.
-
-    Returns
-    -------
-    Element
-        The root.
 
     Raises
     ------

@@ -36,8 +36,6 @@ def read_mask(block: Element, texts: dict[str, str]) -> Mask:
     block : Element
         ``<Block>``; a mask stands in ``<Mask>``, in files of about R2013 in an
         ``<Object ClassName="Simulink.Mask">``, and before in ``MaskVariables``.
-    texts : dict
-        Its parameters.
 
     Returns
     -------

@@ -66,8 +66,6 @@ def about(axis: str, angle: float) -> Array:
 
     Parameters
     ----------
-    axis : {"x", "y", "z"}
-        Of the frame.
     angle : float
         [rad].
 

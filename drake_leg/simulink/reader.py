@@ -27,11 +27,6 @@ _SYSTEM = re.compile(r"\w{1,80}")
 def read_model(path: Path) -> Model:
     """Read a Simulink file, R2016 or later; nothing in it is executed or unpacked to the disk.
 
-    Parameters
-    ----------
-    path : Path
-        A ``.slx``.
-
     Returns
     -------
     Model

@@ -28,11 +28,6 @@ class Scope:
     def used_in(self, text: str) -> Used:
         """Return the names that a text uses, with their numbers.
 
-        Parameters
-        ----------
-        text : str
-            Of a parameter.
-
         Returns
         -------
         tuple of (str, number)

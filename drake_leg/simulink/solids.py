@@ -77,8 +77,6 @@ def volume(shape: str, size: tuple[float, ...]) -> float:
 
     Parameters
     ----------
-    shape : {"brick", "cylinder", "sphere", "other"}
-        Its name.
     size : tuple of float
         As of ``SolidProperties`` [m].
 

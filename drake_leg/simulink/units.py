@@ -152,10 +152,6 @@ def parse_unit(text: str) -> Unit:
     text : str
         ``mm``, ``N*m/(deg/s)``, ``kg/m^3``, ``1``.
 
-    Returns
-    -------
-    Unit
-
     Raises
     ------
     InvalidValueError

@@ -37,10 +37,6 @@ def number(value: Value | None, default: float = 0.0) -> float:
         A parameter.
     default : float
         Where it is none.
-
-    Returns
-    -------
-    float
     """
     numbers = vector(value)
     return numbers[0] if len(numbers) == 1 else default
@@ -51,10 +47,6 @@ def senseless(block: Block, name: str, why: str) -> InvalidValueError:
 
     Parameters
     ----------
-    block : Block
-        Whose it is.
-    name : str
-        Of the parameter.
     why : str
         What it must be.
 

@@ -14,11 +14,6 @@ from drake_leg.simulink.model import Wire
 def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
     """Make one wire of every way from an output to an input.
 
-    Parameters
-    ----------
-    diagram : Diagram
-        Of the file.
-
     Returns
     -------
     tuple of Wire
@@ -74,11 +69,6 @@ def _bridged(wire: Wire, wires: Mapping[str, Wire], through: Container[str]) -> 
 
 def nodes_of(diagram: Diagram) -> tuple[tuple[str, ...], ...]:
     """Join the physical ports that are connected, however many lines it takes.
-
-    Parameters
-    ----------
-    diagram : Diagram
-        Of the file.
 
     Returns
     -------

@@ -55,11 +55,6 @@ def require_subject(name: str) -> None:
 def derived_equations(name: str) -> tuple[Equation, ...]:
     """Derive all equations of one of the reports' robots, and what they prove.
 
-    Parameters
-    ----------
-    name : str
-        Of ``SUBJECTS``.
-
     Returns
     -------
     tuple of Equation

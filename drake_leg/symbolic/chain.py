@@ -166,11 +166,6 @@ def base_transforms(chain: SymbolicChain) -> tuple[sp.Matrix, ...]:
 def foot_position(chain: SymbolicChain) -> sp.Matrix:
     """Position of the last frame of the chain in the base.
 
-    Parameters
-    ----------
-    chain : SymbolicChain
-        The table.
-
     Returns
     -------
     p_BF : (3, 1) Matrix

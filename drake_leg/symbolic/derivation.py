@@ -38,15 +38,9 @@ def derive(rows: Sequence[Row], task: Sequence[int]) -> Derivation:
 
     Parameters
     ----------
-    rows : sequence of Row
-        The table.
     task : (n,) sequence of int
         Rows of the Jacobian (0-2 angular, 3-5 translational) that the task is made of; its
         columns are the first n joints.
-
-    Returns
-    -------
-    Derivation
 
     References
     ----------

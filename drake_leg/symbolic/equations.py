@@ -24,13 +24,7 @@ class Equation:
     relation: type[sp.Rel] = sp.Eq
 
     def latex(self) -> str:
-        """Write it for LaTeX's mathematics mode, in the reports' shorthand.
-
-        Returns
-        -------
-        str
-            One line.
-        """
+        """Write it for LaTeX's mathematics mode, in the reports' shorthand."""
         return str(sp.latex(self._shown()))
 
     def text(self) -> str:
@@ -49,15 +43,6 @@ class Equation:
 
 def leg_a_equations(leg: Derivation) -> tuple[Equation, ...]:
     """Derive report A's equations 1-17 and 19; 18 is 14 again.
-
-    Parameters
-    ----------
-    leg : Derivation
-        Of leg A.
-
-    Returns
-    -------
-    tuple of Equation
 
     References
     ----------
@@ -127,15 +112,6 @@ def leg_a_equations(leg: Derivation) -> tuple[Equation, ...]:
 def leg_b_equations(leg: Derivation) -> tuple[Equation, ...]:
     """Derive report B's equations of the leg.
 
-    Parameters
-    ----------
-    leg : Derivation
-        Of leg B.
-
-    Returns
-    -------
-    tuple of Equation
-
     References
     ----------
     Report B, sections 2.3 to 2.5.
@@ -156,15 +132,6 @@ def leg_b_equations(leg: Derivation) -> tuple[Equation, ...]:
 def scara_equations(arm: Derivation) -> tuple[Equation, ...]:
     """Derive report B's equations of the SCARA, with h = 452.4 mm and q4 = 452.4 - 340 - R.
 
-    Parameters
-    ----------
-    arm : Derivation
-        Of the SCARA.
-
-    Returns
-    -------
-    tuple of Equation
-
     References
     ----------
     Report B, sections 1.3 to 1.6.
@@ -184,11 +151,6 @@ def scara_equations(arm: Derivation) -> tuple[Equation, ...]:
 
 def findings(robot: Derivation) -> tuple[Equation, ...]:
     """State what the matrices prove: both methods agree, and where the Jacobian is singular.
-
-    Parameters
-    ----------
-    robot : Derivation
-        Of any robot.
 
     Returns
     -------
@@ -216,17 +178,7 @@ def findings(robot: Derivation) -> tuple[Equation, ...]:
 
 
 def zeros_of(family: SingularFamily) -> list[Equation]:
-    """State where a factor of a determinant is zero.
-
-    Parameters
-    ----------
-    family : SingularFamily
-        With its solutions.
-
-    Returns
-    -------
-    list of Equation
-    """
+    """State where a factor of a determinant is zero."""
     unsolved = "" if family.solutions else ", which SymPy solves for no joint alone"
     title = f"singular where{unsolved}"
     stated = [Equation(title=title, left=family.factor, right=sp.Integer(0))]

@@ -8,13 +8,7 @@ from drake_leg.errors import DrakeLegError
 
 
 class MissingSymPyError(DrakeLegError):
-    """SymPy is wanted and not installed.
-
-    Attributes
-    ----------
-    purpose : str
-        What wanted it.
-    """
+    """SymPy is wanted and not installed."""
 
     def __init__(self, purpose: str) -> None:
         self.purpose = purpose

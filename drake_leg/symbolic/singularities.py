@@ -36,8 +36,6 @@ def singular_families(determinant: sp.Expr, q: tuple[sp.Symbol, ...]) -> tuple[S
     determinant : Expr
         A product. What of a factor is not of degree one, in the sine and cosine of an angle or in
         the position of a sliding joint, is not solved for that joint.
-    q : tuple of Symbol
-        The joint positions.
 
     Returns
     -------
@@ -91,8 +89,6 @@ def solve_for(factor: sp.Expr, angle: sp.Symbol) -> Solution:
     ----------
     factor : Expr
         Of degree one in cos(x) and sin(x), or in those of sums with x.
-    angle : Symbol
-        x.
 
     Returns
     -------

@@ -56,11 +56,6 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     ----------
     expression : Expr
         A polynomial in sines and cosines.
-
-    Returns
-    -------
-    Expr
-        Equal to it.
     """
     expanded = pythagoras(expression)
     return min(sp.factor(TR10i(expanded)), sp.factor(expanded), key=sp.count_ops)

@@ -54,10 +54,6 @@ class Drive:
         ----------
         q : (n,) array_like
             Joint positions [rad or m].
-
-        Returns
-        -------
-        Task
         """
         if not self.wanders:
             return self.task
@@ -160,14 +156,8 @@ def at_rest(drive: Drive, q: ArrayLike) -> Step:
 
     Parameters
     ----------
-    drive : Drive
-        What is driven.
     q : (n,) array_like
         Joint positions [rad or m].
-
-    Returns
-    -------
-    Step
 
     Raises
     ------
@@ -193,18 +183,12 @@ def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
 
     Parameters
     ----------
-    drive : Drive
-        What is driven.
     q : (n,) array_like
         Joint positions at the beginning [rad or m].
     v : (3,) array_like
         Commanded velocity of the foot, base frame [m/s].
     dt : float
         Duration [s].
-
-    Returns
-    -------
-    Step
 
     Raises
     ------
@@ -291,8 +275,6 @@ def singular_words(drive: Drive, q: ArrayLike, nearly: str = "nearly ") -> str:
 
     Parameters
     ----------
-    drive : Drive
-        What is driven.
     q : (n,) array_like
         Joint positions [rad or m].
     nearly : str

@@ -47,14 +47,8 @@ def teleop_scene(drive: Drive, q: Array) -> Scene:
 
     Parameters
     ----------
-    drive : Drive
-        What is driven.
     q : (n,) ndarray
         Where it starts [rad or m].
-
-    Returns
-    -------
-    Scene
     """
     return scene_of(still(drive.robot, q), room=ROOM_AROUND, around=_reach(drive.robot))
 
@@ -90,17 +84,10 @@ def teleop_page(drive: Drive, scene: Scene, session: str) -> str:
 
     Parameters
     ----------
-    drive : Drive
-        What is driven.
     scene : Scene
         As ``teleop_scene`` makes it.
     session : str
         Of the board whose news the page hears.
-
-    Returns
-    -------
-    str
-        HTML.
 
     Raises
     ------

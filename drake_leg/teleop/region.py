@@ -13,11 +13,6 @@ CORNERS = 96  # of a circle
 def section_circles(leg: LegGeometry) -> tuple[Array, Array]:
     """Inner and outer border of what the foot reaches without turning the hip.
 
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths.
-
     Returns
     -------
     inner, outer : (CORNERS, 3) ndarray
@@ -32,11 +27,6 @@ def section_circles(leg: LegGeometry) -> tuple[Array, Array]:
 
 def section_triangles(leg: LegGeometry) -> tuple[Array, Array]:
     """The section as a surface.
-
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths.
 
     Returns
     -------

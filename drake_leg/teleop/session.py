@@ -48,8 +48,6 @@ def drive_robot(
         Any whose foot its joints move.
     q : (n,) array_like
         Where it starts [rad or m].
-    server : Server
-        Not yet serving.
     say : callable
         Called with each new sentence of the guard, also when it lets the foot go.
     keep : {"position", "pose"}, optional
@@ -58,11 +56,6 @@ def drive_robot(
         Whether to end after one step.
     wait, clock : callable
         Called with the time until the next step [s]; tells the time [s].
-
-    Returns
-    -------
-    Step
-        The last one.
 
     Raises
     ------

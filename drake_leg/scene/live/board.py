@@ -16,11 +16,6 @@ class Board:
     """The latest state and the trace; at last, that the session has ended.
 
     Every page hears the latest state; one that is slow misses what came in between.
-
-    Parameters
-    ----------
-    trace : Trace
-        Of the tip.
     """
 
     def __init__(self, trace: Trace) -> None:

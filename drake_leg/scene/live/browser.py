@@ -10,11 +10,6 @@ import webbrowser
 def open_browser(url: str) -> bool:
     """Open a page in the person's browser, where there is a screen to show it.
 
-    Parameters
-    ----------
-    url : str
-        Of the page.
-
     Returns
     -------
     bool

@@ -18,14 +18,8 @@ def deed(command: Command, deeds: Collection[str]) -> str:
 
     Parameters
     ----------
-    command : Command
-        From a page.
     deeds : collection of str
         What can be asked for.
-
-    Returns
-    -------
-    str
 
     Raises
     ------
@@ -43,16 +37,10 @@ def numbers_of(command: Command, name: str, count: int) -> list[float]:
 
     Parameters
     ----------
-    command : Command
-        From a page.
     name : str
         Under which they are.
     count : int
         How many there must be.
-
-    Returns
-    -------
-    list of float
 
     Raises
     ------
@@ -71,11 +59,6 @@ def numbers_of(command: Command, name: str, count: int) -> list[float]:
 
 def tab_of(command: Command) -> str:
     """Read which page a command comes from.
-
-    Parameters
-    ----------
-    command : Command
-        From a page.
 
     Returns
     -------

@@ -59,18 +59,12 @@ def live_sheet(
 
     Parameters
     ----------
-    scene : Scene
-        What is shown.
     first : View
         From where it is seen first.
     session : str
         Of the board whose news it hears.
     title, body, styles, scripts, data
         Of this page, as a ``Sheet`` has them.
-
-    Returns
-    -------
-    Sheet
     """
     trace = {"most": MOST_PIECES, "radius": TRACE_RADIUS * scene.size, "colour": TRACE}
     return Sheet(

@@ -170,15 +170,6 @@ def require_own(host: str | None, origin: str | None, names: tuple[str, ...]) ->
 def parse_command(text: bytes) -> Command:
     """Read a command.
 
-    Parameters
-    ----------
-    text : bytes
-        JSON.
-
-    Returns
-    -------
-    Command
-
     Raises
     ------
     InvalidValueError

@@ -70,8 +70,6 @@ class Server:
 
         Parameters
         ----------
-        page : str
-            HTML.
         take : callable
             Called with each command, from threads of its own; returns what a page is answered,
             or raises a ``DrakeLegError``, whose sentence the page is answered.

@@ -161,8 +161,6 @@ def power(left: Value, right: Value) -> Array:
 
     Parameters
     ----------
-    left : Value
-        The matrix.
     right : Value
         The exponent, between -1000 and 1000.
 

@@ -20,17 +20,6 @@ COMPLEX = "is complex; only real numbers are known here"
 def elementwise(ufunc: Callable[[Any, Any], Any], left: Value, right: Value) -> Value:
     """Combine two values element by element; rows, columns and scalars are repeated.
 
-    Parameters
-    ----------
-    ufunc : callable
-        Of NumPy's.
-    left, right : Value
-        Numbers.
-
-    Returns
-    -------
-    Value
-
     Raises
     ------
     MatlabError
@@ -182,11 +171,6 @@ SIGNS: dict[str, Callable[[Value], Value]] = {"+": number, "-": negative, "~": i
 
 def span(first: Value, step: Value, last: Value) -> Value:
     """``first:step:last``, symmetric about its middle and with its last element met.
-
-    Parameters
-    ----------
-    first, step, last : Value
-        Numbers.
 
     Returns
     -------

@@ -20,10 +20,6 @@ def settle(array: Array) -> Value:
     ----------
     array : (m, n) ndarray
         Of floats or bools.
-
-    Returns
-    -------
-    Value
     """
     if array.size != 1:
         return array
@@ -33,11 +29,6 @@ def settle(array: Array) -> Value:
 
 def number(value: Value) -> float | Array:
     """Take a value for numbers: true is 1, false is 0.
-
-    Parameters
-    ----------
-    value : Value
-        Any.
 
     Returns
     -------
@@ -58,11 +49,6 @@ def number(value: Value) -> float | Array:
 def grid(value: Value) -> Array:
     """Take a value for an array, scalars included.
 
-    Parameters
-    ----------
-    value : Value
-        No text.
-
     Returns
     -------
     (m, n) ndarray
@@ -81,11 +67,6 @@ def grid(value: Value) -> Array:
 def numbers(value: Value) -> Array:
     """Take a value for an array of numbers.
 
-    Parameters
-    ----------
-    value : Value
-        No text.
-
     Returns
     -------
     (m, n) ndarray of float
@@ -100,35 +81,14 @@ def numbers(value: Value) -> Array:
 
 
 def shape(value: Value) -> tuple[int, int]:
-    """Rows and columns of a value.
-
-    Parameters
-    ----------
-    value : Value
-        Any.
-
-    Returns
-    -------
-    int, int
-    """
+    """Rows and columns of a value."""
     if isinstance(value, str):
         return 1, len(value)
     return (value.shape[0], value.shape[1]) if isinstance(value, np.ndarray) else (1, 1)
 
 
 def measure(value: Value) -> str:
-    """Say the size of a value.
-
-    Parameters
-    ----------
-    value : Value
-        Any.
-
-    Returns
-    -------
-    str
-        ``"3×1"``.
-    """
+    """Say the size of a value."""
     rows, columns = shape(value)
     return f"{rows}×{columns}"
 
@@ -140,10 +100,6 @@ def truth(value: Value) -> bool:
     ----------
     value : Value
         Any but a text.
-
-    Returns
-    -------
-    bool
 
     Raises
     ------
@@ -163,14 +119,8 @@ def whole(value: Value, what: str) -> int:
 
     Parameters
     ----------
-    value : Value
-        Any.
     what : str
         What it is, for the message.
-
-    Returns
-    -------
-    int
 
     Raises
     ------
@@ -192,10 +142,6 @@ def stack(rows: list[list[Value]]) -> Value:
     ----------
     rows : list of list of Value
         Blocks; those of one row are equally high, the rows are equally wide; 0×0 is left out.
-
-    Returns
-    -------
-    Value
 
     Raises
     ------

@@ -26,20 +26,7 @@ class Scope:
 
 
 def paid(frame: Frame, value: Value) -> Value:
-    """Count the elements of a value that was made, and pass it on.
-
-    Parameters
-    ----------
-    frame : Frame
-        With the budget.
-    value : Value
-        Any.
-
-    Returns
-    -------
-    Value
-        The same.
-    """
+    """Count the elements of a value that was made, and pass it on."""
     frame.budget.spend(value.size if isinstance(value, np.ndarray) else 1)
     return value
 
@@ -53,8 +40,6 @@ def called(name: str, given: list[Ready], scope: Scope) -> Ready:
         Of the function, or of a constant.
     given : list of callable
         Its arguments, made ready.
-    scope : Scope
-        What names mean.
 
     Returns
     -------
@@ -111,18 +96,10 @@ def call_routine(
 
     Parameters
     ----------
-    routine : Routine
-        The function.
     arguments : list of callable
         Its arguments, made ready.
     wanted : int
         How many outputs are taken.
-    frame : Frame
-        Of the caller.
-
-    Returns
-    -------
-    list of Value
 
     Raises
     ------

@@ -17,17 +17,7 @@ _EPS = float(np.finfo(float).eps)
 
 
 def of_each(function: Elementary) -> Callable[[Value], Value]:
-    """Make a function of NumPy's one of values.
-
-    Parameters
-    ----------
-    function : callable
-        Of an array.
-
-    Returns
-    -------
-    callable
-    """
+    """Make a function of NumPy's one of values."""
 
     def applied(value: Value) -> Value:
         if type(value) is float:
@@ -91,17 +81,7 @@ def _rem(x: Any, y: Any) -> Any:  # noqa: ANN401
 
 
 def of_two(function: Callable[[Any, Any], Any]) -> Callable[[Value, Value], Value]:
-    """Make a function of NumPy's one of two values of fitting sizes.
-
-    Parameters
-    ----------
-    function : callable
-        Of two arrays.
-
-    Returns
-    -------
-    callable
-    """
+    """Make a function of NumPy's one of two values of fitting sizes."""
     return lambda left, right: elementwise(function, left, right)
 
 

@@ -32,8 +32,6 @@ def ready(node: syntax.Expression, scope: Scope, place: _Place | None = None) ->
 
     Parameters
     ----------
-    node : Expression
-        Of the parser.
     scope : Scope
         What its names mean.
     place : optional
@@ -85,15 +83,6 @@ def ready_indices(
     name: str, arguments: tuple[syntax.Expression, ...], scope: Scope
 ) -> Callable[[Frame], list[Index]]:
     """Make the indices of a variable ready.
-
-    Parameters
-    ----------
-    name : str
-        Of the variable.
-    arguments : tuple of Expression
-        In its parentheses.
-    scope : Scope
-        What names mean.
 
     Returns
     -------

@@ -26,16 +26,8 @@ def ready_function(
 
     Parameters
     ----------
-    function : Function
-        Of the parser.
     routines : mapping
         Where all functions of the script will be found when it is called.
-    own : frozenset of str
-        Their names.
-
-    Returns
-    -------
-    Routine
 
     Raises
     ------

@@ -23,13 +23,7 @@ _TRANSPOSES = ("'", ".'")
 
 
 class ExpressionParser:
-    """A reader of tokens that knows expressions.
-
-    Parameters
-    ----------
-    tokens : list of Token
-        Of ``tokenize``.
-    """
+    """A reader of tokens that knows expressions."""
 
     def __init__(self, tokens: list[Token]) -> None:
         self._tokens, self._at = tokens, 0
@@ -91,10 +85,6 @@ class ExpressionParser:
         ----------
         lowest : int
             Precedence below which an operator ends the expression.
-
-        Returns
-        -------
-        Expression
 
         Raises
         ------
@@ -180,10 +170,6 @@ class ExpressionParser:
 
     def named(self) -> syntax.Name | syntax.Apply | syntax.End:
         """Read a name, and what it is applied to.
-
-        Returns
-        -------
-        Name, Apply or End
 
         Raises
         ------

@@ -15,8 +15,6 @@ class Frame:
 
     Parameters
     ----------
-    values : dict
-        Variable to value.
     budget : Budget
         Shared by all calls.
     nesting : int
@@ -46,17 +44,10 @@ def located(fault: MatlabError, name: str, line: int) -> InvalidValueError:
 
     Parameters
     ----------
-    fault : MatlabError
-        What is wrong.
     name : str
         Of the function; may be empty.
     line : int
         Of the statement, where the fault itself knows none.
-
-    Returns
-    -------
-    InvalidValueError
-        To be raised.
     """
     what = f"MATLAB function {name}" if name else "MATLAB function"
     return InvalidValueError(f"{what}, line {fault.line or line}: {fault}")
@@ -69,8 +60,6 @@ def enter(
 
     Parameters
     ----------
-    routine : Routine
-        The function.
     arguments : list of Value
         Its inputs, or the first of them.
     wanted : int
@@ -79,11 +68,6 @@ def enter(
         Shared by all calls.
     nesting : int
         Of the functions that wait for it.
-
-    Returns
-    -------
-    list of Value
-        The outputs wanted.
 
     Raises
     ------

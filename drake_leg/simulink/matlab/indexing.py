@@ -24,16 +24,10 @@ def read(value: Value, indices: list[Index], name: str) -> Value:
 
     Parameters
     ----------
-    value : Value
-        The variable's.
     indices : list of Index
         One counts column by column, two are row and column.
     name : str
         The variable's, for messages.
-
-    Returns
-    -------
-    Value
 
     Raises
     ------
@@ -88,16 +82,10 @@ def write(value: Value | None, indices: list[Index], new: Value, name: str) -> V
     ----------
     value : Value or None
         The variable's; None where it has none yet.
-    indices : list of Index
-        As for ``read``.
     new : Value
         A scalar for all the elements, or as many values as there are elements.
     name : str
         The variable's, for messages.
-
-    Returns
-    -------
-    Value
 
     Raises
     ------

@@ -36,11 +36,6 @@ class Budget:
     def spend(self, operations: int) -> None:
         """Count operations.
 
-        Parameters
-        ----------
-        operations : int
-            How many.
-
         Raises
         ------
         MatlabError
@@ -55,11 +50,6 @@ class Budget:
 
 def require_room(rows: int, columns: int) -> None:
     """Check the size of an array before it is made.
-
-    Parameters
-    ----------
-    rows, columns : int
-        Its size.
 
     Raises
     ------

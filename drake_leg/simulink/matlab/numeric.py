@@ -74,10 +74,6 @@ def variable(name: str, given: ArrayLike | float, *, column: bool = False) -> Va
     column : bool
         Whether a vector is a column; otherwise it is a row.
 
-    Returns
-    -------
-    Value
-
     Raises
     ------
     MatlabError

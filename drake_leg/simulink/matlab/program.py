@@ -76,10 +76,6 @@ def program(script: str) -> Program:
     script : str
         One function, and after it those that it calls.
 
-    Returns
-    -------
-    Program
-
     Raises
     ------
     InvalidValueError

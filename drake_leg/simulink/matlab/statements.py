@@ -12,13 +12,7 @@ _LISTS = ("varargin", "varargout")
 
 
 class ScriptParser(ExpressionParser):
-    """A reader of tokens that knows the code of a MATLAB Function block.
-
-    Parameters
-    ----------
-    tokens : list of Token
-        Of ``tokenize``.
-    """
+    """A reader of tokens that knows the code of a MATLAB Function block."""
 
     def __init__(self, tokens: list[Token]) -> None:
         super().__init__(tokens)
@@ -26,10 +20,6 @@ class ScriptParser(ExpressionParser):
 
     def functions(self) -> tuple[syntax.Function, ...]:
         """Read all functions; the first one is the block's.
-
-        Returns
-        -------
-        tuple of Function
 
         Raises
         ------
