@@ -45,7 +45,7 @@ def as_foreseen(summary):
     ids=str,
 )
 def test_a_forced_run_meets_what_was_foreseen(changes):
-    with pytest.raises(ForeseenSingularityError, match="--force"):
+    with pytest.raises(ForeseenSingularityError, match="`force=True`"):
         straight(**changes)
     assert as_foreseen(straight(force=True, **changes))
 
