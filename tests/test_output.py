@@ -53,7 +53,7 @@ def test_a_folder_that_is_not_there_may_be_made(tmp_path):
 @pytest.mark.parametrize("kind", ["results", "empty", "file", "link", "broken link"])
 def test_whatever_exists_is_refused_without_overwrite(tmp_path, kind):
     out = make(tmp_path, kind)
-    with pytest.raises(OutputError, match=r"out exists: .*--overwrite"):
+    with pytest.raises(OutputError, match=r"out exists: .*overwrite=True"):
         check_target(out, overwrite=False)
 
 
