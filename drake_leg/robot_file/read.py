@@ -11,7 +11,7 @@ from drake_leg.robot_file.classic import ClassicRow, khalil_rows
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.joints import read_mechanics
 from drake_leg.robot_file.keys import Keys
-from drake_leg.robot_file.units import AngleUnit, in_radians, joint_units
+from drake_leg.units import AngleUnit, in_radians, joint_units
 
 ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "row")
 TABLE_KEYS = {
