@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.robot import JointType, Link, Robot, Row, Segment
 from drake_leg.robot_file.bodies import ORIGIN, read_inertial, read_solid
 from drake_leg.robot_file.classic import ClassicRow, khalil_rows
