@@ -17,10 +17,10 @@ from pydrake.multibody.tree import (
 from pydrake.multibody.tree import Joint as PlantJoint
 from pydrake.systems.framework import Context
 
-from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place
 from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Brick, Cylinder, Solid, Sphere
+from drake_leg.simulink.compare.mechanism import ChainJoint, Mechanism, Parameter, Place
 from drake_leg.simulink.solids import SolidProperties, volume
 
 DIGITS = 12  # of a size or a density that follows from moments of inertia
@@ -29,13 +29,7 @@ MOVING = {RevoluteJoint: "revolute", PrismaticJoint: "prismatic"}
 
 
 class Links:
-    """A plant's links: the world and what each moving joint carries, welded bodies together.
-
-    Parameters
-    ----------
-    plant : MultibodyPlant
-        A finalised serial chain.
-    """
+    """A finalised plant's links: the world and what each moving joint carries, with welds."""
 
     def __init__(self, plant: MultibodyPlant) -> None:
         self._context = plant.CreateDefaultContext()
@@ -46,13 +40,7 @@ class Links:
         self.bodies = [set(plant.GetBodiesWeldedTo(frame.body())) for frame in self._frames]
 
     def locate(self, frame: Frame) -> tuple[int, Array]:
-        """Tell which link carries a frame, and where.
-
-        Returns
-        -------
-        int, (4, 4) ndarray
-            0 for the world, else the joint's number; pose in the link's frame M.
-        """
+        """Return the number of the link that carries a frame, 0 the world, and its pose in M."""
         index = next(i for i, members in enumerate(self.bodies) if frame.body() in members)
         X: Array = frame.CalcPose(self._context, self._frames[index]).GetAsMatrix4()
         return index, X
@@ -74,8 +62,6 @@ def read_plant(
 
     Parameters
     ----------
-    plant : MultibodyPlant
-        A finalised serial chain.
     foot : Frame, optional
         The frame that is sensed.
     driven : bool
@@ -105,7 +91,7 @@ def read_plant(
         add(foot, "foot", foot.name())
     return Mechanism(
         joints=tuple(
-            Joint(
+            ChainJoint(
                 number=number,
                 name=joint.name(),
                 type=MOVING[type(joint)],

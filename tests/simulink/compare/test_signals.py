@@ -7,7 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drake_leg.compare.signals import Atom, Scalar, atoms, close, constants, mixed, sine_term, total
+from drake_leg.simulink.compare.signals import (
+    Atom,
+    Scalar,
+    atoms,
+    close,
+    constants,
+    mixed,
+    sine_term,
+    total,
+)
 
 A, B = Atom(kind="integral", of="1"), Atom(kind="sensed", of="2", what="position")
 

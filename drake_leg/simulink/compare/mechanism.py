@@ -15,15 +15,15 @@ Parameter = float | str
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class PassedTransform:
     """A Rigid Transform on the way from a body's frame M to a place, from B to F or back."""
 
     sid: str
     name: str
     back: bool
-    X_before: Array  # pose in M of the frame where the step begins
-    X_BF: Array  # what the block says
-    method: str  # how it says the translation
+    X_before: Array  # pose in M of the frame before the transform
+    X_BF: Array  # as the block states it
+    method: str  # how it states the translation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,13 +34,13 @@ class Place:
     name: str
     X_M: Array  # (4, 4)
     sid: str = ""
-    way: tuple[Step, ...] = ()
+    way: tuple[PassedTransform, ...] = ()
     solid: SolidProperties | None = None
     number: int = 0  # of the joint, counted from 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Joint:
+class ChainJoint:
     """A joint of the chain."""
 
     number: int  # counted from 1, from the world outwards
@@ -55,5 +55,5 @@ class Joint:
 class Mechanism:
     """A serial chain."""
 
-    joints: tuple[Joint, ...]
+    joints: tuple[ChainJoint, ...]
     bodies: tuple[tuple[Place, ...], ...]  # one more than joints: the world's places come first

@@ -9,13 +9,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drake_leg.compare.mechanism import Joint, Mechanism, Parameter, Place, Step
-from drake_leg.compare.sensed import on
 from drake_leg.kinematics.batches import Array
+from drake_leg.simulink.compare.mechanism import (
+    ChainJoint,
+    Mechanism,
+    Parameter,
+    PassedTransform,
+    Place,
+)
 from drake_leg.simulink.model import Block, Model
 from drake_leg.simulink.poses import about, inverse, rigid_transform
 from drake_leg.simulink.solids import SOLIDS, SolidProperties, read_solid
-from drake_leg.simulink.values import senseless, vector
+from drake_leg.simulink.values import is_on, senseless, vector
 
 MOVING = {"Revolute Joint": "revolute", "Prismatic Joint": "prismatic"}
 SENSORS = ("6-DOF Joint", "Transform Sensor")
@@ -45,7 +50,7 @@ class _Walk:
 
     blocks: dict[str, Block]
     node_of: dict[str, int]  # physical port -> node
-    found: dict[int, tuple[int, Array, tuple[Step, ...]]] = field(default_factory=dict)
+    found: dict[int, tuple[int, Array, tuple[PassedTransform, ...]]] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
 
     def end(self, block: Block, port: str) -> int:
@@ -57,24 +62,21 @@ class _Walk:
 def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network:
     """Read the chain that a model's physical connections make.
 
-    Parameters
-    ----------
-    taken_as_drawn : sequence of int
-        Numbers of joints whose base and follower are exchanged by mistake: their frames are read
-        as if they were not.
+    Joints with the numbers ``taken_as_drawn`` have base and follower exchanged by mistake: their
+    frames are read as if they had not.
 
     Raises
     ------
     InvalidValueError
-        If a Rigid Transform cannot be read.
+        If a Rigid Transform, a joint or a solid cannot be read.
     """
     blocks = {block.sid: block for block in model.blocks}
     node_of = {port: index for index, node in enumerate(model.nodes) for port in node}
     walk = _Walk(blocks, node_of)
     sensors = [block for block in model.blocks if block.kind in SENSORS]
-    joints: list[Joint] = []
+    joints: list[ChainJoint] = []
     turned_joints: list[int] = []
-    bases: dict[int, tuple[int, Array, tuple[Step, ...], Joint]] = {}
+    bases: dict[int, tuple[int, Array, tuple[PassedTransform, ...], ChainJoint]] = {}
 
     roots = [walk.end(block, FOLLOWER) for block in model.blocks if block.kind == "World Frame"]
     _spread(walk, [(root, np.eye(4)) for root in roots], body=0)
@@ -88,7 +90,7 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
         block, near, far, turned = found
         number = len(joints) + 1
         body, X, way = walk.found[near]
-        joint = Joint(
+        joint = ChainJoint(
             number=number,
             name=block.name,
             sid=block.sid,
@@ -172,7 +174,7 @@ def _spread(walk: _Walk, starts: list[tuple[int, Array]], body: int) -> None:
             X_BF = rigid_transform(block) if block.kind == "Rigid Transform" else np.eye(4)
             X_next = X @ (inverse(X_BF) if back else X_BF)
             other = base if back else follower
-            step = Step(
+            passed = PassedTransform(
                 sid=block.sid,
                 name=block.name,
                 back=back,
@@ -181,7 +183,7 @@ def _spread(walk: _Walk, starts: list[tuple[int, Array]], body: int) -> None:
                 method=str(block.parameters.get("TranslationMethod", "")),
             )
             if other not in walk.found:
-                walk.found[other] = (body, X_next, (*way, step))
+                walk.found[other] = (body, X_next, (*way, passed))
                 queue.append((other, X_next))
 
 
@@ -248,12 +250,12 @@ def _joint_parameters(block: Block) -> dict[str, Parameter]:
     if found["SpringStiffness"]:
         found["EquilibriumPosition"] = _scalar(block, "EquilibriumPosition")
     for side in ("Lower", "Upper"):
-        if on(block, f"{side}LimitSpecify"):
+        if is_on(block, f"{side}LimitSpecify"):
             for what in ("Bound", "Stiffness", "Damping", "TransitionRegionWidth"):
                 if f"{side}Limit{what}" in block.parameters:
                     found[f"{side}Limit{what}"] = _scalar(block, f"{side}Limit{what}")
     for what in ("Position", "Velocity"):
-        if on(block, f"{what}TargetSpecify"):
+        if is_on(block, f"{what}TargetSpecify"):
             found[f"{what}TargetValue"] = _scalar(block, f"{what}TargetValue")
     return found
 

@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from drake_leg.compare.signals import Scalar, Signal, constants, mixed, sine_term, total
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.compare.signals import Scalar, Signal, constants, mixed, sine_term, total
 from drake_leg.simulink.matlab import value
 from drake_leg.simulink.model import Block
 from drake_leg.simulink.values import number, vector
@@ -28,13 +28,9 @@ AFFINE = 1e-12  # relative, of an expression that counts as a factor and a const
 
 
 def law_of(block: Block) -> Law | None:
-    """Find the law of a block.
+    """Find the law of a block: ``law(block, inputs, place)`` is the signal at an output, from 1.
 
-    Returns
-    -------
-    callable or None
-        ``law(block, inputs, place)`` is the signal at output ``place``, counted from 1; None for
-        a block with memory, with a law of its own, or that is not linear.
+    A block with memory, with a law of its own, or that is not linear has none.
     """
     if block.type == "Fcn":
         return _fcn if _affine(block) else None
@@ -48,13 +44,7 @@ def law_of(block: Block) -> Law | None:
 
 
 def added(parts: Sequence[Signal], factors: Sequence[float]) -> Signal:
-    """Sum signals with factors; a scalar is added to every component.
-
-    Returns
-    -------
-    Signal
-        As long as the longest.
-    """
+    """Sum signals, each times its factor; a scalar is added to every component."""
     size = max(map(len, parts))
     wide = [part * size if len(part) == 1 else part for part in parts]
     summed = []
@@ -192,6 +182,14 @@ def _demux(block: Block, inputs: Inputs, place: int) -> Signal | None:
     return signal[start : start + widths[place - 1]]
 
 
+def least_size(demux: Block) -> int:
+    """Return how many components a Demux needs at least."""
+    outputs = vector(demux.parameters.get("Outputs", 1.0))
+    if len(outputs) > 1:
+        return sum(int(width) if width > 0 else 1 for width in outputs)
+    return max(int(outputs[0]), 1) if outputs else 1
+
+
 def _widths(block: Block, size: int) -> list[int]:
     """Share a Demux's input out; there are no outputs where it cannot be."""
     outputs = vector(block.parameters.get("Outputs", 1.0))
@@ -199,7 +197,7 @@ def _widths(block: Block, size: int) -> list[int]:
         fixed = sum(int(width) for width in outputs if width > 0)
         free = sum(width <= 0 for width in outputs)
         return [int(w) if w > 0 else (size - fixed) // max(free, 1) for w in outputs]
-    count = max(int(outputs[0]), 1) if outputs else 1
+    count = least_size(block)
     if count > size:
         return []
     each, rest = divmod(size, count)

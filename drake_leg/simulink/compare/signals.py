@@ -68,35 +68,17 @@ class Scalar:
         return frozenset(Atom(kind="sine") if atom.kind == "sine" else atom for atom in self.terms)
 
     def renamed(self, names: Mapping[Atom, Atom]) -> Scalar:
-        """Replace atoms by others.
-
-        Parameters
-        ----------
-        names : mapping
-            Old atom -> new atom; others stay.
-        """
+        """Replace the atoms that have other names."""
         terms = {names.get(atom, atom): factor for atom, factor in self.terms.items()}
         return Scalar(self.constant, terms, self.origins)
 
     def per(self, units: Mapping[Atom, float]) -> Scalar:
-        """Write atoms in other units.
-
-        Parameters
-        ----------
-        units : mapping
-            Atom -> its unit, of which the factors are multiples now.
-        """
+        """Write atoms as multiples of other units."""
         terms = {atom: factor / units.get(atom, 1.0) for atom, factor in self.terms.items()}
         return Scalar(self.constant, terms, self.origins)
 
     def through(self, sid: str) -> Scalar:
-        """Note a block that the signal has passed.
-
-        Returns
-        -------
-        Scalar
-            Equal to this one.
-        """
+        """Note a block that the signal has passed; the result equals this signal."""
         return Scalar(self.constant, self.terms, self.origins | {sid})
 
     @property
@@ -123,13 +105,7 @@ Signal = tuple[Scalar, ...]
 
 
 def total(signals: Sequence[Scalar], factors: Iterable[float]) -> Scalar:
-    """Sum signals with factors; terms that cancel vanish.
-
-    Parameters
-    ----------
-    factors : iterable of float
-        One for each signal.
-    """
+    """Sum signals, each times its factor; terms that cancel vanish."""
     constant = 0.0
     terms: dict[Atom, float] = {}
     origins: frozenset[str] = frozenset()
@@ -148,28 +124,12 @@ def constants(values: Iterable[float]) -> Signal:
 
 
 def atoms(atom: Iterable[Atom]) -> Signal:
-    """Make a signal of bare atoms.
-
-    Parameters
-    ----------
-    atom : iterable of Atom
-        One for each component.
-    """
+    """Make a signal of bare atoms, one for each component."""
     return tuple(Scalar(0.0, {one: 1.0}) for one in atom)
 
 
 def sine_term(amplitude: float, frequency: float, phase: float) -> Scalar:
-    """Make a sine, written in one way: frequency positive, phase in 0 ... pi.
-
-    Parameters
-    ----------
-    amplitude : float
-        In the signal's unit.
-    frequency : float
-        [rad/s].
-    phase : float
-        [rad].
-    """
+    """Make a sine, written in one way: frequency [rad/s] positive, phase [rad] in 0 ... pi."""
     if frequency < 0.0:
         amplitude, frequency, phase = -amplitude, -frequency, -phase
     half_turns = math.floor(phase / math.pi + PHASE_ROUNDING)
@@ -183,22 +143,10 @@ def sine_term(amplitude: float, frequency: float, phase: float) -> Scalar:
 
 
 def close(a: float, b: float) -> bool:
-    """Tell whether two numbers of a model are the same up to rounding.
-
-    Parameters
-    ----------
-    a, b : float
-        In the same unit.
-    """
+    """Tell whether two numbers of a model are the same up to rounding."""
     return bool(math.isclose(a, b, rel_tol=CLOSE, abs_tol=NOTHING) or a == b)
 
 
 def mixed(matrix: np.ndarray, signal: Signal) -> Signal:
-    """Multiply a signal by a matrix.
-
-    Parameters
-    ----------
-    matrix : (m, n) ndarray
-        Of numbers.
-    """
+    """Multiply a signal of n components by an (m, n) matrix."""
     return tuple(total(signal, row) for row in matrix.tolist())

@@ -24,9 +24,17 @@ from pydrake.systems.primitives import (
     VectorLogSink,
 )
 
-from drake_leg.compare.signals import Atom, Scalar, Signal, atoms, constants, sine_term, total
 from drake_leg.diagrams.wiring import Wire, wires
 from drake_leg.kinematics.batches import Array
+from drake_leg.simulink.compare.signals import (
+    Atom,
+    Scalar,
+    Signal,
+    atoms,
+    constants,
+    sine_term,
+    total,
+)
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.inverse_jacobian import InverseJacobian
@@ -40,10 +48,15 @@ FOOT = {
     "quaternion": "quaternion",
     "angular_velocity": "angular velocity",
 }
+INVERSE_JACOBIAN = {"qdot": "qdot", "det_j": "det J"}  # its outputs, and what they are
 
 
 class DiagramSignals:
-    """The signals of a diagram of this package.
+    """The signals of a diagram of this package, written in roles.
+
+    Integrals are named after the joints that they move, outputs of the inverse Jacobian after what
+    they are: ``integrators`` maps an integrator to its joint, ``shapes`` a connection to the shapes
+    of the scalars that it carries.
 
     Parameters
     ----------
@@ -57,20 +70,27 @@ class DiagramSignals:
         self._root = root
         self._sources = {(wire.target, wire.input): wire for wire in self.wires}
         self._known: dict[tuple[str, str], Signal] = {}
+        names: dict[Atom, Atom] = {}
+        for motion in self.of_type(PrescribedMotion):
+            for joint, scalar in enumerate(self.input(motion, "q") or (), start=1):
+                names |= integral_roles(scalar, joint)
+        self.integrators = {atom.of: int(role.of.split()[-1]) for atom, role in names.items()}
+        for wire in self.wires:
+            self.output(wire.source, wire.output)
+        for key, signal in self._known.items():
+            self._known[key] = tuple(scalar.renamed(names) for scalar in signal)
+        self.shapes = {
+            wire: [scalar.shape for scalar in self.output(wire.source, wire.output)]
+            for wire in self.wires
+        }
 
     def input(self, block: str, port: str) -> Signal | None:
-        """Signal at a block's input.
-
-        Returns
-        -------
-        Signal or None
-            None where nothing is connected.
-        """
+        """Signal at a block's input; None where nothing is connected."""
         wire = self._sources.get((block, port))
         return None if wire is None else self.output(wire.source, wire.output)
 
     def output(self, block: str, port: str) -> Signal:
-        """Signal at a block's output."""
+        """Signal at a block's output that is connected."""
         key = (block, port)
         if key not in self._known:
             signal = self._signal(self.systems[block], port)
@@ -82,26 +102,14 @@ class DiagramSignals:
         return [name for name, system in self.systems.items() if isinstance(system, kind)]
 
     def input_filter(self) -> str:
-        """Order and time constant of the filters at the joints' motion inputs.
-
-        Returns
-        -------
-        str
-            "none" where the motion and its derivatives are given exactly.
-        """
+        """Order and time constant of the filters at the joints' motion inputs, or "none"."""
         for name in self.of_type(InputFilter):
             block = self.systems[name]
             return f"order {block.order}, {block.time_constant:g} s"
         return "none"
 
     def logged(self) -> list[tuple[Scalar, str]]:
-        """List the scalars that scopes record.
-
-        Returns
-        -------
-        list of (Scalar, str)
-            With the scope's name.
-        """
+        """List the scalars that scopes record, each with the scope's name."""
         return [
             (scalar, name)
             for name in self.of_type(VectorLogSink)
@@ -127,15 +135,15 @@ class DiagramSignals:
             return self.input(name, "u") or ()
         if isinstance(system, MultibodyPlant):
             return _plant(system, port)
+        size = system.GetOutputPort(port).size()
         if isinstance(system, FrameSensor) and port in FOOT:
-            return _atoms(system, port, "foot", "", FOOT[port])
+            return atoms(Atom(kind="foot", what=FOOT[port], index=i) for i in range(size))
         if isinstance(system, PrescribedMotion):
-            return atoms(
-                Atom(kind="sensed", of=str(index + 1), what="torque")
-                for index in range(system.GetOutputPort(port).size())
-            )
+            return atoms(Atom(kind="sensed", of=str(i + 1), what="torque") for i in range(size))
+        if isinstance(system, InverseJacobian) and port in INVERSE_JACOBIAN:
+            return atoms(function_role(INVERSE_JACOBIAN[port], index) for index in range(size))
         kind = "function" if isinstance(system, InverseJacobian) else "other"
-        return _atoms(system, port, kind, name, port)
+        return atoms(Atom(kind=kind, of=name, what=port, index=i, name=name) for i in range(size))
 
     def _linear(self, system: System, port: str) -> Signal:
         """Multiply the inputs by the matrix that unit inputs show."""
@@ -155,9 +163,15 @@ class DiagramSignals:
         return tuple(total(inputs, row) for row in np.column_stack(columns).tolist())
 
 
-def _atoms(system: System, port: str, kind: str, of: str, what: str) -> Signal:
-    size = system.GetOutputPort(port).size()
-    return atoms(Atom(kind=kind, of=of, what=what, index=index, name=of) for index in range(size))
+def integral_roles(scalar: Scalar, joint: int) -> dict[Atom, Atom]:
+    """Name the integrals in a joint's commanded position after the joint."""
+    role = Atom(kind="integral", of=f"of joint {joint}")
+    return {atom: role for atom in scalar.terms if atom.kind == "integral"}
+
+
+def function_role(what: str, index: int = 0) -> Atom:
+    """Name an output of the inverse Jacobian: ``qdot`` or ``det J``, its component from 0."""
+    return Atom(kind="function", of="inverse Jacobian", what=what, index=index)
 
 
 def _sine(system: Sine, port: str) -> Signal:
@@ -180,7 +194,6 @@ def _sine(system: Sine, port: str) -> Signal:
 
 
 def _plant(plant: MultibodyPlant, port: str) -> Signal:
-    n = plant.num_positions()
     quantities = {
         "state": ("position", "velocity"),
         "generalized_acceleration": ("acceleration",),
@@ -188,5 +201,5 @@ def _plant(plant: MultibodyPlant, port: str) -> Signal:
     return atoms(
         Atom(kind="sensed", of=str(number), what=what)
         for what in quantities
-        for number in range(1, n + 1)
+        for number in range(1, plant.num_positions() + 1)
     )

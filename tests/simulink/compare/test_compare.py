@@ -894,3 +894,33 @@ def test_derivatives_of_a_leg_drawn_in_degrees(compared):
         model.set(name, Unit="deg", FilteringAndDerivatives="provide", UdotUserProvided="1")
         model.connect(f"{demux}#out:{place}", f"{model.sid(name)}#in:2")
     assert compared(model).agrees
+
+
+UNREADABLE = [
+    (JACOB_INV.replace("J =", "persistent J =", 1), "'persistent' is not known here"),
+    (JACOB_INV.replace("inv(J)", "schur(J)"), "'schur' is no number and no function known here"),
+    (JACOB_INV.replace("u(6)", "u(9)"), "'u' is 6×1 and has no element 9"),
+    ("", "it has no code in the file; save the model again in Simulink"),
+]
+
+
+@pytest.mark.parametrize(("script", "why"), UNREADABLE)
+def test_unreadable_function_is_one_finding_and_the_rest_is_compared(compared, script, why):
+    found = compared(published_leg(script=script))
+    (one,) = found.different
+    assert (one["what"], one["name"]) == ("block", "MATLAB Function")
+    assert one["why"].startswith("could not be read: ")
+    assert why in one["why"]
+    assert not found.missing
+    assert not found.agrees
+    changed = compared(published_leg(script=script, amplitude="50"))
+    assert names(changed.different) == ["MATLAB Function", "Sine Wave"]
+
+
+def test_unreadable_function_beside_a_run_without_one(compared):
+    model = published_pendulum()
+    function = model.add_function("Odd", "function y = f(u)\ny = schur(u);\n")
+    model.connect(model.sid("PS-Simulink q"), function)
+    found = compared(model, "pendulum")
+    assert [item["why"].partition(":")[0] for item in found.different] == ["could not be read"]
+    assert "Odd" in names(found.missing)
