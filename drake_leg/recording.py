@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
+from drake_leg.html_table import html_table
 from drake_leg.kinematics.batches import Array
 from drake_leg.reading import LARGEST_RECORDING, opened
 
@@ -93,6 +94,16 @@ class Recording:
             If a column is missing.
         """
         return np.stack([self[name] for name in names], axis=-1)
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for header, values in self.columns.items():
+            name, _, unit = header.partition("[")
+            ends = (values[0], values[-1], values.min(), values.max()) if len(values) else ()
+            rows.append((name, unit.removesuffix("]"), *(f"{value:.6g}" for value in ends)))
+        count = len(next(iter(self.columns.values()), ()))
+        headings = ("column", "unit", "first", "last", "least", "greatest")
+        return html_table(headings, rows, title=f"Recording, {count} rows")
 
     def write_csv(self, path: Path) -> None:
         """Write the columns with 17 significant digits, so that reading gives them back exactly.

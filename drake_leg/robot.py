@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from drake_leg.colours import (
     rgb,
 )
 from drake_leg.errors import InvalidValueError
+from drake_leg.html_table import html_table
 from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.names import (
     BASE,
@@ -305,3 +307,25 @@ class Robot:
     def moving(self) -> tuple[Segment, ...]:
         """The segments with a joint position, in the table's order."""
         return tuple(s for s in self.segments if s.row.joint != "fixed")
+
+    def _repr_html_(self) -> str:
+        headings = ("row", "σ", "d [m]", "α [°]", "r [m]", "θ [°]", "joint", "link")
+        rows = []
+        variables = (f"q{number}" for number in itertools.count(1))
+        for index, segment in enumerate(self.segments, start=1):
+            row = segment.row
+            r, theta = f"{row.r:g}", f"{math.degrees(row.theta):g}"
+            if row.joint == "revolute":
+                theta = _sum(next(variables), row.theta, theta)
+            elif row.joint == "prismatic":
+                r = _sum(next(variables), row.r, r)
+            sigma = "~" if row.sigma is None else row.sigma
+            link = segment.link.name if segment.link else ""
+            alpha = f"{math.degrees(row.alpha):g}"
+            rows.append((index, sigma, f"{row.d:g}", alpha, r, theta, segment.joint or "", link))
+        return html_table(headings, rows, title=f"{self.title} ({self.source})")
+
+
+def _sum(variable: str, offset: float, text: str) -> str:
+    """Write a joint position with the offset that the table adds to it."""
+    return f"{variable} + {text}" if offset else variable

@@ -72,7 +72,7 @@ _INSTEAD_OF_ROW = {
 }
 
 
-def load_robot(path: Path) -> Robot:
+def load_robot(path: Path | str) -> Robot:
     """Read a robot from a TOML file.
 
     Returns
@@ -85,7 +85,7 @@ def load_robot(path: Path) -> Robot:
     InvalidValueError
         With file, key and value, if something makes no sense.
     """
-    return read_robot(read_text(path), str(path))
+    return read_robot(read_text(Path(path)), str(path))
 
 
 def read_robot(text: str, where: str) -> Robot:
