@@ -21,7 +21,27 @@ MOST_NAMES = 6  # of columns that an error's sentence lists
 
 @dataclass(frozen=True)
 class Recording:
-    """Columns of equal length, in order; a header such as ``vx[m/s]`` holds name and unit."""
+    """Columns of equal length, in order; a header such as ``vx[m/s]`` holds name and unit.
+
+    Parameters
+    ----------
+    columns : mapping of str to (rows,) ndarray
+        Header to values.
+
+    Raises
+    ------
+    InvalidValueError
+        If the columns differ in length.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from drake_leg import Recording
+    >>> time = np.linspace(0.0, 1.0, 5)
+    >>> swing = Recording({"time[s]": time, "q[rad]": 0.1 * np.cos(time)})
+    >>> swing["q"].max(), swing.unit("q")
+    (np.float64(0.1), 'rad')
+    """
 
     columns: Mapping[str, Array]
 

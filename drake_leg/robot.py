@@ -258,7 +258,52 @@ def link_colour(row: int) -> Colour:
 
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """A serial robot on a fixed base."""
+    """A serial robot on a fixed base.
+
+    Its end effector, the foot, is the last frame of the table.
+
+    Parameters
+    ----------
+    name : str
+        As in file names: letters, digits and underscores.
+    title : str
+        As in headings.
+    source : str
+        Where its numbers come from.
+    segments : tuple of Segment
+        One for each row of the Khalil table, from base to tip, with its joint and its link.
+
+    Raises
+    ------
+    InvalidValueError
+        If a name is unusable or used twice, or no row moves.
+
+    Examples
+    --------
+    >>> from drake_leg import Robot
+    >>> from drake_leg.robot import Brick, Link, Row, Segment, Solid
+    >>> bar = Solid(
+    ...     shape=Brick(length=0.2, width=0.02, height=0.01),  # [m]
+    ...     density=2700.0,  # [kg/m^3]
+    ...     centre=(0.1, 0.0, 0.0),
+    ...     colour=(0.0, 0.45, 0.7),
+    ... )
+    >>> arm = Robot(
+    ...     name="arm",
+    ...     title="One bar",
+    ...     source="typed here",
+    ...     segments=(
+    ...         Segment(
+    ...             row=Row(joint="revolute"),
+    ...             joint="turn",
+    ...             link=Link(name="bar", solid=bar, end=(0.2, 0.0, 0.0)),
+    ...         ),
+    ...         Segment(row=Row(joint="fixed", d=0.2)),  # the foot: a frame only
+    ...     ),
+    ... )
+    >>> len(arm.moving), len(arm.rows)
+    (1, 2)
+    """
 
     name: str  # as in file names: leg_b
     title: str  # as in headings: Hexabot leg B

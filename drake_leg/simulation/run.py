@@ -117,6 +117,16 @@ def simulate(
         the initial state.
     SingularConfigurationError, JointLimitError
         If the robot is singular, or outside its joint limits, at the start.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, PendulumConfig, build_pendulum, simulate
+    >>> diagram = build_pendulum(PendulumConfig(robot=PENDULUM, q0=0.0))
+    >>> result = simulate(diagram, duration=0.5)
+    >>> result.stopped_at is None, result.time[-1]
+    (True, np.float64(0.5))
+    >>> sorted(result.scopes)
+    ['acceleration', 'energy', 'q', 'w']
     """
     settings = settings or IntegratorSettings()
     require_positive("the duration", duration, "s")

@@ -96,7 +96,7 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     >>> from drake_leg import LEG_A, derive
     >>> print(derive(LEG_A, "determinant, factored"))
     determinant, factored
-    det(J) = ...
+    │J│ = l₂⋅l₃⋅s₃⋅(c₂⋅l₂ + c₂₃⋅l₃ + l₁)
     """
     name = next((name for name, subject in SUBJECTS.items() if subject.robot == robot), None)
     spending = TimeBudget(budget)
