@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
-from drake_leg.errors import OutputError
+from drake_leg.errors import OutputError, PlaceError
 from drake_leg.interrupts import held
 
 LONGEST_NAME = 200  # characters of a name that a number is added to
@@ -157,7 +157,7 @@ def cannot_write(target: Path, error: Exception) -> OutputError:
         What the system said.
     """
     why = (error.strerror if isinstance(error, OSError) else None) or str(error)
-    return OutputError(f"{target} cannot be written ({why}): choose another --out")
+    return PlaceError(target, f"cannot be written ({why})")
 
 
 def _places(wanted: Path, ending: str) -> Iterator[Path]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from drake_leg.errors import OutputError, UnreadableFileError
+from drake_leg.errors import OutputError, PlaceError, UnreadableFileError
 from drake_leg.folders import (
     add_file,
     cannot_write,
@@ -22,7 +22,7 @@ from drake_leg.interrupts import held
 from drake_leg.reading import read_text
 
 LIST = ".files-of-drake-leg"  # of what was written into a folder
-HEADING = "# drake-leg wrote these files here; --overwrite replaces them, and no others"
+HEADING = "# drake-leg wrote these files here; overwriting replaces them, and no others"
 LITTER = (".DS_Store",)  # nobody's
 
 Identity = tuple[int, int]
@@ -160,30 +160,26 @@ def check_target(target: Path, *, overwrite: bool) -> None:
         If it exists and may not be replaced, or if its parent cannot be written.
     """
     if target.name == "..":
-        raise OutputError(f"{target} ends in '..': name the folder that is meant as --out")
+        raise PlaceError(target, "ends in '..'")
     with _in_a_sentence(target):
         exists = target.exists() or target.is_symlink()
         if exists and not overwrite:
-            raise OutputError(f"{target} exists: choose another --out, or add --overwrite")
+            raise PlaceError(target, "exists", replaceable=True)
         if exists:
             _require_results(target)
         if exists and Path.cwd().is_relative_to(target.resolve()):
-            raise OutputError(f"{target} is the folder that you are in: choose another --out")
+            raise PlaceError(target, "is the folder that you are in")
         try_writing(target)
 
 
 def _require_results(target: Path) -> None:
     """Refuse to overwrite what this program did not write."""
     if target.is_symlink() or not target.is_dir():
-        raise OutputError(
-            f"{target} is something else than a folder of results, and is not overwritten: choose "
-            "another --out"
-        )
+        raise PlaceError(target, "is not a folder of results, and is not overwritten")
     stranger = _stranger(target)
     if stranger is not None:
-        raise OutputError(
-            f"{target} holds something else than results of this program, {stranger}, and is not "
-            "overwritten: move that away, or choose another --out"
+        raise PlaceError(
+            target, f"holds {stranger}, which is no result of this program, and is not overwritten"
         )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from drake_leg.errors import DrakeLegError, OutputError
+from drake_leg.errors import DrakeLegError, OutputError, PlaceError
 from drake_leg.folders import cannot_write, place_file, scratch_beside, try_writing
 from drake_leg.interrupts import held
 
@@ -98,12 +98,12 @@ def check_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> No
         made in its folder.
     """
     if target.suffix.lower() not in endings:
-        raise OutputError(f"{target} does not end in {' or '.join(endings)}: choose another --out")
+        raise PlaceError(target, f"does not end in {' or '.join(endings)}")
     try:
         if target.is_dir():
-            raise OutputError(f"{target} is a folder: choose another --out")
+            raise PlaceError(target, "is a folder")
         if not overwrite and (target.exists() or target.is_symlink()):
-            raise OutputError(f"{target} exists: choose another --out, or add --overwrite")
+            raise PlaceError(target, "exists", replaceable=True)
         try_writing(target)
     except (OSError, ValueError) as error:
         raise cannot_write(target, error) from error

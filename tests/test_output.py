@@ -53,7 +53,7 @@ def test_a_folder_that_is_not_there_may_be_made(tmp_path):
 @pytest.mark.parametrize("kind", ["results", "empty", "file", "link", "broken link"])
 def test_whatever_exists_is_refused_without_overwrite(tmp_path, kind):
     out = make(tmp_path, kind)
-    with pytest.raises(OutputError, match=r"out exists: .*--overwrite"):
+    with pytest.raises(OutputError, match=r"out exists: .*overwrite=True"):
         check_target(out, overwrite=False)
 
 
@@ -80,7 +80,7 @@ def test_folders_of_our_results_may_be_replaced(tmp_path, kind):
 
 @pytest.mark.parametrize("kind", ["file", "link", "broken link"])
 def test_what_is_no_folder_is_never_replaced(tmp_path, kind):
-    with pytest.raises(OutputError, match="something else than a folder of results"):
+    with pytest.raises(OutputError, match="is not a folder of results"):
         check_target(make(tmp_path, kind), overwrite=True)
 
 
@@ -91,7 +91,7 @@ STRANGERS = ["thesis.docx", "notes.txt", "notes.csv", "photo.png", ".hidden", "s
 def test_a_folder_with_anything_else_in_it_is_never_replaced(tmp_path, stranger):
     out = results(tmp_path / "out")
     (out / stranger).write_text("mine", encoding="utf-8")
-    with pytest.raises(OutputError, match=f"something else than results of .* {stranger}, and"):
+    with pytest.raises(OutputError, match=f"holds {stranger}, which is no result of .*, and"):
         check_target(out, overwrite=True)
     assert (out / stranger).read_text(encoding="utf-8") == "mine"
 
@@ -127,7 +127,7 @@ def test_what_a_file_manager_leaves_is_no_hindrance(tmp_path):
 def test_a_folder_with_a_folder_in_it_is_never_replaced(tmp_path):
     out = results(tmp_path / "out")
     (out / "deeper.csv").mkdir()
-    with pytest.raises(OutputError, match="something else than results"):
+    with pytest.raises(OutputError, match="which is no result of"):
         check_target(out, overwrite=True)
 
 
@@ -135,7 +135,7 @@ def test_a_folder_of_pictures_that_are_not_ours_is_never_replaced(tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     (out / "holiday.png").write_bytes(b"")
-    with pytest.raises(OutputError, match="something else than results"):
+    with pytest.raises(OutputError, match="which is no result of"):
         check_target(out, overwrite=True)
 
 

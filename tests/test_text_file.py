@@ -28,7 +28,7 @@ def test_a_new_file_has_the_modes_that_any_new_file_has(tmp_path):
 def test_a_file_that_is_there_is_replaced_only_on_request(tmp_path):
     path = tmp_path / "arm.sdf"
     path.write_text("old")
-    with pytest.raises(OutputError, match="--overwrite"):
+    with pytest.raises(OutputError, match="overwrite=True"):
         write(path)
     assert path.read_text() == "old"
     write(path, overwrite=True)

@@ -38,7 +38,7 @@ def endless():
 @pytest.mark.parametrize("work", [for_ever, stubborn])
 def test_what_takes_for_ever_is_stopped(work):
     before = threading.active_count()
-    with pytest.raises(TimeBudgetError, match=r"not done within 0.1 s: give it more with --budget"):
+    with pytest.raises(TimeBudgetError, match=r"not done within 0.1 s: give it more with `budget`"):
         TimeBudget(0.1).spend(work)
     assert threading.active_count() == before
 

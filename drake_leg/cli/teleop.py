@@ -72,12 +72,14 @@ def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
     try:
         return at_rest(drive, q)
     except SingularConfigurationError as error:
-        error.args = (
-            f"at --q {as_option(robot, q)} {singular_words(drive, q, '')}: from this singular "
-            "posture the foot cannot be driven; choose another --q"
-            + (", or --task position" if drive.task.keeps_orientation else ""),
-        )
-        raise
+        raise SingularConfigurationError(
+            q=error.q,
+            sigma_min=error.sigma_min,
+            problem=f"at --q {as_option(robot, q)} {singular_words(drive, q, '')}: from this "
+            "singular posture the foot cannot be driven",
+            advice="choose another `q`"
+            + (", or `task='position'`" if drive.task.keeps_orientation else ""),
+        ) from None
 
 
 def _mm(step: Step) -> str:

@@ -96,7 +96,8 @@ def _twists(robot: Robot, q0: Sequence[float], keep: str | None) -> Array:
     if keep == "pose":
         raise InvalidValueError(
             f"{robot.name!r} cannot hold its foot's orientation with its "
-            f"{joints_in_words(robot)} while the foot moves: choose --task position"
+            f"{joints_in_words(robot)} while the foot moves",
+            advice="choose `task='position'`",
         )
     if position.span is not None:
         return position.span
@@ -145,13 +146,14 @@ def require_direction(
         where = "at q0 " if turns_on_its_way(robot, task) else ""
         raise InvalidValueError(
             f"{where}the foot of {robot.name!r} {motion_in_words(task)}: it cannot go along "
-            f"{_vector(np.asarray(direction))}; choose another --direction"
+            f"{_vector(np.asarray(direction))}",
+            advice="choose another `direction`",
         )
     if not _straight(robot, task, q0, direction):
         raise InvalidValueError(
             f"{robot.name!r} takes its foot along a curve with its {joints_in_words(robot)}: "
-            f"from q0 it cannot go straight along {_vector(np.asarray(direction))}; choose another "
-            "--direction, or a robot with more joints"
+            f"from q0 it cannot go straight along {_vector(np.asarray(direction))}",
+            advice="choose another `direction`, or a robot with more joints",
         )
 
 

@@ -28,8 +28,9 @@ _INSTEAD_OF_ROBOT = {
     "dh": "the table's rows stand under [[row]]",
     "joints": "a joint stands with its link in a row, under [[row]]",
     "links": "a link stands with its joint in a row, under [[row]]",
-    "gravity": "gravity is an option of a run, --gravity",
-    "q0": "where it starts is an option of a run, --q0, or position_target under [row.mechanics]",
+    "gravity": "gravity belongs to a run, as its option `gravity`",
+    "q0": "where it starts belongs to a run, as its option `q0`, or to [row.mechanics], as "
+    "position_target",
     "tool": 'a tool is a last [[row]] with sigma = "~"',
     "base": 'what raises or turns the base is a first [[row]] with sigma = "~"',
 }

@@ -119,7 +119,7 @@ class Plan:
                 q=start,
                 sigma_min=float(smallest_singular_value(self.arm.jacobian(start))),
                 time=0.0,
-                remedy="choose another --q0, or --task position, which lets the foot turn",
+                advice="choose another `q0`, or `task='position'`, which lets the foot turn",
             )
 
 

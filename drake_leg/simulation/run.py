@@ -133,8 +133,9 @@ def simulate(
     if duration / settings.max_step > STEP_BUDGET:
         raise InvalidValueError(
             f"{duration!r} s at steps of {settings.max_step!r} s are more than the "
-            f"{STEP_BUDGET} steps a run may take: choose a shorter duration or a larger --max-step "
-            "and, where a light link's damping or a stiff spring forbids that, --integrator radau3"
+            f"{STEP_BUDGET} steps a run may take",
+            advice="choose a shorter duration or a larger `max_step` and, where a light link's "
+            "damping or a stiff spring forbids that, `integrator='radau3'`",
         )
     simulator = Simulator(diagram)
     ResetIntegratorFromFlags(simulator, settings.scheme, settings.max_step)
@@ -222,7 +223,7 @@ class _Limits:
 
     def __init__(self, diagram: Diagram) -> None:
         weaker = ", or a weaker disturbance" if is_disturbed(diagram) else ""
-        self._remedy = f"choose another posture or a smaller amplitude{weaker}"
+        self._advice = f"choose another posture or a smaller amplitude{weaker}"
         self._limited = []
         for plant in diagram.GetSystems():
             if isinstance(plant, MultibodyPlant):
@@ -243,7 +244,7 @@ class _Limits:
                         limits=(low[index], high[index]),
                         time=root.get_time(),
                         slides=isinstance(joint, PrismaticJoint),
-                        remedy=self._remedy,
+                        advice=self._advice,
                     )
 
 
