@@ -154,6 +154,15 @@ def prove(
         If there is no sample, the seed is negative, or the budget is not positive.
     MissingSymPyError
         If SymPy is not installed.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, prove
+    >>> proof = prove(PENDULUM)
+    >>> proof.holds, proof.complete
+    (True, True)
+    >>> proof.worst.difference < 1e-15
+    True
     """
     if not 1 <= samples <= MOST_SAMPLES:
         raise InvalidValueError(f"samples is {samples}; it must be 1 to {MOST_SAMPLES}")

@@ -73,8 +73,13 @@ _INSTEAD_OF_ROW = {
 }
 
 
-def load_robot(path: Path) -> Robot:
+def load_robot(path: Path | str) -> Robot:
     """Read a robot from a TOML file.
+
+    Parameters
+    ----------
+    path : Path or str
+        ``drake-leg sdf leg-b --toml`` prints one to start from.
 
     Returns
     -------
@@ -85,8 +90,20 @@ def load_robot(path: Path) -> Robot:
     ------
     InvalidValueError
         With file, key and value, if something makes no sense.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from drake_leg import LEG_B, load_robot
+    >>> from drake_leg.robot_file import robot_toml
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "leg_b.toml"
+    ...     _ = path.write_text(robot_toml(LEG_B))
+    ...     load_robot(path) == LEG_B
+    True
     """
-    return read_robot(read_text(path), str(path))
+    return read_robot(read_text(Path(path)), str(path))
 
 
 def read_robot(text: str, where: str) -> Robot:
