@@ -18,10 +18,9 @@ from drake_leg.cli.common import (
 )
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import TimeBudgetError
-from drake_leg.progress import ProgressBar
+from drake_leg.progress import ProgressBar, TimeBudget
 from drake_leg.symbolic.catalogue import SUBJECTS, Subject, derived_equations, require_subject
 from drake_leg.symbolic.optional import require_sympy
-from drake_leg.time_budget import TimeBudget
 
 if TYPE_CHECKING:
     from drake_leg.symbolic.equations import Equation
