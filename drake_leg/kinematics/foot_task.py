@@ -55,6 +55,17 @@ def foot_task(robot: Robot, q0: Sequence[float] | None = None, keep: str | None 
     ------
     InvalidValueError
         If the robot cannot do that, or the count of joint positions is another.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, foot_task
+    >>> task = foot_task(LEG_B)
+    >>> task.joints, task.size  # three joints, three velocities of the foot
+    (3, 3)
+    >>> q, v = [1.57, -0.87, -1.57], [0.05, 0.0, 0.0]
+    >>> qdot = task.rates(q, v)
+    >>> bool(abs(task.jacobian(q) @ qdot - v).max() < 1e-12)
+    True
     """
     if keep is not None and keep not in TASKS:
         raise InvalidValueError(f"the task is {keep!r}; it must be {' or '.join(TASKS)}")

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.units import parse_unit
+from drake_leg.units import parse_unit
 
 
 @pytest.mark.parametrize(
@@ -49,12 +49,12 @@ def test_units_in_si(text, factor, si):
     ["", "furlong", "m/", "*m", "(m", "m)", "m^", "m^^2", "m m", "m^99999999999", "(" * 30, "µm"],
 )
 def test_what_is_no_unit(text):
-    with pytest.raises(InvalidValueError, match="is no unit"):
+    with pytest.raises(InvalidValueError, match=r"is not a (known )?unit"):
         parse_unit(text)
 
 
 def test_long_text_is_no_unit():
-    with pytest.raises(InvalidValueError, match="is no unit"):
+    with pytest.raises(InvalidValueError, match=r"is not a (known )?unit"):
         parse_unit("m*" * 10_000 + "m")
 
 

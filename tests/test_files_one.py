@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from drake_leg.errors import OutputError
-from drake_leg.text_file import whole_file, write_text
+from drake_leg.files import whole_file, write_text
 
 
 def write(path, text="new", *, overwrite=False):

@@ -4,7 +4,7 @@ import time
 import pytest
 
 from drake_leg.errors import TimeBudgetError
-from drake_leg.time_budget import TimeBudget
+from drake_leg.progress import TimeBudget
 
 
 def for_ever():

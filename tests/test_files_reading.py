@@ -3,7 +3,7 @@ import os
 import pytest
 
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
-from drake_leg.reading import opened, read_bytes, read_text
+from drake_leg.files import opened, read_bytes, read_text
 
 
 def test_a_text_is_read_whatever_its_line_ends_and_its_byte_order_mark(tmp_path):

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from drake_leg import folders
+from drake_leg import files
 from drake_leg.errors import OutputError
-from drake_leg.output import HEADING, LIST, ResultsFolder, check_target
+from drake_leg.files import HEADING, LIST, ResultsFolder, check_target
 
 
 def names(folder):
@@ -188,7 +188,7 @@ def test_a_folder_without_permission_is_refused(tmp_path, monkeypatch):
     def denied(*arguments, **keywords):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
-    monkeypatch.setattr("drake_leg.output.tempfile.TemporaryDirectory", denied)
+    monkeypatch.setattr("drake_leg.files.tempfile.TemporaryDirectory", denied)
     with pytest.raises(OutputError, match=r"out cannot be written \(Permission denied\)"):
         check_target(tmp_path / "out", overwrite=False)
 
@@ -337,7 +337,7 @@ def test_a_file_that_came_into_old_results_meanwhile_keeps_them(tmp_path):
 
 def test_a_file_that_came_into_old_results_at_the_last_moment_is_kept_beside(tmp_path, monkeypatch):
     out = results(tmp_path / "out")
-    monkeypatch.setattr("drake_leg.output.place_folder", late_note(out.parent))
+    monkeypatch.setattr("drake_leg.files._place", late_note(out.parent))
     folder = write_into(out)
     whole(out, "new")
     assert folder.remark == f"what had come into {out} meanwhile is now in {out}-2"
@@ -349,14 +349,16 @@ def late_note(parent):
     """Put a note into older results that have been moved aside already."""
     calls = []
 
-    def place(folder, wanted):
+    place = files._place
+
+    def late(folder, wanted, *rest):
         if not calls:
             (aside,) = parent.glob(".out.*/results/recording.csv")
             aside.with_name("notes.txt").write_text("mine", encoding="utf-8")
         calls.append(folder)
-        return folders.place_folder(folder, wanted)
+        return place(folder, wanted, *rest)
 
-    return place
+    return late
 
 
 def test_older_results_that_another_run_has_replaced_meanwhile_are_the_others(tmp_path):
