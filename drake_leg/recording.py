@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
+from drake_leg.files import LARGEST_RECORDING, opened
 from drake_leg.html_table import html_table
 from drake_leg.kinematics.batches import Array
-from drake_leg.reading import LARGEST_RECORDING, opened
 
 MOST_NAMES = 6  # of columns that an error's sentence lists
 

@@ -30,10 +30,9 @@ from drake_leg.errors import (
     UnreadableFileError,
     UnstableRunError,
 )
+from drake_leg.files import check_target, read_text
 from drake_leg.imports import BrokenPackageError
 from drake_leg.kinematics.rates import exact_rates
-from drake_leg.output import check_target
-from drake_leg.reading import read_text
 from drake_leg.report.replays import UnlikeReplaysError
 from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B

@@ -22,10 +22,10 @@ from drake_leg.check.witness import DrakeWitness
 from drake_leg.errors import InvalidValueError, TimeBudgetError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.batches import Array
+from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Robot, Row
 from drake_leg.symbolic.optional import require_sympy
-from drake_leg.time_budget import BUDGET, TimeBudget
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
 SAMPLES = 32

@@ -11,9 +11,9 @@ from typing import Any
 
 from drake_leg.cli.advice import as_options
 from drake_leg.errors import InvalidValueError
+from drake_leg.progress import BUDGET
 from drake_leg.quantities import require_positive
 from drake_leg.robots import ROBOTS
-from drake_leg.time_budget import BUDGET
 
 FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 

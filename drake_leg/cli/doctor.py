@@ -15,8 +15,8 @@ from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, fail, numbers
 from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
+from drake_leg.files import ResultsFolder
 from drake_leg.imports import require_matplotlib
-from drake_leg.output import ResultsFolder
 from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
 

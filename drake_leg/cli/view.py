@@ -68,9 +68,9 @@ def _view(chosen: argparse.Namespace) -> int:
 
 
 def _still(chosen: argparse.Namespace) -> int:
+    from drake_leg.files import whole_file
     from drake_leg.scene.stills import still_png
     from drake_leg.scene.views import view_named
-    from drake_leg.text_file import whole_file
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.robot import JointType, Link, Robot, Row, Segment
 from drake_leg.robot_file.bodies import ORIGIN, read_inertial, read_solid
 from drake_leg.robot_file.classic import ClassicRow, khalil_rows
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.joints import read_mechanics
 from drake_leg.robot_file.keys import Keys
-from drake_leg.robot_file.units import AngleUnit, in_radians, joint_units
+from drake_leg.units import AngleUnit, in_radians, joint_units
 
 ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "row")
 TABLE_KEYS = {
