@@ -39,7 +39,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 **Blocks**, for diagrams of your own
 
 - ``InverseJacobian``: joint velocities for a commanded velocity of the foot.
-- ``foot_task``: what of a robot's foot is commanded; an ``InverseJacobian`` inverts it.
+- ``movable``: a robot whose foot can be commanded; what an ``InverseJacobian`` inverts.
 - ``PrescribedMotion``: the torques that make joints follow a motion.
 - ``FrameSensor``: where a frame is and how it moves.
 - ``DriftCorrection``: a commanded velocity, pulled back to where it should have led.
@@ -91,7 +91,7 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.scara import build as build_scara
     from drake_leg.doctor import examine_posture
     from drake_leg.figures.free_body import free_body as frames_drawing
-    from drake_leg.kinematics.foot_task import foot_task
+    from drake_leg.kinematics.foot_task import foot_task as movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
     from drake_leg.pictures.block_diagram import block_diagram
@@ -140,7 +140,7 @@ _HOMES = {
     "derive": ("drake_leg.symbolic.by_robot", "derive"),
     "errata": ("drake_leg.lab.shown", "errata"),
     "examine_posture": ("drake_leg.doctor", "examine_posture"),
-    "foot_task": ("drake_leg.kinematics.foot_task", "foot_task"),
+    "movable": ("drake_leg.kinematics.foot_task", "foot_task"),
     "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
     "load_robot": ("drake_leg.robot_file.read", "load_robot"),
     "prove": ("drake_leg.check.proof", "prove"),
@@ -179,9 +179,9 @@ __all__ = [
     "derive",
     "errata",
     "examine_posture",
-    "foot_task",
     "frames_drawing",
     "load_robot",
+    "movable",
     "prove",
     "replay",
     "report",

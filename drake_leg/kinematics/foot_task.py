@@ -58,13 +58,13 @@ def foot_task(robot: Robot, q0: Sequence[float] | None = None, keep: str | None 
 
     Examples
     --------
-    >>> from drake_leg import LEG_B, foot_task
-    >>> task = foot_task(LEG_B)
-    >>> task.joints, task.size  # three joints, three velocities of the foot
+    >>> from drake_leg import LEG_B, movable
+    >>> leg = movable(LEG_B)
+    >>> leg.joints, leg.size  # three joints, three velocities of the foot
     (3, 3)
     >>> q, v = [1.57, -0.87, -1.57], [0.05, 0.0, 0.0]
-    >>> qdot = task.rates(q, v)
-    >>> bool(abs(task.jacobian(q) @ qdot - v).max() < 1e-12)
+    >>> qdot = leg.rates(q, v)
+    >>> bool(abs(leg.jacobian(q) @ qdot - v).max() < 1e-12)
     True
     """
     if keep is not None and keep not in TASKS:

@@ -122,8 +122,8 @@ class InverseJacobian(LeafSystem):
 
     Examples
     --------
-    >>> from drake_leg import LEG_B, InverseJacobian, foot_task
-    >>> block = InverseJacobian(foot_task(LEG_B))
+    >>> from drake_leg import LEG_B, InverseJacobian, movable
+    >>> block = InverseJacobian(movable(LEG_B))
     >>> context = block.CreateDefaultContext()
     >>> for name, value in (("q", [1.57, -0.87, -1.57]), ("v", [0.05, 0.0, 0.0])):
     ...     _ = block.GetInputPort(name).FixValue(context, value)
