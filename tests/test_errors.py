@@ -26,7 +26,7 @@ from drake_leg.errors import (
     UnstableRunError,
 )
 from drake_leg.imports import BrokenPackageError
-from drake_leg.kinematics.rates import exact_rates
+from drake_leg.kinematics.movable import exact_rates
 from drake_leg.output import check_target
 from drake_leg.reading import read_text
 from drake_leg.report.replays import UnlikeReplaysError

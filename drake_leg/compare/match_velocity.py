@@ -87,7 +87,7 @@ def _compare_positions(c: Correspondence, sid: str, name: str, joints_from: dict
 
 def _compare_velocity(c: Correspondence, sid: str, name: str, found: Match) -> None:
     live = c.live_role(c.live.input(name, "v"))
-    parts = [_part(twist) for twist in c.live.systems[name].twists.T]
+    parts = [_part(twist) for twist in c.live.systems[name].robot.twists.T]
     for index, ((axis, unit), mine, theirs) in enumerate(
         zip(parts, found.velocity, live, strict=False)
     ):

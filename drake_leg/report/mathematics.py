@@ -9,17 +9,17 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from drake_leg.doctor import examine_posture
 from drake_leg.kinematics.khalil import base_transforms, jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
-from drake_leg.kinematics.singularity import examine
-from drake_leg.kinematics.stroke import greatest_amplitude, leg_stroke
 from drake_leg.report.contents import Item
 from drake_leg.report.markup import formula_grid, number, power, prose, table, value_grid
 from drake_leg.report.matrices import POSTURES, Comparison, comparisons, methods
 from drake_leg.report.subjects import SUBJECTS, Subject, angles, option
 from drake_leg.robot import Robot
 from drake_leg.runs.options import LegBOptions
+from drake_leg.singularity.doctor import examine_posture
+from drake_leg.singularity.rank import examine
+from drake_leg.singularity.stroke import greatest_amplitude, leg_stroke
 
 NAMES = {"det J expanded": "det J"}
 FAMILIES: dict[str | None, str] = {
