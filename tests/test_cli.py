@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drake_leg import cli
-from drake_leg.output import LIST
+from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
 from drake_leg.recording import read_csv
 from drake_leg.runs.catalogue import RUNS

@@ -13,7 +13,7 @@ import signal
 import sys
 from collections.abc import Sequence
 
-from drake_leg.interrupts import Interrupts, heeded
+from drake_leg.progress import Interrupts, interruptible
 
 __all__ = ["main"]
 
@@ -28,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         Without the program's name; by default the process's own.
     """
-    with heeded() as interrupts:
+    with interruptible() as interrupts:
         return _of_signal(interrupts, _carried_out(arguments))
 
 

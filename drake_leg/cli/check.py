@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drake_leg.cli.advice import as_options
 from drake_leg.cli.common import (
     BAD_INPUT,
     STOPPED_EARLY,
@@ -197,7 +198,7 @@ def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
         mark = "" if comparison.agrees else "  !"
         yield f"  {comparison.quantity:<10} {pair:<20} {comparison.difference:.1e}{mark}"
     for missing in proof.missing:
-        yield f"  {missing.quantity:<10} {missing.witness:<20} {missing.why}"
+        yield f"  {missing.quantity:<10} {missing.witness:<20} {as_options(missing.why)}"
     if proof.worst is not None:
         yield f"the greatest of all: {_where(robot, proof.worst)}"
     yield _verdict(proof)

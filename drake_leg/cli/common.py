@@ -5,15 +5,15 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from drake_leg.errors import InvalidValueError, OutputError
+from drake_leg.cli.advice import as_options
+from drake_leg.errors import InvalidValueError
+from drake_leg.progress import BUDGET
 from drake_leg.quantities import require_positive
 from drake_leg.robots import ROBOTS
-from drake_leg.time_budget import BUDGET
 
 FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 
@@ -42,22 +42,7 @@ def remark(sentence: object) -> None:
     sentence : object
         Its text is one sentence.
     """
-    print(f"drake-leg: {sentence}", file=sys.stderr)
-
-
-@contextmanager
-def naming_option(option: str) -> Iterator[None]:
-    """Name the option that was given where an error about a file says ``--out``.
-
-    Raises
-    ------
-    OutputError
-        In place of one that names ``--out``.
-    """
-    try:
-        yield
-    except OutputError as error:
-        raise OutputError(str(error).replace("another --out", f"another {option}")) from None
+    print(f"drake-leg: {as_options(sentence)}", file=sys.stderr)
 
 
 def refuse_ignored(options: Mapping[str, bool], why: str) -> None:

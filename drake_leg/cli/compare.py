@@ -16,7 +16,7 @@ from drake_leg.runs.catalogue import RUNS, RunKind
 from drake_leg.runs.options import RunOptions
 
 if TYPE_CHECKING:
-    from drake_leg.compare.comparison import Comparison
+    from drake_leg.simulink.compare.findings import Comparison
 
 DIFFERENT = 1  # exit status
 ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")
@@ -59,7 +59,7 @@ def _compare(chosen: argparse.Namespace) -> int:
     from drake_leg.simulink.reader import read_model
 
     model = read_model(chosen.model)
-    from drake_leg.compare.compare import LiveModel, compare
+    from drake_leg.simulink.compare.compare import LiveModel, compare
 
     diagram, start = kind.diagram(options)
     root = diagram.CreateDefaultContext()
@@ -140,6 +140,8 @@ def _missing(item: dict[str, Any]) -> str:
 def _different(item: dict[str, Any], name: str = "") -> str:
     if item["what"] == "scale":
         return f"{_place(item)}: lengths are {_value(item['simulink'])} times those of {name}"
+    if "why" in item:
+        return f"{_place(item)}: {item['why']}"
     ours, theirs = (_quantity(item[side], item["unit"]) for side in ("simulink", "drake"))
     return f"{_place(item)}: {item['parameter']} is {ours}, in Drake {theirs}"
 

@@ -18,10 +18,9 @@ from drake_leg.cli.common import (
 )
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import TimeBudgetError
-from drake_leg.progress import ProgressBar
+from drake_leg.progress import ProgressBar, TimeBudget
 from drake_leg.symbolic.catalogue import SUBJECTS, Subject, derived_equations, require_subject
 from drake_leg.symbolic.optional import require_sympy
-from drake_leg.time_budget import TimeBudget
 
 if TYPE_CHECKING:
     from drake_leg.symbolic.equations import Equation
@@ -81,14 +80,15 @@ def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> in
     """Derive what follows from a table, each piece printed when it is there."""
     robot = robot_source(chosen.name).robot()
     require_sympy(f"the derivation of {chosen.name}")
-    from drake_leg.symbolic.own_table import OwnTable
+    from drake_leg.symbolic.derivation import Derivation
+    from drake_leg.symbolic.equations import own_pieces
 
-    table = OwnTable(robot.rows)
+    table = Derivation(robot.rows)
     undone: list[str] = []
     too_large: list[str] = []
-    letters = f"; {table.legend}" if table.legend else ""
+    letters = f"; {table.chain.legend}" if table.chain.legend else ""
     _print_heading(f"{robot.title}, derived from its table: {SHORTHAND}{letters}", chosen)
-    for piece in table.pieces():
+    for piece in own_pieces(table):
         bar.turn_to(piece.title)
         try:
             equations = budget.spend(piece.derive)

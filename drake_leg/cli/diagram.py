@@ -66,7 +66,7 @@ def add(commands: Commands) -> None:
 
 
 def _diagram(chosen: argparse.Namespace) -> int:
-    from drake_leg.text_file import check_file, write_text
+    from drake_leg.files import check_file, write_text
 
     check_file(chosen.out, endings=(".svg",), overwrite=chosen.overwrite)
     with picture(f"the diagram {chosen.out}"):

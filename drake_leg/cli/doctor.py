@@ -10,12 +10,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.cli.advice import as_options
 from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, fail, numbers
 from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
+from drake_leg.files import ResultsFolder
 from drake_leg.imports import require_matplotlib
-from drake_leg.output import ResultsFolder
 from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
 
@@ -277,7 +278,7 @@ def _amplitude(greatest: float | None) -> str:
 
 
 def _feet_lines(found: Feet) -> list[str]:
-    lines = [f"inverse         {found.heading}"]
+    lines = [f"inverse         {as_options(found.heading)}"]
     for solution in found.solutions:
         where = "out of reach"
         if solution.q is not None:

@@ -16,8 +16,8 @@ from drake_leg.cli.robot_source import robot_source
 from drake_leg.cli.shows import stop_note
 from drake_leg.cli.view import add_view
 from drake_leg.errors import DrakeLegError, OutputError, UnreadableFileError
+from drake_leg.files import read_text
 from drake_leg.progress import ProgressBar
-from drake_leg.reading import read_text
 from drake_leg.robot import Robot
 from drake_leg.runs.catalogue import RUNS, STEP
 

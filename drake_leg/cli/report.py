@@ -7,8 +7,8 @@ import sys
 
 from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, add_output, fail, remark
 from drake_leg.cli.shows import say_if_sketched
+from drake_leg.files import ResultsFolder
 from drake_leg.imports import require_matplotlib
-from drake_leg.output import ResultsFolder
 from drake_leg.progress import ProgressBar
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from drake_leg.cli.common import ROBOT_NAMES
 from drake_leg.errors import InvalidValueError
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.robot import Robot
 from drake_leg.robot_file import read_robot, robot_toml
 from drake_leg.robot_file.document import Document, parse_document

@@ -20,10 +20,9 @@ from drake_leg.cli.common import (
 from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.cli.shows import Shows, add_shows, say_if_sketched
+from drake_leg.files import ResultsFolder
 from drake_leg.imports import require_matplotlib
-from drake_leg.interrupts import saved
-from drake_leg.output import ResultsFolder
-from drake_leg.progress import ProgressBar
+from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind
 from drake_leg.runs.options import RunOptions
 

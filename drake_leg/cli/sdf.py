@@ -31,9 +31,9 @@ def _sdf(chosen: argparse.Namespace) -> int:
     from drake_leg.check.rows import table_of_document
     from drake_leg.check.sizes import lint_sizes
     from drake_leg.check.table import lint_table
+    from drake_leg.files import write_text
     from drake_leg.models.sdf import sdf_text
     from drake_leg.robot_file import robot_toml
-    from drake_leg.text_file import write_text
 
     if chosen.out is None:
         refuse_ignored({"--overwrite": chosen.overwrite}, "goes with --out")

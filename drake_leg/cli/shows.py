@@ -9,10 +9,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from drake_leg.cli.common import naming_option, remark
+from drake_leg.cli.advice import place_given_by
+from drake_leg.cli.common import remark
 from drake_leg.cli.pictures import Pictures
 from drake_leg.errors import OutputError
-from drake_leg.output import ResultsFolder
+from drake_leg.files import ResultsFolder
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
@@ -95,7 +96,7 @@ class Shows:
             if path.suffix.lower() not in ENDINGS[option]:
                 endings = " or ".join(ENDINGS[option])
                 raise OutputError(f"--{option} is {path}; its name must end in {endings}")
-            with naming_option(f"--{option}"):
+            with place_given_by(f"--{option}"):
                 check_show(path, overwrite=self.overwrite)
 
     def write(
@@ -119,7 +120,7 @@ class Shows:
         if self.stills:
             self._write_stills(motion, folder, pictures)
         for option, path in self._files().items():
-            with pictures.trying(f"the {option} {path}"), naming_option(f"--{option}"):
+            with pictures.trying(f"the {option} {path}"), place_given_by(f"--{option}"):
                 from drake_leg.scene.files import write_show
 
                 write_show(

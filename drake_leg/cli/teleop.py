@@ -74,12 +74,14 @@ def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
         return at_rest(drive, q)
     except SingularConfigurationError as error:
         where = singular_words(drive.moved.geometry, q, "")
-        error.args = (
-            f"at --q {as_option(robot, q)} {where}: from this singular "
-            "posture the foot cannot be driven; choose another --q"
-            + (", or --task position" if drive.moved.keeps_orientation else ""),
-        )
-        raise
+        raise SingularConfigurationError(
+            q=error.q,
+            sigma_min=error.sigma_min,
+            problem=f"at --q {as_option(robot, q)} {where}: from this "
+            "singular posture the foot cannot be driven",
+            advice="choose another `q`"
+            + (", or `task='position'`" if drive.moved.keeps_orientation else ""),
+        ) from None
 
 
 def _mm(step: Step) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from drake_leg.cli.common import Commands, naming_option, refuse_ignored
+from drake_leg.cli.advice import place_given_by
+from drake_leg.cli.common import Commands, refuse_ignored
 from drake_leg.cli.pictures import picture
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
@@ -67,9 +68,9 @@ def _view(chosen: argparse.Namespace) -> int:
 
 
 def _still(chosen: argparse.Namespace) -> int:
+    from drake_leg.files import whole_file
     from drake_leg.scene.stills import still_png
     from drake_leg.scene.views import view_named
-    from drake_leg.text_file import whole_file
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
@@ -77,7 +78,7 @@ def _still(chosen: argparse.Namespace) -> int:
     require_pillow()
     with (
         picture(f"the still {chosen.still}"),
-        naming_option("--still"),
+        place_given_by("--still"),
         whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch,
     ):
         scratch.write_bytes(still_png(robot, q, view=view))

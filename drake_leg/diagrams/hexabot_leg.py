@@ -51,6 +51,47 @@ class HexabotLegConfig:
     """A step of the leg: the foot's velocity is ``amplitude * sin(frequency t) * direction``.
 
     The leg may be any chain whose foot can go that way.
+
+    Parameters
+    ----------
+    robot : Robot
+        The leg, or any chain whose foot can go that way.
+    q0 : (n,) tuple of float
+        Joint positions at the start [rad or m]: hip, knee, ankle.
+    amplitude : float
+        Greatest speed of the foot [m/s].
+    frequency : float
+        Of the sine [rad/s].
+    direction : (3,) tuple of float
+        Unit vector, base frame.
+    gain : float
+        Of a gain block behind the sine, whose own amplitude is ``amplitude / gain``; 1 is no block.
+    gravity : float
+        Along -z [m/s^2].
+    filter_time_constant : float, optional
+        Of input filters at the joints [s]; by default there are none.
+    feedback : {"sensed", "integrated"}
+        Which joint positions the inverse Jacobian takes.
+    keep : {"position", "pose"}, optional
+        Whether the foot may turn; by default it keeps its orientation where the joints can do that.
+    control : Control
+        Inverse, drift correction and error of the start.
+    disturbance : Disturbance
+        Push, mass error and torque limit.
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense, or the foot cannot go that way.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, HexabotLegConfig
+    >>> q0 = (radians(90), radians(-50), radians(-90))
+    >>> config = HexabotLegConfig(robot=LEG_B, q0=q0, amplitude=0.05, direction=(0.0, 1.0, 0.0))
+    >>> config.frequency
+    1.0
     """
 
     robot: Robot
@@ -108,6 +149,16 @@ def build(config: HexabotLegConfig) -> Diagram:
     -------
     Diagram
         To be started with ``mechanism.start_on_motion``.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, HexabotLegConfig, build_hexabot_leg, simulate
+    >>> q0 = (radians(90), radians(-50), radians(-90))
+    >>> diagram = build_hexabot_leg(HexabotLegConfig(robot=LEG_B, q0=q0, amplitude=0.05))
+    >>> step = simulate(diagram, duration=1.0)
+    >>> step.scopes["foot velocities"][-1].round(4).tolist()  # 0.05 sin(1), 0, 0 [m/s]
+    [0.0421, 0.0, -0.0]
     """
     builder = DiagramBuilder()
     amplitude = config.amplitude / config.gain

@@ -40,6 +40,38 @@ class ScaraConfig:
     """A straight horizontal move of the tool: ``amplitude * sin(frequency t)`` along a direction.
 
     Yaw and height of the tool stay what they are.
+
+    Parameters
+    ----------
+    robot : Robot
+        A SCARA.
+    q0 : (3,) tuple of float
+        Shoulder, elbow and wrist at the start [rad].
+    R : float
+        Height of the tool above its lowest position [m].
+    amplitude : float
+        Greatest speed of the tool [m/s].
+    frequency : float
+        Of the sine [rad/s].
+    direction : (3,) tuple of float
+        Horizontal unit vector, base frame.
+    gravity : float
+        Along -z [m/s^2].
+    control : Control
+        Inverse, drift correction and error of the start.
+    disturbance : Disturbance
+        Push, mass error and torque limit.
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense.
+
+    Examples
+    --------
+    >>> from drake_leg import SCARA, ScaraConfig
+    >>> ScaraConfig(robot=SCARA, amplitude=0.03).R
+    0.05
     """
 
     robot: Robot
@@ -81,6 +113,14 @@ def build(config: ScaraConfig) -> Diagram:
     -------
     Diagram
         To be started with ``mechanism.start_on_motion``.
+
+    Examples
+    --------
+    >>> from drake_leg import SCARA, ScaraConfig, build_scara, simulate
+    >>> move = simulate(build_scara(ScaraConfig(robot=SCARA)), duration=1.0)
+    >>> yaw = move.scopes["joint positions"][:, :3].sum(axis=1)
+    >>> bool(abs(yaw - yaw[0]).max() < 1e-9)  # the tool does not turn
+    True
     """
     arm = ScaraGeometry.from_robot(config.robot)
     x, y, _ = config.direction

@@ -41,6 +41,12 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     -------
     Figure
         In a posture in which everything is seen.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, frames_drawing
+    >>> figure = frames_drawing(LEG_B)  # matplotlib's; a notebook shows it
+    >>> figure.savefig("leg.png")  # doctest: +SKIP
     """
     heading = f"{title or robot.title}: bodies and frames"
     match geometry_of(robot):

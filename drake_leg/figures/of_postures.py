@@ -42,8 +42,8 @@ def maps_of_posture(robot: Robot, q: Sequence[float]) -> Maps:
         case ScaraGeometry() as arm:
             return _of_scara(robot.title, arm, q)
     raise InvalidValueError(
-        f"the robot is {robot.name!r}; maps are drawn of a hexabot leg or the SCARA: leave --out "
-        "away to be told of the posture in words"
+        f"the robot is {robot.name!r}; maps are drawn of a hexabot leg or the SCARA",
+        advice="leave `target` out to have the posture described in words",
     )
 
 

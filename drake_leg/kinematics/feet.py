@@ -91,14 +91,16 @@ def feet(
     if is_scara(robot):
         return _scara_feet(robot, foot, q, yaw, rpy)
     if yaw is not None:
-        otherwise = ", or give the orientation by --rpy" if len(robot.moving) > 3 else ""
+        otherwise = ", or give the orientation by `rpy`" if len(robot.moving) > 3 else ""
         raise InvalidValueError(
-            f"a yaw is for a SCARA's tool; {robot.name!r} is none: leave it out{otherwise}"
+            f"a yaw is for a SCARA's tool; {robot.name!r} is none",
+            advice=f"leave it out{otherwise}",
         )
     if rpy is not None and len(robot.moving) <= 3:
         raise InvalidValueError(
             f"the foot of {robot.name!r} cannot choose its orientation, with "
-            f"{joints_in_words(robot)}: leave --rpy out"
+            f"{joints_in_words(robot)}",
+            advice="leave `rpy` out",
         )
     return _leg_feet(robot, foot) if is_hexabot_leg(robot) else _chain_feet(robot, foot, rpy)
 
@@ -123,13 +125,13 @@ def _scara_feet(
     rpy: Sequence[float] | None,
 ) -> Feet:
     if rpy is not None:
-        raise InvalidValueError("a SCARA's tool only yaws: give --yaw instead of --rpy")
+        raise InvalidValueError("a SCARA's tool only yaws", advice="give `yaw` instead of `rpy`")
     arm, whose = ScaraGeometry.from_robot(robot), "as asked for"
     if yaw is None:
         if q is None:
             raise InvalidValueError(
-                "a SCARA's tool has a yaw besides its place: give --yaw, or the posture whose yaw "
-                "it keeps by --q"
+                "a SCARA's tool has a yaw besides its place",
+                advice="give `yaw`, or the posture whose yaw it keeps by `q`",
             )
         yaw, whose = float(sum(q[:3])), "that of the posture"
     limits = [*limits_of(robot.moving[:3]), lift_limits(robot)]
@@ -188,7 +190,7 @@ def _found(
     if many and rpy is None and len(robot.moving) > 3:
         return (
             f"{count} found of infinitely many: {joints_in_words(robot)} reach a point in any of "
-            "many orientations; --rpy chooses one"
+            "many orientations; `rpy` chooses one"
         )
     if many:
         return f"{count} found of infinitely many: joints can move while the foot stays"

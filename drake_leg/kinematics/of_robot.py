@@ -45,6 +45,17 @@ def movable(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = 
     ------
     InvalidValueError
         If the robot cannot do that, or the count of joint positions is another.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, movable
+    >>> leg = movable(LEG_B)
+    >>> leg.joints, leg.size  # three joints, three velocities of the foot
+    (3, 3)
+    >>> q, v = [1.57, -0.87, -1.57], [0.05, 0.0, 0.0]
+    >>> qdot = leg.rates(q, v)
+    >>> bool(abs(leg.jacobian(q) @ qdot - v).max() < 1e-12)
+    True
     """
     if keep is not None and keep not in TASKS:
         raise InvalidValueError(f"the task is {keep!r}; it must be {' or '.join(TASKS)}")
@@ -78,7 +89,8 @@ def _constant_span(robot: Robot, keep: str | None) -> Array | None:
     if keep == "pose":
         raise InvalidValueError(
             f"{robot.name!r} cannot hold its foot's orientation with its "
-            f"{joints_in_words(robot)} while the foot moves: choose --task position"
+            f"{joints_in_words(robot)} while the foot moves",
+            advice="choose `task='position'`",
         )
     return position.span
 

@@ -33,6 +33,17 @@ def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> Multibody
     ------
     InvalidValueError
         If gravity is negative or not finite, or Drake refuses the model.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, build_plant
+    >>> plant = build_plant(LEG_B)
+    >>> plant.num_positions(), plant.HasFrameNamed("frame_4")
+    (3, True)
+    >>> context = plant.CreateDefaultContext()
+    >>> foot = plant.GetFrameByName("frame_4").CalcPoseInWorld(context).translation()
+    >>> foot.round(3).tolist()  # stretched along x [m]
+    [0.25, 0.0, 0.0]
     """
     require_non_negative("gravity", gravity, "m/s^2")
     plant = MultibodyPlant(time_step=0.0)

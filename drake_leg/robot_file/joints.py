@@ -5,7 +5,7 @@ from __future__ import annotations
 from drake_leg.joint_mechanics import PRIORITIES, HardStop, StateTarget
 from drake_leg.robot import JointMechanics
 from drake_leg.robot_file.keys import Keys
-from drake_leg.robot_file.units import JointUnits
+from drake_leg.units import JointUnits
 
 _MECHANICS_KEYS = (
     "damping",

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.robot import JointType, Link, Robot, Row, Segment
 from drake_leg.robot_file.bodies import ORIGIN, read_inertial, read_solid
 from drake_leg.robot_file.classic import ClassicRow, khalil_rows
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.joints import read_mechanics
 from drake_leg.robot_file.keys import Keys
-from drake_leg.robot_file.units import AngleUnit, in_radians, joint_units
+from drake_leg.units import AngleUnit, in_radians, joint_units
 
 ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "row")
 TABLE_KEYS = {
@@ -28,8 +28,9 @@ _INSTEAD_OF_ROBOT = {
     "dh": "the table's rows stand under [[row]]",
     "joints": "a joint stands with its link in a row, under [[row]]",
     "links": "a link stands with its joint in a row, under [[row]]",
-    "gravity": "gravity is an option of a run, --gravity",
-    "q0": "where it starts is an option of a run, --q0, or position_target under [row.mechanics]",
+    "gravity": "gravity belongs to a run, as its option `gravity`",
+    "q0": "where it starts belongs to a run, as its option `q0`, or to [row.mechanics], as "
+    "position_target",
     "tool": 'a tool is a last [[row]] with sigma = "~"',
     "base": 'what raises or turns the base is a first [[row]] with sigma = "~"',
 }
@@ -72,8 +73,13 @@ _INSTEAD_OF_ROW = {
 }
 
 
-def load_robot(path: Path) -> Robot:
+def load_robot(path: Path | str) -> Robot:
     """Read a robot from a TOML file.
+
+    Parameters
+    ----------
+    path : Path or str
+        ``drake-leg sdf leg-b --toml`` prints one to start from.
 
     Returns
     -------
@@ -84,8 +90,20 @@ def load_robot(path: Path) -> Robot:
     ------
     InvalidValueError
         With file, key and value, if something makes no sense.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from drake_leg import LEG_B, load_robot
+    >>> from drake_leg.robot_file import robot_toml
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "leg_b.toml"
+    ...     _ = path.write_text(robot_toml(LEG_B))
+    ...     load_robot(path) == LEG_B
+    True
     """
-    return read_robot(read_text(path), str(path))
+    return read_robot(read_text(Path(path)), str(path))
 
 
 def read_robot(text: str, where: str) -> Robot:

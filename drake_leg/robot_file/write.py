@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from drake_leg.joint_mechanics import HardStop, StateTarget
 from drake_leg.robot import Inertial, JointMechanics, Link, Robot, Segment, Solid
 from drake_leg.robot_file.bodies import ORIGIN, SHAPES
-from drake_leg.robot_file.units import AngleUnit, JointUnits, exact_degrees, joint_units
+from drake_leg.units import AngleUnit, JointUnits, exact_degrees, joint_units
 
 COMMENT_COLUMN = 32
 HEAD = (

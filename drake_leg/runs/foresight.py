@@ -126,7 +126,7 @@ class Plan:
                 q=start,
                 sigma_min=self.robot.sigma_min(start),
                 time=0.0,
-                remedy="choose another --q0, or --task position, which lets the foot turn",
+                advice="choose another `q0`, or `task='position'`, which lets the foot turn",
             )
 
 

@@ -61,13 +61,14 @@ def require_direction(
         where = "at q0 " if moved.varies else ""
         raise InvalidValueError(
             f"{where}the foot of {robot.name!r} {motion_in_words(moved)}: it cannot go along "
-            f"{_vector(np.asarray(direction))}; choose another --direction"
+            f"{_vector(np.asarray(direction))}",
+            advice="choose another `direction`",
         )
     if not _straight(robot, moved, q0, direction):
         raise InvalidValueError(
             f"{robot.name!r} takes its foot along a curve with its {joints_in_words(robot)}: "
-            f"from q0 it cannot go straight along {_vector(np.asarray(direction))}; choose another "
-            "--direction, or a robot with more joints"
+            f"from q0 it cannot go straight along {_vector(np.asarray(direction))}",
+            advice="choose another `direction`, or a robot with more joints",
         )
 
 

@@ -150,10 +150,27 @@ def examine_posture(
     yaw, rpy : float and (3,) sequence of float, optional
         How the foot is to be turned there, as ``feet`` takes them [rad].
 
+    Returns
+    -------
+    Diagnosis
+        Position of the foot, rank, singular values, strokes both ways and, where ``foot`` is
+        given, the joint positions that put the foot there; lengths in m, angles in rad.
+
     Raises
     ------
     InvalidValueError
         If a number of joints is wrong, or a value makes no sense.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, examine_posture
+    >>> q = [radians(90), radians(-50), radians(-90)]
+    >>> found = examine_posture(LEG_B, q, direction=(1, 0, 0))
+    >>> found.rank.rank
+    3
+    >>> round(found.forward.length, 4), found.forward.family  # how far the foot can go [m]
+    (0.1882, 'stretch')
     """
     require_positive("the frequency", frequency, "rad/s")
     families = families_of(geometry_of(robot))

@@ -63,7 +63,7 @@ class Encounter:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Return its numbers, with the joints as ``--q0`` takes them."""
+        """Return its numbers, with the joint positions in deg, or m where a joint slides."""
         return {
             "family": self.family,
             "time_s": self.time,

@@ -43,7 +43,10 @@ class Inverse:
             if self.method not in methods:
                 raise InvalidValueError(
                     f"{name} is {value:.9g} {unit}, which means nothing to the inverse "
-                    f"{self.method!r}: leave it out, or choose --inverse {' or '.join(methods)}"
+                    f"{self.method!r}",
+                    advice="leave it out, or choose `inverse='damped'` or `'limited'`"
+                    if len(methods) > 1
+                    else "leave it out, or choose `inverse='limited'`",
                 )
 
     @property

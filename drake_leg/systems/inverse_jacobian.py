@@ -40,6 +40,16 @@ class InverseJacobian(LeafSystem):
     References
     ----------
     Report A, eq. 19 and figure 10; report B, figure 4.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, InverseJacobian, movable
+    >>> block = InverseJacobian(movable(LEG_B))
+    >>> context = block.CreateDefaultContext()
+    >>> for name, value in (("q", [1.57, -0.87, -1.57]), ("v", [0.05, 0.0, 0.0])):
+    ...     _ = block.GetInputPort(name).FixValue(context, value)
+    >>> block.GetOutputPort("qdot").Eval(context)[0].round(2)  # the hip turns [rad/s]
+    np.float64(-1.31)
     """
 
     def __init__(self, robot: Movable) -> None:

@@ -156,7 +156,7 @@ def test_what_the_budget_does_not_reach_is_missing_and_said(monkeypatch):
     assert not proof.complete
     (missing,) = proof.missing
     assert missing.sentence == (
-        "the Jacobian by SymPy is not done within 3 s: give it more with --budget"
+        "the Jacobian by SymPy is not done within 3 s: give it more with `budget`"
     )
     assert len(proof.comparisons) == 6
     assert stages[-1] == "Jacobian by SymPy"

@@ -122,8 +122,8 @@ def test_a_limited_joint_comes_to_its_limit_and_does_not_cross_it():
     ("numbers", "named"),
     [
         ({"method": "pinv"}, "'pinv'"),
-        ({"damped_below": 0.01}, "--inverse damped or limited"),
-        ({"method": "damped", "rate_limit": 1.0}, "--inverse limited"),
+        ({"damped_below": 0.01}, "choose `inverse='damped'` or `'limited'`"),
+        ({"method": "damped", "rate_limit": 1.0}, "choose `inverse='limited'`"),
         ({"method": "damped", "damped_below": 0.0}, "0.0"),
         ({"method": "limited", "rate_limit": math.radians(-10.0)}, "-10.0 deg/s"),
         ({"method": "exact", "rate_limit": math.radians(10.0)}, "is 10 deg/s, which"),

@@ -127,7 +127,7 @@ def test_what_turns_on_its_way_goes_straight_where_it_can():
 
 @pytest.mark.parametrize("robot", [LEG_A, PLANAR_2, FIVE, CYLINDER], ids=lambda robot: robot.name)
 def test_a_pose_that_cannot_be_kept_is_refused(robot):
-    with pytest.raises(InvalidValueError, match="choose --task position"):
+    with pytest.raises(InvalidValueError, match="choose `task='position'`"):
         movable(robot, keep="pose")
 
 
