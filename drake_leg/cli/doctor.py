@@ -21,11 +21,11 @@ from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
 
 if TYPE_CHECKING:
-    from drake_leg.doctor import Diagnosis
-    from drake_leg.feet import Feet
     from drake_leg.figures.of_postures import Maps
-    from drake_leg.kinematics.singularity import LostTwist
-    from drake_leg.kinematics.stroke import Stroke
+    from drake_leg.kinematics.feet import Feet
+    from drake_leg.singularity.doctor import Diagnosis
+    from drake_leg.singularity.rank import LostTwist
+    from drake_leg.singularity.stroke import Stroke
 
 
 def configure_doctor(parser: argparse.ArgumentParser) -> None:
@@ -73,7 +73,7 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
-    from drake_leg.doctor import examine_posture
+    from drake_leg.singularity.doctor import examine_posture
 
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
@@ -129,8 +129,8 @@ def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any])
         raise InvalidValueError(
             "there is nothing to examine: give a posture by --q, or a point for the foot by --foot"
         )
-    from drake_leg.doctor import feet_json
-    from drake_leg.feet import feet
+    from drake_leg.kinematics.feet import feet
+    from drake_leg.singularity.doctor import feet_json
 
     with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
         bar.turn_to("postures for the foot")
@@ -164,11 +164,12 @@ def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> Pict
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:
     """Convert degrees where a joint turns; the SCARA's lift may be left out."""
-    from drake_leg.feet import units_of
-    from drake_leg.kinematics.scara import is_scara
+    from drake_leg.kinematics.feet import units_of
+    from drake_leg.kinematics.of_robot import geometry_of
+    from drake_leg.kinematics.scara import ScaraGeometry
 
     units = units_of(robot)
-    if len(values) == 3 and is_scara(robot):
+    if len(values) == 3 and isinstance(geometry_of(robot), ScaraGeometry):
         units = units[:3]
     if len(values) != len(units):
         raise InvalidValueError(

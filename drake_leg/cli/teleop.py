@@ -63,19 +63,21 @@ def _teleop(chosen: argparse.Namespace) -> int:
 
 def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
     """Describe where the robot starts, or refuse a singular posture."""
-    from drake_leg.teleop.control import at_rest, drive_of, singular_words
+    from drake_leg.singularity.families import singular_words
+    from drake_leg.teleop.control import at_rest, drive_of
 
     drive = drive_of(robot, keep)
     try:
         return at_rest(drive, q)
     except SingularConfigurationError as error:
+        where = singular_words(drive.moved.geometry, q, "")
         raise SingularConfigurationError(
             q=error.q,
             sigma_min=error.sigma_min,
-            problem=f"at --q {as_option(robot, q)} {singular_words(drive, q, '')}: from this "
+            problem=f"at --q {as_option(robot, q)} {where}: from this "
             "singular posture the foot cannot be driven",
             advice="choose another `q`"
-            + (", or `task='position'`" if drive.task.keeps_orientation else ""),
+            + (", or `task='position'`" if drive.moved.keeps_orientation else ""),
         ) from None
 
 
