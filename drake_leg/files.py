@@ -85,7 +85,7 @@ def read_text(path: Path, *, most: int = LARGEST_TEXT) -> str:
     except UnicodeDecodeError as error:
         byte = error.object[error.start]
         raise UnreadableFileError(
-            path, f"it is no text in UTF-8 (byte {error.start} is 0x{byte:02x}); save it as UTF-8"
+            path, f"it is not text in UTF-8 (byte {error.start} is 0x{byte:02x}); save it as UTF-8"
         ) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
@@ -97,7 +97,7 @@ def _reason(error: Exception) -> str:
 def _kind(mode: int) -> str:
     if stat.S_ISDIR(mode):
         return "a folder"
-    return "a pipe" if stat.S_ISFIFO(mode) else "no regular file"
+    return "a pipe" if stat.S_ISFIFO(mode) else "not a regular file"
 
 
 def _too_large(size: int, most: int) -> str:

@@ -17,21 +17,9 @@ from drake_leg.runs.options import RunOptions
 
 
 def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptions:
-    """Read options from a file.
+    """Read the options of a run from a YAML file; what it leaves out keeps its default.
 
-    Parameters
-    ----------
-    kind : type
-        Dataclass of the run's options.
-    name : str
-        Of the run, for the error's sentence.
-    path : Path
-        YAML file: keys are names of options, what is left out keeps its default.
-
-    Raises
-    ------
-    InvalidValueError
-        If the file cannot be read, or a key or a value makes no sense.
+    Keys are names of options; ``name`` is the run's, for errors.
     """
     from yaml import YAMLError
 
@@ -48,19 +36,19 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
     except UnreadableFileError as error:
         raise UnreadableFileError(f"the config {path}", error.reason) from None
     except RecursionError:
-        raise InvalidValueError(f"the config {path} is no good: it is nested too deep") from None
+        raise InvalidValueError(f"the config {path} is nested too deep") from None
     except (ValueError, YAMLError) as error:
         if isinstance(error, InvalidValueError):
             raise
         reason = " ".join(str(error).split())
         raise InvalidValueError(
-            f"the config {path} is no good: {reason}; the keys of {name} are {keys}"
+            f"the config {path} is wrong: {reason}; the keys of {name} are {keys}"
         ) from None
     return kind(**values)
 
 
 def _content(text: str) -> dict[str, Any]:
-    """Parse the text once; a key that stands there twice is refused."""
+    """Parse the text; a key that appears twice is refused."""
     from yaml import MappingNode
 
     from drake_leg.cli.yaml_core import CoreLoader
@@ -69,21 +57,21 @@ def _content(text: str) -> dict[str, Any]:
     try:
         root = loader.get_single_node()
         if root is None:
-            raise ValueError("it holds nothing; leave --config out, or write at least one key")
+            raise ValueError("it is empty; leave --config out, or write at least one key")
         content = loader.construct_document(root)
     finally:
         loader.dispose()
     if content is None:
-        raise ValueError("it holds nothing; leave --config out, or write at least one key")
+        raise ValueError("it is empty; leave --config out, or write at least one key")
     if not isinstance(root, MappingNode):
-        raise ValueError("it is no list of keys and values, as duration: 10")
+        raise ValueError("it is not a list of keys and values, as duration: 10")
     for key in content:
         if not isinstance(key, str):
-            raise ValueError(f"the key {key!r} is no name of an option")
+            raise ValueError(f"the key {key!r} is not the name of an option")
     keys = [node.value for node, _ in root.value]
     for key in keys:
         if keys.count(key) > 1:
-            raise ValueError(f"{key} stands there {keys.count(key)} times")
+            raise ValueError(f"{key} appears {keys.count(key)} times")
     return dict(content)
 
 

@@ -1,4 +1,4 @@
-"""``drake-leg replay``."""
+"""``drake-leg replay``: a recorded run as a page or a video."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 def configure_replay(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
-        "Make a run's recorded motion a page that opens from disk, with a play "
-        "button, a time slider and the reports' views (.html), or a video (.mp4, .gif), which "
-        "needs no display."
+        "Turn a run's recorded motion into a page that opens from disk, with a play "
+        "button, a time slider and the reports' views (.html), or into a video (.mp4, .gif), for "
+        "which no display is needed."
     )
     parser.add_argument("run", type=Path, metavar="DIR", help="folder that 'drake-leg run' made")
     parser.add_argument(
@@ -45,7 +45,7 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robot",
         metavar="NAME|FILE.toml",
-        help="what moved, where the run was made with a robot or lengths of your own",
+        help="the robot that moved, if the run was made with a robot or lengths of your own",
     )
     parser.set_defaults(command=_replay)
 
@@ -77,17 +77,17 @@ def _replay(chosen: argparse.Namespace) -> int:
 
 
 def _require_run(folder: Path) -> None:
-    """Refuse what is no folder with a recording."""
+    """Refuse a folder without a recording."""
     try:
         recorded = (folder / "recording.csv").is_file()
     except (OSError, ValueError):
         recorded = False
     if not recorded:
-        raise OutputError(f"{folder} is no folder of a run: give one that 'drake-leg run' has made")
+        raise OutputError(f"{folder} is not a run's folder: give one that 'drake-leg run' made")
 
 
 def _motion(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Motion:
-    """Read what moved, and how."""
+    """Read which robot moved, and how."""
     from drake_leg.recording import read_csv
     from drake_leg.scene.motion import OtherRobotError, recorded_motion
 
@@ -99,35 +99,35 @@ def _motion(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Motion:
     try:
         motion = recorded_motion(robot, recording)
     except OtherRobotError as error:
-        raise _clearer(error, chosen.run, robot) from None
+        raise _named_robot_error(error, chosen.run, robot) from None
     _require_end(chosen.run, motion, summary)
     return motion
 
 
 def _require_all_rows(folder: Path, recording: Recording, summary: Mapping[str, Any]) -> None:
-    """Refuse a recording that has other rows than its summary tells of."""
+    """Refuse a recording with another number of rows than its summary says."""
     found, rows = len(recording["time"]), summary.get("rows")
     if isinstance(rows, int) and rows != found:
         raise OutputError(
-            f"{folder / 'recording.csv'} has {found} rows and summary.json tells of {rows}: "
-            "one of them is not whole; carry out the run again"
+            f"{folder / 'recording.csv'} has {found} rows and summary.json says {rows}: "
+            "one of them is incomplete; run it again"
         )
 
 
 def _require_end(folder: Path, motion: Motion, summary: Mapping[str, Any]) -> None:
-    """Refuse a recording that has another end than its summary tells of."""
+    """Refuse a recording with another end than its summary says."""
     end = summary.get("stopped_at_s", summary.get("duration_s"))
     end = summary.get("duration_s") if end is None else end
     last = float(motion.time[-1])
     if summary.get("rows") and isinstance(end, float) and not math.isclose(last, end, rel_tol=1e-9):
         raise OutputError(
-            f"{folder / 'recording.csv'} ends at {last:.9g} s and summary.json tells of "
-            f"{end:.9g} s: one of them is not whole; carry out the run again"
+            f"{folder / 'recording.csv'} ends at {last:.9g} s and summary.json says "
+            f"{end:.9g} s: one of them is incomplete; run it again"
         )
 
 
-def _clearer(error: OtherRobotError, folder: Path, robot: Robot) -> DrakeLegError:
-    """Name the robot that moved, where the summary tells that it was another one."""
+def _named_robot_error(error: OtherRobotError, folder: Path, robot: Robot) -> DrakeLegError:
+    """Name the robot that moved, if the summary says that it was another one."""
     try:
         name = _recorded_name(folder)
     except OutputError:
@@ -141,7 +141,7 @@ def _clearer(error: OtherRobotError, folder: Path, robot: Robot) -> DrakeLegErro
 
 
 def _recorded_robot(folder: Path) -> Robot:
-    """Find the robot of the reports that moved."""
+    """Find the robot that moved, one of the reports'."""
     name = _recorded_name(folder)
     robot = _known(name, folder)
     if robot is None:
@@ -153,35 +153,37 @@ def _recorded_robot(folder: Path) -> Robot:
 
 
 def _known(name: str, folder: Path) -> Robot | None:
-    """Return a robot of the reports; one from a file is none of them, whatever its name."""
+    """Return a robot of the reports; one from a file is not, whatever its name."""
     if str(_summary(folder).get("run")).lower().endswith(".toml"):
         return None
     return ROBOT_NAMES.get(name.replace("_", "-"))
 
 
 def _recorded_name(folder: Path) -> str:
-    """Read off a run's summary which robot moved."""
+    """Read in a run's summary which robot moved."""
     file = folder / "summary.json"
     try:
         summary = json.loads(read_text(file))
     except json.JSONDecodeError as error:
-        raise _untold(f"{file} is damaged in line {error.lineno}, column {error.colno}") from None
+        raise _unknown_robot(
+            f"{file} is damaged in line {error.lineno}, column {error.colno}"
+        ) from None
     except RecursionError:
-        raise _untold(f"{file} is damaged: it is no JSON") from None
+        raise _unknown_robot(f"{file} is damaged: it is no JSON") from None
     except UnreadableFileError as error:
-        raise _untold(f"{file} cannot be read ({error.reason})") from None
+        raise _unknown_robot(f"{file} cannot be read ({error.reason})") from None
     name = summary.get("robot") if isinstance(summary, dict) else None
     if not isinstance(name, str):
-        raise _untold(f"{file} has no entry 'robot' with a name")
+        raise _unknown_robot(f"{file} has no entry 'robot' with a name")
     return name
 
 
-def _untold(why: str) -> OutputError:
-    return OutputError(f"{why}: tell which robot moved with --robot")
+def _unknown_robot(why: str) -> OutputError:
+    return OutputError(f"{why}: name the robot that moved with --robot")
 
 
 def _summary(folder: Path) -> Mapping[str, Any]:
-    """Read what the run's summary tells, or nothing."""
+    """Read the run's summary, or an empty one."""
     try:
         summary = json.loads(read_text(folder / "summary.json"))
     except (ValueError, RecursionError):  # an UnreadableFileError, too
@@ -190,7 +192,7 @@ def _summary(folder: Path) -> Mapping[str, Any]:
 
 
 def _title(summary: Mapping[str, Any], robot: Robot) -> str:
-    """Find what the run is called: a robot from a file makes the straight step."""
+    """Find the run's title; a robot from a file makes the straight step."""
     name = str(summary.get("run"))
     if name in RUNS:
         return RUNS[name].heading

@@ -1,4 +1,4 @@
-"""YAML as version 1.2 has it: 010 is ten, 1:30 and yes are texts, 1e-6 is a number."""
+"""YAML 1.2: 010 is ten, 1:30 and yes are texts, 1e-6 is a number."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SCHEMA = (
 
 
 class CoreLoader(SafeLoader):  # type: ignore[misc] # PyYAML has no types
-    """Reads YAML 1.2 where PyYAML's own loaders read YAML 1.1."""
+    """Reads YAML 1.2; PyYAML's own loaders read YAML 1.1."""
 
     yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}
 
