@@ -12,9 +12,8 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import within_turns
 from drake_leg.kinematics.chain_inverse import Limits, find_postures
 from drake_leg.kinematics.euler import euler_rotation
-from drake_leg.kinematics.foot_task import joints_in_words
-from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.leg_inverse import branches
+from drake_leg.kinematics.leg import LegGeometry, branches, is_hexabot_leg
+from drake_leg.kinematics.of_robot import joints_in_words
 from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, is_scara
 from drake_leg.quantities import beyond
 from drake_leg.robot import Robot, Segment

@@ -9,42 +9,22 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.feet import Feet, Solution, feet, lift_limits, limits_of
-from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.chain_stroke import chain_stroke
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.batches import one_vector
+from drake_leg.kinematics.chain import freedoms, size_of
 from drake_leg.kinematics.euler import euler_angles
-from drake_leg.kinematics.foot_task import STRAIGHT, foot_task, freedoms, turns_on_its_way
+from drake_leg.kinematics.feet import Feet, Solution, feet, lift_limits, limits_of
 from drake_leg.kinematics.khalil import foot_pose, jacobian
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, is_hexabot_leg
-from drake_leg.kinematics.scara import ScaraGeometry, is_scara, task_jacobian
-from drake_leg.kinematics.singularity import (
-    LostTwist,
-    RankReport,
-    WholeRank,
-    examine,
-    examine_whole,
-)
-from drake_leg.kinematics.stroke import (
-    Stroke,
-    greatest_amplitude,
-    leg_stroke,
-    scara_stroke,
-)
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.of_robot import geometry_of, movable
+from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.quantities import beyond, require_positive
 from drake_leg.robot import Robot, Segment
+from drake_leg.singularity.directions import STRAIGHT
+from drake_leg.singularity.families import Families, Nearness, families_of
+from drake_leg.singularity.rank import LostTwist, RankReport, WholeRank, examine, examine_whole
+from drake_leg.singularity.stroke import Stroke, chain_stroke, closed_stroke, greatest_amplitude
 
 ROUNDING = 1e-13  # of the length: singular values that are none
-
-
-@dataclass(frozen=True, kw_only=True)
-class Nearness:
-    """How near a posture is to a singular family."""
-
-    family: str  # stretch or hip-axis
-    measure: float  # 0 on the family, 1 farthest from it
-    meaning: str  # the measure in words
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,30 +173,32 @@ def examine_posture(
     (0.1882, 'stretch')
     """
     require_positive("the frequency", frequency, "rad/s")
-    patient = _patient(robot)
+    families = families_of(geometry_of(robot))
     lifted = _lifted(robot, q)
     X_BF = foot_pose(robot.rows, lifted)
     size = size_of(robot.rows)
-    rank = examine(patient.jacobian(q), ROUNDING * size)
+    one_vector("q", q, len(q))
+    J = families.translation_jacobian(q) if families else jacobian(robot.rows, lifted)[3:]
+    rank = examine(J, ROUNDING * size)
     most = freedoms(robot.rows)[0].rank
-    task = foot_task(robot, lifted) if most else None
+    moved = movable(robot, lifted) if most else None
     forward = backward = None
-    if patient.is_regular(lifted, rank, task):
-        forward = _limited(robot, patient, q, direction, task)
-        backward = _limited(robot, patient, q, [-value for value in direction], task)
+    if _is_regular(moved, lifted, ROUNDING * size):
+        forward = _limited(robot, families, q, direction, moved)
+        backward = _limited(robot, families, q, [-value for value in direction], moved)
     x, y, z = X_BF[:3, 3].tolist()
     yaw_there, pitch, roll = euler_angles("ZYX", X_BF[:3, :3]).tolist()
     many = len(robot.moving) > 3
     return Diagnosis(
         position=(x, y, z if len(q) == len(lifted) else None),
         orientation=(roll, pitch, yaw_there),
-        moved=patient.moved,
+        moved=families.moved if families else "the foot's translation",
         rank=rank,
         most_rank=min(most, rank.full_rank),
         whole=examine_whole(robot.rows, lifted, size) if many else None,
-        nearness=tuple(sorted(patient.nearness(q), key=lambda near: near.measure)),
+        nearness=families.nearness(q) if families else (),
         outside=_outside(robot, q),
-        holds_orientation=task is not None and task.keeps_orientation,
+        holds_orientation=moved is not None and moved.keeps_orientation,
         forward=forward,
         backward=backward,
         greatest_amplitude=greatest_amplitude(forward, frequency) if forward else None,
@@ -224,9 +206,14 @@ def examine_posture(
     )
 
 
+def _is_regular(moved: Movable | None, q: Sequence[float], rounding: float) -> bool:
+    """Tell whether all that the foot can be commanded it can do in a posture."""
+    return moved is None or examine(moved.jacobian_in_lengths(q), rounding).rank == moved.size
+
+
 def _lifted(robot: Robot, q: Sequence[float]) -> Sequence[float]:
     """Put in a lift that was left out: nothing but the height depends on it."""
-    if is_scara(robot) and len(q) == 3:
+    if isinstance(geometry_of(robot), ScaraGeometry) and len(q) == 3:
         low, high = lift_limits(robot)
         return [*q, low if math.isfinite(low) else min(high, 0.0)]
     return q
@@ -243,17 +230,17 @@ def _outside(robot: Robot, q: Sequence[float]) -> tuple[Outside, ...]:
 
 def _limited(
     robot: Robot,
-    patient: _Patient,
+    families: Families | None,
     q: Sequence[float],
     direction: Sequence[float],
-    task: Task | None,
+    moved: Movable | None,
 ) -> Stroke:
     """Return the way to the first singularity, or to the limit of a joint that comes before it."""
     lifted, limits = _lifted(robot, q), limits_of(robot.moving)
     already = _outside(robot, lifted)
     if already:
         return Stroke(length=0.0, family=None, joint=already[0].segment.joint)
-    known = patient.stroke(q, direction)
+    known = closed_stroke(families, q[:3], direction) if families else None
     if known is not None and not np.isfinite(limits).any():
         return known
     names = [str(joint.joint) for joint in robot.moving]
@@ -261,13 +248,13 @@ def _limited(
         robot.rows,
         lifted,
         direction,
-        task=task,
+        moved=moved,
         farthest=None if known is None else known.length,
         limits=dict(zip(names, limits, strict=True)),
     ).stroke
     if known is not None and found.joint is None:
         return known
-    curved = task is not None and turns_on_its_way(robot, task)
+    curved = moved is not None and moved.varies
     leaves = curved and found.joint is None and found.length < STRAIGHT * size_of(robot.rows)
     return replace(found, length=0.0) if leaves else found
 
@@ -308,90 +295,3 @@ def _whole_json(whole: WholeRank) -> dict[str, Any]:
         "sigma_min": whole.sigma_min,
         "lost_twists": [listed(twist) for twist in whole.lost],
     }
-
-
-class _Patient:
-    """Any chain, numerically."""
-
-    moved = "the foot's translation"
-
-    def __init__(self, robot: Robot) -> None:
-        self._robot = robot
-
-    def jacobian(self, q: Sequence[float]) -> Array:
-        return jacobian(self._robot.rows, q)[3:]
-
-    def is_regular(self, q: Sequence[float], _rank: RankReport, task: Task | None) -> bool:
-        if task is None:
-            return True
-        J = np.array(task.row_lengths)[:, np.newaxis] * task.jacobian(q)
-        return examine(J, ROUNDING * size_of(self._robot.rows)).rank == task.size
-
-    def nearness(self, _q: Sequence[float]) -> list[Nearness]:
-        return []
-
-    def stroke(self, _q: Sequence[float], _direction: Sequence[float]) -> Stroke | None:
-        """Return the way to the first singularity, where there is a closed form."""
-        return None
-
-
-class _Leg(_Patient):
-    """The hexabot's leg, in closed form."""
-
-    def __init__(self, robot: Robot) -> None:
-        super().__init__(robot)
-        self._leg = LegGeometry.from_robot(robot)
-
-    def jacobian(self, q: Sequence[float]) -> Array:
-        return foot_jacobian(self._leg, q)
-
-    def nearness(self, q: Sequence[float]) -> list[Nearness]:
-        leg = self._leg
-        longest = leg.l1 + leg.l2 + leg.l3
-        reach = leg.l1 + leg.l2 * math.cos(q[1]) + leg.l3 * math.cos(q[1] + q[2])
-        return [
-            Nearness(
-                family="stretch",
-                measure=abs(math.sin(q[2])),
-                meaning=f"|sin q3| = {abs(math.sin(q[2])):.4g}; at 0 it is stretched or folded",
-            ),
-            Nearness(
-                family="hip-axis",
-                measure=abs(reach) / longest,
-                meaning=f"the foot is {abs(reach):.4g} m from the hip axis, of {longest:.4g} m",
-            ),
-        ]
-
-    def stroke(self, q: Sequence[float], direction: Sequence[float]) -> Stroke:
-        return leg_stroke(self._leg, q, direction)
-
-
-class _Scara(_Patient):
-    """The SCARA arm, in closed form."""
-
-    moved = "the tool's horizontal motion"
-
-    def __init__(self, robot: Robot) -> None:
-        super().__init__(robot)
-        self._arm = ScaraGeometry.from_robot(robot)
-
-    def jacobian(self, q: Sequence[float]) -> Array:
-        one_vector("q", q, len(q))
-        return task_jacobian(self._arm, q[:3])[:2, :2]
-
-    def is_regular(self, _q: Sequence[float], rank: RankReport, _task: Task | None) -> bool:
-        return rank.rank == rank.full_rank
-
-    def nearness(self, q: Sequence[float]) -> list[Nearness]:
-        measure = abs(math.sin(q[1]))
-        meaning = f"|sin q2| = {measure:.4g}; the arm is stretched or folded at 0"
-        return [Nearness(family="stretch", measure=measure, meaning=meaning)]
-
-    def stroke(self, q: Sequence[float], direction: Sequence[float]) -> Stroke:
-        return scara_stroke(self._arm, q[:3], direction)
-
-
-def _patient(robot: Robot) -> _Patient:
-    if is_hexabot_leg(robot):
-        return _Leg(robot)
-    return _Scara(robot) if is_scara(robot) else _Patient(robot)

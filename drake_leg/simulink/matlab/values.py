@@ -1,4 +1,4 @@
-"""MATLAB's values: a scalar is a float or a bool, all else is an array with two axes."""
+"""MATLAB's values, and the limits within which foreign text is evaluated."""
 
 from __future__ import annotations
 
@@ -7,20 +7,54 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.simulink.matlab.limits import MatlabError, require_room
+VALUE_LENGTH = 20_000  # characters of a parameter
+SCRIPT_LENGTH = 200_000  # characters of a function block's code
+ELEMENTS = 10_000  # of one array
+NESTING = 48  # operators, brackets and blocks inside one another, in one function
+CALLS = 120  # the same, over all functions that wait for another
+OPERATIONS = 1_000_000  # of one call: statements' nodes, and elements of arrays
+CALL = 10  # operations that a function costs at least
+FACTOR = 5  # operations for each element that linear algebra works on
+EXPONENT = 1_000  # of a matrix
+
+
+class MatlabError(Exception):
+    """What is wrong with MATLAB text, and in which line of it, where that is known."""
+
+    def __init__(self, reason: str, line: int | None = None) -> None:
+        self.line = line
+        super().__init__(reason)
+
+
+class Budget:
+    """Operations that one call may still take."""
+
+    def __init__(self, operations: int = OPERATIONS) -> None:
+        self._left = operations
+
+    def spend(self, operations: int) -> None:
+        """Count operations."""
+        self._left -= operations
+        if self._left < 0:
+            raise MatlabError(
+                f"it takes more than {OPERATIONS} operations: shorten its loops or its arrays"
+            )
+
+
+def require_room(rows: int, columns: int) -> None:
+    """Check the size of an array before it is made."""
+    if rows * columns > ELEMENTS or max(rows, columns) > ELEMENTS:
+        raise MatlabError(
+            f"an array of {rows:.7g}×{columns:.7g} is larger than {ELEMENTS} elements"
+        )
+
 
 Array = NDArray[Any]  # 2-D, of floats or bools, never of one element
 Value = float | bool | str | Array  # a text is of use as an argument only
 
 
 def settle(array: Array) -> Value:
-    """Make a 2-D array a value: one element is a scalar.
-
-    Parameters
-    ----------
-    array : (m, n) ndarray
-        Of floats or bools.
-    """
+    """Make a 2-D array a value: one element is a scalar."""
     if array.size != 1:
         return array
     scalar: float | bool = array.item()
@@ -28,17 +62,7 @@ def settle(array: Array) -> Value:
 
 
 def number(value: Value) -> float | Array:
-    """Take a value for numbers: true is 1, false is 0.
-
-    Returns
-    -------
-    float or (m, n) ndarray of float
-
-    Raises
-    ------
-    MatlabError
-        If it is a text.
-    """
+    """Take a value for numbers: true is 1, false is 0."""
     if isinstance(value, str):
         raise MatlabError(f"the text '{value}' stands where a number should be")
     if isinstance(value, np.ndarray):
@@ -47,35 +71,14 @@ def number(value: Value) -> float | Array:
 
 
 def grid(value: Value) -> Array:
-    """Take a value for an array, scalars included.
-
-    Returns
-    -------
-    (m, n) ndarray
-        Of floats, or of bools where the value is logical.
-
-    Raises
-    ------
-    MatlabError
-        If it is a text.
-    """
+    """Take a value for an array, scalars included."""
     if isinstance(value, str):
         raise MatlabError(f"the text '{value}' stands where a number should be")
     return value if isinstance(value, np.ndarray) else np.array([[value]])
 
 
 def numbers(value: Value) -> Array:
-    """Take a value for an array of numbers.
-
-    Returns
-    -------
-    (m, n) ndarray of float
-
-    Raises
-    ------
-    MatlabError
-        If it is a text.
-    """
+    """Take a value for an array of numbers."""
     array = grid(value)
     return array if array.dtype == np.float64 else array.astype(np.float64)
 
@@ -94,18 +97,7 @@ def measure(value: Value) -> str:
 
 
 def truth(value: Value) -> bool:
-    """Tell whether a value counts as true: not empty, and no element zero.
-
-    Parameters
-    ----------
-    value : Value
-        Any but a text.
-
-    Raises
-    ------
-    MatlabError
-        If it is a text, or has a NaN.
-    """
+    """Tell whether a value counts as true: not empty, and no element zero."""
     if isinstance(value, (bool, float)) and value == value:
         return value != 0
     array = grid(value)
@@ -115,18 +107,7 @@ def truth(value: Value) -> bool:
 
 
 def whole(value: Value, what: str) -> int:
-    """Take a value for a whole number.
-
-    Parameters
-    ----------
-    what : str
-        What it is, for the message.
-
-    Raises
-    ------
-    MatlabError
-        If it is none.
-    """
+    """Take a value for a whole number; `what` names it in the message."""
     scalar = number(value)
     if not isinstance(scalar, float):
         raise MatlabError(f"{what} is an array of {measure(value)}; it must be a number")
@@ -136,18 +117,7 @@ def whole(value: Value, what: str) -> int:
 
 
 def stack(rows: list[list[Value]]) -> Value:
-    """Put the elements of a matrix literal together.
-
-    Parameters
-    ----------
-    rows : list of list of Value
-        Blocks; those of one row are equally high, the rows are equally wide; 0×0 is left out.
-
-    Raises
-    ------
-    MatlabError
-        If their sizes do not fit, or they are too many.
-    """
+    """Put the blocks of a matrix literal together; blocks of 0×0 are left out."""
     bands: list[Array] = []
     for row in rows:
         blocks = [block for block in map(grid, row) if block.shape != (0, 0)]

@@ -9,10 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.chain import RANK_TOLERANCE
 from drake_leg.kinematics.khalil import jacobian, moving_rows
+from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.robot import Row
 
-RANK_TOLERANCE = 1e-9  # of the greatest singular value
+# Of the greatest singular value of the foot's translation: where the smallest one is greater, the
+# foot goes everywhere.
+STILL_MOVES = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,3 +138,37 @@ def _axis(vector: Array) -> Array | None:
     one = np.where(np.abs(vector / size) < 1e-9, 0.0, vector / size)
     axis: Array = np.sign(one[np.flatnonzero(one)[0]]) * one + 0.0
     return axis
+
+
+def loses_turning(robot: Movable, q: Floats) -> bool:
+    """Tell whether a singular posture loses only a turning: the foot still goes everywhere."""
+    _, sigma, moved = _translations(robot, q)
+    return bool(robot.keeps_orientation and sigma[moved - 1] > STILL_MOVES * sigma[0])
+
+
+def lost_direction(robot: Movable, q: Floats) -> tuple[float, float, float]:
+    """Direction in which the foot moves least for all that its joints do, in a singular posture.
+
+    Returns
+    -------
+    (3,) tuple of float
+        Unit vector in the base frame, its first component that is not zero positive: of a
+        translation or, where only a turning is lost, of its axis.
+    """
+    U, _, moved = _translations(robot, q)
+    lost = U[:, moved - 1]
+    if loses_turning(robot, q):
+        U, _, _ = np.linalg.svd(robot.jacobian_in_lengths(q))
+        lost = robot.twists[:3] @ U[:, -1]
+        lost = lost / np.linalg.norm(lost)
+    lost = np.where(np.abs(lost) < 1e-9, 0.0, lost)
+    sign = np.sign(lost[np.flatnonzero(lost)[0]])
+    x, y, z = (sign * lost + 0.0).tolist()
+    return x, y, z
+
+
+def _translations(robot: Movable, q: Floats) -> tuple[Array, Array, int]:
+    """Take the foot's translation apart: directions, singular values, and how many it has."""
+    moved = int(np.linalg.matrix_rank(robot.twists[3:]))
+    U, sigma, _ = np.linalg.svd(robot.twists[3:] @ robot.jacobian_in_lengths(q))
+    return U, sigma, moved

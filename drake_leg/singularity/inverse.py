@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.damped import damped_task
-from drake_leg.kinematics.rate_box import RateBox
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Segment
+from drake_leg.singularity.damped import Damped
+from drake_leg.singularity.limits import RateBox
 
 METHODS = ("exact", "damped", "limited")
 DAMPED_BELOW = 0.03  # of the arm's length: singular value at which damping begins
@@ -54,21 +54,23 @@ class Inverse:
         """Whether the robot must stop where it is singular."""
         return self.method == METHODS[0]
 
-    def of(self, task: Task, joints: tuple[Segment, ...], lag: float = 0.0) -> Task:
-        """Invert a task's Jacobian this way.
+    def of(self, exact: Movable, joints: tuple[Segment, ...], lag: float = 0.0) -> Movable:
+        """Invert a robot's Jacobian this way.
 
         Parameters
         ----------
+        exact : Movable
+            The robot with its exact inverse.
         joints : tuple of Segment
             The moving ones, with their limits.
         lag : float
             Time constant of two lags in series that the joints are behind their rates [s].
         """
         if self.is_exact:
-            return task
-        below = DAMPED_BELOW * task.length if self.damped_below is None else self.damped_below
+            return exact
+        below = DAMPED_BELOW * exact.length if self.damped_below is None else self.damped_below
         if self.method == "damped":
-            return damped_task(task, below)
+            return Damped(exact, below)
         mechanics = [segment.mechanics for segment in joints]
         lower, upper = zip(*(joint.bounds for joint in mechanics), strict=True)
         box = RateBox(
@@ -77,7 +79,7 @@ class Inverse:
             [self._fastest(segment) for segment in joints],
             max(SETTLING, LAGS * lag),
         )
-        return damped_task(task, below, box)
+        return Damped(exact, below, box)
 
     def _fastest(self, segment: Segment) -> float:
         own = segment.mechanics.velocity

@@ -1,8 +1,15 @@
-"""Simulink's own block types, by their names in the file (``BlockType``)."""
+"""Simulink's own block types, the libraries' blocks, and the look-up of both."""
 
 from __future__ import annotations
 
-from drake_leg.simulink.catalogue.parameter import Parameters, choices, numbers, unbounded
+from drake_leg.simulink.catalogue.multibody import MULTIBODY
+from drake_leg.simulink.catalogue.parameter import (
+    Parameters,
+    choices,
+    numbers,
+    unbounded,
+    without_table,
+)
 
 BUILT_IN: dict[str, Parameters] = {
     # Sources
@@ -118,3 +125,92 @@ ZeroOrderHold
 """
 
 WITHOUT_PARAMETERS = frozenset(_NAMES.split())
+
+
+_UTILITIES: dict[str, Parameters] = {
+    "Solver Configuration": choices(UseLocalSolver="off", DoDC="off"),
+    "Simulink-PS Converter": choices(Unit="1", FilteringAndDerivatives="provide")
+    + numbers(UdotUserProvided="0", SimscapeFilterOrder="1", InputFilterTimeConstant=".001"),
+    "PS-Simulink Converter": choices(Unit="1"),
+    "Connection Port": choices(Side="Left") + numbers(Port="1"),
+    "Connection Label": choices(Label="A"),
+    "Two-Way Connection": (),
+    "Simscape Bus": (),
+    "Simscape Component": (),
+    "Spectrum Analyzer": (),
+    "Probe": (),
+    "Periodic Operating Point": (),
+    "Reset Solver": (),
+}
+
+_SIMULINK: dict[str, Parameters] = {
+    "Ramp": numbers(slope="1", start="0", InitialOutput="0"),
+    "Chirp Signal": numbers(f1="0.1", T="100", f2="1"),
+    "Repeating Sequence": numbers(rep_seq_t="[0 2]", rep_seq_y="[0 2]"),
+    "Repeating Sequence Stair": numbers(OutValues="[3 1 4 2 1]"),
+    "Slider Gain": numbers(low="0", gain="1", high="2"),
+    "PID Controller": choices(Controller="PID", Form="Parallel")
+    + numbers(P="1", I="1", D="0", N="100"),
+    "Wrap To Zero": (),
+    "Compare To Constant": choices(relop="<=", const="3"),
+    "Compare To Zero": choices(relop="<="),
+}
+
+_SIMULINK_WITHOUT_TABLE = """
+XY Graph, Signal Builder, Signal Editor, Counter Free-Running, Counter Limited, Band-Limited
+White Noise, Repeating Sequence Interpolated, Waveform Generator, Coulomb & Viscous Friction,
+Dead Zone Dynamic, Saturation Dynamic, Rate Limiter Dynamic, Discrete Derivative, Difference,
+Discrete PID Controller, PID Controller (2DOF), Discrete PID Controller (2DOF), Transfer Fcn
+First Order, Transfer Fcn Lead or Lag, Transfer Fcn Real Zero, Tapped Delay, Weighted Moving
+Average, Interval Test, Detect Change, Detect Increase, Detect Decrease, Cross Product, Matrix
+Concatenate, Matrix Square, Matrix Transpose, Create Diagonal Matrix, Extract Diagonal,
+Hermitian Transpose, Identity Matrix, IsSymmetric, Submatrix, Permute Matrix, Weighted Sample
+Time Math, Unit Conversion, Environment Controller, Manual Variant Source, Manual Variant Sink,
+DocBlock, Model Info, Enumerated Constant, Sine, Cosine, Lookup Table Dynamic, Degrees to
+Radians, Radians to Degrees, Cartesian to Polar, Polar to Cartesian, Cartesian to Spherical,
+Spherical to Cartesian, Real-Time Pacer, Simulation Pace, Power Spectral Density
+"""
+
+_FOUNDATION_WITHOUT_TABLE = """
+PS Abs, PS Add, PS Asynchronous Sample & Hold, PS Ceil, PS Constant, PS Constant Delay, PS
+Cosine, PS Counter, PS Dead Zone, PS Divide, PS Fix, PS Floor, PS Gain, PS Integrator, PS Lookup
+Table (1D), PS Lookup Table (2D), PS Math Function, PS Max, PS Min, PS Product, PS Ramp, PS
+Random Number, PS Repeating Sequence, PS Saturation, PS Sign, PS Signal Specification, PS Sine
+Wave, PS Sine, PS Step, PS Subtract, PS Switch, PS Terminator, PS Transfer Function, PS
+Trigonometric Function, PS Unit Conversion, PS Variable Delay, Ideal Force Sensor, Ideal Force
+Source, Ideal Torque Sensor, Ideal Torque Source, Ideal Angular Velocity Source, Ideal
+Translational Velocity Source, Ideal Rotational Motion Sensor, Ideal Translational Motion
+Sensor, Inertia, Mass, Rotational Damper, Rotational Friction, Rotational Hard Stop, Rotational
+Spring, Rotational Free End, Mechanical Rotational Reference, Translational Damper,
+Translational Friction, Translational Hard Stop, Translational Spring, Translational Free End,
+Mechanical Translational Reference, Gear Box, Lever, Wheel and Axle, Rotational Multibody
+Interface, Translational Multibody Interface, Electrical Reference, Resistor, Capacitor,
+Inductor, DC Voltage Source, Controlled Voltage Source, Controlled Current Source, Current
+Sensor, Voltage Sensor, Rotational Electromechanical Converter, Translational Electromechanical
+Converter
+"""
+
+_SIMULINK |= without_table(_SIMULINK_WITHOUT_TABLE)
+
+LIBRARIES: dict[str, dict[str, Parameters]] = {
+    "sm_lib": MULTIBODY,
+    "nesl_utility": _UTILITIES,
+    "nesl_utility_internal": _UTILITIES,
+    "fl_lib": without_table(_FOUNDATION_WITHOUT_TABLE),
+    "simulink": _SIMULINK,
+    "slpidlib": _SIMULINK,
+    "simulink_extras": _SIMULINK,
+}
+
+
+def known_parameters(block_type: str, source: str) -> Parameters | None:
+    """Return the parameters of a kind of block, None where it is not known.
+
+    The type is ``BlockType`` in the file; a ``Reference`` has the path of its library block as its
+    source. Folders of a library do not count: blocks have moved between them over the releases.
+    """
+    if block_type == "Reference":
+        return LIBRARIES.get(source.split("/", 1)[0], {}).get(source.rsplit("/", 1)[-1])
+    if block_type in WITHOUT_PARAMETERS:
+        return ()
+    return BUILT_IN.get(block_type)

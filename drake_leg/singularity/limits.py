@@ -1,10 +1,11 @@
-"""How fast joints may go: their greatest rates, and what they need to brake before a limit."""
+"""How fast joints and the foot may go: greatest rates, braking before a limit, greatest speed."""
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
-from drake_leg.kinematics.task import Floats
+from drake_leg.kinematics.movable import Floats
 
 # A joint comes to rest so far before its limit: at a kink of its rate the step of an integrator
 # errs by some 1e-5 rad, and a limit that is approached to the last digit would be crossed.
@@ -105,3 +106,34 @@ class RateBox:
             joint.kind(high) if rate >= high else -joint.kind(-low) if rate <= low else FREE
             for joint, rate, low, high in bounds
         )
+
+
+def limited_speed(
+    v: Floats, a: Floats, top: float, lengths: Floats
+) -> tuple[list[float], list[float]]:
+    """Shorten a velocity to a greatest speed, its direction kept.
+
+    Where ``|v| > top``, the velocity is ``top v / |v|`` and its derivative
+    ``(top / |v|) (a - n (n . a))`` with ``n = v / |v|``; elsewhere both are what they were.
+
+    Parameters
+    ----------
+    v, a : (n,) sequence of float
+        Velocity [m/s] and its derivative [m/s^2].
+    top : float
+        Greatest speed [m/s].
+    lengths : (n,) sequence of float
+        What makes each part a length; 1 where it is one [m/unit].
+
+    Returns
+    -------
+    list of float, list of float
+        In the units of ``v`` and ``a``.
+    """
+    weights = [length * length for length in lengths]
+    square = sum(w * part * part for w, part in zip(weights, v, strict=True))
+    if square <= top * top:
+        return list(v), list(a)
+    along = sum(w * x * y for w, x, y in zip(weights, v, a, strict=True)) / square
+    factor = top / math.sqrt(square)
+    return [factor * x for x in v], [factor * (y - along * x) for x, y in zip(v, a, strict=True)]
