@@ -23,16 +23,7 @@ def model_mechanism_picture(
 
     What hangs on no World Frame follows, from an open end if there is one. A block that closes a
     loop has two connections on its left side, and so has a joint that only senses: it comes last.
-
-    Parameters
-    ----------
-    names : mapping
-        SID to unique name.
-
-    Returns
-    -------
-    Picture
-        Not yet laid out; without blocks where the model has no mechanism.
+    A model without a mechanism has a picture without blocks.
     """
     return _Walk(model, network, names).picture(title)
 

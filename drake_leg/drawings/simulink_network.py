@@ -51,13 +51,7 @@ def network_of(model: Model) -> Network:
 
 
 def ports_by_block(ports: Iterable[str]) -> dict[str, list[str]]:
-    """Gather ports by their blocks.
-
-    Returns
-    -------
-    dict
-        SID to its ports, by their sides and their numbers.
-    """
+    """Gather ports by the SIDs of their blocks, in the order of sides and numbers."""
     found: dict[str, list[str]] = {}
     for port in sorted(ports, key=lambda port: split_port(port)[1:]):
         found.setdefault(split_port(port)[0], []).append(port)

@@ -28,15 +28,7 @@ def signals_picture(
 ) -> Picture:
     """Draw the signals of a model, and the joints and sensors that they drive or come from.
 
-    Parameters
-    ----------
-    names : mapping
-        SID to unique name.
-
-    Returns
-    -------
-    Picture
-        Not yet laid out; without blocks where the model has no signals.
+    A model without signals has a picture without blocks.
     """
     lines = _lines(model, network)
     inputs = ports_by_block(port for line in lines for port in line.targets)
