@@ -49,6 +49,7 @@ from drake_leg.scene.motion import OtherRobotError
 from drake_leg.scene.rendering import NoRenderingError
 from drake_leg.scene.web_page import PageError
 from drake_leg.simulation import run as simulation_run
+from drake_leg.simulink.matlab.values import MatlabError
 from drake_leg.symbolic.optional import MissingSymPyError
 
 
