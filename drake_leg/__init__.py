@@ -39,7 +39,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 **Blocks**, for diagrams of your own
 
 - ``InverseJacobian``: joint velocities for a commanded velocity of the foot.
-- ``foot_task``: what of a robot's foot is commanded; an ``InverseJacobian`` inverts it.
+- ``movable``: a robot whose foot can be commanded; what an ``InverseJacobian`` inverts.
 - ``PrescribedMotion``: the torques that make joints follow a motion.
 - ``FrameSensor``: where a frame is and how it moves.
 - ``DriftCorrection``: a commanded velocity, pulled back to where it should have led.
@@ -89,9 +89,8 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.pendulum import build as build_pendulum
     from drake_leg.diagrams.scara import ScaraConfig
     from drake_leg.diagrams.scara import build as build_scara
-    from drake_leg.doctor import examine_posture
     from drake_leg.figures.free_body import free_body as frames_drawing
-    from drake_leg.kinematics.foot_task import foot_task
+    from drake_leg.kinematics.of_robot import movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
     from drake_leg.pictures.block_diagram import block_diagram
@@ -103,6 +102,7 @@ if TYPE_CHECKING:
     from drake_leg.scene.images import still
     from drake_leg.scene.replay import replay
     from drake_leg.simulation.run import simulate
+    from drake_leg.singularity.doctor import examine_posture
     from drake_leg.symbolic.by_robot import derive
     from drake_leg.systems.drift_correction import DriftCorrection
     from drake_leg.systems.energy_sensor import EnergySensor
@@ -140,10 +140,10 @@ _HOMES = {
     "build_scara": ("drake_leg.diagrams.scara", "build"),
     "derive": ("drake_leg.symbolic.by_robot", "derive"),
     "errata": ("drake_leg.lab.shown", "errata"),
-    "examine_posture": ("drake_leg.doctor", "examine_posture"),
-    "foot_task": ("drake_leg.kinematics.foot_task", "foot_task"),
+    "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
     "load_robot": ("drake_leg.robot_file.read", "load_robot"),
+    "movable": ("drake_leg.kinematics.of_robot", "movable"),
     "prove": ("drake_leg.check.proof", "prove"),
     "replay": ("drake_leg.scene.replay", "replay"),
     "report": ("drake_leg.lab.shown", "report"),
@@ -180,9 +180,9 @@ __all__ = [
     "derive",
     "errata",
     "examine_posture",
-    "foot_task",
     "frames_drawing",
     "load_robot",
+    "movable",
     "prove",
     "replay",
     "report",

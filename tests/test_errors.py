@@ -13,6 +13,7 @@ from http import HTTPStatus
 from pathlib import Path
 
 import pytest
+from drake_leg.simulink.matlab.limits import MatlabError
 
 import drake_leg
 from drake_leg.errors import (
@@ -32,7 +33,7 @@ from drake_leg.errors import (
 )
 from drake_leg.files import check_target, read_text
 from drake_leg.imports import BrokenPackageError
-from drake_leg.kinematics.rates import exact_rates
+from drake_leg.kinematics.movable import exact_rates
 from drake_leg.report.replays import UnlikeReplaysError
 from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B
@@ -46,7 +47,6 @@ from drake_leg.scene.scene import OtherRobotError
 from drake_leg.scene.server import RefusedError, ServerError
 from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import run as simulation_run
-from drake_leg.simulink.matlab.limits import MatlabError
 from drake_leg.symbolic.optional import MissingSymPyError
 
 

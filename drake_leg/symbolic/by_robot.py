@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.robot import Robot
 from drake_leg.symbolic.catalogue import SUBJECTS, derived_equations
 from drake_leg.symbolic.equations import Equation
 from drake_leg.symbolic.optional import require_sympy
-from drake_leg.symbolic.own_table import OwnTable
-from drake_leg.time_budget import BUDGET, TimeBudget
 
 
 @dataclass(frozen=True)
@@ -105,6 +104,9 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
         found = Equations(robot, spending.spend(lambda: derived_equations(name)), report)
     else:
         require_sympy(f"the derivation of {robot.name}")
-        pieces = OwnTable(robot.rows).pieces()
+        from drake_leg.symbolic.derivation import Derivation
+        from drake_leg.symbolic.equations import own_pieces
+
+        pieces = own_pieces(Derivation(robot.rows))
         found = Equations(robot, tuple(e for p in pieces for e in spending.spend(p.derive)))
     return found.choose(*wanted) if wanted else found
