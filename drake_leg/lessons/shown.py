@@ -11,8 +11,7 @@ from drake_leg.recording import Recording
 from drake_leg.report.errata import errata_entries
 from drake_leg.report.mathematics import khalil_table
 from drake_leg.robot import Robot
-from drake_leg.scene.motion import recorded_motion
-from drake_leg.scene.replay import replay_page
+from drake_leg.scene.replay import replay as replay_page
 from drake_leg.symbolic.catalogue import derived_equations
 
 
@@ -102,5 +101,5 @@ def replay(robot: Robot, recording: Recording) -> Shown:
     Shown
         About 2.5 MB; it needs no network.
     """
-    page = replay_page(recorded_motion(robot, recording))
+    page = replay_page(robot, recording).html
     return Shown(f'<iframe title="{escape(robot.title)} in 3D" srcdoc="{escape(page)}"></iframe>')
