@@ -13,7 +13,6 @@ from http import HTTPStatus
 from pathlib import Path
 
 import pytest
-from drake_leg.simulink.matlab.limits import MatlabError
 
 import drake_leg
 from drake_leg.errors import (

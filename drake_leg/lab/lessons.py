@@ -1,4 +1,4 @@
-"""What the notebooks need besides the front door: answers that are checked, and printed matrices."""
+"""What the notebooks need besides the front door: checked answers, and printed matrices."""
 
 from __future__ import annotations
 
