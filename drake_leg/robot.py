@@ -340,21 +340,27 @@ class Robot:
         return tuple(s for s in self.segments if s.row.joint != "fixed")
 
     def _repr_html_(self) -> str:
-        headings = ("row", "σ", "d [m]", "α [°]", "r [m]", "θ [°]", "joint", "link")
+        headings = ("row", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]", "joint", "link")
         rows = []
         variables = (f"q{number}" for number in itertools.count(1))
         for index, segment in enumerate(self.segments, start=1):
             row = segment.row
-            r, theta = f"{row.r:g}", f"{math.degrees(row.theta):g}"
+            r, theta = f"{row.r:g}", _angle(row.theta)
             if row.joint == "revolute":
                 theta = _sum(next(variables), row.theta, theta)
             elif row.joint == "prismatic":
                 r = _sum(next(variables), row.r, r)
             sigma = "~" if row.sigma is None else row.sigma
             link = segment.link.name if segment.link else ""
-            alpha = f"{math.degrees(row.alpha):g}"
-            rows.append((index, sigma, f"{row.d:g}", alpha, r, theta, segment.joint or "", link))
+            cells = (index, sigma, f"{row.d:g}", _angle(row.alpha), r, theta)
+            rows.append((*cells, segment.joint or "", link))
         return html_table(headings, rows, title=f"{self.title} ({self.source})")
+
+
+def _angle(angle: float) -> str:
+    """Write an angle [rad], as a part of π where it is one."""
+    named = {0.0: "0", math.pi / 2: "π/2", -math.pi / 2: "−π/2", math.pi: "π"}
+    return named.get(angle, f"{angle:.4g}")
 
 
 def _sum(variable: str, offset: float, text: str) -> str:

@@ -10,7 +10,7 @@ from drake_leg.cli.common import numbers
 from drake_leg.errors import InvalidValueError
 
 if TYPE_CHECKING:
-    from drake_leg.scene.live.server import Server
+    from drake_leg.scene.server import Server
 
 
 HOST = "localhost"
@@ -49,8 +49,7 @@ LEAVING = (
 
 def start_server(chosen: argparse.Namespace, shows: str) -> Server:
     """Listen, print where, and open a browser; the server does not serve yet."""
-    from drake_leg.scene.live.browser import open_browser
-    from drake_leg.scene.live.server import Server
+    from drake_leg.scene.server import Server, open_browser
 
     server = Server(HOST if chosen.host is None else chosen.host, _port(chosen.port))
     print(f"{shows}: {server.url}", flush=True)
