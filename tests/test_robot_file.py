@@ -27,8 +27,9 @@ from drake_leg.robot import (
     Solid,
     Sphere,
 )
-from drake_leg.robot_file import load_robot, read_robot, robot_toml
 from drake_leg.robot_file.document import parse_document
+from drake_leg.robot_file.read import load_robot, read_robot
+from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import LEG_B, ROBOTS, hexabot_leg, pendulum
 
 ARM = """

@@ -4,16 +4,55 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import reprlib
 import typing
 from contextlib import suppress
 from pathlib import Path
 from types import UnionType
-from typing import Any
+from typing import Any, ClassVar
+
+from yaml import MappingNode, SafeLoader, ScalarNode, YAMLError
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
 from drake_leg.files import read_text
 from drake_leg.runs.options import RunOptions
+
+# --- YAML 1.2: 010 is ten, 1:30 and yes are texts, 1e-6 is a number -------------------------
+
+NULL, BOOL, INT, FLOAT = (f"tag:yaml.org,2002:{name}" for name in ("null", "bool", "int", "float"))
+
+# The core schema of YAML 1.2, section 10.3.2: tag, pattern, first characters.
+SCHEMA = (
+    (NULL, r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+    (BOOL, r"true|True|TRUE|false|False|FALSE", list("tTfF")),
+    (INT, r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+", list("-+0123456789")),
+    (
+        FLOAT,
+        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+        list("-+.0123456789"),
+    ),
+)
+
+
+class CoreLoader(SafeLoader):  # type: ignore[misc] # PyYAML has no types
+    """Reads YAML 1.2; PyYAML's own loaders read YAML 1.1."""
+
+    yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}
+
+    def construct_whole(self, node: ScalarNode) -> int:
+        """Read 10, 010, 0o10 and 0x10."""
+        text = str(self.construct_scalar(node))
+        base = {"0o": 8, "0x": 16}.get(text[:2], 10)
+        return int(text[2:] if base != 10 else text, base)
+
+
+for _tag, _pattern, _first in SCHEMA:
+    CoreLoader.add_implicit_resolver(_tag, re.compile(f"^(?:{_pattern})$"), _first)
+CoreLoader.add_constructor(INT, CoreLoader.construct_whole)
+
+
+# --- options ---------------------------------------------------------------------------------
 
 
 def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptions:
@@ -21,8 +60,6 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
 
     Keys are names of options; ``name`` is the run's, for errors.
     """
-    from yaml import YAMLError
-
     keys = ", ".join(field.name for field in dataclasses.fields(kind))
     try:
         content = _content(read_text(path))
@@ -49,10 +86,6 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
 
 def _content(text: str) -> dict[str, Any]:
     """Parse the text; a key that appears twice is refused."""
-    from yaml import MappingNode
-
-    from drake_leg.cli.yaml_core import CoreLoader
-
     loader = CoreLoader(text)
     try:
         root = loader.get_single_node()

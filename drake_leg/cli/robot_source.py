@@ -10,8 +10,9 @@ from pathlib import Path
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.robot import Robot
-from drake_leg.robot_file import read_robot, robot_toml
 from drake_leg.robot_file.document import Document, parse_document
+from drake_leg.robot_file.read import read_robot
+from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import ROBOTS
 
 ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}

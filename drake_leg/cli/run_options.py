@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from drake_leg.cli.common import numbers
-from drake_leg.cli.config_file import options_from_file
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, STEP, Progress, RunKind, Start, run_kind
@@ -75,11 +74,11 @@ def kind_of(name: str) -> RunKind:
 
 def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
     """Combine the options: defaults, then the file's, then the command line's."""
-    options = (
-        options_from_file(kind.options, chosen.name, chosen.config)
-        if chosen.config
-        else kind.options()
-    )
+    options = kind.options()
+    if chosen.config:
+        from drake_leg.cli.config_file import options_from_file
+
+        options = options_from_file(kind.options, chosen.name, chosen.config)
     known = {field.name: field for field in dataclasses.fields(kind.options)}
     given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
     for name in given:

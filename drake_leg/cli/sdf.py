@@ -31,7 +31,7 @@ def _sdf(chosen: argparse.Namespace) -> int:
     from drake_leg.check.table import lint_table
     from drake_leg.files import write_text
     from drake_leg.models.sdf import sdf_text
-    from drake_leg.robot_file import robot_toml
+    from drake_leg.robot_file.write import robot_toml
 
     if chosen.out is None:
         refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --out")

@@ -96,7 +96,7 @@ def load_robot(path: Path | str) -> Robot:
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from drake_leg import LEG_B, load_robot
-    >>> from drake_leg.robot_file import robot_toml
+    >>> from drake_leg.robot_file.write import robot_toml
     >>> with TemporaryDirectory() as folder:
     ...     path = Path(folder) / "leg_b.toml"
     ...     _ = path.write_text(robot_toml(LEG_B))
