@@ -260,7 +260,7 @@ def test_results_whose_place_was_taken_meanwhile_are_beside_it(no_figures, monke
     assert status == 2
     assert out.startswith("wrote out-2: 6 rows")
     assert err == [
-        "drake-leg: out came to exist meanwhile, and was left alone: the results are in out-2"
+        "drake-leg: out appeared in the meantime and was left alone: the results are in out-2"
     ]
     whole("out-2")
     assert inside("out") == {"thesis.tex"}
