@@ -13,7 +13,7 @@ from drake_leg.robot import Robot
 from drake_leg.runs.options import TASK
 
 if TYPE_CHECKING:
-    from drake_leg.teleop.control import Step
+    from drake_leg.scene.teleop_control import Step
 
 KEYS = (
     "keys in the page, held: A D along x, S W along y, F R along z; space halts, "
@@ -46,7 +46,7 @@ def configure_teleop(parser: argparse.ArgumentParser) -> None:
 
 
 def _teleop(chosen: argparse.Namespace) -> int:
-    from drake_leg.teleop.session import drive_robot
+    from drake_leg.scene.teleop import drive_robot
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
@@ -63,8 +63,8 @@ def _teleop(chosen: argparse.Namespace) -> int:
 
 def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
     """Describe where the robot starts, or refuse a singular posture."""
+    from drake_leg.scene.teleop_control import at_rest, drive_of
     from drake_leg.singularity.families import singular_words
-    from drake_leg.teleop.control import at_rest, drive_of
 
     drive = drive_of(robot, keep)
     try:

@@ -9,7 +9,7 @@ from pydrake.multibody.tree import RigidBody
 
 from drake_leg.drawings.captions import mass_words, transform_words
 from drake_leg.drawings.picture import Block, Net, Picture
-from drake_leg.simulink.solids import SHAPES
+from drake_leg.simulink.bodies import SHAPES
 
 _KINDS = {shape: kind for kind, shape in SHAPES.items()}
 

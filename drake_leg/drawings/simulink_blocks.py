@@ -12,9 +12,8 @@ from drake_leg.drawings.simulink_names import cut, name_lines
 from drake_leg.drawings.simulink_network import TO_PHYSICAL, TO_SIGNAL
 from drake_leg.drawings.text import spaced, wrapped
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.lines import split_port
 from drake_leg.simulink.matlab import Program, program
-from drake_leg.simulink.model import Block, Value
+from drake_leg.simulink.model import Block, Value, split_port
 
 GLYPHS = JOINT_GLYPHS | {
     "BusCreator": "mux",

@@ -9,8 +9,7 @@ from drake_leg.drawings.chain import Chain, Output
 from drake_leg.drawings.picture import Picture
 from drake_leg.drawings.simulink_bodies import body_block
 from drake_leg.drawings.simulink_network import Network, ports_by_block
-from drake_leg.simulink.lines import split_port
-from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.model import Block, Model, split_port
 
 _SENSORS = ("6-DOF Joint", "Bushing Joint", "Transform Sensor")
 _LEAVES = ("Solid", "Inertia", "Configuration", "Graphic")  # how names of what ends a chain end

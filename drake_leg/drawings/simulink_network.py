@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from drake_leg.simulink.lines import split_port
-from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.model import Block, Model, split_port
 
 TO_PHYSICAL, TO_SIGNAL = "Simulink-PS Converter", "PS-Simulink Converter"
 _SIGNAL_KINDS = (TO_PHYSICAL, TO_SIGNAL, "Spectrum Analyzer", "Probe")

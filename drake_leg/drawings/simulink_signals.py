@@ -9,8 +9,7 @@ from drake_leg.drawings.picture import Net, Picture
 from drake_leg.drawings.simulink_blocks import GLYPHS, signal_block
 from drake_leg.drawings.simulink_names import cut
 from drake_leg.drawings.simulink_network import Network, ports_by_block
-from drake_leg.simulink.lines import split_port
-from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.model import Block, Model, split_port
 
 
 @dataclass(frozen=True)
