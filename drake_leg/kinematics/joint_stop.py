@@ -118,30 +118,3 @@ def limit_energy(mechanics: JointMechanics, q: ArrayLike) -> Array:
     for side, bound, stop in mechanics.stops:
         total = total + stored_energy(stop, np.maximum(0.0, side * (at - bound)))
     return total
-
-
-def rest_depth(stop: HardStop, load: float) -> float:
-    """Depth at which the stop carries a load at rest: ``engagement * k depth = load``.
-
-    Beyond the transition region it is ``load / k``; within, the root of a quartic.
-
-    Parameters
-    ----------
-    stop : HardStop
-        Stiffness and transition width.
-    load : float
-        Into the stop [N*m or N]; a load away from it leaves the joint at the bound.
-
-    Returns
-    -------
-    float
-        [rad or m].
-    """
-    w, k = stop.transition_width, stop.stiffness
-    if load <= 0.0:
-        return 0.0
-    if load >= k * w:
-        return load / k
-    roots = np.roots([-2.0, 3.0, 0.0, 0.0, -load / (k * w)])
-    real = roots[np.abs(roots.imag) < 1e-9].real
-    return float(w * real[(real >= 0.0) & (real <= 1.0)].min())

@@ -131,31 +131,6 @@ def tool_position(arm: ScaraGeometry, q: ArrayLike) -> Array:
     return assemble((x, y, arm.height - q4))
 
 
-def tool_rotation(q: ArrayLike) -> Array:
-    """Rotation of the tool frame F in the base frame B: yawed, its z axis down.
-
-    ``R_BF = Rz(q1 + q2 + q3) Rx(pi)``.
-
-    Parameters
-    ----------
-    q : (..., 4) array_like
-        Three angles [rad] and the lift [m].
-
-    Returns
-    -------
-    R_BF : (..., 3, 3) ndarray
-        Rotation matrices.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 4, or is not finite.
-    """
-    (q1, q2, q3, _), cos, sin = split("q", q, 4)
-    c, s = cos(q1 + q2 + q3), sin(q1 + q2 + q3)
-    return assemble(((c, s, 0.0), (s, -c, 0.0), (0.0, 0.0, -1.0)))
-
-
 def task_jacobian(arm: ScaraGeometry, q: ArrayLike) -> Array:
     """Jacobian of the task (x, y, yaw) against the three angles.
 
