@@ -39,7 +39,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 **Blocks**, for diagrams of your own
 
 - ``InverseJacobian``: joint velocities for a commanded velocity of the foot.
-- ``movable``: what of a robot's foot is commanded; an ``InverseJacobian`` inverts it.
+- ``movable``: a robot whose foot can be commanded; what an ``InverseJacobian`` inverts.
 - ``PrescribedMotion``: the torques that make joints follow a motion.
 - ``FrameSensor``: where a frame is and how it moves.
 - ``DriftCorrection``: a commanded velocity, pulled back to where it should have led.
@@ -58,8 +58,8 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 - ``block_diagram``: any Drake diagram as an SVG block diagram.
 - ``frames_drawing``: a robot with its frames, lengths and forces.
-- ``still``: a robot in 3D, as a picture.
-- ``replay``: a recording in 3D, as a page that plays it.
+- ``still``: a robot, or any plant, in 3D, as a picture.
+- ``replay``: a recorded motion in 3D, as a page that plays it.
 
 **The two reports**
 
@@ -99,7 +99,8 @@ if TYPE_CHECKING:
     from drake_leg.robot_file.read import load_robot
     from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
     from drake_leg.runs.named import run
-    from drake_leg.scene.shown import replay, still
+    from drake_leg.scene.images import still
+    from drake_leg.scene.replay import replay
     from drake_leg.simulation.run import simulate
     from drake_leg.singularity.doctor import examine_posture
     from drake_leg.symbolic.by_robot import derive
@@ -144,11 +145,11 @@ _HOMES = {
     "load_robot": ("drake_leg.robot_file.read", "load_robot"),
     "movable": ("drake_leg.kinematics.of_robot", "movable"),
     "prove": ("drake_leg.check.proof", "prove"),
-    "replay": ("drake_leg.scene.shown", "replay"),
+    "replay": ("drake_leg.scene.replay", "replay"),
     "report": ("drake_leg.lab.shown", "report"),
     "run": ("drake_leg.runs.named", "run"),
     "simulate": ("drake_leg.simulation.run", "simulate"),
-    "still": ("drake_leg.scene.shown", "still"),
+    "still": ("drake_leg.scene.images", "still"),
 }
 
 __all__ = [

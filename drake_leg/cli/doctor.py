@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.advice import as_options
-from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, fail, numbers
+from drake_leg.cli.common import BAD_INPUT, FAILED, fail, numbers
 from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
@@ -28,15 +28,13 @@ if TYPE_CHECKING:
     from drake_leg.singularity.stroke import Stroke
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "doctor",
-        help="examine a posture before simulating it",
-        description="Say of a posture: the foot's pose, rank and smallest singular value of its "
+def configure_doctor(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Say of a posture: the foot's pose, rank and smallest singular value of its "
         "Jacobian, manipulability, the singular family that is near, what motion is lost, the "
         "stroke along a direction to the first singularity or joint limit, and the greatest "
-        "amplitude that stays inside. With --foot: the joint positions that put the foot there.",
+        "amplitude that stays inside. With --foot: the joint positions that put the foot there."
     )
     add_robot_source(parser)
     parser.add_argument(
