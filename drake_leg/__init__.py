@@ -58,8 +58,8 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 - ``block_diagram``: any Drake diagram as an SVG block diagram.
 - ``frames_drawing``: a robot with its frames, lengths and forces.
-- ``still``: a robot in 3D, as a picture.
-- ``replay``: a recording in 3D, as a page that plays it.
+- ``still``: a robot, or any plant, in 3D, as a picture.
+- ``replay``: a recorded motion in 3D, as a page that plays it.
 
 **The two reports**
 
@@ -89,9 +89,8 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.pendulum import build as build_pendulum
     from drake_leg.diagrams.scara import ScaraConfig
     from drake_leg.diagrams.scara import build as build_scara
-    from drake_leg.doctor import examine_posture
     from drake_leg.figures.free_body import free_body as frames_drawing
-    from drake_leg.kinematics.foot_task import foot_task as movable
+    from drake_leg.kinematics.of_robot import movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
     from drake_leg.pictures.block_diagram import block_diagram
@@ -100,8 +99,10 @@ if TYPE_CHECKING:
     from drake_leg.robot_file.read import load_robot
     from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
     from drake_leg.runs.named import run
-    from drake_leg.scene.shown import replay, still
+    from drake_leg.scene.images import still
+    from drake_leg.scene.replay import replay
     from drake_leg.simulation.run import simulate
+    from drake_leg.singularity.doctor import examine_posture
     from drake_leg.symbolic.by_robot import derive
     from drake_leg.systems.drift_correction import DriftCorrection
     from drake_leg.systems.energy_sensor import EnergySensor
@@ -139,16 +140,16 @@ _HOMES = {
     "build_scara": ("drake_leg.diagrams.scara", "build"),
     "derive": ("drake_leg.symbolic.by_robot", "derive"),
     "errata": ("drake_leg.lab.shown", "errata"),
-    "examine_posture": ("drake_leg.doctor", "examine_posture"),
-    "movable": ("drake_leg.kinematics.foot_task", "foot_task"),
+    "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
     "load_robot": ("drake_leg.robot_file.read", "load_robot"),
+    "movable": ("drake_leg.kinematics.of_robot", "movable"),
     "prove": ("drake_leg.check.proof", "prove"),
-    "replay": ("drake_leg.scene.shown", "replay"),
+    "replay": ("drake_leg.scene.replay", "replay"),
     "report": ("drake_leg.lab.shown", "report"),
     "run": ("drake_leg.runs.named", "run"),
     "simulate": ("drake_leg.simulation.run", "simulate"),
-    "still": ("drake_leg.scene.shown", "still"),
+    "still": ("drake_leg.scene.images", "still"),
 }
 
 __all__ = [

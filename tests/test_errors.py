@@ -32,7 +32,7 @@ from drake_leg.errors import (
 )
 from drake_leg.files import check_target, read_text
 from drake_leg.imports import BrokenPackageError
-from drake_leg.kinematics.rates import exact_rates
+from drake_leg.kinematics.movable import exact_rates
 from drake_leg.report.replays import UnlikeReplaysError
 from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B
@@ -40,15 +40,13 @@ from drake_leg.runs import leg, pendulum
 from drake_leg.runs.leg import run_robot, run_straight
 from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
 from drake_leg.runs.pendulum import run_pendulum
-from drake_leg.scene import rendering, video
-from drake_leg.scene.live.requests import RefusedError
-from drake_leg.scene.live.server import ServerError
-from drake_leg.scene.meshcat import MeshcatError
-from drake_leg.scene.motion import OtherRobotError
-from drake_leg.scene.rendering import NoRenderingError
-from drake_leg.scene.web_page import PageError
+from drake_leg.scene import artists, images
+from drake_leg.scene.artists import NoRenderingError
+from drake_leg.scene.scene import OtherRobotError
+from drake_leg.scene.server import RefusedError, ServerError
+from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import run as simulation_run
-from drake_leg.simulink.matlab.limits import MatlabError
+from drake_leg.simulink.matlab.values import MatlabError
 from drake_leg.symbolic.optional import MissingSymPyError
 
 
@@ -67,10 +65,10 @@ def errors_of_the_package():
 PROVOKED_ELSEWHERE = {
     MeshcatError: "tests/scene/test_web_page.py",
     PageError: "tests/scene/test_web_page.py",
-    RefusedError: "tests/scene/live/test_requests.py",
+    RefusedError: "tests/scene/test_requests.py",
     UnlikeReplaysError: "tests/report/test_replays.py",
-    ServerError: "tests/scene/live/test_server.py",
-    OtherRobotError: "tests/scene/test_motion.py",
+    ServerError: "tests/scene/test_server.py",
+    OtherRobotError: "tests/scene/test_scene.py",
     MissingSymPyError: "tests/symbolic/test_catalogue.py",
     TimeBudgetError: "tests/test_time_budget.py",
 }
@@ -134,13 +132,13 @@ def limit(monkeypatch, tmp_path):
 
 
 def no_rendering(monkeypatch, tmp_path):
-    monkeypatch.setattr(rendering, "rendering_fault", lambda: "there is no VTK here")
-    video.require_video(tmp_path / "a.gif")
+    monkeypatch.setattr(artists, "rendering_fault", lambda: "there is no VTK here")
+    images.require_video(tmp_path / "a.gif")
 
 
 def no_encoder(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "av", None)
-    video.require_video(tmp_path / "a.mp4")
+    images.require_video(tmp_path / "a.mp4")
 
 
 def unreadable(monkeypatch, tmp_path):

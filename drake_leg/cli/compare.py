@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import Commands, refuse_ignored, remark
+from drake_leg.cli.common import refuse_ignored, remark
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, RunKind
@@ -22,18 +22,18 @@ DIFFERENT = 1  # exit status
 ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "compare",
-        help="compare a Simulink model with a run's diagram",
-        description="Find for every block, wire and parameter of a Simulink model what stands "
+def configure_compare(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Find for every block, wire and parameter of a Simulink model what stands "
         "for it in the live diagram of a run: matched, missing, extra or different. Exit status "
         "0 when everything in the model has its counterpart and the values agree, 1 otherwise; "
-        "what the diagram has besides does not count.",
-        epilog="The run's options make its diagram match a model with other numbers: "
+        "what the diagram has besides does not count."
+    )
+    parser.epilog = (
+        "The run's options make its diagram match a model with other numbers: "
         "--amplitude 0.05. Signals are compared by what they are, not by how they are muxed, "
-        "scaled and summed; a source's amplitude is that behind its gains.",
+        "scaled and summed; a source's amplitude is that behind its gains."
     )
     parser.add_argument("model", type=Path, metavar="MODEL.slx", help="Simulink model")
     parser.add_argument(

@@ -10,9 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import ROBOT_NAMES, Commands
 from drake_leg.cli.pictures import picture
-from drake_leg.cli.robot_source import robot_source
+from drake_leg.cli.robot_source import ROBOT_NAMES, robot_source
 from drake_leg.cli.shows import stop_note
 from drake_leg.cli.view import add_view
 from drake_leg.errors import DrakeLegError, OutputError, UnreadableFileError
@@ -23,17 +22,15 @@ from drake_leg.runs.catalogue import RUNS, STEP
 
 if TYPE_CHECKING:
     from drake_leg.recording import Recording
-    from drake_leg.scene.motion import Motion, OtherRobotError
+    from drake_leg.scene.scene import OtherRobotError, PlantMotion
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "replay",
-        help="show a run again, as a page or as video",
-        description="Make a run's recorded motion a page that opens from disk, with a play "
+def configure_replay(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Make a run's recorded motion a page that opens from disk, with a play "
         "button, a time slider and the reports' views (.html), or a video (.mp4, .gif), which "
-        "needs no display.",
+        "needs no display."
     )
     parser.add_argument("run", type=Path, metavar="DIR", help="folder that 'drake-leg run' made")
     parser.add_argument(
@@ -54,10 +51,10 @@ def add(commands: Commands) -> None:
 
 
 def _replay(chosen: argparse.Namespace) -> int:
-    from drake_leg.scene.files import check_show, write_show
-    from drake_leg.scene.views import view_named
+    from drake_leg.scene.replay import check_show, write_show
+    from drake_leg.scene.views import as_view
 
-    view = view_named(chosen.view)
+    view = as_view(chosen.view)
     check_show(chosen.out, overwrite=chosen.overwrite)
     _require_run(chosen.run)
     summary = _summary(chosen.run)
@@ -69,13 +66,13 @@ def _replay(chosen: argparse.Namespace) -> int:
         write_show(
             chosen.out,
             motion,
-            title=_title(summary, motion.robot),
+            title=_title(summary, motion.shown.title),
             note=stop_note(summary),
             view=view,
             overwrite=chosen.overwrite,
             progress=bar,
         )
-    print(f"wrote {chosen.out}: {motion.duration:g} s of {motion.robot.title}")
+    print(f"wrote {chosen.out}: {motion.duration:g} s of {motion.shown.title}")
     return 0
 
 
@@ -89,10 +86,10 @@ def _require_run(folder: Path) -> None:
         raise OutputError(f"{folder} is no folder of a run: give one that 'drake-leg run' has made")
 
 
-def _motion(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Motion:
+def _motion(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> PlantMotion:
     """Read what moved, and how."""
     from drake_leg.recording import read_csv
-    from drake_leg.scene.motion import OtherRobotError, recorded_motion
+    from drake_leg.scene.scene import OtherRobotError, motion_of
 
     robot = (
         _recorded_robot(chosen.run) if chosen.robot is None else robot_source(chosen.robot).robot()
@@ -100,7 +97,7 @@ def _motion(chosen: argparse.Namespace, summary: Mapping[str, Any]) -> Motion:
     recording = read_csv(chosen.run / "recording.csv")
     _require_all_rows(chosen.run, recording, summary)
     try:
-        motion = recorded_motion(robot, recording)
+        motion = motion_of(robot, recording)
     except OtherRobotError as error:
         raise _clearer(error, chosen.run, robot) from None
     _require_end(chosen.run, motion, summary)
@@ -117,7 +114,7 @@ def _require_all_rows(folder: Path, recording: Recording, summary: Mapping[str, 
         )
 
 
-def _require_end(folder: Path, motion: Motion, summary: Mapping[str, Any]) -> None:
+def _require_end(folder: Path, motion: PlantMotion, summary: Mapping[str, Any]) -> None:
     """Refuse a recording that has another end than its summary tells of."""
     end = summary.get("stopped_at_s", summary.get("duration_s"))
     end = summary.get("duration_s") if end is None else end
@@ -192,9 +189,9 @@ def _summary(folder: Path) -> Mapping[str, Any]:
     return summary if isinstance(summary, dict) else {}
 
 
-def _title(summary: Mapping[str, Any], robot: Robot) -> str:
+def _title(summary: Mapping[str, Any], title: str) -> str:
     """Find what the run is called: a robot from a file makes the straight step."""
     name = str(summary.get("run"))
     if name in RUNS:
         return RUNS[name].heading
-    return f"{robot.title}: {STEP}" if name.lower().endswith(".toml") else robot.title
+    return f"{title}: {STEP}" if name.lower().endswith(".toml") else title

@@ -10,7 +10,7 @@ from drake_leg.cli.common import numbers
 from drake_leg.errors import InvalidValueError
 
 if TYPE_CHECKING:
-    from drake_leg.scene.live.server import Server
+    from drake_leg.scene.server import Server
 
 
 HOST = "localhost"
@@ -75,8 +75,7 @@ def start_server(chosen: argparse.Namespace, shows: str) -> Server:
     ServerError
         If it cannot listen there.
     """
-    from drake_leg.scene.live.browser import open_browser
-    from drake_leg.scene.live.server import Server
+    from drake_leg.scene.server import Server, open_browser
 
     server = Server(HOST if chosen.host is None else chosen.host, _port(chosen.port))
     print(f"{shows}: {server.url}", flush=True)

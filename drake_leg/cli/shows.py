@@ -17,7 +17,7 @@ from drake_leg.files import ResultsFolder
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
-    from drake_leg.scene.motion import Motion
+    from drake_leg.scene.scene import PlantMotion
 
 ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}
 
@@ -56,7 +56,7 @@ def add_shows(parser: argparse.ArgumentParser) -> None:
 
 def say_if_sketched() -> None:
     """Say on the standard error why matplotlib drew what VTK could not render."""
-    from drake_leg.scene.stills import sketching
+    from drake_leg.scene.images import sketching
 
     sentence = sketching()
     if sentence is not None:
@@ -88,10 +88,10 @@ class Shows:
         Raises
         ------
         DrakeLegError
-            As ``scene.files.check_show`` does.
+            As ``scene.replay.check_show`` does.
         """
         for option, path in self._files().items():
-            from drake_leg.scene.files import check_show
+            from drake_leg.scene.replay import check_show
 
             if path.suffix.lower() not in ENDINGS[option]:
                 endings = " or ".join(ENDINGS[option])
@@ -112,16 +112,16 @@ class Shows:
         made = []
 
         @cache
-        def motion() -> Motion:
-            from drake_leg.scene.motion import recorded_motion
+        def motion() -> PlantMotion:
+            from drake_leg.scene.scene import motion_of
 
-            return recorded_motion(outcome.robot, outcome.recording)
+            return motion_of(outcome.robot, outcome.recording)
 
         if self.stills:
             self._write_stills(motion, folder, pictures)
         for option, path in self._files().items():
             with pictures.trying(f"the {option} {path}"), place_given_by(f"--{option}"):
-                from drake_leg.scene.files import write_show
+                from drake_leg.scene.replay import write_show
 
                 write_show(
                     path,
@@ -134,16 +134,15 @@ class Shows:
         return made
 
     def _write_stills(
-        self, motion: Callable[[], Motion], folder: ResultsFolder, pictures: Pictures
+        self, motion: Callable[[], PlantMotion], folder: ResultsFolder, pictures: Pictures
     ) -> None:
         from drake_leg.scene.views import VIEWS
 
         for view in VIEWS.values():
             with pictures.trying(f"the still {view.name}"), folder.more() as scratch:
-                from drake_leg.scene.stills import write_stills
+                from drake_leg.scene.images import write_stills
 
-                shown = motion()
-                write_stills(scratch, shown.robot, shown.q[0], views=[view], motion=shown)
+                write_stills(scratch, motion(), views=[view])
 
     def _files(self) -> dict[str, Path]:
         given = {"replay": self.replay, "video": self.video}

@@ -28,8 +28,8 @@ from drake_leg.diagrams.control import EXACT, Command, Control, corrected
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task, tool_position
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, lift_position, tool_position
 from drake_leg.quantities import STANDARD_GRAVITY, require_angle, require_positive
 from drake_leg.robot import Robot
 from drake_leg.systems.inverse_jacobian import InverseJacobian
@@ -131,8 +131,8 @@ def build(config: ScaraConfig) -> Diagram:
     v = builder.AddNamedSystem("Direction", MatrixGain(to_task))
     a = builder.AddNamedSystem("Direction of the derivatives", MatrixGain(to_task))
     control = config.control
-    task = control.task(scara_task(arm), config.robot)
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
+    moved = control.inverted(MovableScara(arm), config.robot)
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(moved))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
     q0 = control.start(config.q0)
     integrators = [
@@ -154,7 +154,7 @@ def build(config: ScaraConfig) -> Diagram:
     builder.Connect(sine.GetOutputPort("y1"), a.get_input_port())
     command = Command(v.get_output_port(), a.get_output_port())
     if control.correction > 0.0:
-        command = _corrected(builder, config, command, scara, task)
+        command = _corrected(builder, config, command, scara, moved)
     builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
     builder.Connect(scara.joints.get_output_port(0), angles.get_input_port())
@@ -185,7 +185,7 @@ def build(config: ScaraConfig) -> Diagram:
 
 
 def _corrected(
-    builder: DiagramBuilder, config: ScaraConfig, command: Command, scara: Mechanism, task: Task
+    builder: DiagramBuilder, config: ScaraConfig, command: Command, scara: Mechanism, moved: Movable
 ) -> Command:
     """Correct (x, y, yaw): the place of the tool, and the sum of the three angles."""
     to_task = np.zeros((3, 7))
@@ -194,11 +194,11 @@ def _corrected(
 
     def sensed(name: str, place: str, joints: int) -> OutputPort:
         both = builder.AddNamedSystem(f"tool and joint {name}", Multiplexer([3, 4]))
-        task = builder.AddNamedSystem(f"task {name}", MatrixGain(to_task))
+        gain = builder.AddNamedSystem(f"task {name}", MatrixGain(to_task))
         builder.Connect(scara.foot.GetOutputPort(place), both.get_input_port(0))
         builder.Connect(scara.joints.get_output_port(joints), both.get_input_port(1))
-        builder.Connect(both.get_output_port(), task.get_input_port())
-        return task.get_output_port()
+        builder.Connect(both.get_output_port(), gain.get_input_port())
+        return gain.get_output_port()
 
     x, y, _ = tool_position(ScaraGeometry.from_robot(config.robot), [*config.q0, 0.0])
     return corrected(
@@ -208,6 +208,6 @@ def _corrected(
         command,
         p=sensed("positions", "position", 0),
         pdot=sensed("velocities", "velocity", 1),
-        top_speed=config.control.top_speed(task, abs(config.amplitude)),
-        lengths=task.row_lengths,
+        top_speed=config.control.top_speed(moved, abs(config.amplitude)),
+        lengths=moved.row_lengths,
     )

@@ -23,13 +23,18 @@ from drake_leg.errata.printed import (
 from drake_leg.errata.step import FORWARDS, MM, far_end
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, leg_task
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.leg import (
+    LegGeometry,
+    MovableLeg,
+    foot_jacobian,
+    foot_position,
+    inverse_kinematics,
+)
 from drake_leg.kinematics.paths import CommandedMotion, straight_path
-from drake_leg.kinematics.singularity import examine
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_B
 from drake_leg.runs.options import LegBOptions
+from drake_leg.singularity.rank import examine
 from drake_leg.symbolic.chain import evaluate
 from drake_leg.symbolic.notation import text
 
@@ -252,11 +257,11 @@ def _path() -> tuple[Array, CommandedMotion]:
 
 
 def _gain() -> str:
-    motion, task = _path()[1], leg_task(GEOMETRY)
+    motion, leg = _path()[1], MovableLeg(GEOMETRY)
     q = inverse_kinematics(
         GEOMETRY, foot_position(GEOMETRY, _start()) + motion.displacement, like=_start()
     )
-    rates = np.array([task.rates(*pair) for pair in zip(q, motion.velocity, strict=True)])
+    rates = np.array([leg.rates(*pair) for pair in zip(q, motion.velocity, strict=True)])
     went = (foot_jacobian(GEOMETRY, q) @ rates[:, :, np.newaxis])[:, :, 0]
     factor = np.abs(went).max() / np.abs(motion.velocity).max()
     peak = MM * LegBOptions().amplitude

@@ -19,9 +19,9 @@ from drake_leg.kinematics.scara import (
     task_jacobian,
     tool_position,
 )
-from drake_leg.kinematics.singularity import examine
 from drake_leg.robots import LEG_B, SCARA
 from drake_leg.runs.options import ScaraOptions
+from drake_leg.singularity.rank import examine
 
 SOURCE = "Report B"
 GEOMETRY = ScaraGeometry.from_robot(SCARA)

@@ -10,11 +10,11 @@ from markupsafe import Markup
 from drake_leg.errata import errata
 from drake_leg.errata.erratum import number
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.stroke import leg_stroke
 from drake_leg.report.markup import power, prose
 from drake_leg.report.runs import GAIN, RUNS
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
+from drake_leg.singularity.stroke import leg_stroke
 
 
 def highlights(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, Markup, str, str]]:

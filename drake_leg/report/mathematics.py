@@ -10,18 +10,18 @@ from functools import cache
 import numpy as np
 from markupsafe import Markup
 
-from drake_leg.doctor import examine_posture
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms, jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
-from drake_leg.kinematics.singularity import examine
-from drake_leg.kinematics.stroke import greatest_amplitude, leg_stroke
 from drake_leg.report.contents import Item
 from drake_leg.report.markup import number, piece, power, prose
 from drake_leg.report.matrices import POSTURES, Comparison, comparisons, methods
 from drake_leg.report.subjects import SUBJECTS, Subject, angles, option
 from drake_leg.robot import Robot
 from drake_leg.runs.options import LegBOptions
+from drake_leg.singularity.doctor import examine_posture
+from drake_leg.singularity.rank import examine
+from drake_leg.singularity.stroke import greatest_amplitude, leg_stroke
 from drake_leg.symbolic.catalogue import derived
 from drake_leg.symbolic.notation import html
 

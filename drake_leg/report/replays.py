@@ -23,7 +23,7 @@ def packed(pages: Mapping[str, str]) -> str:
     Parameters
     ----------
     pages : mapping
-        Name -> HTML, as ``scene.replay.replay_page`` makes it.
+        Name -> HTML, as ``scene.replay.replay`` makes it.
 
     Returns
     -------

@@ -23,7 +23,7 @@ SIGMAS: dict[int | str, JointType] = {0: "revolute", 1: "prismatic", "~": "fixed
 
 _INSTEAD_OF_ROBOT = {
     "lengths": "lengths are in m throughout",
-    "rows": "rows are tables of their own, each under [[row]]",
+    "rows": "every row is a table of its own, under [[row]]",
     "units": 'lengths are in m throughout, and angles = "deg" or "rad"',
     "dh": "the table's rows stand under [[row]]",
     "joints": "a joint stands with its link in a row, under [[row]]",
@@ -107,23 +107,7 @@ def load_robot(path: Path | str) -> Robot:
 
 
 def read_robot(text: str, where: str) -> Robot:
-    """Read a robot from TOML.
-
-    Parameters
-    ----------
-    where : str
-        Name of the file, the beginning of every error's sentence.
-
-    Returns
-    -------
-    Robot
-        In Khalil's convention, whatever the file has.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value, if something makes no sense.
-    """
+    """Read a robot from TOML, as ``load_robot`` does; errors begin with the file's name."""
     keys = Keys(parse_document(text, where), where, ROBOT_KEYS, _INSTEAD_OF_ROBOT)
     name = keys.text("name")
     convention = keys.choice("convention", tuple(TABLE_KEYS), "khalil")

@@ -13,13 +13,14 @@ import pytest
 from drake_leg.cli import main
 from drake_leg.recording import Recording, read_csv
 from drake_leg.robots import LEG_B, hexabot_leg
-from drake_leg.scene.motion import Motion
+from drake_leg.scene.scene import PlantMotion
+from drake_leg.scene.shown_plant import shown
 
 
 def write_run(folder, robot):
     time = np.linspace(0.0, 0.5, 6)
     q = np.radians([90.0, -50.0, -90.0]) + np.outer(time, [-0.5, 0.1, 0.2])
-    path = Motion(robot=robot, time=time, q=q).path()
+    path = PlantMotion(shown=shown(robot), time=time, q=q).paths()[0]
     columns = {"time[s]": time, **{f"q{i + 1}[rad]": q[:, i] for i in range(3)}}
     columns |= {f"{letter}[m]": path[:, i] for i, letter in enumerate("xyz")}
     Path(folder).mkdir()
