@@ -4,7 +4,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from drake_leg.scene.shown import replay
+from drake_leg.scene.replay import replay
 
 from drake_leg.errata import catalogue
 from drake_leg.errors import InvalidValueError
