@@ -63,8 +63,8 @@ def _teleop(chosen: argparse.Namespace) -> int:
 
 def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
     """Describe where the robot starts, or refuse a singular posture."""
-    from drake_leg.singularity.families import singular_words
     from drake_leg.scene.teleop_control import at_rest, drive_of
+    from drake_leg.singularity.families import singular_words
 
     drive = drive_of(robot, keep)
     try:
