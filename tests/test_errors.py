@@ -13,7 +13,6 @@ from http import HTTPStatus
 from pathlib import Path
 
 import pytest
-from drake_leg.simulink.matlab.limits import MatlabError
 
 import drake_leg
 from drake_leg.errors import (
@@ -47,6 +46,7 @@ from drake_leg.scene.scene import OtherRobotError
 from drake_leg.scene.server import RefusedError, ServerError
 from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import run as simulation_run
+from drake_leg.simulink.matlab.values import MatlabError
 from drake_leg.symbolic.optional import MissingSymPyError
 
 

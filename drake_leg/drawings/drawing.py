@@ -47,17 +47,9 @@ class Drawing:
 
 
 def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
-    """Lay pictures out and draw them, one below the other.
+    """Lay pictures out and draw them, one below the other; the same bytes for the same pictures.
 
-    Parameters
-    ----------
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    Drawing
-        The same bytes for the same pictures.
+    ``background`` is white or dark as the reader's system is, always white, or none.
     """
     layouts = tuple(map(lay_out_parts, pictures))
     parts = []

@@ -17,19 +17,9 @@ Maps = dict[str, Callable[[], Figure]]
 
 
 def maps_of_posture(robot: Robot, q: Sequence[float]) -> Maps:
-    """Name the maps of a posture and tell how each is drawn.
+    """Name the maps of a posture of a leg or the SCARA, and the functions that draw them.
 
-    Parameters
-    ----------
-    robot : Robot
-        A hexabot leg or the SCARA.
-    q : (m,) sequence of float
-        The posture that is marked [rad or m]; the SCARA's lift may be left out.
-
-    Returns
-    -------
-    dict
-        File name without ending -> function that draws the figure.
+    The posture (m,) [rad or m] is marked; the SCARA's lift may be left out.
 
     Raises
     ------

@@ -8,6 +8,7 @@ import numpy as np
 from pydrake.multibody.tree import FrameIndex
 
 from drake_leg.kinematics.batches import Array
+from drake_leg.simulink.bodies import DIMENSIONS, OTHER, SolidProperties, rotation_text
 from drake_leg.simulink.compare.alignment import NEAR, Miss
 from drake_leg.simulink.compare.findings import (
     Blocks,
@@ -23,10 +24,7 @@ from drake_leg.simulink.compare.findings import (
 from drake_leg.simulink.compare.mechanism import ChainJoint, PassedTransform, Place
 from drake_leg.simulink.compare.plant_mechanism import Links
 from drake_leg.simulink.compare.sides import Sides
-from drake_leg.simulink.model import Block
-from drake_leg.simulink.poses import rotation_text
-from drake_leg.simulink.solids import DIMENSIONS, OTHER, SolidProperties
-from drake_leg.simulink.values import vector
+from drake_leg.simulink.model import Block, vector
 from drake_leg.systems.frame_sensor import FrameSensor
 
 UNITS = {  # of a revolute joint's parameters, and of a prismatic one's

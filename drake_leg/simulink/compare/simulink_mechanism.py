@@ -10,6 +10,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drake_leg.kinematics.batches import Array
+from drake_leg.simulink.bodies import (
+    SOLIDS,
+    SolidProperties,
+    about,
+    inverse,
+    read_solid,
+    rigid_transform,
+)
 from drake_leg.simulink.compare.mechanism import (
     ChainJoint,
     Mechanism,
@@ -17,10 +25,7 @@ from drake_leg.simulink.compare.mechanism import (
     PassedTransform,
     Place,
 )
-from drake_leg.simulink.model import Block, Model
-from drake_leg.simulink.poses import about, inverse, rigid_transform
-from drake_leg.simulink.solids import SOLIDS, SolidProperties, read_solid
-from drake_leg.simulink.values import is_on, senseless, vector
+from drake_leg.simulink.model import Block, Model, is_on, senseless, vector
 
 MOVING = {"Revolute Joint": "revolute", "Prismatic Joint": "prismatic"}
 SENSORS = ("6-DOF Joint", "Transform Sensor")
@@ -64,11 +69,6 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
 
     Joints with the numbers ``taken_as_drawn`` have base and follower exchanged by mistake: their
     frames are read as if they had not.
-
-    Raises
-    ------
-    InvalidValueError
-        If a Rigid Transform, a joint or a solid cannot be read.
     """
     blocks = {block.sid: block for block in model.blocks}
     node_of = {port: index for index, node in enumerate(model.nodes) for port in node}

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
+from drake_leg.simulink.archive import one_line, parameters
 from drake_leg.simulink.diagram import MATLAB_FUNCTION, Diagram, DrawnBlock
-from drake_leg.simulink.markup import one_line, parameters
 from drake_leg.simulink.model import Function
 
 
@@ -20,25 +20,13 @@ class _Chart:
 
 
 class Charts:
-    """The charts of a file.
-
-    Parameters
-    ----------
-    stateflow : iterable of Element
-        Roots of the parts that hold charts and their instances.
-    """
+    """The charts of a file, from the roots of the parts that hold charts and their instances."""
 
     def __init__(self, stateflow: Iterable[Element]) -> None:
         self._charts = _charts(list(stateflow))
 
     def is_function(self, block: DrawnBlock, tag: str) -> bool:
-        """Whether a block's chart is a MATLAB function.
-
-        Parameters
-        ----------
-        tag : str
-            Of the S-Function inside.
-        """
+        """Whether a block's chart, by the tag of the S-Function inside, is a MATLAB function."""
         fits = _fitting(block, tag, self._charts)
         return bool(fits) and all(chart.is_function for chart in fits)
 
@@ -49,13 +37,7 @@ class Charts:
 
 
 def functions_of(diagram: Diagram, charts: Charts) -> tuple[Function, ...]:
-    """Find the code of every MATLAB Function block.
-
-    Returns
-    -------
-    tuple of Function
-        One for each such block; its script is "" where the file has none.
-    """
+    """Find the code of every MATLAB Function block, "" where the file has none."""
     return tuple(
         Function(
             sid=block.sid,

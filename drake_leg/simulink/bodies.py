@@ -1,17 +1,17 @@
-"""Poses as 4 x 4 matrices, and what a Rigid Transform block says."""
+"""What bodies are: poses, Rigid Transforms, and solids with their shape, size, mass and colour."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.model import Block
-from drake_leg.simulink.values import senseless
+from drake_leg.simulink.model import Block, number, senseless, vector
 
 Array = NDArray[np.float64]
 
@@ -24,19 +24,7 @@ ROUNDING = 1e-12  # of the entries of a rotation matrix
 
 
 def pose(R: Array | None = None, p: Sequence[float] | Array | None = None) -> Array:
-    """Put a pose together.
-
-    Parameters
-    ----------
-    R : (3, 3), optional
-        Rotation; none by default.
-    p : (3,), optional
-        Translation [m]; none by default.
-
-    Returns
-    -------
-    (4, 4) ndarray
-    """
+    """Put a pose together of a rotation and a translation [m]."""
     X = np.eye(4)
     if R is not None:
         X[:3, :3] = R
@@ -46,69 +34,23 @@ def pose(R: Array | None = None, p: Sequence[float] | Array | None = None) -> Ar
 
 
 def inverse(X: Array) -> Array:
-    """Turn a pose round.
-
-    Parameters
-    ----------
-    X : (4, 4)
-        A pose.
-
-    Returns
-    -------
-    (4, 4) ndarray
-    """
+    """Invert a pose."""
     R = X[:3, :3].T
     return pose(R, -R @ X[:3, 3])
 
 
 def about(axis: str, angle: float) -> Array:
-    """Rotate about an axis.
-
-    Parameters
-    ----------
-    angle : float
-        [rad].
-
-    Returns
-    -------
-    (4, 4) ndarray
-    """
+    """Make the pose of a rotation about ``x``, ``y`` or ``z`` [rad]."""
     return pose(Rotation.from_euler(axis, angle).as_matrix())
 
 
 def rigid_transform(block: Block) -> Array:
-    """Pose of the follower frame F in the base frame B of a Rigid Transform block.
-
-    Parameters
-    ----------
-    block : Block
-        Its parameters in SI.
-
-    Returns
-    -------
-    X_BF : (4, 4) ndarray
-
-    Raises
-    ------
-    InvalidValueError
-        If it uses a method that is not known here, or its numbers make no rotation.
-    """
+    """Pose X_BF of the follower frame F in the base frame B of a Rigid Transform block in SI."""
     return pose(_rotation(block), _translation(block))
 
 
 def rotation_text(R: Array) -> str:
-    """Write a rotation as an angle about an axis.
-
-    Parameters
-    ----------
-    R : (3, 3)
-        The rotation.
-
-    Returns
-    -------
-    str
-        ``90 deg about +x``.
-    """
+    """Write a rotation as an angle about an axis: ``90 deg about +x``."""
     vector = Rotation.from_matrix(R).as_rotvec(degrees=True)
     angle = float(np.linalg.norm(vector))
     if angle < 1e-9:
@@ -230,3 +172,94 @@ def _unknown(block: Block, name: str, value: object) -> InvalidValueError:
         f"the block {block.name!r} (SID {block.sid}) has {name} {value!r}, which is not "
         "known here: choose another setting that says the same"
     )
+
+
+SHAPES = {"Brick Solid": "brick", "Cylindrical Solid": "cylinder", "Spherical Solid": "sphere"}
+DIMENSIONS = {
+    "brick": ("BrickDimensions",),
+    "cylinder": ("CylinderRadius", "CylinderLength"),
+    "sphere": ("SphereRadius",),
+}
+OTHER = "other"
+SOLIDS = (
+    *SHAPES,
+    "Solid",
+    "Ellipsoidal Solid",
+    "Extruded Solid",
+    "File Solid",
+    "Inertia",
+    "Revolved Solid",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolidProperties:
+    """A solid, homogeneous or with its mass said outright."""
+
+    shape: str  # "brick", "cylinder", "sphere", "other"
+    size: tuple[float, ...]  # [m]: three edges; radius and length; radius
+    density: float | None  # [kg/m^3]; None where the mass is said outright
+    mass: float  # [kg]; 0 where it follows from a shape that is not known
+    moments: tuple[float, ...] = ()  # [kg*m^2], said outright or of a plant's body
+    offsets: tuple[float, ...] = ()  # centre of mass [m] and products [kg*m^2]; none means zero
+    colour: tuple[float, ...] = ()  # red, green, blue in 0...1
+
+
+def read_solid(block: Block) -> SolidProperties:
+    """Read a block of a kind in ``SOLIDS`` as it is: sizes may be zero or less, or too few."""
+    get = block.parameters.get
+    shape = _shape(block)
+    size = _size(block, shape)
+    unsaid = "PointMass" if block.kind == "Inertia" else "CalculateFromGeometry"
+    outright = get("InertiaType", unsaid) != "CalculateFromGeometry"
+    weighed = outright or get("BasedOnType") == "Mass"
+    density = None if weighed else number(get("Density"))
+    moments, offsets = _inertia(block) if outright else ((), ())
+    return SolidProperties(
+        shape=shape,
+        size=size,
+        density=density,
+        mass=number(get("Mass")) if density is None else density * volume(shape, size),
+        moments=moments,
+        offsets=offsets,
+        colour=vector(get("GraphicDiffuseColor"))[:3],
+    )
+
+
+def volume(shape: str, size: tuple[float, ...]) -> float:
+    """Volume [m^3] of a shape; 0 of another one, infinite where it is beyond all numbers."""
+    try:
+        if shape == "brick":
+            return math.prod(size)
+        if shape == "cylinder":
+            radius, length = size
+            return math.pi * radius**2 * length
+        if shape == "sphere":
+            (radius,) = size
+            return 4.0 / 3.0 * math.pi * radius**3
+    except OverflowError:
+        return math.inf
+    return 0.0
+
+
+def _shape(block: Block) -> str:
+    """Name the shape of a solid; files of about R2016 have one kind of block for all shapes."""
+    if block.kind != "Solid":
+        return SHAPES.get(block.kind, OTHER)
+    shape = str(block.parameters.get("GeometryShape")).lower()
+    return shape if shape in DIMENSIONS else OTHER
+
+
+def _size(block: Block, shape: str) -> tuple[float, ...]:
+    if shape == "brick":
+        return vector(block.parameters.get("BrickDimensions"))
+    return tuple(number(block.parameters.get(name)) for name in DIMENSIONS.get(shape, ()))
+
+
+def _inertia(block: Block) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Read moments and offsets that are said outright; a point mass has no moments."""
+    get = block.parameters.get
+    centre = vector(get("CenterOfMass"))
+    if get("InertiaType") != "Custom":
+        return (0.0, 0.0, 0.0), centre
+    return vector(get("MomentsOfInertia")), centre + vector(get("ProductsOfInertia"))

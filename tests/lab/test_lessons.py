@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.lessons.exercise import check
+from drake_leg.lab.lessons import check
 
 
 def is_two(answer):

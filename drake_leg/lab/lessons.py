@@ -1,4 +1,4 @@
-"""Tell a reader whether the answer to an exercise is right."""
+"""What the notebooks need besides the front door: checked answers, and printed matrices."""
 
 from __future__ import annotations
 
@@ -7,8 +7,32 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
+from drake_leg.check.printed import grade
+from drake_leg.check.printed_file import Printed, PrintedMatrix
+from drake_leg.errata.printed import (
+    PrintedMatrices,
+    angle_values,
+    leg_b_matrices,
+    rotation_defect,
+    scara_matrices,
+    texts,
+)
 from drake_leg.errors import DrakeLegError
+from drake_leg.figures.of_postures import maps_of_posture
+from drake_leg.robot import Robot
+
+__all__ = [
+    "PrintedMatrices",
+    "angle_values",
+    "check",
+    "graded",
+    "leg_b_matrices",
+    "maps_of_posture",
+    "rotation_defect",
+    "scara_matrices",
+]
 
 Convert = Callable[[Any], Any]
 
@@ -51,6 +75,29 @@ def check(
         print(f"Not yet: {str(error).rstrip('.')}. {hint}")
         return
     print("Right." if right else f"Not yet. {_mistake(answer, holds, mistaken) or hint}")
+
+
+def graded(
+    robot: Robot, matrices: Mapping[str, sp.Matrix], symbols: Mapping[str, float]
+) -> list[str]:
+    """Grade printed matrices, in mm: a sentence on everything that is wrong.
+
+    Parameters
+    ----------
+    matrices : mapping of str to sympy.Matrix
+        By name: "T12" is the pose of frame 2 in frame 1.
+    symbols : mapping of str to float
+        The lengths that they are printed with [mm].
+    """
+    printed = Printed(
+        origin="the notebook",
+        lengths="mm",
+        symbols=symbols,
+        matrices=tuple(
+            PrintedMatrix(name=name, entries=texts(matrix)) for name, matrix in matrices.items()
+        ),
+    )
+    return [finding.sentence() for finding in grade(robot, printed)]
 
 
 def _fault(answer: object, count: int | None) -> str | None:
