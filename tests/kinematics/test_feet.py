@@ -14,7 +14,7 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot_file.read import load_robot
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
-ROBOTS = Path(__file__).parent / "check" / "robots"
+ROBOTS = Path(__file__).parents[1] / "check" / "robots"
 SIX = ("puma560_modified", "puma560_classic", "puma560_classic_craig", "rx90")
 
 
