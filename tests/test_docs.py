@@ -64,9 +64,7 @@ def test_links_lead_somewhere(page):
 
 def test_ci_calls_the_readmes_test_command():
     (command,) = (
-        block.strip()
-        for block in blocks("sh", PAGES["README"])
-        if block.strip().endswith("pytest")
+        block.strip() for block in blocks("sh", PAGES["README"]) if block.strip().endswith("pytest")
     )
     assert command in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
 

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Adder, Demultiplexer
 
-from drake_leg.diagrams.building import built
 from drake_leg.diagrams.mechanism import add_scope, add_stops
-from drake_leg.diagrams.wiring import plant_of
+from drake_leg.diagrams.wiring import built, plant_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
 from drake_leg.models.state_targets import initial_state
@@ -44,38 +43,27 @@ class PendulumConfig:
 
 
 def build(config: PendulumConfig) -> Diagram:
-    """Wire the pendulum's diagram.
-
-    Parameters
-    ----------
-    config : PendulumConfig
-        Robot and state target.
-
-    Returns
-    -------
-    Diagram
-        To be started with ``start_at_target``.
-    """
+    """Wire the pendulum's diagram; it is started with ``start_at_target``."""
     builder = DiagramBuilder()
-    plant = builder.AddNamedSystem(
-        config.robot.name, build_plant(config.robot, gravity=config.gravity)
-    )
+
+    # Blocks.
+    plant = build_plant(config.robot, gravity=config.gravity)
+    builder.AddNamedSystem(config.robot.name, plant)
     plant.SetDefaultPositions([config.start])
     joint = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([1, 1]))
-    energy = builder.AddNamedSystem("Energy", EnergySensor(plant)).GetOutputPort("energy")
+    sensor = builder.AddNamedSystem("Energy", EnergySensor(plant))
     stops = add_stops(builder, config.robot, plant)
-    if stops:
-        total = builder.AddNamedSystem("Energy with that of the stops", Adder(2, 1))
-        builder.Connect(energy, total.get_input_port(0))
-        builder.Connect(stops.GetOutputPort("energy"), total.get_input_port(1))
+
+    # Wires.
+    builder.Connect(plant.get_state_output_port(), joint.get_input_port())
+    builder.Connect(plant.get_state_output_port(), sensor.GetInputPort("state"))
+    energy = sensor.GetOutputPort("energy")
+    if stops is not None:
         force = stops.GetOutputPort("generalized_force")
         builder.Connect(force, plant.get_applied_generalized_force_input_port())
-        energy = total.get_output_port()
+        energy = _sum(builder, energy, stops.GetOutputPort("energy"))
 
-    builder.Connect(plant.get_state_output_port(), joint.get_input_port())
-    sensor = builder.GetSubsystemByName("Energy")
-    builder.Connect(plant.get_state_output_port(), sensor.GetInputPort("state"))
-
+    # Scopes.
     add_scope(builder, "q", joint.get_output_port(0))
     add_scope(builder, "w", joint.get_output_port(1))
     add_scope(builder, "acceleration", plant.get_generalized_acceleration_output_port())
@@ -83,16 +71,15 @@ def build(config: PendulumConfig) -> Diagram:
     return built(builder)
 
 
-def start_at_target(diagram: Diagram, context: Context) -> None:
-    """Put the joint on its state target, at rest.
+def _sum(builder: DiagramBuilder, energy: OutputPort, of_stops: OutputPort) -> OutputPort:
+    total = builder.AddNamedSystem("Energy with that of the stops", Adder(2, 1))
+    builder.Connect(energy, total.get_input_port(0))
+    builder.Connect(of_stops, total.get_input_port(1))
+    return total.get_output_port()
 
-    Parameters
-    ----------
-    diagram : Diagram
-        The pendulum's.
-    context : Context
-        Its root context; the plant's state in it is set.
-    """
+
+def start_at_target(diagram: Diagram, context: Context) -> None:
+    """Put the joint of a pendulum's diagram at its state target, at rest."""
     plant = plant_of(diagram)
     plant.SetDefaultState(
         plant.GetMyContextFromRoot(context),

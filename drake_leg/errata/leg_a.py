@@ -12,7 +12,7 @@ from drake_leg.errata.step import FORWARDS, MM, far_end
 from drake_leg.kinematics.khalil import foot_pose, row_transform
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
-from drake_leg.kinematics.paths import elliptic_path
+from drake_leg.kinematics.motions import EllipticStep
 from drake_leg.kinematics.singularity import examine
 from drake_leg.robots import LEG_A
 from drake_leg.runs.options import EllipseOptions, LegAOptions
@@ -152,14 +152,13 @@ def _degrees_of_freedom() -> str:
     time = np.linspace(0.0, 2.0 * math.pi / options.frequency, 721)
     turned = []
     for direction in ((math.cos(start[0]), math.sin(start[0]), 0.0), options.unit_direction()):
-        path = elliptic_path(
-            time,
+        motion = EllipticStep(
             amplitude=options.amplitude,
             frequency=options.frequency,
             direction=direction,
             lift=lift,
         )
-        feet = foot_position(GEOMETRY, start) + path.displacement
+        feet = foot_position(GEOMETRY, start) + motion.displacement(time)
         turned.append(np.ptp(inverse_kinematics(GEOMETRY, feet, like=start), axis=0))
     inside, across = np.degrees(turned)
     return (

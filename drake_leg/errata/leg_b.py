@@ -33,7 +33,6 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, leg_task
 from drake_leg.kinematics.leg_inverse import inverse_kinematics
-from drake_leg.kinematics.paths import CommandedMotion, straight_path
 from drake_leg.kinematics.singularity import examine
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_B
@@ -248,27 +247,22 @@ def _three_joints() -> str:
     )
 
 
-def _path() -> tuple[Array, CommandedMotion]:
-    """The default step: phases of one period [rad], and the exact motion."""
-    options = LegBOptions()
+def _path() -> tuple[Array, Array, Array]:
+    """The default step over a period: phases [rad], displacement [m] and velocity [m/s]."""
+    motion = LegBOptions().motion()
     phase = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
-    motion = straight_path(
-        phase / options.frequency,
-        amplitude=options.amplitude,
-        frequency=options.frequency,
-        direction=options.unit_direction(),
-    )
-    return phase, motion
+    time = phase / motion.frequency
+    return phase, motion.displacement(time), motion.velocity(time)
 
 
 def _gain() -> str:
-    motion, task = _path()[1], leg_task(GEOMETRY)
+    (_, displacement, velocity), task = _path(), leg_task(GEOMETRY)
     q = inverse_kinematics(
-        GEOMETRY, foot_position(GEOMETRY, _start()) + motion.displacement, like=_start()
+        GEOMETRY, foot_position(GEOMETRY, _start()) + displacement, like=_start()
     )
-    rates = np.array([task.rates(*pair) for pair in zip(q, motion.velocity, strict=True)])
+    rates = np.array([task.rates(*pair) for pair in zip(q, velocity, strict=True)])
     went = (foot_jacobian(GEOMETRY, q) @ rates[:, :, np.newaxis])[:, :, 0]
-    factor = np.abs(went).max() / np.abs(motion.velocity).max()
+    factor = np.abs(went).max() / np.abs(velocity).max()
     peak = MM * LegBOptions().amplitude
     return (
         f"Along the default step J J⁻¹ makes the foot's velocity {number(factor, 6)} times the "
@@ -278,9 +272,9 @@ def _gain() -> str:
 
 
 def _velocity_command() -> str:
-    motion = _path()[1]
-    x = MM * motion.displacement[:, 0]
-    swing = MM * motion.velocity[:, 0]
+    _, displacement, velocity = _path()
+    x = MM * displacement[:, 0]
+    swing = MM * velocity[:, 0]
     return (
         f"A sine of {number(swing.max(), 0)} moves the foot from {number(x.min(), 0)} to "
         f"{number(x.max(), 0)} mm as a velocity in mm/s; as a position in mm it would move it from "
@@ -289,8 +283,8 @@ def _velocity_command() -> str:
 
 
 def _phase() -> str:
-    phase, motion = _path()
-    x, v = motion.displacement[:, 0], motion.velocity[:, 0]
+    phase, displacement, velocity = _path()
+    x, v = displacement[:, 0], velocity[:, 0]
     turning = np.exp(-1j * phase)
     lag = np.angle((v @ turning) / (x @ turning), deg=True)
     return (

@@ -18,7 +18,8 @@ from drake_leg.kinematics.edges import (
     breaks_of_line,
     line,
 )
-from drake_leg.kinematics.encounter import Forecast, Graze, SineStep, encounter_at
+from drake_leg.kinematics.encounter import Forecast, Graze, encounter_at
+from drake_leg.kinematics.motions import SineStep
 
 GRAZE = 1e-6  # of the arm's length: passing nearer than this to an edge is grazing it
 # Parts of the path before a meeting at which the joints are read: the last where the singularity

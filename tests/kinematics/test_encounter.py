@@ -9,12 +9,11 @@ from chains import PUMA, SEVEN
 from scipy.optimize import brentq
 
 from drake_leg.kinematics.arms import ChainArm, LegArm, ScaraArm, loses_turning, lost_direction
-from drake_leg.kinematics.encounter import SineStep
 from drake_leg.kinematics.foot_task import foot_task
 from drake_leg.kinematics.forecast import forecast_path, forecast_step
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position
-from drake_leg.kinematics.paths import elliptic_path
+from drake_leg.kinematics.motions import EllipticStep, SineStep
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 
@@ -146,12 +145,8 @@ def test_an_ellipse_is_met_where_a_fine_walk_meets_it():
     start = foot_position(LEG, POSTURE)
 
     def path(amplitude):
-        return lambda times: (
-            start
-            + elliptic_path(
-                times, amplitude=amplitude, frequency=1.0, direction=[1.0, 0.0, 0.0], lift=0.04
-            ).displacement
-        )
+        motion = EllipticStep(amplitude=amplitude, frequency=1.0, lift=0.04)
+        return lambda times: start + motion.displacement(times)
 
     forecast = forecast_path(
         ARM, POSTURE, path, amplitude=0.1, period=2 * math.pi, duration=2 * math.pi

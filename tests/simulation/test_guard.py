@@ -2,19 +2,20 @@
 
 import math
 
+import kinematic_loop
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_leg.diagrams import hexabot_leg, kinematic_loop
+from drake_leg.diagrams import hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.arms import LegArm, ScaraArm
-from drake_leg.kinematics.encounter import SineStep
 from drake_leg.kinematics.forecast import forecast_step
 from drake_leg.kinematics.leg import LegGeometry, foot_position, leg_task
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.scara import ScaraGeometry, scara_task
 from drake_leg.robots import hexabot_leg as leg_robot
 from drake_leg.simulation import simulate
@@ -129,9 +130,7 @@ def test_fifty_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
         config = hexabot_leg.HexabotLegConfig(
             robot=leg_robot("A" if leg.sign < 0 else "B", l1=leg.l1, l2=leg.l2, l3=leg.l3),
             q0=tuple(q0),
-            amplitude=step.amplitude,
-            frequency=step.frequency,
-            direction=step.direction,
+            motion=step,
         )
         run = simulate(
             hexabot_leg.build(config),
