@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from drake_leg.colours import (
     rgb,
 )
 from drake_leg.errors import InvalidValueError
+from drake_leg.html_table import html_table
 from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.names import (
     BASE,
@@ -256,7 +258,52 @@ def link_colour(row: int) -> Colour:
 
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """A serial robot on a fixed base."""
+    """A serial robot on a fixed base.
+
+    Its end effector, the foot, is the last frame of the table.
+
+    Parameters
+    ----------
+    name : str
+        As in file names: letters, digits and underscores.
+    title : str
+        As in headings.
+    source : str
+        Where its numbers come from.
+    segments : tuple of Segment
+        One for each row of the Khalil table, from base to tip, with its joint and its link.
+
+    Raises
+    ------
+    InvalidValueError
+        If a name is unusable or used twice, or no row moves.
+
+    Examples
+    --------
+    >>> from drake_leg import Robot
+    >>> from drake_leg.robot import Brick, Link, Row, Segment, Solid
+    >>> bar = Solid(
+    ...     shape=Brick(length=0.2, width=0.02, height=0.01),  # [m]
+    ...     density=2700.0,  # [kg/m^3]
+    ...     centre=(0.1, 0.0, 0.0),
+    ...     colour=(0.0, 0.45, 0.7),
+    ... )
+    >>> arm = Robot(
+    ...     name="arm",
+    ...     title="One bar",
+    ...     source="typed here",
+    ...     segments=(
+    ...         Segment(
+    ...             row=Row(joint="revolute"),
+    ...             joint="turn",
+    ...             link=Link(name="bar", solid=bar, end=(0.2, 0.0, 0.0)),
+    ...         ),
+    ...         Segment(row=Row(joint="fixed", d=0.2)),  # the foot: a frame only
+    ...     ),
+    ... )
+    >>> len(arm.moving), len(arm.rows)
+    (1, 2)
+    """
 
     name: str  # as in file names: leg_b
     title: str  # as in headings: Hexabot leg B
@@ -305,3 +352,25 @@ class Robot:
     def moving(self) -> tuple[Segment, ...]:
         """The segments with a joint position, in the table's order."""
         return tuple(s for s in self.segments if s.row.joint != "fixed")
+
+    def _repr_html_(self) -> str:
+        headings = ("row", "σ", "d [m]", "α [°]", "r [m]", "θ [°]", "joint", "link")
+        rows = []
+        variables = (f"q{number}" for number in itertools.count(1))
+        for index, segment in enumerate(self.segments, start=1):
+            row = segment.row
+            r, theta = f"{row.r:g}", f"{math.degrees(row.theta):g}"
+            if row.joint == "revolute":
+                theta = _sum(next(variables), row.theta, theta)
+            elif row.joint == "prismatic":
+                r = _sum(next(variables), row.r, r)
+            sigma = "~" if row.sigma is None else row.sigma
+            link = segment.link.name if segment.link else ""
+            alpha = f"{math.degrees(row.alpha):g}"
+            rows.append((index, sigma, f"{row.d:g}", alpha, r, theta, segment.joint or "", link))
+        return html_table(headings, rows, title=f"{self.title} ({self.source})")
+
+
+def _sum(variable: str, offset: float, text: str) -> str:
+    """Write a joint position with the offset that the table adds to it."""
+    return f"{variable} + {text}" if offset else variable

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.doctor import examine_posture
-from drake_leg.feet import feet
 from drake_leg.kinematics.euler import euler_rotation
+from drake_leg.kinematics.feet import feet
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, foot_position
 from drake_leg.robot_file import load_robot, robot_toml
 from drake_leg.robots import LEG_B, PENDULUM, SCARA
+from drake_leg.singularity.doctor import examine_posture
 
 ROBOTS = Path(__file__).parent / "check" / "robots"
 PUMA, DESK = str(ROBOTS / "puma560_modified.toml"), str(ROBOTS / "desk_arm.toml")

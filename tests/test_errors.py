@@ -13,6 +13,7 @@ from http import HTTPStatus
 from pathlib import Path
 
 import pytest
+from drake_leg.simulink.matlab.limits import MatlabError
 
 import drake_leg
 from drake_leg.errors import (
@@ -30,10 +31,9 @@ from drake_leg.errors import (
     UnreadableFileError,
     UnstableRunError,
 )
+from drake_leg.files import check_target, read_text
 from drake_leg.imports import BrokenPackageError
-from drake_leg.kinematics.rates import exact_rates
-from drake_leg.output import check_target
-from drake_leg.reading import read_text
+from drake_leg.kinematics.movable import exact_rates
 from drake_leg.report.replays import UnlikeReplaysError
 from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B
@@ -50,7 +50,6 @@ from drake_leg.scene.motion import OtherRobotError
 from drake_leg.scene.rendering import NoRenderingError
 from drake_leg.scene.web_page import PageError
 from drake_leg.simulation import run as simulation_run
-from drake_leg.simulink.matlab.limits import MatlabError
 from drake_leg.symbolic.optional import MissingSymPyError
 
 

@@ -14,7 +14,7 @@ from drake_leg.check.matrix_text import rows_of_text
 from drake_leg.check.printed_csv import parse_csv, parse_table
 from drake_leg.check.rows import Table, TableRow
 from drake_leg.errors import InvalidValueError
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.keys import Keys, shown
 

@@ -3,7 +3,7 @@
 Exit status: 0 when all went well, 1 when ``check`` found something wrong, a run's error can be seen
 in its figures, or a picture could not be made (the data are saved), 2 for bad input or a place that
 cannot be written, 3 when a run stopped before its end (what it recorded until then is saved), or a
-proof or derivation at its time budget, 70 for an error that nobody foresaw, 130 on Ctrl-C,
+proof or derivation at its time budget, 70 for an unexpected error, 130 on Ctrl-C,
 128 + n on another signal n. A reader of the output that goes away changes nothing.
 """
 
@@ -13,7 +13,7 @@ import signal
 import sys
 from collections.abc import Sequence
 
-from drake_leg.interrupts import Interrupts, heeded
+from drake_leg.progress import Interrupts, interruptible
 
 __all__ = ["main"]
 
@@ -28,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         Without the program's name; by default the process's own.
     """
-    with heeded() as interrupts:
+    with interruptible() as interrupts:
         return _of_signal(interrupts, _carried_out(arguments))
 
 
@@ -61,7 +61,7 @@ def _unforeseen(error: Exception) -> int:
 
     show_place()
     return _said(
-        f"an error that nobody foresaw ({in_a_line(error)}): please report it, with the command "
+        f"an unexpected error ({in_a_line(error)}): please report it, with the command "
         f"that you gave; {PLACES}=1 before it shows where it came from",
         UNFORESEEN,
     )

@@ -14,7 +14,6 @@ from drake_leg.cli.advice import as_options
 from drake_leg.cli.common import (
     BAD_INPUT,
     STOPPED_EARLY,
-    Commands,
     add_budget,
     budget_of,
     refuse_ignored,
@@ -32,18 +31,18 @@ SAMPLES, SEED = 32, 0
 TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "check",
-        help="prove a robot, or grade a print against it",
-        description="Read a robot's table for slips, then compare its chain with SymPy's "
+def configure_check(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Read a robot's table for slips, then compare its chain with SymPy's "
         "derivation, with Drake's plant on its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
-        "the robot instead. A printed table alone (CSV or TOML) is only read for slips.",
-        epilog="Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
+        "the robot instead. A printed table alone (CSV or TOML) is only read for slips."
+    )
+    parser.epilog = (
+        "Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
         "wrong and something is not understood, 3 nothing is wrong so far, but not all was "
-        "compared.",
+        "compared."
     )
     add_robot_source(parser)
     parser.add_argument(

@@ -7,19 +7,13 @@ import math
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from drake_leg.cli.advice import as_options
 from drake_leg.errors import InvalidValueError
+from drake_leg.progress import BUDGET
 from drake_leg.quantities import require_positive
-from drake_leg.robots import ROBOTS
-from drake_leg.time_budget import BUDGET
 
 FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
-
-ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
-
-Commands = Any  # what argparse's add_subparsers returns; its type has no public name
 
 
 def fail(error: object, status: int) -> int:

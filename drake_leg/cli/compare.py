@@ -9,31 +9,31 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import Commands, refuse_ignored, remark
+from drake_leg.cli.common import refuse_ignored, remark
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, RunKind
 from drake_leg.runs.options import RunOptions
 
 if TYPE_CHECKING:
-    from drake_leg.compare.comparison import Comparison
+    from drake_leg.simulink.compare.findings import Comparison
 
 DIFFERENT = 1  # exit status
 ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "compare",
-        help="compare a Simulink model with a run's diagram",
-        description="Find for every block, wire and parameter of a Simulink model what stands "
+def configure_compare(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Find for every block, wire and parameter of a Simulink model what stands "
         "for it in the live diagram of a run: matched, missing, extra or different. Exit status "
         "0 when everything in the model has its counterpart and the values agree, 1 otherwise; "
-        "what the diagram has besides does not count.",
-        epilog="The run's options make its diagram match a model with other numbers: "
+        "what the diagram has besides does not count."
+    )
+    parser.epilog = (
+        "The run's options make its diagram match a model with other numbers: "
         "--amplitude 0.05. Signals are compared by what they are, not by how they are muxed, "
-        "scaled and summed; a source's amplitude is that behind its gains.",
+        "scaled and summed; a source's amplitude is that behind its gains."
     )
     parser.add_argument("model", type=Path, metavar="MODEL.slx", help="Simulink model")
     parser.add_argument(
@@ -59,7 +59,7 @@ def _compare(chosen: argparse.Namespace) -> int:
     from drake_leg.simulink.reader import read_model
 
     model = read_model(chosen.model)
-    from drake_leg.compare.compare import LiveModel, compare
+    from drake_leg.simulink.compare.compare import LiveModel, compare
 
     diagram, start = kind.diagram(options)
     root = diagram.CreateDefaultContext()
@@ -140,6 +140,8 @@ def _missing(item: dict[str, Any]) -> str:
 def _different(item: dict[str, Any], name: str = "") -> str:
     if item["what"] == "scale":
         return f"{_place(item)}: lengths are {_value(item['simulink'])} times those of {name}"
+    if "why" in item:
+        return f"{_place(item)}: {item['why']}"
     ours, theirs = (_quantity(item[side], item["unit"]) for side in ("simulink", "drake"))
     return f"{_place(item)}: {item['parameter']} is {ours}, in Drake {theirs}"
 

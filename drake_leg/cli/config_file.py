@@ -12,7 +12,7 @@ from types import UnionType
 from typing import Any
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.runs.options import RunOptions
 
 

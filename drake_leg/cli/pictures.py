@@ -20,7 +20,7 @@ def picture(what: str) -> Iterator[None]:
     Raises
     ------
     PictureError
-        In place of an error that nobody foresaw.
+        In place of an unexpected error.
     """
     try:
         yield

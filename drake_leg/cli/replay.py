@@ -10,14 +10,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import ROBOT_NAMES, Commands
 from drake_leg.cli.pictures import picture
-from drake_leg.cli.robot_source import robot_source
+from drake_leg.cli.robot_source import ROBOT_NAMES, robot_source
 from drake_leg.cli.shows import stop_note
 from drake_leg.cli.view import add_view
 from drake_leg.errors import DrakeLegError, OutputError, UnreadableFileError
+from drake_leg.files import read_text
 from drake_leg.progress import ProgressBar
-from drake_leg.reading import read_text
 from drake_leg.robot import Robot
 from drake_leg.runs.catalogue import RUNS, STEP
 
@@ -26,14 +25,12 @@ if TYPE_CHECKING:
     from drake_leg.scene.motion import Motion, OtherRobotError
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "replay",
-        help="show a run again, as a page or as video",
-        description="Make a run's recorded motion a page that opens from disk, with a play "
+def configure_replay(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Make a run's recorded motion a page that opens from disk, with a play "
         "button, a time slider and the reports' views (.html), or a video (.mp4, .gif), which "
-        "needs no display.",
+        "needs no display."
     )
     parser.add_argument("run", type=Path, metavar="DIR", help="folder that 'drake-leg run' made")
     parser.add_argument(

@@ -7,12 +7,14 @@ import difflib
 from dataclasses import dataclass
 from pathlib import Path
 
-from drake_leg.cli.common import ROBOT_NAMES
 from drake_leg.errors import InvalidValueError
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.robot import Robot
 from drake_leg.robot_file import read_robot, robot_toml
 from drake_leg.robot_file.document import Document, parse_document
+from drake_leg.robots import ROBOTS
+
+ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
 
 
 @dataclass(frozen=True, kw_only=True)

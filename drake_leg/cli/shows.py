@@ -13,7 +13,7 @@ from drake_leg.cli.advice import place_given_by
 from drake_leg.cli.common import remark
 from drake_leg.cli.pictures import Pictures
 from drake_leg.errors import OutputError
-from drake_leg.output import ResultsFolder
+from drake_leg.files import ResultsFolder
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome

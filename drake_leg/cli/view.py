@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from drake_leg.cli.advice import place_given_by
-from drake_leg.cli.common import Commands, refuse_ignored
+from drake_leg.cli.common import refuse_ignored
 from drake_leg.cli.pictures import picture
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
@@ -15,16 +15,14 @@ from drake_leg.cli.shows import say_if_sketched
 from drake_leg.imports import require_pillow
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "view",
-        help="look at a robot in 3D, its joints on sliders",
-        description="Open a robot in the browser, in Meshcat: the frames of its table (x red, y "
+def configure_view(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Open a robot in the browser, in Meshcat: the frames of its table (x red, y "
         "green, z blue), a slider and a box for every joint, the trace of its tip, and the "
-        "reports' views. Or write one picture, without a browser, with --still.",
-        epilog=LEAVING,
+        "reports' views. Or write one picture, without a browser, with --still."
     )
+    parser.epilog = LEAVING
     add_robot_source(parser)
     add_posture(parser)
     add_server(parser)
@@ -68,9 +66,9 @@ def _view(chosen: argparse.Namespace) -> int:
 
 
 def _still(chosen: argparse.Namespace) -> int:
+    from drake_leg.files import whole_file
     from drake_leg.scene.stills import still_png
     from drake_leg.scene.views import view_named
-    from drake_leg.text_file import whole_file
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)

@@ -26,7 +26,26 @@ ELLIPSE = EllipticStep()
 
 @dataclass(frozen=True, kw_only=True)
 class EllipseConfig(HexabotLegConfig):
-    """A round of the leg's foot on an ellipse."""
+    """Rounds of the leg's foot on an ellipse.
+
+    Parameters
+    ----------
+    motion : EllipticStep
+        Amplitude, frequency, direction and lift of the foot's motion.
+    robot, q0, gravity, filter_time_constant, feedback, keep, control, disturbance
+        As in ``HexabotLegConfig``.
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense.
+
+    Examples
+    --------
+    >>> from drake_leg import EllipseConfig, EllipticStep
+    >>> EllipseConfig(motion=EllipticStep(lift=0.03)).motion.greatest_speed
+    0.07
+    """
 
     motion: EllipticStep = ELLIPSE
 
@@ -37,7 +56,27 @@ class EllipseConfig(HexabotLegConfig):
 
 
 def build(config: EllipseConfig) -> Diagram:
-    """Wire the leg's diagram with two sine sources; start it with ``mechanism.start_on_motion``."""
+    """Wire the leg's diagram with two sine sources.
+
+    Parameters
+    ----------
+    config : EllipseConfig
+        Robot, posture and ellipse.
+
+    Returns
+    -------
+    Diagram
+        To be started with ``mechanism.start_on_motion``.
+
+    Examples
+    --------
+    >>> from drake_leg import EllipseConfig, EllipticStep, build_ellipse, simulate
+    >>> diagram = build_ellipse(EllipseConfig(motion=EllipticStep(lift=0.03)))
+    >>> half_way_round = simulate(diagram, duration=1.5)
+    >>> rise = half_way_round.scopes["foot positions"][:, 2]
+    >>> (rise[-1] - rise[0]).round(3)  # 0.015 sin(1.5) [m]
+    np.float64(0.015)
+    """
     builder = DiagramBuilder()
     motion = config.motion
 

@@ -40,25 +40,65 @@ from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.diagrams.wiring import built
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.foot_task import foot_task, require_direction
+from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.of_robot import movable
 from drake_leg.quantities import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
 from drake_leg.robot import Robot
+from drake_leg.robots import LEG_B
+from drake_leg.singularity.directions import require_direction
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 FEEDBACKS = ("sensed", "integrated")
-STRAIGHT = SineStep()
+POSTURE = (math.radians(90.0), math.radians(-50.0), math.radians(-90.0))  # report B, hip to ankle
+STEP = SineStep()
 
 
 @dataclass(frozen=True, kw_only=True)
 class HexabotLegConfig:
-    """A step of the leg, or of any chain whose foot can go that way."""
+    """A step of the leg, or of any chain whose foot can go that way.
 
-    robot: Robot
-    q0: tuple[float, ...]  # [rad or m], where the command believes the joints at the start
-    motion: SineStep = STRAIGHT  # of the foot
+    Parameters
+    ----------
+    robot : Robot
+        The leg, or any chain whose foot can go that way.
+    q0 : (n,) tuple of float
+        Joint positions at the start [rad or m]: hip, knee, ankle.
+    motion : SineStep
+        Amplitude, frequency and direction of the foot's motion.
+    gain : float
+        Of a gain block behind the sine, whose own amplitude is ``amplitude / gain``; 1 is no block.
+    gravity : float
+        Along -z [m/s^2].
+    filter_time_constant : float, optional
+        Of input filters at the joints [s]; by default there are none.
+    feedback : {"sensed", "integrated"}
+        Which joint positions the inverse Jacobian takes.
+    keep : {"position", "pose"}, optional
+        Whether the foot may turn; by default it keeps its orientation where the joints can do that.
+    control : Control
+        Inverse, drift correction and error of the start.
+    disturbance : Disturbance
+        Push, mass error and torque limit.
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense, or the foot cannot go that way.
+
+    Examples
+    --------
+    >>> from drake_leg import HexabotLegConfig, SineStep
+    >>> sideways = SineStep(amplitude=0.05, direction=(0.0, 1.0, 0.0))
+    >>> HexabotLegConfig(motion=sideways).motion.frequency
+    1.0
+    """
+
+    robot: Robot = LEG_B
+    q0: tuple[float, ...] = POSTURE  # [rad or m], where the command believes the joints
+    motion: SineStep = STEP  # of the foot
     gain: float = 1.0  # the sine has amplitude / gain; 1: no gain block
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
     filter_time_constant: float | None = None  # [s], of the joints' input filters; None: no filter
@@ -70,12 +110,11 @@ class HexabotLegConfig:
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; its numbers must be finite")
-        task = self.task
         for angle in self.start:
             require_angle("an angle of q0", angle)
         if not LEAST <= abs(self.gain) <= MOST:
             raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
-        require_direction(self.robot, task, self.q0, self.motion.direction)
+        require_direction(self.robot, self.movable, self.q0, self.motion.direction)
         if self.feedback not in FEEDBACKS:
             raise InvalidValueError(
                 f"the feedback is {self.feedback!r}; it must be {' or '.join(FEEDBACKS)}"
@@ -88,20 +127,45 @@ class HexabotLegConfig:
         """Where the joints really start, (n,) [rad or m]."""
         return self.control.start(self.q0)
 
-    @cached_property
-    def task(self) -> Task:
-        """What of the foot is commanded, with the exact inverse."""
-        return foot_task(self.robot, self.q0, self.keep)
+    @property
+    def foot(self) -> Array:
+        """Where the command starts: p_BF at q0, (3,) [m]."""
+        p_BF: Array = foot_pose(self.robot.rows, self.q0)[:3, 3]
+        return p_BF
 
     @cached_property
-    def inverse(self) -> Task:
+    def movable(self) -> Movable:
+        """The robot, what of its foot is commanded, and the exact inverse of its Jacobian."""
+        return movable(self.robot, self.q0, self.keep)
+
+    @cached_property
+    def inverted(self) -> Movable:
         """The same with the inverse that was chosen."""
         lag = self.filter_time_constant or 0.0
-        return self.control.inverse.of(self.task, self.robot.moving, lag)
+        return self.control.inverse.of(self.movable, self.robot.moving, lag)
 
 
 def build(config: HexabotLegConfig) -> Diagram:
-    """Wire the leg's diagram; it is started with ``mechanism.start_on_motion``."""
+    """Wire the leg's diagram.
+
+    Parameters
+    ----------
+    config : HexabotLegConfig
+        Robot, posture and step.
+
+    Returns
+    -------
+    Diagram
+        To be started with ``mechanism.start_on_motion``.
+
+    Examples
+    --------
+    >>> from drake_leg import HexabotLegConfig, SineStep, build_hexabot_leg, simulate
+    >>> diagram = build_hexabot_leg(HexabotLegConfig(motion=SineStep(amplitude=0.05)))
+    >>> step = simulate(diagram, duration=1.0)
+    >>> step.scopes["foot velocities"][-1].round(4).tolist()  # 0.05 sin(1), 0, 0 [m/s]
+    [0.0421, 0.0, -0.0]
+    """
     builder = DiagramBuilder()
     motion = config.motion
 
@@ -134,7 +198,7 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
     joints = len(config.start)
 
     # Blocks, in the order of the signal: from the foot's velocity to the joints' motion.
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(config.inverse))
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(config.inverted))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(joints))
     integrators = [
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q]))
@@ -154,12 +218,12 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
         builder,
         control.correction,
         command,
-        start=foot_pose(robot.rows, config.q0)[:3, 3],
+        start=config.foot,
         p=leg.foot.GetOutputPort("position"),
         pdot=leg.foot.GetOutputPort("velocity"),
-        top_speed=control.top_speed(config.motion.greatest_speed, config.task.length),
+        top_speed=control.top_speed(config.motion.greatest_speed, config.movable.length),
     )
-    wanted = with_task(builder, config.task.twists, wanted)
+    wanted = with_task(builder, config.movable.twists, wanted)
     builder.Connect(wanted.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(wanted.a, inverse_jacobian.GetInputPort("a"))
     if config.feedback == "sensed":

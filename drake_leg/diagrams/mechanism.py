@@ -175,9 +175,32 @@ def add_mechanism_scopes(builder: DiagramBuilder, mechanism: Mechanism) -> None:
 
 
 def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:
-    """Log a vector signal at every step of the integrator.
+    """Log a signal at every step of the integrator.
 
     A periodic log would cut the integrator's steps to its own period.
+
+    Parameters
+    ----------
+    builder : DiagramBuilder
+        The diagram under construction.
+    name : str
+        Of the scope.
+    signal : OutputPort
+        A vector port.
+
+    Examples
+    --------
+    >>> from drake_leg import add_scope, simulate
+    >>> from pydrake.systems.framework import DiagramBuilder
+    >>> from pydrake.systems.primitives import Integrator, Sine
+    >>> builder = DiagramBuilder()
+    >>> sine = builder.AddNamedSystem("Sine Wave", Sine(1.0, 1.0, 0.0, 1))
+    >>> integrator = builder.AddNamedSystem("Integrator", Integrator([0.0]))
+    >>> _ = builder.Connect(sine.GetOutputPort("y0"), integrator.get_input_port())
+    >>> add_scope(builder, "position", integrator.get_output_port())
+    >>> result = simulate(builder.Build(), duration=1.0)
+    >>> result.scopes["position"][-1].round(4).tolist()  # 1 - cos(1)
+    [0.4597]
     """
     scope = builder.AddNamedSystem(name, VectorLogSink(signal.size()))
     builder.Connect(signal, scope.get_input_port())

@@ -31,10 +31,11 @@ from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism
 from drake_leg.diagrams.wiring import built
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task, tool_position
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, lift_position, tool_position
 from drake_leg.quantities import STANDARD_GRAVITY, require_angle
 from drake_leg.robot import Robot
+from drake_leg.robots import SCARA
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 LINE = SineStep(amplitude=0.050)
@@ -42,9 +43,38 @@ LINE = SineStep(amplitude=0.050)
 
 @dataclass(frozen=True, kw_only=True)
 class ScaraConfig:
-    """A straight horizontal move of the tool; its yaw and height stay what they are."""
+    """A straight horizontal move of the tool; its yaw and height stay what they are.
 
-    robot: Robot
+    Parameters
+    ----------
+    robot : Robot
+        A SCARA.
+    q0 : (3,) tuple of float
+        Shoulder, elbow and wrist at the start [rad].
+    R : float
+        Height of the tool above its lowest position [m].
+    motion : SineStep
+        Amplitude, frequency and direction of the tool's motion; the direction must be horizontal.
+    gravity : float
+        Along -z [m/s^2].
+    control : Control
+        Inverse, drift correction and error of the start.
+    disturbance : Disturbance
+        Push, mass error and torque limit.
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense.
+
+    Examples
+    --------
+    >>> from drake_leg import ScaraConfig, SineStep
+    >>> ScaraConfig(motion=SineStep(amplitude=0.03)).R
+    0.05
+    """
+
+    robot: Robot = SCARA
     q0: tuple[float, float, float] = (math.pi / 6, math.pi / 2, -2 * math.pi / 3)  # [rad]
     R: float = 0.050  # [m], height of the tool above its lowest position
     motion: SineStep = LINE  # of the tool
@@ -80,18 +110,37 @@ class ScaraConfig:
         return lift_position(self.geometry, self.R)
 
     @cached_property
-    def task(self) -> Task:
-        """What of the tool is commanded (x, y, yaw), with the exact inverse."""
-        return scara_task(self.geometry)
+    def movable(self) -> Movable:
+        """The arm, whose tool's x, y and yaw are commanded, with the exact inverse."""
+        return MovableScara(self.geometry, self.lift)
 
     @cached_property
-    def inverse(self) -> Task:
+    def inverted(self) -> Movable:
         """The same with the inverse that was chosen."""
-        return self.control.inverse.of(self.task, self.robot.moving[:3])
+        return self.control.inverse.of(self.movable, self.robot.moving[:3])
 
 
 def build(config: ScaraConfig) -> Diagram:
-    """Wire the SCARA's diagram; it is started with ``mechanism.start_on_motion``."""
+    """Wire the SCARA's diagram.
+
+    Parameters
+    ----------
+    config : ScaraConfig
+        Robot, posture and move.
+
+    Returns
+    -------
+    Diagram
+        To be started with ``mechanism.start_on_motion``.
+
+    Examples
+    --------
+    >>> from drake_leg import SCARA, ScaraConfig, build_scara, simulate
+    >>> move = simulate(build_scara(ScaraConfig(robot=SCARA)), duration=1.0)
+    >>> yaw = move.scopes["joint positions"][:, :3].sum(axis=1)
+    >>> bool(abs(yaw - yaw[0]).max() < 1e-9)  # the tool does not turn
+    True
+    """
     builder = DiagramBuilder()
     motion, control = config.motion, config.control
     x, y, _ = motion.direction
@@ -100,7 +149,7 @@ def build(config: ScaraConfig) -> Diagram:
     sine = builder.AddNamedSystem("Sine Wave", Sine(*motion.wave, 1))
     along = Command(v=sine.GetOutputPort("y0"), a=sine.GetOutputPort("y1"))
     command = through_matrix(builder, "Direction", np.array([[x], [y], [0.0]]), along)  # no yaw
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(config.inverse))
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(config.inverted))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
     integrators = [
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q]))
@@ -172,8 +221,8 @@ def _with_correction(
         start=[x, y, sum(config.q0)],
         p=_sensed(builder, "positions", foot.GetOutputPort("position"), scara.q),
         pdot=_sensed(builder, "velocities", foot.GetOutputPort("velocity"), scara.qdot),
-        top_speed=control.top_speed(config.motion.greatest_speed, config.task.length),
-        lengths=config.task.row_lengths,
+        top_speed=control.top_speed(config.motion.greatest_speed, config.movable.length),
+        lengths=config.movable.row_lengths,
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import count, takewhile
+
 from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.wiring import plant_of
@@ -16,7 +18,7 @@ from drake_leg.systems.frame_sensor import FrameSensor
 
 def run_pictures(
     diagram: Diagram,
-    robot: Robot,
+    robot: Robot | None = None,
     *,
     title: str,
     part: str = ALL,
@@ -27,8 +29,8 @@ def run_pictures(
 
     Parameters
     ----------
-    robot : Robot
-        What the plant is of; it tells the shapes of the solids.
+    robot : Robot, optional
+        What the plant was built from: it tells the shapes of the solids, boxes without it.
     part : str
         "signals", "mechanism", "all" (both), or the name of a link.
     scopes, accelerations : bool
@@ -42,7 +44,7 @@ def run_pictures(
     plant = plant_of(diagram)
     shapes = {
         segment.link.name: type(segment.link.solid.shape).__name__.lower()
-        for segment in robot.segments
+        for segment in (robot.segments if robot else ())
         if segment.link is not None and segment.link.solid is not None
     }
     if part not in (SIGNALS, MECHANISM, ALL):
@@ -57,12 +59,13 @@ def run_pictures(
         )
     if part != SIGNALS:
         sensing = any(isinstance(system, FrameSensor) for system in diagram.GetSystems())
+        frames = takewhile(plant.HasFrameNamed, map(frame_name, count()))
         pictures.append(
             mechanism_picture(
                 plant,
                 title=f"{title}: mechanism, inside the plant",
                 shapes=shapes,
-                sensed=frame_name(len(robot.segments)) if sensing else None,
+                sensed=list(frames)[-1] if sensing else None,
             )
         )
     return tuple(pictures)

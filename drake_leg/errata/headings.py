@@ -9,11 +9,11 @@ from drake_leg.errata.erratum import Erratum, angles, number, vector
 from drake_leg.errata.step import MM
 from drake_leg.kinematics.khalil import foot_pose, jacobian
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position
-from drake_leg.kinematics.singularity import examine
 from drake_leg.robot import Row
 from drake_leg.robot_file.classic import ClassicRow, khalil_rows
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 from drake_leg.runs.options import LegAOptions, LegBOptions, ScaraOptions
+from drake_leg.singularity.rank import examine
 
 CLASSIC = "Read by its headings a row is one of the classic convention"
 

@@ -10,12 +10,11 @@ import numpy as np
 from drake_leg.errata.erratum import Erratum, angles, number, vector
 from drake_leg.errata.step import FORWARDS, MM, far_end
 from drake_leg.kinematics.khalil import foot_pose, row_transform
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, inverse_kinematics
 from drake_leg.kinematics.motions import EllipticStep
-from drake_leg.kinematics.singularity import examine
 from drake_leg.robots import LEG_A
 from drake_leg.runs.options import EllipseOptions, LegAOptions
+from drake_leg.singularity.rank import examine
 
 SOURCE = "Report A"
 GEOMETRY = LegGeometry.from_robot(LEG_A)

@@ -3,40 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
+import sympy as sp
 
 from drake_leg.errata.erratum import Erratum, angles, number, vector
-from drake_leg.errata.formulas import (
-    Formula,
-    Values,
-    angle_values,
-    evaluate,
-    evaluate_entry,
-    multiplied,
-    rotation_defect,
-    shown,
-)
 from drake_leg.errata.printed import (
-    LEG_B_J12_PRINTED,
-    LEG_B_J12_RIGHT,
-    LEG_B_PRINTED,
-    LEG_B_RIGHT,
-    LEG_B_SIGMAS_PRINTED,
-    LEG_B_SIGMAS_RIGHT,
+    J12_PRINTED,
+    J12_RIGHT,
     LEG_B_TABLE_PRINTED,
     LEG_B_TABLE_RIGHT,
+    SIGMAS_PRINTED,
+    SIGMAS_RIGHT,
+    angle_values,
+    leg_b_matrices,
+    rotation_defect,
+    shown,
 )
 from drake_leg.errata.step import FORWARDS, MM, far_end
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, leg_task
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
-from drake_leg.kinematics.singularity import examine
+from drake_leg.kinematics.leg import (
+    LegGeometry,
+    MovableLeg,
+    foot_jacobian,
+    foot_position,
+    inverse_kinematics,
+)
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_B
 from drake_leg.runs.options import LegBOptions
+from drake_leg.singularity.rank import examine
+from drake_leg.symbolic.chain import evaluate
+from drake_leg.symbolic.notation import text
 
 SOURCE = "Report B"
 GEOMETRY = LegGeometry.from_robot(LEG_B)
@@ -59,6 +58,7 @@ def leg_b_errata() -> tuple[Erratum, ...]:
 
 
 def _of_the_matrices() -> tuple[Erratum, ...]:
+    printed, right = leg_b_matrices().printed, leg_b_matrices().right
     return (
         Erratum(
             number=17,
@@ -72,34 +72,34 @@ def _of_the_matrices() -> tuple[Erratum, ...]:
             number=18,
             source=SOURCE,
             where="section 2.3, T12",
-            printed=shown(LEG_B_PRINTED["T12"]),
-            right=shown(LEG_B_RIGHT["T12"]),
+            printed=shown(printed["T12"]),
+            right=shown(right["T12"]),
             effect=f"Classic and modified DH are mixed. {_no_rotation('T12')}",
         ),
         Erratum(
             number=19,
             source=SOURCE,
             where="section 2.3, T34",
-            printed=shown(LEG_B_PRINTED["T34"]),
-            right=shown(LEG_B_RIGHT["T34"]),
+            printed=shown(printed["T34"]),
+            right=shown(right["T34"]),
             effect=_no_rotation("T34"),
         ),
         Erratum(
             number=20,
             source=SOURCE,
             where="sections 2.4 and 2.5.1, T04",
-            printed=_rows("T04", LEG_B_PRINTED, LEG_B_SIGMAS_PRINTED),
-            right=_rows("T04", LEG_B_RIGHT, LEG_B_SIGMAS_RIGHT),
+            printed=_rows(printed["T04"], SIGMAS_PRINTED),
+            right=_rows(right["T04"], SIGMAS_RIGHT),
             effect=_wrong_pose(),
         ),
         Erratum(
             number=21,
             source=SOURCE,
             where="section 2.5.2, J",
-            printed=f"in the list j12 = {_entry(LEG_B_J12_PRINTED)}; in the matrix "
-            + _rows("J", LEG_B_PRINTED, LEG_B_SIGMAS_PRINTED),
-            right=f"in the list j12 = {_entry(LEG_B_J12_RIGHT)}; in the matrix "
-            + _rows("J", LEG_B_RIGHT, LEG_B_SIGMAS_RIGHT),
+            printed=f"in the list j12 = {text(J12_PRINTED)}; in the matrix "
+            + _rows(printed["J"], SIGMAS_PRINTED),
+            right=f"in the list j12 = {text(J12_RIGHT)}; in the matrix "
+            + _rows(right["J"], SIGMAS_RIGHT),
             effect=_wrong_jacobian(),
         ),
         Erratum(
@@ -155,23 +155,18 @@ def _of_the_simulation() -> tuple[Erratum, ...]:
     )
 
 
-def _rows(name: str, formulas: Mapping[str, Formula], sigmas: Mapping[str, str]) -> str:
+def _rows(matrix: sp.Matrix, sigmas: dict[sp.Symbol, sp.Expr]) -> str:
     """Show the rows in which a matrix is wrong, and the abbreviations in them."""
-    rows = shown(formulas[name][:2])
-    used = {sigma: _entry(text) for sigma, text in sigmas.items() if sigma in rows}
-    where = ", ".join(f"{sigma} = {text}" for sigma, text in used.items())
-    return f"first rows {rows} where {where}"
+    rows = matrix[:2, :]
+    used = {sigma: value for sigma, value in sigmas.items() if rows.has(sigma)}
+    where = ", ".join(f"{sigma} = {text(value)}" for sigma, value in used.items())
+    return f"first rows {shown(rows)} where {where}"
 
 
-def _entry(formula: str) -> str:
-    return shown(((formula,),))[1:-1]
-
-
-def _values(q: Array) -> Values:
-    """Give the report's symbols their values, the abbreviations as they are printed."""
+def _values(q: Array) -> dict[str, float]:
+    """Return the values of the report's symbols [rad, mm]."""
     lengths = {"L1": MM * GEOMETRY.l1, "L2": MM * GEOMETRY.l2, "L3": MM * GEOMETRY.l3}
-    values = angle_values(q.tolist()) | lengths
-    return values | {n: evaluate_entry(e, values) for n, e in LEG_B_SIGMAS_PRINTED.items()}
+    return angle_values(q.tolist()) | lengths
 
 
 def _start() -> Array:
@@ -196,9 +191,8 @@ def _shifted_table() -> str:
 
 def _no_rotation(name: str) -> str:
     q = _start()
-    printed = LEG_B_RIGHT | {name: LEG_B_PRINTED[name]}
-    determinant, deviation = rotation_defect(evaluate(LEG_B_PRINTED[name], _values(q)))
-    foot = multiplied(printed, _values(q))[:3, 3]
+    determinant, deviation = rotation_defect(leg_b_matrices().value(name, _values(q)))
+    foot = leg_b_matrices().product(_values(q), name)[:3, 3]
     away = math.dist(foot, MM * foot_position(GEOMETRY, q))
     return (
         f"It is no rotation: its determinant is {number(determinant)}, and R'R differs from 1 by "
@@ -209,7 +203,7 @@ def _no_rotation(name: str) -> str:
 
 def _wrong_pose() -> str:
     q = _start()
-    printed = evaluate(LEG_B_PRINTED["T04"], _values(q))
+    printed = leg_b_matrices().value("T04", _values(q))
     determinant, _ = rotation_defect(printed)
     return (
         f"At θ = {angles(q)} it has the foot at {vector(printed[:3, 3])} mm instead of "
@@ -220,11 +214,12 @@ def _wrong_pose() -> str:
 
 def _wrong_jacobian() -> str:
     start, end = _start(), far_end(GEOMETRY, LegBOptions())
-    row, *others = LEG_B_PRINTED["J"]
-    listed = ((row[0], LEG_B_J12_PRINTED, row[2]), *others)
+    printed = leg_b_matrices().printed["J"].subs(SIGMAS_PRINTED)
+    listed = sp.Matrix(printed)
+    listed[0, 1] = J12_PRINTED
     first, second, third = (
-        f"{vector(_sent(printed, q), 2)} mm/s"
-        for printed, q in ((LEG_B_PRINTED["J"], start), (LEG_B_PRINTED["J"], end), (listed, end))
+        f"{vector(_sent(J, q), 2)} mm/s"
+        for J, q in ((printed, start), (printed, end), (listed, end))
     )
     return (
         f"Told to go (1, 0, 0) mm/s through this matrix, the foot goes {first} at "
@@ -233,8 +228,8 @@ def _wrong_jacobian() -> str:
     )
 
 
-def _sent(printed: Formula, q: Array) -> Array:
-    """Say where the foot goes when it is told to go forwards through a printed Jacobian."""
+def _sent(printed: sp.Matrix, q: Array) -> Array:
+    """Return the velocity of a foot that is told to go forwards through a printed Jacobian."""
     rates = np.linalg.solve(evaluate(printed, _values(q)), FORWARDS)
     return MM * foot_jacobian(GEOMETRY, q) @ rates
 
@@ -256,11 +251,11 @@ def _path() -> tuple[Array, Array, Array]:
 
 
 def _gain() -> str:
-    (_, displacement, velocity), task = _path(), leg_task(GEOMETRY)
+    (_, displacement, velocity), leg = _path(), MovableLeg(GEOMETRY)
     q = inverse_kinematics(
         GEOMETRY, foot_position(GEOMETRY, _start()) + displacement, like=_start()
     )
-    rates = np.array([task.rates(*pair) for pair in zip(q, velocity, strict=True)])
+    rates = np.array([leg.rates(*pair) for pair in zip(q, velocity, strict=True)])
     went = (foot_jacobian(GEOMETRY, q) @ rates[:, :, np.newaxis])[:, :, 0]
     factor = np.abs(went).max() / np.abs(velocity).max()
     peak = MM * LegBOptions().amplitude

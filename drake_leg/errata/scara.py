@@ -7,15 +7,7 @@ import math
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errata.erratum import Erratum, angles, number
-from drake_leg.errata.formulas import (
-    Formula,
-    angle_values,
-    evaluate,
-    multiplied,
-    rotation_defect,
-    shown,
-)
-from drake_leg.errata.printed import SCARA_PRINTED, SCARA_RIGHT
+from drake_leg.errata.printed import angle_values, rotation_defect, scara_matrices, shown
 from drake_leg.errata.step import MM
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms
@@ -27,9 +19,9 @@ from drake_leg.kinematics.scara import (
     task_jacobian,
     tool_position,
 )
-from drake_leg.kinematics.singularity import examine
 from drake_leg.robots import LEG_B, SCARA
 from drake_leg.runs.options import ScaraOptions
+from drake_leg.singularity.rank import examine
 
 SOURCE = "Report B"
 GEOMETRY = ScaraGeometry.from_robot(SCARA)
@@ -47,29 +39,30 @@ def scara_errata() -> tuple[Erratum, ...]:
     ----------
     Report B, experiment 1.
     """
+    printed, right = scara_matrices().printed, scara_matrices().right
     return (
         Erratum(
             number=12,
             source=SOURCE,
             where="sections 1.3 and 1.4, T01 and T03",
-            printed=f"third row {_third_row(SCARA_PRINTED['T03'])} in both",
-            right=f"third row {_third_row(SCARA_RIGHT['T03'])}",
+            printed=f"third row {shown(printed['T03'][2, :])} in both",
+            right=f"third row {shown(right['T03'][2, :])}",
             effect=_height(),
         ),
         Erratum(
             number=13,
             source=SOURCE,
             where="section 1.3, T12",
-            printed=f"third row {_third_row(SCARA_PRINTED['T12'])}",
-            right=f"third row {_third_row(SCARA_RIGHT['T12'])}",
+            printed=f"third row {shown(printed['T12'][2, :])}",
+            right=f"third row {shown(right['T12'][2, :])}",
             effect=_no_rotation("T12"),
         ),
         Erratum(
             number=14,
             source=SOURCE,
             where="section 1.3, T34",
-            printed=shown(SCARA_PRINTED["T34"]),
-            right=shown(SCARA_RIGHT["T34"]),
+            printed=shown(printed["T34"]),
+            right=shown(right["T34"]),
             effect=_no_rotation("T34"),
         ),
         Erratum(
@@ -118,16 +111,10 @@ def scara_errata() -> tuple[Erratum, ...]:
     )
 
 
-def _third_row(formula: Formula) -> str:
-    return shown((formula[2],))
-
-
 def _values() -> dict[str, float]:
-    """Give the report's symbols their values at the default posture."""
+    """Return the values of the report's symbols at the default posture [rad, mm]."""
     options = ScaraOptions()
-    q1, q2, q3 = options.posture()
-    sums = {"θ12": q1 + q2, "θ123": q1 + q2 + q3}
-    return angle_values((q1, q2, q3)) | sums | {"R": MM * options.tool_height}
+    return angle_values(options.posture()) | {"R": MM * options.tool_height}
 
 
 def _tool() -> Array:
@@ -138,8 +125,8 @@ def _tool() -> Array:
 
 
 def _tool_with(name: str) -> Array:
-    """Where the tool is said to be if one transform is taken as it is printed [mm]."""
-    return multiplied(SCARA_RIGHT | {name: SCARA_PRINTED[name]}, _values())[:3, 3]
+    """Where the tool would be with one transform as it is printed [mm]."""
+    return scara_matrices().product(_values(), name)[:3, 3]
 
 
 def _height() -> str:
@@ -151,7 +138,7 @@ def _height() -> str:
 
 
 def _no_rotation(name: str) -> str:
-    volume, deviation = rotation_defect(evaluate(SCARA_PRINTED[name], _values()))
+    volume, deviation = rotation_defect(scara_matrices().value(name, _values()))
     away = math.dist(_tool_with(name), _tool())
     return (
         f"It is no rotation: its determinant is {number(volume)} instead of 1, and R'R "

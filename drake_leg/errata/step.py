@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import LegGeometry, foot_position
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.leg import LegGeometry, foot_position, inverse_kinematics
 from drake_leg.runs.options import LegBOptions
 
 MM = 1000.0  # [mm/m]

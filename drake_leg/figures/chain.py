@@ -14,7 +14,7 @@ from drake_leg.figures.labels import Labels, Line
 from drake_leg.figures.sketch import AXES, COLOURS, Sketch
 from drake_leg.figures.style import GREY, INK, new_figure
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.robot import Robot, Segment
 

@@ -16,12 +16,17 @@ from drake_leg.figures.singularities import MARKED, MM, ON_AXIS, STAR
 from drake_leg.figures.style import INK, LEGEND_BELOW, new_figure
 from drake_leg.kinematics import scara
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
-from drake_leg.kinematics.leg_inverse import BRANCHES, branch_angles
-from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.kinematics.leg import (
+    BRANCHES,
+    LegGeometry,
+    branch_angles,
+    foot_jacobian,
+    foot_position,
+)
+from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.kinematics.scara import ScaraGeometry, task_jacobian, tool_position
-from drake_leg.kinematics.singular_sets import axis_reach
-from drake_leg.kinematics.stroke import facing
+from drake_leg.singularity.families import facing
+from drake_leg.singularity.sets import axis_reach
 
 SIDES = (1, -1)  # the foot in front of the hip, and behind it
 

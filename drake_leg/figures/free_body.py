@@ -17,9 +17,10 @@ from drake_leg.figures.sketch import Sketch, direction
 from drake_leg.figures.style import BODY, GREY, new_figure
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms
-from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
-from drake_leg.kinematics.scara import ScaraGeometry, is_scara, lift_position
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.kinematics.of_robot import geometry_of
+from drake_leg.kinematics.pendulum import PendulumModel
+from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.robot import Robot
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two
@@ -40,14 +41,21 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     -------
     Figure
         In a posture in which everything is seen.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, frames_drawing
+    >>> figure = frames_drawing(LEG_B)  # matplotlib's; a notebook shows it
+    >>> figure.savefig("leg.png")  # doctest: +SKIP
     """
     heading = f"{title or robot.title}: bodies and frames"
-    if is_hexabot_leg(robot):
-        return leg(robot, heading)
-    if is_pendulum(robot):
-        return pendulum(robot, heading)
-    if is_scara(robot):
-        return scara(robot, heading)
+    match geometry_of(robot):
+        case LegGeometry():
+            return leg(robot, heading)
+        case PendulumModel():
+            return pendulum(robot, heading)
+        case ScaraGeometry():
+            return scara(robot, heading)
     return chain(robot, heading)
 
 

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from drake_leg.figures import pendulum, tip
 from drake_leg.figures.readings import sine_frequency
 from drake_leg.figures.stroboscope import stroboscope
-from drake_leg.kinematics.leg import is_hexabot_leg
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.recording import Recording
 from drake_leg.robot import JointType, Robot
@@ -72,7 +73,7 @@ def _leg(title: str, robot: Robot, recording: Recording) -> Named:
     yield "foot_velocity", lambda: tip.velocity(recording, f"{title}: foot velocity")
     if _goes_along_x(recording):
         yield from _along_x(title, recording)
-    if is_hexabot_leg(robot):
+    if isinstance(geometry_of(robot), LegGeometry):
         rotation = f"{title}: rotation of the foot"
         yield "foot_rotation", lambda: tip.rotation(robot, recording, rotation)
     yield from _joints(title, robot, recording)

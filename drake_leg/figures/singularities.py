@@ -18,7 +18,7 @@ from drake_leg.colours import BLUE, PURPLE, VERMILLION
 from drake_leg.figures.style import INK, LEGEND_BELOW, STYLE, TITLE, legend_above, new_figure
 from drake_leg.kinematics.batches import Array, finite_vectors
 from drake_leg.kinematics.leg import LegGeometry, determinant
-from drake_leg.kinematics.singular_sets import (
+from drake_leg.singularity.sets import (
     axis_reach,
     folded_feet,
     hip_axis_arcs,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.chain_task import LEAST_LEVER, size_of
+from drake_leg.kinematics.chain import LEAST_LEVER, size_of
 from drake_leg.kinematics.khalil import foot_pose, jacobian, moving_rows
 from drake_leg.quantities import AT_LIMIT
 from drake_leg.robot import Row

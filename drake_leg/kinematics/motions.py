@@ -34,10 +34,26 @@ class SineStep:
 
     ``p = (A / w) (1 - cos w t) d``. All vectors are in the frame of d.
 
+    Parameters
+    ----------
+    amplitude : float
+        A, the greatest speed; of either sign [m/s].
+    frequency : float
+        w [rad/s].
+    direction : (3,) tuple of float
+        d, a unit vector.
+
     Raises
     ------
     InvalidValueError
         If a number makes no sense.
+
+    Examples
+    --------
+    >>> from drake_leg import SineStep
+    >>> step = SineStep(amplitude=0.05, frequency=2.0)
+    >>> step.length, step.displacement([step.period / 2.0]).tolist()  # there and back [m]
+    (0.05, [[0.05, 0.0, 0.0]])
 
     References
     ----------
@@ -122,10 +138,26 @@ class EllipticStep(SineStep):
 
     The plane of the ellipse is vertical. The foot starts at the rear end and rises first.
 
+    Parameters
+    ----------
+    amplitude, frequency : float
+        As in ``SineStep``.
+    direction : (3,) tuple of float
+        A horizontal unit vector.
+    lift : float
+        h, from the lowest point of the ellipse to the highest [m].
+
     Raises
     ------
     InvalidValueError
         If a number makes no sense, or the direction is not horizontal.
+
+    Examples
+    --------
+    >>> from drake_leg import EllipticStep
+    >>> round_trip = EllipticStep(amplitude=0.07, lift=0.04)
+    >>> round_trip.displacement([round_trip.period / 4.0]).round(3).tolist()  # half way, on top
+    [[0.07, 0.0, 0.02]]
 
     References
     ----------

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Self
 
 import numpy as np
@@ -23,7 +22,7 @@ from drake_leg.kinematics.batches import (
     split,
     triangle_angle,
 )
-from drake_leg.kinematics.task import Task, task_from_jacobian
+from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Robot
 from drake_leg.robots import SCARA_HEIGHT, SCARA_LOWEST
@@ -238,26 +237,38 @@ def jacobian_rate_bias(arm: ScaraGeometry, q: ArrayLike, qdot: ArrayLike) -> Arr
     return assemble((x, y, 0.0))
 
 
-def scara_task(arm: ScaraGeometry) -> Task:
-    """Make the task (x, y, yaw) of the tool.
+class MovableScara(Movable):
+    """The tool's x, y and yaw, moved by the first three joints; the lift stays (report B, 1.5).
 
-    Returns
-    -------
-    Task
-        Velocities in m/s, m/s, rad/s; angles in rad.
-
-    References
+    Parameters
     ----------
-    Report B, 1.5.
+    arm : ScaraGeometry
+        Lengths and height.
+    lift : float
+        Position of the fourth joint [m].
     """
-    return task_from_jacobian(
-        jacobian=partial(task_jacobian, arm),
-        bias=partial(jacobian_rate_bias, arm),
-        determinant_scale=arm.l1 * arm.l2,
-        length=arm.l1 + arm.l2,
-        row_lengths=(1.0, 1.0, arm.l1 + arm.l2),
-        twists=np.eye(6)[:, [3, 4, 2]],
-    )
+
+    geometry: ScaraGeometry
+    twists = np.eye(6)[:, [3, 4, 2]]
+
+    def __init__(self, arm: ScaraGeometry, lift: float = 0.0) -> None:
+        self.geometry = arm
+        self.length = arm.l1 + arm.l2
+        self.row_lengths = (1.0, 1.0, self.length)
+        self.determinant_scale = arm.l1 * arm.l2
+        self._lift = lift
+
+    def foot(self, q: Floats) -> Array:
+        """Position of the tool in the base frame, (3,) [m]."""
+        return tool_position(self.geometry, [*q[:3], self._lift])
+
+    def jacobian(self, q: Floats) -> Array:
+        """Jacobian of x and y [m/rad] and yaw, (3, 3)."""
+        return task_jacobian(self.geometry, q)
+
+    def bias(self, q: Floats, qdot: Floats) -> Array:
+        """``dJ/dt qdot``, (3,)."""
+        return jacobian_rate_bias(self.geometry, q, qdot)
 
 
 def branch_angles(arm: ScaraGeometry, task: ArrayLike) -> Array:

@@ -1,4 +1,4 @@
-"""A TOML file as nested tables, or one sentence that says where it is no TOML."""
+"""A TOML file as nested tables, or one sentence that says where it is not TOML."""
 
 from __future__ import annotations
 
@@ -19,18 +19,7 @@ _REMEDIES = {
 
 
 def parse_document(text: str, where: str) -> Document:
-    """Parse TOML.
-
-    Parameters
-    ----------
-    where : str
-        Name of the file, for the error's sentence.
-
-    Raises
-    ------
-    InvalidValueError
-        With the line that is no TOML.
-    """
+    """Parse TOML; an error names the file, which is ``where``, and the line."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.robot import JointType, Link, Robot, Row, Segment
 from drake_leg.robot_file.bodies import ORIGIN, read_inertial, read_solid
 from drake_leg.robot_file.classic import ClassicRow, khalil_rows
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.joints import read_mechanics
 from drake_leg.robot_file.keys import Keys
-from drake_leg.robot_file.units import AngleUnit, in_radians, joint_units
+from drake_leg.units import AngleUnit, in_radians, joint_units
 
 ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "row")
 TABLE_KEYS = {
@@ -23,7 +23,7 @@ SIGMAS: dict[int | str, JointType] = {0: "revolute", 1: "prismatic", "~": "fixed
 
 _INSTEAD_OF_ROBOT = {
     "lengths": "lengths are in m throughout",
-    "rows": "rows are tables of their own, each under [[row]]",
+    "rows": "every row is a table of its own, under [[row]]",
     "units": 'lengths are in m throughout, and angles = "deg" or "rad"',
     "dh": "the table's rows stand under [[row]]",
     "joints": "a joint stands with its link in a row, under [[row]]",
@@ -73,29 +73,13 @@ _INSTEAD_OF_ROW = {
 }
 
 
-def load_robot(path: Path) -> Robot:
+def load_robot(path: Path | str) -> Robot:
     """Read a robot from a TOML file.
-
-    Returns
-    -------
-    Robot
-        In Khalil's convention, whatever the file has.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value, if something makes no sense.
-    """
-    return read_robot(read_text(path), str(path))
-
-
-def read_robot(text: str, where: str) -> Robot:
-    """Read a robot from TOML.
 
     Parameters
     ----------
-    where : str
-        Name of the file, the beginning of every error's sentence.
+    path : Path or str
+        ``drake-leg sdf leg-b --toml`` prints one to start from.
 
     Returns
     -------
@@ -106,7 +90,24 @@ def read_robot(text: str, where: str) -> Robot:
     ------
     InvalidValueError
         With file, key and value, if something makes no sense.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from drake_leg import LEG_B, load_robot
+    >>> from drake_leg.robot_file import robot_toml
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "leg_b.toml"
+    ...     _ = path.write_text(robot_toml(LEG_B))
+    ...     load_robot(path) == LEG_B
+    True
     """
+    return read_robot(read_text(Path(path)), str(path))
+
+
+def read_robot(text: str, where: str) -> Robot:
+    """Read a robot from TOML, as ``load_robot`` does; errors begin with the file's name."""
     keys = Keys(parse_document(text, where), where, ROBOT_KEYS, _INSTEAD_OF_ROBOT)
     name = keys.text("name")
     convention = keys.choice("convention", tuple(TABLE_KEYS), "khalil")

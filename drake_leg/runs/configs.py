@@ -13,8 +13,7 @@ from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.pendulum import PendulumConfig
 from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.foot_task import first_direction, foot_task
-from drake_leg.kinematics.inverse import Inverse
+from drake_leg.kinematics.of_robot import movable
 from drake_leg.kinematics.push import Push
 from drake_leg.models.state_targets import initial_state, starting_posture
 from drake_leg.robot import JointMechanics, Robot, Segment, StateTarget
@@ -28,6 +27,8 @@ from drake_leg.runs.options import (
     StepOptions,
     StraightOptions,
 )
+from drake_leg.singularity.directions import first_direction
+from drake_leg.singularity.inverse import Inverse
 
 CORRECTION = 5.0  # [1/s], of a damped or limited inverse where none is asked for
 PUSH_AT, PUSH_FOR = 2.0, 0.1  # [s]
@@ -63,7 +64,7 @@ def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
     q0 = _posture(robot, options)
     direction = None
     if options.direction is None:
-        direction = first_direction(robot, foot_task(robot, q0, options.task), q0)
+        direction = first_direction(robot, movable(robot, q0, options.task), q0)
     return HexabotLegConfig(
         robot=robot,
         q0=q0,

@@ -6,7 +6,6 @@ from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.ellipse import build
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.kinematics.arms import arm_of
 from drake_leg.robot import Robot
 from drake_leg.runs.configs import ellipse_config, leg_of
 from drake_leg.runs.leg import compared
@@ -37,8 +36,8 @@ def run(options: EllipseOptions, progress: Progress | None = None) -> Outcome:
     """
     options.refuse_ignored()
     config = ellipse_config(options)
-    arm, lag = arm_of(config.robot, config.task), config.filter_time_constant
-    return compared(config, options, follow(config, build, arm, options, progress, lag=lag))
+    followed = follow(config, build, options, progress, lag=config.filter_time_constant)
+    return compared(config, options, followed)
 
 
 def diagram(options: EllipseOptions) -> tuple[Diagram, Start]:

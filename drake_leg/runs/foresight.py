@@ -11,20 +11,26 @@ import numpy as np
 
 from drake_leg.diagrams.control import Control
 from drake_leg.errors import ForeseenSingularityError, SingularConfigurationError
-from drake_leg.kinematics.arms import Arm, ChainArm, ClosedArm, loses_turning
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.encounter import Encounter, Forecast, encounter_at
-from drake_leg.kinematics.forecast import forecast_path, forecast_step
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.kinematics.movable import Movable
 from drake_leg.simulation import Run
+from drake_leg.singularity.families import families_of
+from drake_leg.singularity.forecast import (
+    Encounter,
+    Forecast,
+    encounter_at,
+    forecast_path,
+    forecast_step,
+)
+from drake_leg.singularity.rank import loses_turning
 
 SETTLED = 40.0  # time constants of a correction after which an error is gone
 SINGULAR = 1e-9  # of the greatest singular value: a smaller one is zero
 
 
 def foresee(
-    arm: ClosedArm | ChainArm,
+    moved: Movable,
     motion: SineStep,
     control: Control,
     q0: tuple[float, ...],
@@ -50,14 +56,14 @@ def foresee(
         that does not start where the command believes it.
     """
     start = control.start(q0)
-    if lagging or not math.isfinite(duration) or _is_singular(arm, start):
+    if lagging or not math.isfinite(duration) or _is_singular(moved, start):
         return Forecast()
-    origin, gain = arm.foot(q0), control.correction
-    off = arm.foot(start) - origin
+    origin, gain = moved.foot(q0), control.correction
+    off = moved.foot(start) - origin
     is_pulled = gain > 0.0 and bool(off.any())
     if motion.is_straight and not is_pulled:
-        return forecast_step(arm, start, motion, duration)
-    if isinstance(arm, ChainArm):
+        return forecast_step(moved, start, motion, duration)
+    if families_of(moved.geometry) is None:
         return Forecast()
 
     def path(amplitude: float) -> Callable[[Array], Array]:
@@ -68,7 +74,7 @@ def foresee(
 
     settled = SETTLED / gain if is_pulled else 0.0
     return forecast_path(
-        arm,
+        moved,
         start,
         path,
         amplitude=motion.amplitude,
@@ -78,7 +84,7 @@ def foresee(
 
 
 def require_passable(
-    name: str, arm: Arm, control: Control, q0: tuple[float, ...], forecast: Forecast | None
+    name: str, moved: Movable, control: Control, q0: tuple[float, ...], forecast: Forecast | None
 ) -> None:
     """Refuse a motion of a robot that an exact inverse cannot follow to its end.
 
@@ -94,10 +100,10 @@ def require_passable(
     if not control.inverse.is_exact:
         return
     start = control.start(q0)
-    if _is_singular(arm, start) and loses_turning(arm, start):
+    if _is_singular(moved, start) and loses_turning(moved, start):
         raise SingularConfigurationError(
             q=start,
-            sigma_min=float(smallest_singular_value(arm.jacobian(start))),
+            sigma_min=moved.sigma_min(start),
             time=0.0,
             advice="choose another `q0`, or `task='position'`, which lets the foot turn",
         )
@@ -109,7 +115,7 @@ def require_passable(
 
 
 def singularity_findings(
-    arm: Arm, run: Run, forecast: Forecast, name: str, *, disturbed: bool
+    moved: Movable, run: Run, forecast: Forecast, name: str, *, disturbed: bool
 ) -> dict[str, Any]:
     """Say of a run where it became singular, and what it was expected to meet.
 
@@ -132,9 +138,9 @@ def singularity_findings(
         "grazing": graze.describe() if graze else None,
     }
     if isinstance(run.stopped_by, SingularConfigurationError):
-        q = run.scopes["joint positions"][-1, : len(arm.turning)].tolist()
+        q = run.scopes["joint positions"][-1, : moved.joints].tolist()
         greatest = foreseen.greatest_amplitude if foreseen else None
-        met = encounter_at(arm, q, float(run.time[-1]), greatest)
+        met = encounter_at(moved, q, float(run.time[-1]), greatest)
         findings["singularity"] = met.as_json()
         findings["stop_reason"] = (
             f"the {name} became {met.describe()}: {_advice(met, disturbed=disturbed)}"
@@ -149,6 +155,6 @@ def _advice(met: Encounter, *, disturbed: bool) -> str:
     return f"choose {amplitude}, a higher frequency, another posture or `inverse='damped'`"
 
 
-def _is_singular(arm: Arm, q: Sequence[float]) -> bool:
-    sigma = np.linalg.svd(arm.jacobian(q), compute_uv=False)
+def _is_singular(moved: Movable, q: Sequence[float]) -> bool:
+    sigma = np.linalg.svd(moved.jacobian_in_lengths(q), compute_uv=False)
     return bool(sigma[-1] <= SINGULAR * sigma[0])

@@ -10,14 +10,12 @@ from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.kinematics.arms import arm_of
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import foot_pose, jacobian
-from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
-from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
+from drake_leg.kinematics.movable import Movable, smallest_singular_value
+from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.rotation import rotation_matrices
-from drake_leg.kinematics.task import Task
 from drake_leg.quantities import joint_entries
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
@@ -73,8 +71,8 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
     """
     options.refuse_ignored()
     config = straight_config(robot, options)
-    arm, lag = arm_of(robot, config.task), config.filter_time_constant
-    outcome = compared(config, options, follow(config, build, arm, options, progress, lag=lag))
+    followed = follow(config, build, options, progress, lag=config.filter_time_constant)
+    outcome = compared(config, options, followed)
     exceeded = {"limits_exceeded": _exceeded_limits(robot, outcome.recording)}
     return replace(outcome, summary={**outcome.summary, **exceeded})
 
@@ -92,19 +90,19 @@ def robot_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, Star
 
 def compared(config: HexabotLegConfig, options: StepOptions, followed: Followed) -> Outcome:
     """Compare what the foot did with its command."""
-    robot, motion, run, task = config.robot, config.motion, followed.run, config.task
+    robot, moved, motion, run = config.robot, config.movable, config.motion, followed.run
     X_BF = foot_pose(robot.rows, config.q0)
     start = X_BF[:3, 3]
-    J = task.twists.T @ jacobian(robot.rows, run.scopes["joint positions"])
-    sigma_min = smallest_singular_value(np.array(task.row_lengths)[:, np.newaxis] * J)
+    J = moved.twists.T @ jacobian(robot.rows, run.scopes["joint positions"])
+    sigma_min = smallest_singular_value(np.array(moved.row_lengths)[:, np.newaxis] * J)
     det_j = run.scopes["singularity check"][:, 0]
-    name, unit = _determinant(robot, task)
+    name, unit = _determinant(robot, moved)
     columns = tip_columns(robot, run)
     columns |= {f"{name}[{unit}]" if unit else name: det_j, "sigma_min[m]": sigma_min}
     end = start + motion.displacement(run.time)
     findings = {
         **joint_entries("q0", config.q0, [s.row.joint == "prismatic" for s in robot.moving]),
-        "task": "pose" if task.keeps_orientation else "position",
+        "task": "pose" if moved.keeps_orientation else "position",
         "direction": list(motion.direction),
         **control_findings(config.control, robot),
         **tip_findings(run, start, motion, config.disturbance),
@@ -113,7 +111,7 @@ def compared(config: HexabotLegConfig, options: StepOptions, followed: Followed)
         f"{name}_min_{unit}".replace("^", "").rstrip("_"): float(det_j.min()),
         f"{name}_max_{unit}".replace("^", "").rstrip("_"): float(det_j.max()),
     }
-    if task.keeps_orientation:
+    if moved.keeps_orientation:
         findings["max_rotation_error_rad"] = _greatest_turn(X_BF[:3, :3], run.scopes["Q"])
     if config.filter_time_constant is not None:
         behind = run.scopes["foot positions"][-1] - end[-1]
@@ -158,11 +156,11 @@ def _unit_of(what: str, *, slides: bool) -> tuple[float, str]:
     return (1.0, "m/s") if slides else (math.degrees(1.0), "deg/s")
 
 
-def _determinant(robot: Robot, task: Task) -> tuple[str, str]:
+def _determinant(robot: Robot, moved: Movable) -> tuple[str, str]:
     """Name what the singularity check records, and its unit: none where a redundant one mixes."""
     sliding = sum(segment.row.joint == "prismatic" for segment in robot.moving)
-    power = int(np.linalg.matrix_rank(task.twists[3:])) - sliding
-    if not task.is_redundant:
+    power = int(np.linalg.matrix_rank(moved.twists[3:])) - sliding
+    if not moved.is_redundant:
         return "det_j", f"m^{power}"
     return "manipulability", "" if sliding else f"m^{power}"
 
@@ -176,6 +174,7 @@ def _greatest_turn(R_BF: Array, quaternions: Array) -> float:
 
 def _exact_angles(config: HexabotLegConfig, feet: Array) -> Array | None:
     """Return the closed form's joint angles; there is none for a robot from a file."""
-    if not is_hexabot_leg(config.robot):
+    geometry = geometry_of(config.robot)
+    if not isinstance(geometry, LegGeometry):
         return None
-    return inverse_kinematics(LegGeometry.from_robot(config.robot), feet, like=config.q0)
+    return inverse_kinematics(geometry, feet, like=config.q0)

@@ -7,8 +7,7 @@ from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.diagrams.scara import ScaraConfig, build
-from drake_leg.kinematics.arms import ScaraArm
-from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.kinematics.scara import inverse_kinematics, task_jacobian, tool_position
 from drake_leg.quantities import joint_entries
 from drake_leg.recording import Recording
@@ -48,8 +47,7 @@ def run(options: ScaraOptions, progress: Progress | None = None) -> Outcome:
     """
     options.refuse_ignored()
     config = scara_config(options)
-    arm = ScaraArm(config.geometry, config.lift)
-    return _compared(config, options, follow(config, build, arm, options, progress))
+    return _compared(config, options, follow(config, build, options, progress))
 
 
 def diagram(options: ScaraOptions) -> tuple[Diagram, Start]:

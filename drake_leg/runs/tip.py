@@ -17,7 +17,6 @@ from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.integrator import ROW_INTERVAL, IntegratorSettings
-from drake_leg.kinematics.arms import ChainArm, ClosedArm
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.kinematics.khalil import jacobian
@@ -54,7 +53,6 @@ class Followed(NamedTuple):
 def follow(
     config: Config,
     build: Callable[[Config], Diagram],
-    arm: ClosedArm | ChainArm,
     options: StepOptions,
     progress: Progress | None,
     *,
@@ -79,9 +77,9 @@ def follow(
     control, disturbance, name = config.control, config.disturbance, config.robot.name
     settings = options.integrator_settings(longest_step(config.motion, control, disturbance, lag))
     forecast = foresee(
-        arm, config.motion, control, config.q0, options.duration, lagging=lag is not None
+        config.movable, config.motion, control, config.q0, options.duration, lagging=lag is not None
     )
-    require_passable(name, arm, control, config.q0, None if options.force else forecast)
+    require_passable(name, config.movable, control, config.q0, None if options.force else forecast)
     run = simulate(
         build(config),
         start=start_on_motion,
@@ -89,7 +87,7 @@ def follow(
         settings=settings,
         progress=progress,
     )
-    met = singularity_findings(arm, run, forecast, name, disturbed=disturbance.acts)
+    met = singularity_findings(config.movable, run, forecast, name, disturbed=disturbance.acts)
     return Followed(run, settings, met)
 
 

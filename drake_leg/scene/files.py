@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from drake_leg.files import check_file
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.views import VIEWS, View
-from drake_leg.text_file import check_file
 
 PAGE, VIDEOS = (".html",), (".mp4", ".gif")
 

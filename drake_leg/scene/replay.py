@@ -10,12 +10,12 @@ from string import Template
 from typing import Any
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.files import write_text
 from drake_leg.kinematics.batches import Array
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS, View
 from drake_leg.scene.web_page import Sheet, page_text, pose_rows, stage_data, web_page
-from drake_leg.text_file import write_text
 
 RATE = 30.0  # poses a second, at least; the page interpolates between them
 LONGEST = 600.0  # [s]

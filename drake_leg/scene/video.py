@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.files import whole_file
 from drake_leg.imports import require_import, require_pillow
 from drake_leg.scene.motion import Motion
 from drake_leg.scene.rendering import require_rendering
 from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS, View
-from drake_leg.text_file import whole_file
 
 Image = NDArray[np.uint8]
 Progress = Callable[[float], None]

@@ -15,6 +15,7 @@ from pydrake.systems.framework import Context, Diagram, EventStatus
 from pydrake.systems.primitives import VectorLogSink
 
 from drake_leg.diagrams.disturbance import is_disturbed
+from drake_leg.diagrams.mechanism import MOTION, start_on_motion
 from drake_leg.errors import (
     DrakeLegError,
     InvalidValueError,
@@ -24,6 +25,7 @@ from drake_leg.errors import (
     StepBudgetError,
     UnstableRunError,
 )
+from drake_leg.html_table import html_table
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.quantities import beyond, require_positive
@@ -55,6 +57,16 @@ class Run:
     wall_time: float  # [s], of AdvanceTo
     stopped_by: DrakeLegError | None = None  # where one of this package's errors was the reason
 
+    def _repr_html_(self) -> str:
+        rows = []
+        for name, values in self.scopes.items():
+            first, last = (", ".join(f"{value:.4g}" for value in values[i]) for i in (0, -1))
+            rows.append((name, values.shape[1], first, last))
+        title = f"Simulated {self.time[-1]:.4g} s in {len(self.time)} rows"
+        if self.stop_reason:
+            title += f"; stopped: {self.stop_reason}"
+        return html_table(("scope", "size", "first", "last"), rows, title=title)
+
     @property
     def real_time_factor(self) -> float:
         """Simulated time over the wall time of ``AdvanceTo``."""
@@ -64,8 +76,8 @@ class Run:
 def simulate(
     diagram: Diagram,
     *,
-    start: Start,
     duration: float,
+    start: Start | None = None,
     settings: IntegratorSettings | None = None,
     longest_step: LongestStep | None = None,
     progress: Progress | None = None,
@@ -80,10 +92,11 @@ def simulate(
     ----------
     diagram : Diagram
         With per-step logs as scopes.
-    start : callable
-        ``start(diagram, context)`` sets the initial state.
     duration : float
-        [s].
+        Simulated time [s].
+    start : callable, optional
+        ``start(diagram, context)`` sets the initial state. By default the joints start on their
+        prescribed motion, or, where no motion drives them, at the diagram's default state.
     settings : IntegratorSettings, optional
         Runge-Kutta of order 5 at steps of 40 ms by default.
     longest_step : callable, optional
@@ -104,6 +117,16 @@ def simulate(
         the initial state.
     SingularConfigurationError, JointLimitError
         If the robot is singular, or outside its joint limits, at the start.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, PendulumConfig, build_pendulum, simulate
+    >>> diagram = build_pendulum(PendulumConfig(robot=PENDULUM, q0=0.0))
+    >>> result = simulate(diagram, duration=0.5)
+    >>> result.stopped_at is None, result.time[-1]
+    (True, np.float64(0.5))
+    >>> sorted(result.scopes)
+    ['acceleration', 'energy', 'q', 'w']
     """
     settings = settings or IntegratorSettings()
     require_positive("the duration", duration, "s")
@@ -123,7 +146,7 @@ def simulate(
     else:
         integrator.set_target_accuracy(settings.accuracy)
         context.DisableCaching()
-    _start(start, diagram, context)
+    _start(start or _default_start(diagram), diagram, context)
 
     guard = Guard(diagram, context, settings.max_step)
     limits = _Limits(diagram)
@@ -174,6 +197,13 @@ def simulate(
         wall_time=wall_time,
         stopped_by=cause,
     )
+
+
+def _default_start(diagram: Diagram) -> Start:
+    """Return how a diagram starts when nobody says it."""
+    if diagram.HasSubsystemNamed(MOTION):
+        return start_on_motion
+    return lambda _diagram, _context: None
 
 
 def _start(start: Start, diagram: Diagram, context: Context) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from types import TracebackType
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
-from drake_leg.reading import read_bytes
+from drake_leg.files import read_bytes
 
 LARGEST_FILE = 64 << 20  # bytes, packed
 LARGEST_DIRECTORY = 4 << 20  # bytes of the list of parts

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.catalogue import known_parameters
+from drake_leg.simulink.catalogue.blocks import known_parameters
 from drake_leg.simulink.diagram import DrawnBlock
 from drake_leg.simulink.evaluation import evaluate, require_finite
 from drake_leg.simulink.model import Value

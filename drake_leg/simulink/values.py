@@ -59,3 +59,8 @@ def senseless(block: Block, name: str, why: str) -> InvalidValueError:
         f"the block {block.name!r} (SID {block.sid}) has {name} "
         f"{block.parameters.get(name)!r}; {why}"
     )
+
+
+def is_on(block: Block, switch: str) -> bool:
+    """Tell whether a switch of a block is on."""
+    return block.parameters.get(switch) == "on"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,12 +10,12 @@ from numpy.typing import ArrayLike
 
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.foot_task import foot_task, motion_in_words, turns_on_its_way
-from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.of_robot import movable
 from drake_leg.quantities import beyond
 from drake_leg.robot import Robot
+from drake_leg.singularity.directions import motion_in_words
+from drake_leg.singularity.families import singular_words
 
 State = Literal["free", "near", "slowed", "stopped"]
 
@@ -33,31 +31,13 @@ class Drive:
     """A robot to be driven, and how near it may come to a singularity."""
 
     robot: Robot
-    task: Task
-    keep: str | None = None  # as foot_task takes it
+    moved: Movable
     rate: float = GREATEST_RATE
 
     @property
     def length(self) -> float:
         """Sum of all lengths in the table [m]."""
-        return self.task.length
-
-    @property
-    def wanders(self) -> bool:
-        """Whether what the foot can do changes from posture to posture."""
-        return turns_on_its_way(self.robot, self.task)
-
-    def task_at(self, q: ArrayLike) -> Task:
-        """What of the foot is commanded in a posture.
-
-        Parameters
-        ----------
-        q : (n,) array_like
-            Joint positions [rad or m].
-        """
-        if not self.wanders:
-            return self.task
-        return foot_task(self.robot, np.asarray(q).tolist(), self.keep)
+        return self.moved.length
 
     @property
     def stop(self) -> float:
@@ -82,7 +62,8 @@ class Drive:
         float
             [m].
         """
-        return self.task_at(q).sigma_min(np.asarray(q).tolist())
+        posture = np.asarray(q).tolist()
+        return self.moved.at(posture).sigma_min(posture)
 
     def room(self, sigma_min: float) -> float:
         """Share of a way towards the singularity that the guard lets go.
@@ -112,8 +93,7 @@ class Drive:
         p_BF : (3,) ndarray
             In the base frame [m].
         """
-        foot: Array = foot_pose(self.robot.rows, q)[:3, 3]
-        return foot
+        return self.moved.foot(np.asarray(q).tolist())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +116,7 @@ def drive_of(robot: Robot, keep: str | None = None) -> Drive:
     robot : Robot
         Any whose foot its joints move.
     keep : {"position", "pose"}, optional
-        Whether the foot may turn, as ``foot_task`` takes it.
+        Whether the foot may turn, as ``movable`` takes it.
 
     Returns
     -------
@@ -148,7 +128,7 @@ def drive_of(robot: Robot, keep: str | None = None) -> Drive:
     InvalidValueError
         If the robot cannot do that.
     """
-    return Drive(robot=robot, task=foot_task(robot, keep=keep), keep=keep)
+    return Drive(robot=robot, moved=movable(robot, keep=keep))
 
 
 def at_rest(drive: Drive, q: ArrayLike) -> Step:
@@ -198,55 +178,56 @@ def control_step(drive: Drive, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
     posture, velocity = one_vector("q", q, len(drive.robot.moving)), one_vector("v", v, 3)
     if not velocity.any() or dt <= 0.0:
         return _rest(drive, posture)
-    if float(np.linalg.norm(drive.task_at(posture).command(velocity))) < 1e-9:
-        sentence = f"the foot {motion_in_words(drive.task_at(posture))}; drive it another way"
+    here = drive.moved.at(posture.tolist())
+    if float(np.linalg.norm(here.command(velocity))) < 1e-9:
+        sentence = f"the foot {motion_in_words(here)}; drive it another way"
         return _described(drive, posture, 0.0, "stopped", sentence)
     left, gone, obstacle = dt, 0.0, ""
     while left > 1e-12 * dt:
         try:
-            task = drive.task_at(posture)
-            command = task.command(velocity)
-            peak = float(np.abs(task.rates(posture.tolist(), command.tolist())).max())
+            robot = drive.moved.at(posture.tolist())
+            command = robot.command(velocity)
+            peak = float(np.abs(robot.rates(posture.tolist(), command.tolist())).max())
             span = min(left, LARGEST_TURN / min(peak, drive.rate) if peak > 0.0 else left)
-            moved, share, here = _substep(drive, task, posture, command, span, peak)
+            moved, share, reason = _substep(drive, robot, posture, command, span, peak)
         except SingularConfigurationError:
-            obstacle = singular_words(drive, posture)
+            obstacle = singular_words(drive.moved.geometry, posture)
             break
         posture, gone, left = moved, gone + share * span, left - span
-        obstacle = here or obstacle
+        obstacle = reason or obstacle
         if share == 0.0:
             break
     return _step(drive, posture, gone / dt, obstacle)
 
 
 def _substep(
-    drive: Drive, task: Task, q: Array, v: Array, span: float, peak: float
+    drive: Drive, robot: Movable, q: Array, v: Array, span: float, peak: float
 ) -> tuple[Array, float, str]:
     """Return the posture after a short time, the share of v that acted, and what was in the way."""
     share, obstacle = 1.0, ""
     if peak > drive.rate:
         share, obstacle = drive.rate / peak, "a joint is at its greatest speed"
     before = drive.sigma_min(q)
-    moved = _advance(task.rates, q, share * v, span)
-    if drive.sigma_min(moved) < before or _crossed(task, q, moved):
+    moved = _advance(robot, q, share * v, span)
+    if drive.sigma_min(moved) < before or _crossed(robot, q, moved):
         room = drive.room(before)
         if room < 1.0:
-            share, obstacle = share * max(room, 0.0), singular_words(drive, q)
-            moved = _advance(task.rates, q, share * v, span)
-        if drive.sigma_min(moved) < min(drive.stop, before) or _crossed(task, q, moved):
-            return q, 0.0, singular_words(drive, q)
+            share, obstacle = share * max(room, 0.0), singular_words(drive.moved.geometry, q)
+            moved = _advance(robot, q, share * v, span)
+        if drive.sigma_min(moved) < min(drive.stop, before) or _crossed(robot, q, moved):
+            return q, 0.0, singular_words(drive.moved.geometry, q)
     stopped = _joint_beyond(drive.robot, q, moved)
     if stopped:
         return q, 0.0, f"the joint {stopped} is at its limit"
     return moved, share, obstacle
 
 
-def _advance(rates: Callable[..., object], q: Array, v: Array, span: float) -> Array:
+def _advance(robot: Movable, q: Array, v: Array, span: float) -> Array:
     """Integrate the joint rates by Runge and Kutta's fourth-order step."""
     command = v.tolist()
 
     def slope(posture: Array) -> Array:
-        return np.asarray(rates(posture.tolist(), command), dtype=np.float64)
+        return np.asarray(robot.rates(posture.tolist(), command), dtype=np.float64)
 
     a = slope(q)
     b = slope(q + span / 2.0 * a)
@@ -255,9 +236,9 @@ def _advance(rates: Callable[..., object], q: Array, v: Array, span: float) -> A
     return np.asarray(q + span / 6.0 * (a + 2.0 * b + 2.0 * c + d))
 
 
-def _crossed(task: Task, q: Array, moved: Array) -> bool:
+def _crossed(robot: Movable, q: Array, moved: Array) -> bool:
     """Tell whether a singularity lies between two postures."""
-    determinant = task.determinant
+    determinant = robot.determinant
     return determinant(q.tolist()) * determinant(moved.tolist()) <= 0.0
 
 
@@ -268,31 +249,6 @@ def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
         if outside * (then - now) > 0.0:
             return segment.joint
     return None
-
-
-def singular_words(drive: Drive, q: ArrayLike, nearly: str = "nearly ") -> str:
-    """Say which singularity is near.
-
-    Parameters
-    ----------
-    q : (n,) array_like
-        Joint positions [rad or m].
-    nearly : str
-        Put before what it is; empty at the singularity itself.
-
-    Returns
-    -------
-    str
-        Such as "the leg is nearly stretched".
-    """
-    q = np.asarray(q)
-    if not is_hexabot_leg(drive.robot):
-        return f"the robot is {nearly}singular"
-    leg = LegGeometry.from_robot(drive.robot)
-    reach = leg.l1 + leg.l2 * math.cos(q[1]) + leg.l3 * math.cos(q[1] + q[2])
-    if abs(reach) / (leg.l1 + leg.l2 + leg.l3) < abs(math.sin(q[2])) / 2.0:
-        return f"the foot is {nearly}on the hip axis"
-    return f"the leg is {nearly}{'stretched' if math.cos(q[2]) > 0.0 else 'folded'}"
 
 
 def _step(drive: Drive, q: Array, share: float, obstacle: str) -> Step:
@@ -308,7 +264,7 @@ def _step(drive: Drive, q: Array, share: float, obstacle: str) -> Step:
 def _rest(drive: Drive, q: Array) -> Step:
     """Describe a posture at rest by what the guard would do on the way to what is near."""
     room = drive.room(drive.sigma_min(q))
-    near = singular_words(drive, q)
+    near = singular_words(drive.moved.geometry, q)
     if room <= 1.0 - FREE:
         stop = f"{near}: the foot can only be driven away from it"
         return _described(drive, q, None, "stopped", stop)

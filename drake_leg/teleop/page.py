@@ -10,7 +10,6 @@ import numpy as np
 
 from drake_leg.colours import BLUE, GREEN, ORANGE, VERMILLION, rgb
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.foot_task import motion_in_words
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.robot import Robot
 from drake_leg.scene.live.page import AXES, Entry, key_line, live_sheet
@@ -19,6 +18,7 @@ from drake_leg.scene.motion import Motion, still
 from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.views import VIEWS
 from drake_leg.scene.web_page import drake_path, page_text, web_page
+from drake_leg.singularity.directions import motion_in_words
 from drake_leg.teleop.control import Drive
 from drake_leg.teleop.desk import FASTEST
 from drake_leg.teleop.region import section_circles, section_triangles
@@ -126,20 +126,20 @@ def _legend(leg: LegGeometry | None) -> str:
 
 def _note(drive: Drive) -> str:
     """Say what of a command acts."""
-    if drive.wanders:
+    if drive.moved.varies:
         return "The foot goes along a curve or a surface: what of a command lies in it acts."
     said = []
-    if np.linalg.matrix_rank(drive.task.twists[3:]) < 3:
-        said.append(f"The foot {motion_in_words(drive.task)}: what of a command lies there acts.")
-    if drive.task.keeps_orientation:
+    if np.linalg.matrix_rank(drive.moved.twists[3:]) < 3:
+        said.append(f"The foot {motion_in_words(drive.moved)}: what of a command lies there acts.")
+    if drive.moved.keeps_orientation:
         said.append("It does not turn.")
     return " ".join(said)
 
 
 def _movable(drive: Drive) -> list[bool]:
     """Tell of x, y, z along which of them the foot can be driven."""
-    moved = np.linalg.norm(drive.task.twists[3:], axis=1) > 1e-6
-    return [True] * 3 if drive.wanders else moved.tolist()
+    moved = np.linalg.norm(drive.moved.twists[3:], axis=1) > 1e-6
+    return [True] * 3 if drive.moved.varies else moved.tolist()
 
 
 def _data(drive: Drive, scene: Scene) -> dict[str, Any]:

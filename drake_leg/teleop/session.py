@@ -51,7 +51,7 @@ def drive_robot(
     say : callable
         Called with each new sentence of the guard, also when it lets the foot go.
     keep : {"position", "pose"}, optional
-        Whether the foot may turn, as ``foot_task`` takes it.
+        Whether the foot may turn, as ``movable`` takes it.
     once : bool
         Whether to end after one step.
     wait, clock : callable

@@ -89,7 +89,7 @@ def test_what_is_not_derived_in_time_is_said(capsys, monkeypatch):
         while True:
             time.sleep(0.001)
 
-    monkeypatch.setattr("drake_leg.symbolic.own_table.tidy", for_ever)
+    monkeypatch.setattr("drake_leg.symbolic.derivation.tidy", for_ever)
     assert main(["derive", DESK, "--budget", "1"]) == 3
     printed = capsys.readouterr()
     assert "frame 4 in frame 3" in printed.out

@@ -10,7 +10,7 @@ import pytest
 from drake_leg.cli import main, run
 from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.run_options import kind_of
-from drake_leg.output import LIST, ResultsFolder
+from drake_leg.files import LIST, ResultsFolder
 from drake_leg.recording import read_csv
 from drake_leg.robot_file import robot_toml
 from drake_leg.robots import hexabot_leg

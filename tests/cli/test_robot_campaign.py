@@ -195,8 +195,8 @@ def teleop(subject):
         return
     before, after = (subject.witness.foot(one.q)[:3, 3] for one in (start, step))
     np.testing.assert_allclose(step.foot, after, atol=1e-9 * subject.size)
-    if step.share is not None and step.state == "free" and not drive.wanders:
-        wanted = drive.task.twists[3:] @ drive.task.command(velocity)
+    if step.share is not None and step.state == "free" and not drive.moved.varies:
+        wanted = drive.moved.twists[3:] @ drive.moved.command(velocity)
         np.testing.assert_allclose(after - before, wanted * dt, atol=1e-4 * dt)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics import khalil, leg, leg_inverse, scara
+from drake_leg.kinematics import khalil, leg, scara
 from drake_leg.kinematics.batches import BLOCK, assemble, finite_vectors, in_blocks, split
 from drake_leg.robots import LEG_A, SCARA
 
@@ -24,7 +24,7 @@ OF_ANGLES = {
     "tool Jacobian": (lambda q: scara.task_jacobian(ARM, q), 3, (3, 3)),
     "tool determinant": (lambda q: scara.determinant(ARM, q), 3, ()),
     "tool bias": (lambda q: scara.jacobian_rate_bias(ARM, q, q[..., ::-1]), 3, (3,)),
-    "leg branches": (lambda p: leg_inverse.branch_angles(LEG, p / 20), 3, (4, 3)),
+    "leg branches": (lambda p: leg.branch_angles(LEG, p / 20), 3, (4, 3)),
     "tool branches": (lambda p: scara.branch_angles(ARM, p / 10), 3, (2, 3)),
     "chain": (lambda q: khalil.base_transforms(LEG_A.rows, q), 3, (4, 4, 4)),
     "chain foot": (lambda q: khalil.foot_pose(SCARA.rows, q), 4, (4, 4)),

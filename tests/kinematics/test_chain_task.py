@@ -5,9 +5,9 @@ import pytest
 from chains import PLANAR_2, POSTURES, PUMA, SEVEN, SIX
 
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.foot_task import foot_task
-from drake_leg.kinematics.inverse import Inverse
 from drake_leg.kinematics.khalil import jacobian
+from drake_leg.kinematics.of_robot import movable
+from drake_leg.singularity.inverse import Inverse
 
 TASKS = [
     (robot, q, keep)
@@ -20,7 +20,7 @@ IDS = [f"{robot.name} {keep}" for robot, _, keep in TASKS]
 
 @pytest.mark.parametrize(("robot", "q", "keep"), TASKS, ids=IDS)
 def test_rates_are_the_least_that_move_the_foot_as_told(rng, robot, q, keep):
-    task = foot_task(robot, q.tolist(), keep)
+    task = movable(robot, q.tolist(), keep)
     J = task.twists.T @ jacobian(robot.rows, q)
     np.testing.assert_allclose(task.jacobian(q.tolist()), J, rtol=0, atol=1e-14)
     v = rng.normal(size=task.size)
@@ -31,7 +31,7 @@ def test_rates_are_the_least_that_move_the_foot_as_told(rng, robot, q, keep):
 
 @pytest.mark.parametrize(("robot", "q", "keep"), TASKS, ids=IDS)
 def test_accelerations_are_the_derivative_of_rates(rng, robot, q, keep, derivative):
-    task = foot_task(robot, q.tolist(), keep)
+    task = movable(robot, q.tolist(), keep)
     v, a = 0.1 * rng.normal(size=(2, task.size))
     qdot = np.array(task.rates(q.tolist(), v.tolist()))
     qddot = np.array(task.accelerations(q.tolist(), qdot.tolist(), a.tolist()))
@@ -45,7 +45,7 @@ def test_accelerations_are_the_derivative_of_rates(rng, robot, q, keep, derivati
 
 @pytest.mark.parametrize("keep", ["position", "pose"])
 def test_joints_that_move_otherwise_than_commanded_count(rng, keep, derivative):
-    task = foot_task(PUMA, SIX.tolist(), keep)
+    task = movable(PUMA, SIX.tolist(), keep)
     v, w = 0.1 * rng.normal(size=task.size), rng.normal(size=6)
     qdot, rest = task.rates(SIX.tolist(), v.tolist()), [0.0] * task.size
     qddot = task.accelerations(SIX.tolist(), qdot, rest, v.tolist(), w.tolist())
@@ -56,7 +56,7 @@ def test_joints_that_move_otherwise_than_commanded_count(rng, keep, derivative):
 def test_the_determinant_of_a_redundant_task_is_yoshikawas():
     q = POSTURES["seven"][1].tolist()
     for keep in ("position", "pose"):
-        task = foot_task(SEVEN, q, keep)
+        task = movable(SEVEN, q, keep)
         J = task.jacobian(q)
         assert task.determinant(q) == pytest.approx(np.sqrt(np.linalg.det(J @ J.T)), rel=1e-12)
         assert 0.0 < task.determinant(q) / task.determinant_scale < 1.5
@@ -71,7 +71,7 @@ def test_the_determinant_of_a_redundant_task_is_yoshikawas():
     ],
 )
 def test_where_the_task_has_no_rates_it_says_so(robot, q, keep):
-    task = foot_task(robot, q, keep)
+    task = movable(robot, q, keep)
     assert task.sigma_min(q) < 1e-9
     with pytest.raises(SingularConfigurationError) as refusal:
         task.rates(q, [0.1] * task.size)
@@ -80,7 +80,7 @@ def test_where_the_task_has_no_rates_it_says_so(robot, q, keep):
 
 def test_a_wrist_that_cannot_turn_the_tool_can_still_move_it():
     q = [0.1, 0.2, 0.3, 0.4, 0.0, 0.5]
-    task = foot_task(PUMA, q, "position")
+    task = movable(PUMA, q, "position")
     v = np.array([0.1, 0.2, 0.3])
     np.testing.assert_allclose(jacobian(PUMA.rows, q)[3:] @ task.rates(q, v.tolist()), v)
 
@@ -89,7 +89,7 @@ def test_a_wrist_that_cannot_turn_the_tool_can_still_move_it():
 @pytest.mark.parametrize("keep", ["position", "pose"])
 def test_far_from_singularities_every_inverse_is_the_least(rng, method, keep):
     robot, q = POSTURES["seven"]
-    exact = foot_task(robot, q.tolist(), keep)
+    exact = movable(robot, q.tolist(), keep)
     task = Inverse(method=method).of(exact, robot.moving)
     v = (0.02 * rng.normal(size=exact.size)).tolist()
     np.testing.assert_allclose(
@@ -99,7 +99,7 @@ def test_far_from_singularities_every_inverse_is_the_least(rng, method, keep):
 
 def test_the_least_rates_within_limits_move_the_foot_where_they_can(rng):
     robot, q = POSTURES["seven"]
-    exact = foot_task(robot, q.tolist(), "position")
+    exact = movable(robot, q.tolist(), "position")
     free = np.array(exact.rates(q.tolist(), [0.1, 0.1, 0.1]))
     most = 0.9 * float(np.abs(free).max())
     task = Inverse(method="limited", rate_limit=most).of(exact, robot.moving)
@@ -110,7 +110,7 @@ def test_the_least_rates_within_limits_move_the_foot_where_they_can(rng):
 
 def test_damped_rates_pass_through_a_singularity(rng):
     q = np.array([0.1, 0.2, 0.3, 0.4, 0.0, 0.5])
-    exact = foot_task(PUMA, q.tolist(), "pose")
+    exact = movable(PUMA, q.tolist(), "pose")
     task = Inverse(method="damped").of(exact, PUMA.moving)
     rates = [
         task.rates([*q[:4], angle, q[5]], [0, 0, 0, 0.1, 0, 0]) for angle in (-1e-6, 0.0, 1e-6)

@@ -7,20 +7,20 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.damped import damped_task
-from drake_leg.kinematics.inverse import Inverse
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, leg_task
-from drake_leg.kinematics.rate_box import HEADROOM, MARGIN, RateBox
-from drake_leg.kinematics.scara import ScaraGeometry, scara_task, task_jacobian
+from drake_leg.kinematics.leg import LegGeometry, MovableLeg, foot_jacobian
+from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, task_jacobian
 from drake_leg.robots import LEG_B, SCARA
+from drake_leg.singularity.damped import Damped
+from drake_leg.singularity.inverse import Inverse
+from drake_leg.singularity.limits import HEADROOM, MARGIN, RateBox
 
 LEG = LegGeometry.from_robot(LEG_B)
-EXACT = leg_task(LEG)
+EXACT = MovableLeg(LEG)
 BELOW = 0.0075
 
 
 def test_away_from_singularities_the_rates_are_the_exact_ones(rng):
-    damped = damped_task(EXACT, BELOW)
+    damped = Damped(EXACT, BELOW)
     for q in rng.uniform(-np.pi, np.pi, (200, 3)):
         v, a = rng.normal(size=3).tolist(), rng.normal(size=3).tolist()
         if np.linalg.svd(foot_jacobian(LEG, q), compute_uv=False)[-1] < BELOW:
@@ -32,9 +32,9 @@ def test_away_from_singularities_the_rates_are_the_exact_ones(rng):
         )
 
 
-@pytest.mark.parametrize("task", [EXACT, scara_task(ScaraGeometry.from_robot(SCARA))])
+@pytest.mark.parametrize("task", [EXACT, MovableScara(ScaraGeometry.from_robot(SCARA))])
 def test_rates_are_bounded_everywhere_and_singularities_too(rng, task):
-    damped = damped_task(task, BELOW)
+    damped = Damped(task, BELOW)
     lengths = np.array(task.row_lengths)
     for q in rng.uniform(-np.pi, np.pi, (300, 3)):
         for angle in (0.0, 1e-9, 1e-3, 0.03):
@@ -48,7 +48,7 @@ def test_rates_are_bounded_everywhere_and_singularities_too(rng, task):
 
 
 def test_rates_are_continuous_where_damping_begins():
-    damped = damped_task(EXACT, BELOW)
+    damped = Damped(EXACT, BELOW)
 
     def sigma(q3):
         return np.linalg.svd(foot_jacobian(LEG, [0.2, -0.7, q3]), compute_uv=False)[-1] - BELOW
@@ -65,7 +65,7 @@ def test_rates_are_continuous_where_damping_begins():
 
 @pytest.mark.parametrize("q3", [-0.15, -0.05, -0.01])
 def test_accelerations_are_the_derivative_of_the_rates_along_the_motion(q3, derivative):
-    damped = damped_task(EXACT, BELOW)
+    damped = Damped(EXACT, BELOW)
     q, v, a = np.array([0.3, -0.6, q3]), np.array([0.08, 0.02, -0.03]), np.array([0.02, 0.1, 0.0])
     w = np.array([0.4, -0.2, 0.3])  # how the joints really move
     qdot = damped.rates(q.tolist(), v.tolist())
@@ -77,7 +77,7 @@ def test_accelerations_are_the_derivative_of_the_rates_along_the_motion(q3, deri
 
 
 def test_a_leg_pushed_against_its_boundary_comes_to_rest_before_it():
-    damped = damped_task(EXACT, BELOW)
+    damped = Damped(EXACT, BELOW)
     q = np.array([0.0, -0.5, -0.05])
     along = np.array([math.cos(0.5), 0.0, -math.sin(0.5)])
     for _ in range(20_000):
@@ -89,7 +89,7 @@ def test_a_leg_pushed_against_its_boundary_comes_to_rest_before_it():
 def test_limited_rates_are_the_least_squares_in_the_box(rng):
     most = 2.0
     box = RateBox([-math.inf] * 3, [math.inf] * 3, [most] * 3, 0.1)
-    limited = damped_task(EXACT, 1e-9, box)
+    limited = Damped(EXACT, 1e-9, box)
     bound = 0
     for q in rng.uniform(-np.pi, np.pi, (40, 3)):
         v = rng.normal(size=3) * 0.3
@@ -109,7 +109,7 @@ def test_limited_rates_are_the_least_squares_in_the_box(rng):
 
 def test_a_limited_joint_comes_to_its_limit_and_does_not_cross_it():
     box = RateBox([-math.inf, -1.0, -math.inf], [math.inf] * 3, [3.0] * 3, 0.1)
-    limited = damped_task(EXACT, BELOW, box)
+    limited = Damped(EXACT, BELOW, box)
     q = np.array([1.5, -0.8, -1.5])
     lowest = q[1]
     for _ in range(1500):
@@ -122,8 +122,8 @@ def test_a_limited_joint_comes_to_its_limit_and_does_not_cross_it():
     ("numbers", "named"),
     [
         ({"method": "pinv"}, "'pinv'"),
-        ({"damped_below": 0.01}, "--inverse damped or limited"),
-        ({"method": "damped", "rate_limit": 1.0}, "--inverse limited"),
+        ({"damped_below": 0.01}, "choose `inverse='damped'` or `'limited'`"),
+        ({"method": "damped", "rate_limit": 1.0}, "choose `inverse='limited'`"),
         ({"method": "damped", "damped_below": 0.0}, "0.0"),
         ({"method": "limited", "rate_limit": math.radians(-10.0)}, "-10.0 deg/s"),
         ({"method": "exact", "rate_limit": math.radians(10.0)}, "is 10 deg/s, which"),
@@ -136,7 +136,7 @@ def test_senseless_numbers_are_refused(numbers, named):
 
 def test_the_scaras_yaw_is_held_while_its_elbow_is_damped():
     arm = ScaraGeometry.from_robot(SCARA)
-    damped = damped_task(scara_task(arm), 0.014)
+    damped = Damped(MovableScara(arm), 0.014)
     q = [0.3, 0.02, -0.2]
     rates = damped.rates(q, [0.1, 0.0, 0.0])
     assert (task_jacobian(arm, q) @ rates)[2] == pytest.approx(0.0, abs=2e-3)

@@ -8,17 +8,19 @@ import pytest
 from chains import PUMA, SEVEN
 from scipy.optimize import brentq
 
-from drake_leg.kinematics.arms import ChainArm, LegArm, ScaraArm, loses_turning, lost_direction
-from drake_leg.kinematics.foot_task import foot_task
-from drake_leg.kinematics.forecast import forecast_path, forecast_step
+from drake_leg.kinematics.chain import MovableChain
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position
+from drake_leg.kinematics.leg import LegGeometry, MovableLeg, determinant, foot_position
 from drake_leg.kinematics.motions import EllipticStep, SineStep
-from drake_leg.kinematics.scara import ScaraGeometry
+from drake_leg.kinematics.movable import TRANSLATION
+from drake_leg.kinematics.of_robot import movable
+from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
 from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.singularity.forecast import forecast_path, forecast_step
+from drake_leg.singularity.rank import loses_turning, lost_direction
 
 LEG = LegGeometry.from_robot(LEG_B)
-ARM = LegArm(LEG)
+ARM = MovableLeg(LEG)
 POSTURE = np.radians([90.0, -50.0, -90.0]).tolist()
 Y0, Z0 = foot_position(LEG, POSTURE)[1:]
 
@@ -88,7 +90,7 @@ def test_passing_close_by_is_told(clearance):
 @pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=["A", "B"])
 def test_what_is_foreseen_is_singular_and_in_time(rng, robot):
     leg = LegGeometry.from_robot(robot)
-    arm, families = LegArm(leg), []
+    arm, families = MovableLeg(leg), []
     for number in range(200):
         q0 = rng.uniform(-np.pi, np.pi, 3)
         p, d = foot_position(leg, q0), rng.normal(size=3)
@@ -102,7 +104,7 @@ def test_what_is_foreseen_is_singular_and_in_time(rng, robot):
         np.testing.assert_allclose(found.foot, p + way * d, atol=1e-13)
         np.testing.assert_allclose(foot_position(leg, found.q), found.foot, atol=1e-8)
         assert abs(determinant(leg, found.q)) < 1e-5 * leg.l2 * leg.l3 * 0.25
-        J = arm.jacobian(found.q)
+        J = arm.jacobian_in_lengths(found.q)
         assert np.linalg.norm(np.array(found.lost_direction) @ J) < 1e-5
         inside = replace(command, amplitude=0.999 * found.greatest_amplitude)
         assert forecast_step(arm, q0.tolist(), inside, 100.0).encounter is None
@@ -110,7 +112,7 @@ def test_what_is_foreseen_is_singular_and_in_time(rng, robot):
 
 
 def test_the_scara_is_stretched_where_its_circle_is_met():
-    arm = ScaraArm(ScaraGeometry.from_robot(SCARA))
+    arm = MovableScara(ScaraGeometry.from_robot(SCARA))
     q0 = np.radians([30.0, 90.0, -120.0]).tolist()
     x, y, _ = arm.foot(q0)
     stroke = math.sqrt(0.460**2 - y**2) - x
@@ -122,7 +124,7 @@ def test_the_scara_is_stretched_where_its_circle_is_met():
 
 
 def test_a_chain_is_followed_numerically_and_says_so():
-    found = met(ChainArm(LEG_B))
+    found = met(MovableChain(LEG_B.rows, TRANSLATION))
     assert found.time == pytest.approx(met().time, abs=1e-6)
     assert found.numerical
     assert found.family is None
@@ -131,11 +133,11 @@ def test_a_chain_is_followed_numerically_and_says_so():
 
 def test_a_wrist_loses_a_turning_and_a_stretched_arm_a_translation():
     wrist, stretched = [0.1, 0.2, 0.3, 0.4, 0.0, 0.5], [0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0]
-    arm = ChainArm(PUMA, foot_task(PUMA, wrist, "pose"))
+    arm = movable(PUMA, wrist, "pose")
     assert loses_turning(arm, wrist)
-    J = arm.jacobian(wrist)
+    J = arm.jacobian_in_lengths(wrist)
     assert np.linalg.norm(np.linalg.svd(J)[0][:, -1] @ J) < 1e-12
-    arm = ChainArm(SEVEN, foot_task(SEVEN, stretched, "position"))
+    arm = movable(SEVEN, stretched, "position")
     assert not loses_turning(arm, stretched)
     along = (math.sin(0.5), 0.0, math.cos(0.5))
     assert lost_direction(arm, stretched) == pytest.approx(along, abs=1e-9)

@@ -23,16 +23,12 @@ from chains import (
 )
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.foot_task import (
-    first_direction,
-    foot_task,
-    freedoms,
-    require_direction,
-    turns_on_its_way,
-)
+from drake_leg.kinematics.chain import freedoms
 from drake_leg.kinematics.khalil import jacobian, jacobian_rate_bias
+from drake_leg.kinematics.of_robot import movable
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.singularity.directions import first_direction, require_direction
 
 
 def with_offset(robot, offset):
@@ -43,7 +39,7 @@ def with_offset(robot, offset):
 
 @pytest.mark.parametrize("robot", [LEG_A, LEG_B, with_offset(LEG_B, 0.02)])
 def test_rates_and_accelerations_move_the_foot_as_told(rng, robot):
-    task = foot_task(robot)
+    task = movable(robot)
     for _ in range(50):
         q, v, a = rng.uniform(0.3, 1.2, 3), rng.normal(size=3), rng.normal(size=3)
         J = jacobian(robot.rows, q)[3:]
@@ -56,7 +52,7 @@ def test_rates_and_accelerations_move_the_foot_as_told(rng, robot):
 
 
 def test_a_table_with_a_vanishing_offset_has_the_closed_forms_rates(rng):
-    near, exact = foot_task(with_offset(LEG_B, 1e-300)), foot_task(LEG_B)
+    near, exact = movable(with_offset(LEG_B, 1e-300)), movable(LEG_B)
     q, v = rng.uniform(0.3, 1.2, 3).tolist(), rng.normal(size=3).tolist()
     np.testing.assert_allclose(near.rates(q, v), exact.rates(q, v), rtol=1e-11)
 
@@ -80,7 +76,7 @@ SPANS = {
 
 @pytest.mark.parametrize(("robot", "twists"), SPANS.values(), ids=SPANS)
 def test_the_foot_keeps_its_orientation_where_the_joints_can(robot, twists):
-    task = foot_task(robot)
+    task = movable(robot)
     if twists is None:  # three translations and a turning about one axis, whichever
         assert task.size == 4
         assert np.linalg.matrix_rank(task.twists[3:]) == 3
@@ -102,13 +98,13 @@ def test_the_foot_keeps_its_orientation_where_the_joints_can(robot, twists):
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_what_a_foot_can_be_told(robot, holds, told, pose, position):
-    task = foot_task(robot)
+    task = movable(robot)
     assert (task.keeps_orientation, task.size) == (holds, told)
     assert [freedom.rank for freedom in freedoms(robot.rows)] == [position, pose]
 
 
 def test_a_tilted_plane_has_directions_of_its_own():
-    task = foot_task(TILTED)
+    task = movable(TILTED)
     normal = np.array([0.0, -np.sin(0.3), np.cos(0.3)])
     np.testing.assert_allclose(normal @ task.twists[3:], 0.0, atol=1e-15)
     assert task.size == 2
@@ -118,8 +114,8 @@ def test_a_tilted_plane_has_directions_of_its_own():
 
 
 def test_what_turns_on_its_way_goes_straight_where_it_can():
-    task = foot_task(CYLINDER, [0.4, 0.1])
-    assert turns_on_its_way(CYLINDER, task)
+    task = movable(CYLINDER, [0.4, 0.1])
+    assert task.varies
     require_direction(CYLINDER, task, [0.4, 0.1], (0.0, 0.0, 1.0))
     assert first_direction(CYLINDER, task, [0.4, 0.1]) == (0.0, 0.0, 1.0)
     tangent = (-np.sin(0.4), np.cos(0.4), 0.0)
@@ -132,17 +128,17 @@ def test_what_turns_on_its_way_goes_straight_where_it_can():
 @pytest.mark.parametrize("robot", [LEG_A, PLANAR_2, FIVE, CYLINDER], ids=lambda robot: robot.name)
 def test_a_pose_that_cannot_be_kept_is_refused(robot):
     with pytest.raises(InvalidValueError, match="choose `task='position'`"):
-        foot_task(robot, keep="pose")
+        movable(robot, keep="pose")
 
 
 def test_a_foot_that_nothing_moves_is_refused():
     with pytest.raises(InvalidValueError, match="no joint of 'spindle' moves its foot"):
-        foot_task(SPINDLE)
+        movable(SPINDLE)
     there_and_back = chain_of([turn(), fixed(d=0.3, theta=np.pi), fixed(d=0.3)])
     with pytest.raises(InvalidValueError, match="no joint of 'chain' moves its foot"):
-        foot_task(there_and_back)  # its lever is what sin(pi) is off zero
+        movable(there_and_back)  # its lever is what sin(pi) is off zero
     with pytest.raises(InvalidValueError, match="q0 has 2 numbers; leg_a has 3 joint positions"):
-        foot_task(LEG_A, [0.0, 1.0])
+        movable(LEG_A, [0.0, 1.0])
 
 
 def test_a_sliding_joint_is_a_joint(rng):
@@ -152,6 +148,6 @@ def test_a_sliding_joint_is_a_joint(rng):
         name="cylindrical",
         segments=(turn, reach, replace(lift, row=Row(joint="prismatic", d=0.24, alpha=np.pi))),
     )
-    task = foot_task(arm)
+    task = movable(arm)
     q, v = [0.2, 0.9, 0.05], rng.normal(size=3)
     np.testing.assert_allclose(jacobian(arm.rows, q)[3:] @ task.rates(q, v.tolist()), v, atol=1e-12)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.kinematics.rate_box import (
+from drake_leg.singularity.limits import (
     BRAKING,
     FASTEST,
     FREE,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.rates import SINGULAR_BELOW, exact_rates, smallest_singular_value
+from drake_leg.kinematics.movable import SINGULAR_BELOW, exact_rates, smallest_singular_value
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 6])

@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position, inverse_kinematics
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.kinematics.scara import determinant as scara_determinant
 from drake_leg.kinematics.scara import inverse_kinematics as scara_inverse
-from drake_leg.kinematics.stroke import (
+from drake_leg.robots import LEG_A, LEG_B, SCARA, hexabot_leg
+from drake_leg.singularity.stroke import (
     greatest_amplitude,
     leg_stroke,
     scara_stroke,
 )
-from drake_leg.robots import LEG_A, LEG_B, SCARA, hexabot_leg
 
 DEFAULT = np.radians([90.0, -50.0, -90.0])
 

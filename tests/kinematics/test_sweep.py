@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from chains import POSTURES, random_chain
 
+from drake_leg.kinematics.chain import foot_jacobian, foot_jacobian_rate, sweep
 from drake_leg.kinematics.khalil import foot_pose, jacobian, jacobian_rate_bias
-from drake_leg.kinematics.sweep import foot_jacobian, foot_jacobian_rate, sweep
 
 
 @pytest.mark.parametrize("joints", range(1, 10))

@@ -5,8 +5,7 @@ import pytest
 from chains import POSTURES, SPINDLE, WHEEL
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
-from drake_leg.kinematics.leg import LegGeometry, foot_position
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.leg import LegGeometry, foot_position, inverse_kinematics
 from drake_leg.robot_file import read_robot
 from drake_leg.robots import LEG_A, LEG_B
 from drake_leg.teleop.control import at_rest, control_step, drive_of
@@ -158,11 +157,11 @@ def test_the_foot_of_any_chain_goes_where_it_is_told_as_far_as_it_can(name, drak
     drive = drive_of(robot)
     v = np.array([0.03, 0.02, -0.01])
     step = driven(drive, q, v, 15)[-1]
-    can = drive.task.twists[3:] @ drive.task.command(v)
+    can = drive.moved.twists[3:] @ drive.moved.command(v)
     before, after = drake_frames(robot, q)[-1], drake_frames(robot, step.q)[-1]
     np.testing.assert_allclose(after[:3, 3] - before[:3, 3], 15 * DT * can, atol=1e-7)
     np.testing.assert_allclose(step.foot, after[:3, 3], atol=1e-12)
-    if drive.task.keeps_orientation:
+    if drive.moved.keeps_orientation:
         np.testing.assert_allclose(after[:3, :3], before[:3, :3], atol=1e-7)
     assert (step.state, step.sentence) == ("free", "")
 

@@ -3,8 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drake_leg.kinematics.leg import LegGeometry, foot_position
-from drake_leg.kinematics.leg_inverse import branch_angles
+from drake_leg.kinematics.leg import LegGeometry, branch_angles, foot_position
 from drake_leg.robots import LEG_A, LEG_B
 from drake_leg.teleop.region import section_circles, section_triangles
 
