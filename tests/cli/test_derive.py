@@ -80,7 +80,7 @@ def test_latex_of_ones_own_is_one_equation_a_line_under_a_comment(capsys):
         "c23 = cos(q2 + q3) and so on; l1 = 0.2 m"
     )
     assert "direct - indirect = 0" in lines
-    assert lines[-2] == "% determinant: none, as no rows of the Jacobian are as many as its columns"
+    assert lines[-2] == "% determinant: none, as no rows of the Jacobian make it square"
     assert all(line.startswith("% ") or "=" in line for line in lines)
 
 
