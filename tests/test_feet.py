@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from chains import PLANAR_2
 
-from drake_leg.check.sampling import random_configurations
-from drake_leg.check.witness import DrakeWitness
 from drake_leg.feet import feet, limits_of, units_of
+from drake_leg.kinematics.configurations import random_configurations
 from drake_leg.kinematics.euler import euler_angles
 from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.models.proof import DrakeWitness
 from drake_leg.robot_file import load_robot
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
 

@@ -28,9 +28,8 @@ def add(commands: Commands) -> None:
 
 
 def _sdf(chosen: argparse.Namespace) -> int:
-    from drake_leg.check.rows import table_of_document
-    from drake_leg.check.sizes import lint_sizes
-    from drake_leg.check.table import lint_table
+    from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
+    from drake_leg.lab.grader.tables import table_of_document
     from drake_leg.models.sdf import sdf_text
     from drake_leg.robot_file import robot_toml
     from drake_leg.text_file import write_text

@@ -116,7 +116,7 @@ def chain_task(rows: tuple[Row, ...], twists: Array) -> Task:
 
 def size_of(rows: Sequence[Row]) -> float:
     """Return the sum of all lengths in a table [m]; 1 m where there are none."""
-    return sum(math.hypot(row.d, row.r) for row in rows) or 1.0
+    return sum(abs(row.d) + abs(row.r) for row in rows) or 1.0
 
 
 @lru_cache(maxsize=16)

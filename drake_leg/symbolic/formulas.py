@@ -176,7 +176,7 @@ class Evaluator:
         self._known: dict[sp.Expr, Any] = {}
 
     def __call__(self, formula: sp.Expr) -> Any:  # noqa: ANN401 - as the values
-        """Evaluate a formula; not finite where it has no value, refused without a symbol's value."""
+        """Evaluate a formula, not finite where it has no value; refuse a symbol without one."""
         with np.errstate(all="ignore"):
             return self._value(formula)
 

@@ -69,9 +69,9 @@ def quoted(text: str, longest: int = 60) -> str:
 
 
 def typed(text: str) -> str:
-    """Write Unicode's signs as those of a keyboard: ``cos²(θ₁) − ½`` as ``cos^{2}(theta_{1})-(1/2)``.
+    """Write Unicode's signs as those of a keyboard, in small letters.
 
-    In small letters; superscripts and subscripts as LaTeX has them.
+    ``cos²(θ₁) − ½`` is ``cos^{2}(theta_{1}) - (1/2)``.
     """
     text = _scripts(text, _SUPERSCRIPTS, "^")
     text = _scripts(text, _SUBSCRIPTS, "_")
@@ -95,9 +95,10 @@ def _fraction_of_sign(found: re.Match[str]) -> str:
 
 
 def without_latex(text: str) -> str:
-    r"""Take LaTeX's commands out of a formula that ``typed`` wrote: ``\frac{\pi}{2}`` is ((pi)/(2)).
+    r"""Take LaTeX's commands out of a formula that ``typed`` wrote.
 
-    Braces, ``^`` and ``_`` stay. A command that means nothing in a formula is refused.
+    ``\frac{\pi}{2}`` is ``((pi)/(2))``; braces, ``^`` and ``_`` stay. A command that means
+    nothing in a formula is refused.
     """
     text = re.sub(r"\$|\\[()\[\]]|\\hspace\*?\{[^{}]*\}", " ", text)
     text = re.sub(r"\\[,;:!> ]|~", " ", text)
@@ -239,7 +240,7 @@ def renamed(text: str, names: dict[str, str]) -> str:
 
 
 def readable(text: str) -> str:
-    r"""Show a printed formula without LaTeX's commands: ``50 \cdot \cos(θ_1)`` as ``50 · cos(θ1)``."""
+    r"""Show a printed formula without LaTeX's commands: ``50 \cdot θ_1`` as ``50 · θ1``."""
     greek = {"θ": "theta", "σ": "sigma", "π": "pi", "φ": "phi", "ω": "omega"}
     for letter, word in greek.items():
         text = re.sub(rf"\\(?:var)?{word}(?![a-z])", letter, text)

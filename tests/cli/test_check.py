@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from drake_leg.check.witness import DrakeWitness
 from drake_leg.cli import main
+from drake_leg.models.proof import DrakeWitness
 
 CHECK = Path(__file__).parents[1] / "check"
 RX90 = str(CHECK / "robots" / "rx90.toml")
