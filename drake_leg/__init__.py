@@ -1,9 +1,227 @@
-"""From a robot's Khalil table to a verified, simulated, shown model, on Drake."""
+"""From a robot's Khalil table to a verified, simulated, shown model, on Drake.
+
+A pendulum, the leg of a six-legged robot and a SCARA arm, or a robot of your own: its Khalil
+(modified Denavit-Hartenberg) table becomes a Drake plant; blocks named as in Simulink move it; and
+every number is compared with its exact value. What follows is all that most people need. Each name
+has its own help with an example: ``help(drake_leg.simulate)``.
+
+A step of the leg, its foot 140 mm forward and back, in ten lines::
+
+    from math import radians
+    from drake_leg import LEG_B, HexabotLegConfig, block_diagram, build_hexabot_leg, simulate
+
+    q0 = (radians(90), radians(-50), radians(-90))  # hip, knee, ankle
+    config = HexabotLegConfig(robot=LEG_B, q0=q0, amplitude=0.070)
+    diagram = build_hexabot_leg(config)  # a Drake Diagram
+    block_diagram(diagram).write("step.svg")  # its picture, as Simulink would draw it
+    result = simulate(diagram, duration=20.0)
+    print(result.scopes["foot positions"][-1])  # [m]
+
+Or the same as a named run, compared with the exact motion: ``run("leg-b").figures["step"]``.
+
+**Robots** (lengths in m, angles in rad)
+
+- ``PENDULUM``, ``LEG_A``, ``LEG_B``, ``SCARA``: the robots of the two reports.
+- ``Robot``: a serial robot as data, one segment for each row of its table.
+- ``load_robot``: a robot from a TOML file.
+- ``build_plant``: a robot as Drake's ``MultibodyPlant``.
+- ``prove``: compare a robot's foot and Jacobian by chain, SymPy, Drake and differences.
+- ``examine_posture``: rank, singularities, room to move and inverse kinematics of a posture.
+- ``derive``: a robot's transforms, Jacobian and singularities in symbols.
+
+**Diagrams** (Drake's, wired as in Simulink; each has a configuration)
+
+- ``build_pendulum``, ``PendulumConfig``: a pendulum let go.
+- ``build_hexabot_leg``, ``HexabotLegConfig``: a straight step of the leg, or of any chain.
+- ``build_ellipse``, ``EllipseConfig``: the leg's foot on an ellipse.
+- ``build_scara``, ``ScaraConfig``: the SCARA's tool on a straight line.
+
+**Blocks**, for diagrams of your own
+
+- ``InverseJacobian``: joint velocities for a commanded velocity of the foot.
+- ``movable``: a robot whose foot can be commanded; what an ``InverseJacobian`` inverts.
+- ``PrescribedMotion``: the torques that make joints follow a motion.
+- ``FrameSensor``: where a frame is and how it moves.
+- ``DriftCorrection``: a commanded velocity, pulled back to where it should have led.
+- ``InputFilter``: a signal smoothed until it has derivatives.
+- ``JointStops``: joint limits that push back.
+- ``EnergySensor``: the mechanical energy of a plant.
+- ``add_scope``: record a signal at every time step.
+
+**Simulation**
+
+- ``simulate``: run a diagram and collect its scopes; stops before a singularity.
+- ``run``: carry out a named run and compare it with its exact motion.
+- ``Recording``: named columns with units, to CSV and back.
+
+**Pictures** (a notebook shows them)
+
+- ``block_diagram``: any Drake diagram as an SVG block diagram.
+- ``frames_drawing``: a robot with its frames, lengths and forces.
+- ``still``: a robot, or any plant, in 3D, as a picture.
+- ``replay``: a recorded motion in 3D, as a page that plays it.
+
+**The two reports**
+
+- ``report``: all their figures, tables and equations on one page.
+- ``errata``: what they print wrongly, what is right, and what the error does.
+
+Names are loaded when they are used, so that ``import drake_leg`` is quick and needs no Drake. In a
+notebook, robots, recordings, results and Drake diagrams show themselves.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydrake.systems.framework import Diagram
+
+    from drake_leg.diagrams.ellipse import EllipseConfig
+    from drake_leg.diagrams.ellipse import build as build_ellipse
+    from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
+    from drake_leg.diagrams.hexabot_leg import build as build_hexabot_leg
+    from drake_leg.diagrams.mechanism import add_scope
+    from drake_leg.diagrams.pendulum import PendulumConfig
+    from drake_leg.diagrams.pendulum import build as build_pendulum
+    from drake_leg.diagrams.scara import ScaraConfig
+    from drake_leg.diagrams.scara import build as build_scara
+    from drake_leg.figures.free_body import free_body as frames_drawing
+    from drake_leg.kinematics.of_robot import movable
+    from drake_leg.lab.shown import errata, report
+    from drake_leg.models.plant import build_plant
+    from drake_leg.models.proof import prove
+    from drake_leg.pictures.block_diagram import block_diagram
+    from drake_leg.recording import Recording
+    from drake_leg.robot import Robot
+    from drake_leg.robot_file.read import load_robot
+    from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+    from drake_leg.runs.named import run
+    from drake_leg.scene.images import still
+    from drake_leg.scene.replay import replay
+    from drake_leg.simulation.run import simulate
+    from drake_leg.singularity.doctor import examine_posture
+    from drake_leg.symbolic.by_robot import derive
+    from drake_leg.systems.drift_correction import DriftCorrection
+    from drake_leg.systems.energy_sensor import EnergySensor
+    from drake_leg.systems.frame_sensor import FrameSensor
+    from drake_leg.systems.input_filter import InputFilter
+    from drake_leg.systems.inverse_jacobian import InverseJacobian
+    from drake_leg.systems.joint_stops import JointStops
+    from drake_leg.systems.prescribed_motion import PrescribedMotion
+
+# Where each name is: its module, and its own name there.
+_HOMES = {
+    "DriftCorrection": ("drake_leg.systems.drift_correction", "DriftCorrection"),
+    "EllipseConfig": ("drake_leg.diagrams.ellipse", "EllipseConfig"),
+    "EnergySensor": ("drake_leg.systems.energy_sensor", "EnergySensor"),
+    "FrameSensor": ("drake_leg.systems.frame_sensor", "FrameSensor"),
+    "HexabotLegConfig": ("drake_leg.diagrams.hexabot_leg", "HexabotLegConfig"),
+    "InputFilter": ("drake_leg.systems.input_filter", "InputFilter"),
+    "InverseJacobian": ("drake_leg.systems.inverse_jacobian", "InverseJacobian"),
+    "JointStops": ("drake_leg.systems.joint_stops", "JointStops"),
+    "LEG_A": ("drake_leg.robots", "LEG_A"),
+    "LEG_B": ("drake_leg.robots", "LEG_B"),
+    "PENDULUM": ("drake_leg.robots", "PENDULUM"),
+    "PendulumConfig": ("drake_leg.diagrams.pendulum", "PendulumConfig"),
+    "PrescribedMotion": ("drake_leg.systems.prescribed_motion", "PrescribedMotion"),
+    "Recording": ("drake_leg.recording", "Recording"),
+    "Robot": ("drake_leg.robot", "Robot"),
+    "SCARA": ("drake_leg.robots", "SCARA"),
+    "ScaraConfig": ("drake_leg.diagrams.scara", "ScaraConfig"),
+    "add_scope": ("drake_leg.diagrams.mechanism", "add_scope"),
+    "block_diagram": ("drake_leg.pictures.block_diagram", "block_diagram"),
+    "build_ellipse": ("drake_leg.diagrams.ellipse", "build"),
+    "build_hexabot_leg": ("drake_leg.diagrams.hexabot_leg", "build"),
+    "build_pendulum": ("drake_leg.diagrams.pendulum", "build"),
+    "build_plant": ("drake_leg.models.plant", "build_plant"),
+    "build_scara": ("drake_leg.diagrams.scara", "build"),
+    "derive": ("drake_leg.symbolic.by_robot", "derive"),
+    "errata": ("drake_leg.lab.shown", "errata"),
+    "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
+    "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
+    "load_robot": ("drake_leg.robot_file.read", "load_robot"),
+    "movable": ("drake_leg.kinematics.of_robot", "movable"),
+    "prove": ("drake_leg.models.proof", "prove"),
+    "replay": ("drake_leg.scene.replay", "replay"),
+    "report": ("drake_leg.lab.shown", "report"),
+    "run": ("drake_leg.runs.named", "run"),
+    "simulate": ("drake_leg.simulation.run", "simulate"),
+    "still": ("drake_leg.scene.images", "still"),
+}
+
+__all__ = [
+    "LEG_A",
+    "LEG_B",
+    "PENDULUM",
+    "SCARA",
+    "DriftCorrection",
+    "EllipseConfig",
+    "EnergySensor",
+    "FrameSensor",
+    "HexabotLegConfig",
+    "InputFilter",
+    "InverseJacobian",
+    "JointStops",
+    "PendulumConfig",
+    "PrescribedMotion",
+    "Recording",
+    "Robot",
+    "ScaraConfig",
+    "add_scope",
+    "block_diagram",
+    "build_ellipse",
+    "build_hexabot_leg",
+    "build_pendulum",
+    "build_plant",
+    "build_scara",
+    "derive",
+    "errata",
+    "examine_posture",
+    "frames_drawing",
+    "load_robot",
+    "movable",
+    "prove",
+    "replay",
+    "report",
+    "run",
+    "simulate",
+    "still",
+]
 
 
-def __getattr__(name: str) -> str:
+def __getattr__(name: str) -> object:
     if name == "__version__":
         from importlib.metadata import version
 
         return version("drake-leg")
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, own_name = _HOMES[name]
+    value: object = getattr(import_module(module), own_name)
+    globals()[name] = value  # found without this function from now on
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]
+
+
+def _svg(diagram: Diagram) -> str:
+    from drake_leg.pictures.block_diagram import block_diagram
+
+    return block_diagram(diagram, accelerations=False).svg
+
+
+def _show_diagrams_in_notebooks() -> None:
+    """Let a notebook that is running draw Drake diagrams, which are C++ objects."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython and ipython.get_ipython()
+    if shell:
+        svg = shell.display_formatter.formatters["image/svg+xml"]
+        svg.for_type_by_name("pydrake.systems.framework", "Diagram", _svg)
+
+
+_show_diagrams_in_notebooks()

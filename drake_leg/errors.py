@@ -1,4 +1,9 @@
-"""The errors that this package raises, each with the numbers that explain it."""
+"""The errors that this package raises, each with the numbers that explain it.
+
+An error's text is one sentence: the problem, and, after a colon, what the caller can do. Advice is
+written for Python; settings stand in backquotes, as ``choose `inverse='damped'` ``, so that the
+command line can show them as its options.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +15,37 @@ MOST_OF_A_TEXT = 300  # characters
 
 
 class DrakeLegError(Exception):
-    """Root of all errors of this package; its text is one sentence for a person."""
+    """Root of all errors of this package; its text is one sentence for a person.
+
+    Attributes
+    ----------
+    problem : str
+        What is wrong.
+    advice : str
+        What to do about it, in Python's terms; empty where there is nothing to say.
+    """
+
+    advice = ""
+
+    def __init__(self, problem: str, *, advice: str = "") -> None:
+        super().__init__(problem)
+        if advice:
+            self.advice = advice
+
+    @property
+    def problem(self) -> str:
+        """What is wrong, without the advice."""
+        return super().__str__()
+
+    def __str__(self) -> str:
+        return f"{self.problem}: {self.advice}" if self.advice else self.problem
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle text and attributes, whatever the constructor takes."""
-        return _error_again, (type(self), self.args, vars(self))
+        """Pickle problem and attributes, whatever the constructor takes."""
+        return _restored, (type(self), self.args, vars(self))
 
 
-def _error_again(
+def _restored(
     kind: type[DrakeLegError], arguments: Sequence[object], attributes: Mapping[str, Any]
 ) -> DrakeLegError:
     error = kind.__new__(kind, *arguments)
@@ -26,11 +54,29 @@ def _error_again(
 
 
 class InvalidValueError(DrakeLegError, ValueError):
-    """A value that makes no sense, with the remedy in the text."""
+    """A value that makes no sense."""
 
 
 class OutputError(DrakeLegError):
     """A file or folder that cannot be written or read."""
+
+
+class PlaceError(OutputError):
+    """A place where nothing can be written.
+
+    Attributes
+    ----------
+    path : str
+        The place.
+    replaceable : bool
+        Whether it could be written if overwriting were allowed.
+    """
+
+    def __init__(self, path: object, why: str, *, replaceable: bool = False) -> None:
+        self.path = str(path)
+        self.replaceable = replaceable
+        overwrite = ", or add `overwrite=True`" if replaceable else ""
+        super().__init__(f"{path} {why}", advice=f"choose another `target`{overwrite}")
 
 
 class UnreadableFileError(InvalidValueError, OutputError):
@@ -48,7 +94,7 @@ class UnreadableFileError(InvalidValueError, OutputError):
 
 
 class PictureError(DrakeLegError):
-    """A picture that could not be made; it costs nothing but itself.
+    """A picture that could not be made; nothing else is lost.
 
     Attributes
     ----------
@@ -59,16 +105,16 @@ class PictureError(DrakeLegError):
     def __init__(self, what: str, error: Exception) -> None:
         self.what = what
         if isinstance(error, DrakeLegError):
-            super().__init__(f"{what}: {error}")
+            super().__init__(f"{what}: {error.problem}", advice=error.advice)
         else:
             super().__init__(
-                f"{what} was not made ({in_a_line(error)}): please report this, with the command "
-                "that you gave"
+                f"{what} was not made ({in_a_line(error)})",
+                advice="please report this, with the command that you gave",
             )
 
 
 def in_a_line(error: BaseException) -> str:
-    """Say in one line what an error is that nobody foresaw."""
+    """Describe an unexpected error in one line."""
     text = " ".join(str(error).split())
     return f"{type(error).__name__}: {text[:MOST_OF_A_TEXT]}" if text else type(error).__name__
 
@@ -92,7 +138,8 @@ class SingularConfigurationError(DrakeLegError):
         q: Sequence[float],
         sigma_min: float,
         time: float | None = None,
-        remedy: str = "choose another posture, a smaller amplitude or a higher frequency",
+        problem: str = "",
+        advice: str = "choose another posture, a smaller amplitude or a higher frequency",
     ) -> None:
         self.q = tuple(float(value) for value in q)
         self.sigma_min = float(sigma_min)
@@ -100,8 +147,10 @@ class SingularConfigurationError(DrakeLegError):
         when = "" if time is None else f" at t = {time:.9g} s"
         posture = ", ".join(f"{value:.6g}" for value in self.q)
         super().__init__(
-            f"the Jacobian is singular{when} (q = {posture} in rad, or m where a joint slides; "
-            f"smallest singular value {self.sigma_min:.3g}): {remedy}"
+            problem
+            or f"the Jacobian is singular{when} (q = {posture} in rad, or m where a joint slides; "
+            f"smallest singular value {self.sigma_min:.3g})",
+            advice=advice,
         )
 
 
@@ -117,10 +166,12 @@ class ForeseenSingularityError(SingularConfigurationError):
     """
 
     def __init__(self, *, name: str, description: str, q: Sequence[float], time: float) -> None:
-        super().__init__(q=q, sigma_min=0.0, time=time)
-        self.args = (
-            f"the {name} would become {description}; --force goes up to there, "
-            "--inverse damped or limited goes on",
+        super().__init__(
+            q=q,
+            sigma_min=0.0,
+            time=time,
+            problem=f"the {name} would become {description}",
+            advice="`force=True` goes up to there, `inverse='damped'` or `'limited'` goes on",
         )
 
 
@@ -131,13 +182,17 @@ class LostMotionError(DrakeLegError):
     ----------
     time : float
         Simulated time [s].
+    lag : float
+        How far the joints are behind [rad or m].
     """
 
     def __init__(self, *, time: float, lag: float) -> None:
         self.time = time
+        self.lag = lag
         super().__init__(
             f"near a singularity the joints were {lag:.3g} rad or m behind their prescribed "
-            f"motion at t = {time:.9g} s: choose --integrator runge_kutta5 or a smaller --max-step"
+            f"motion at t = {time:.9g} s",
+            advice="choose `integrator='runge_kutta5'` or a smaller `max_step`",
         )
 
 
@@ -146,6 +201,8 @@ class StepBudgetError(DrakeLegError):
 
     Attributes
     ----------
+    steps : int
+        How many it had taken.
     time : float
         Simulated time reached [s].
     """
@@ -155,23 +212,24 @@ class StepBudgetError(DrakeLegError):
         self.time = time
         super().__init__(
             f"the integrator had taken {steps} steps when it reached t = {time:.9g} s and "
-            "was stopped: choose a larger --max-step, a looser --accuracy or, where light links "
-            "are damped, --integrator radau3"
+            "was stopped",
+            advice="choose a larger `max_step`, a looser `accuracy` or, where light links "
+            "are damped, `integrator='radau3'`",
         )
 
 
 class TimeBudgetError(DrakeLegError):
-    """Something was not done within the seconds that it was given.
+    """A calculation that did not finish in the time it was allowed.
 
     Attributes
     ----------
     seconds : float
-        What it was given.
+        That time [s].
     """
 
     def __init__(self, *, seconds: float) -> None:
         self.seconds = seconds
-        super().__init__(f"not done within {seconds:g} s: give it more with --budget")
+        super().__init__(f"not done within {seconds:g} s", advice="give it more with `budget`")
 
 
 class UnstableRunError(DrakeLegError):
@@ -181,14 +239,20 @@ class UnstableRunError(DrakeLegError):
     ----------
     time : float
         Simulated time [s] at which it was noticed.
+    max_step : float
+        The largest step [s].
+    scheme : str
+        The integrator.
     """
 
     def __init__(self, *, time: float, max_step: float, scheme: str) -> None:
         self.time = time
+        self.max_step = max_step
+        self.scheme = scheme
         super().__init__(
             f"the integration had blown up at t = {time:.9g} s: steps of {max_step:g} s are too "
-            f"large for {scheme} on this model; choose a smaller --max-step, an --accuracy, or "
-            "--integrator radau3"
+            f"large for {scheme} on this model",
+            advice="choose a smaller `max_step`, an `accuracy`, or `integrator='radau3'`",
         )
 
 
@@ -201,6 +265,8 @@ class JointLimitError(DrakeLegError):
         Name of the joint.
     position : float
         Where it is [rad or m].
+    limits : (float, float)
+        Lower and upper limit [rad or m].
     time : float
         Simulated time [s].
     """
@@ -213,14 +279,16 @@ class JointLimitError(DrakeLegError):
         limits: tuple[float, float],
         time: float,
         slides: bool = False,
-        remedy: str = "choose another posture or a smaller amplitude",
+        advice: str = "choose another posture or a smaller amplitude",
     ) -> None:
         self.joint = joint
         self.position = float(position)
+        self.limits = limits
         self.time = time
         unit, size = ("m", 1.0) if slides else ("deg", math.degrees(1.0))
         low, high = (size * limit for limit in limits)
         super().__init__(
             f"joint {joint} is at {size * self.position:.9g} {unit} at t = {time:.9g} s, outside "
-            f"its limits {low:.6g} ... {high:.6g} {unit}: {remedy}"
+            f"its limits {low:.6g} ... {high:.6g} {unit}",
+            advice=advice,
         )

@@ -1,14 +1,25 @@
-"""Whatever takes more than a second says how far it is: a bar on a terminal, else plain lines."""
+"""Long work: how far it is, when its time is up, and what interrupts it."""
 
 from __future__ import annotations
 
+import signal
 import threading
 import time
-from contextlib import suppress
-from typing import Self, TextIO
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from types import FrameType
+from typing import Generic, Self, TextIO, TypeVar
+
+from drake_leg.errors import TimeBudgetError
+
+T = TypeVar("T")
+
+
+# --- how far it is ---------------------------------------------------------------------------
 
 PATIENCE = 1.0  # [s] before the bar appears
-REFRESH = 0.1  # [s] between two pictures of it
+REFRESH = 0.1  # [s] between two updates of it
 LINES = 10.0  # [s] before the first plain line, and between two of them
 WIDTH = 30  # characters
 
@@ -18,11 +29,6 @@ class ProgressBar:
 
     On a stream that is no terminal it writes a line every ten seconds instead. In a ``with`` it
     does so on its own, also while nothing is reported.
-
-    Parameters
-    ----------
-    stream : TextIO
-        Where to draw, usually the standard error.
     """
 
     def __init__(self, stream: TextIO, label: str, total: float, unit: str) -> None:
@@ -48,18 +54,12 @@ class ProgressBar:
         self.close()
 
     def __call__(self, done: float) -> None:
-        """Say how much is done, in the unit of the total.
-
-        Parameters
-        ----------
-        done : float
-            At most the total.
-        """
+        """Report how much of the total is done, in its unit."""
         self._done = done
         self._show()
 
     def turn_to(self, stage: str) -> None:
-        """Say what goes on from now on, of which nobody knows how much is done."""
+        """Name a stage whose progress is not known."""
         self._stage = stage
         self._show()
 
@@ -110,7 +110,173 @@ class ProgressBar:
         return f"{self._done:.4g} of {self._total:g} {self._unit}"
 
     def _write(self, text: str) -> None:
-        """Write, unless nobody reads any more: no work is lost for that."""
+        """Write; if nobody reads any more, go on without."""
         with suppress(OSError, ValueError):
             self._stream.write(text)
             self._stream.flush()
+
+
+# --- when its time is up ---------------------------------------------------------------------
+
+BUDGET = 120.0  # [s] of a derivation, where no other is given
+POLL = 0.02  # [s] between two looks at whether it is done
+GRACE = 2.0  # [s] that stopped work has to end
+
+
+class TimeBudget:
+    """Seconds that several pieces of work share, from now on."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+        self._end = time.monotonic() + seconds
+
+    @property
+    def left(self) -> float:
+        """What is left of it [s]."""
+        return max(self._end - time.monotonic(), 0.0)
+
+    def spend(self, work: Callable[[], T]) -> T:
+        """Do a piece of work and return its result, unless the time is up before.
+
+        Only work in Python can be stopped: nothing stops a single call into compiled code.
+
+        Raises
+        ------
+        TimeBudgetError
+            If it was not done in time.
+        """
+        if self.left <= 0.0:
+            raise TimeBudgetError(seconds=self.seconds)
+        worker = _Worker(work)
+        try:
+            worker.start()
+            while worker.is_alive() and self.left > 0.0:
+                worker.join(min(POLL, self.left))
+            if worker.is_alive():
+                raise TimeBudgetError(seconds=self.seconds)
+        finally:
+            worker.stop()
+        return worker.result()
+
+
+class _Worker(threading.Thread, Generic[T]):
+    """Does work beside the thread that waits for it."""
+
+    def __init__(self, work: Callable[[], T]) -> None:
+        super().__init__(daemon=True)
+        self._work = work
+        self._results: list[T] = []
+        self._error: BaseException | None = None
+
+    def run(self) -> None:
+        try:
+            self._results.append(self._work())
+        except BaseException as error:  # handed over by result()
+            self._error = error
+
+    def stop(self) -> None:
+        """Raise ``SystemExit`` inside the work, again if it goes on in spite of it."""
+        import ctypes
+
+        end = time.monotonic() + GRACE
+        while self.is_alive() and time.monotonic() < end:
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                ctypes.c_ulong(self.ident or 0), ctypes.py_object(SystemExit)
+            )
+            self.join(POLL)
+
+    def result(self) -> T:
+        if self._error is not None:
+            raise self._error
+        return self._results[0]
+
+
+# --- what interrupts it ----------------------------------------------------------------------
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+@dataclass
+class Interrupts:
+    """Which signals have come, and whether they may interrupt."""
+
+    received: int | None = None  # the last one
+    late: bool = False  # one came while it was held back
+    held: int = 0  # how many hold signals back
+    once: bool = False  # what the first one leaves is saved
+
+    def take(self, number: int, _frame: FrameType | None) -> None:
+        """Interrupt now, or note that it is to be done."""
+        self.received = number
+        if self.held:
+            if self.late and self.once and self.held == 1:  # nothing is half done
+                raise KeyboardInterrupt
+            self.late = True
+            return
+        if self.once:
+            self.held += 1
+        raise KeyboardInterrupt
+
+    def release(self, held: int) -> None:
+        """Interrupt now, if a signal was held back and nothing holds it any longer."""
+        self.held = held
+        if self.late and not held:
+            self.late = False
+            raise KeyboardInterrupt
+
+
+_interrupts = Interrupts()
+
+
+@contextmanager
+def interruptible() -> Iterator[Interrupts]:
+    """Let Ctrl-C, SIGTERM and SIGHUP interrupt, unless whoever started the process ignores them."""
+    _interrupts.received, _interrupts.late, _interrupts.held = None, False, 0
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in SIGNALS:
+            if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+                before[number] = signal.signal(number, _interrupts.take)
+    try:
+        yield _interrupts
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Hold signals back while something must be done whole; then they interrupt."""
+    if threading.current_thread() is not threading.main_thread():  # none comes to others
+        yield
+        return
+    before = _interrupts.held
+    _interrupts.held += 1
+    try:
+        yield
+    except BaseException:
+        _interrupts.held = before
+        raise
+    _interrupts.release(before)
+
+
+@contextmanager
+def saved() -> Iterator[Callable[[], None]]:
+    """Let one signal interrupt, and hold the next one back until what it left is saved.
+
+    A third one gives that up. The function that is lent holds signals back from when it is
+    called: what there is by then is whole.
+    """
+
+    def hold() -> None:
+        _interrupts.held = max(_interrupts.held, 1)
+
+    before, _interrupts.once = _interrupts.held, True
+    try:
+        yield hold
+    except BaseException:
+        _interrupts.held = before
+        raise
+    finally:
+        _interrupts.once = False
+    _interrupts.release(before)

@@ -12,15 +12,36 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
+from drake_leg.files import LARGEST_RECORDING, opened
+from drake_leg.html_table import html_table
 from drake_leg.kinematics.batches import Array
-from drake_leg.reading import LARGEST_RECORDING, opened
 
 MOST_NAMES = 6  # of columns that an error's sentence lists
 
 
 @dataclass(frozen=True)
 class Recording:
-    """Columns of equal length, in order; a header such as ``vx[m/s]`` holds name and unit."""
+    """Columns of equal length, in order; a header such as ``vx[m/s]`` holds name and unit.
+
+    Parameters
+    ----------
+    columns : mapping of str to (rows,) ndarray
+        Header to values.
+
+    Raises
+    ------
+    InvalidValueError
+        If the columns differ in length.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from drake_leg import Recording
+    >>> time = np.linspace(0.0, 1.0, 5)
+    >>> swing = Recording({"time[s]": time, "q[rad]": 0.1 * np.cos(time)})
+    >>> swing["q"].max(), swing.unit("q")
+    (np.float64(0.1), 'rad')
+    """
 
     columns: Mapping[str, Array]
 
@@ -93,6 +114,16 @@ class Recording:
             If a column is missing.
         """
         return np.stack([self[name] for name in names], axis=-1)
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for header, values in self.columns.items():
+            name, _, unit = header.partition("[")
+            ends = (values[0], values[-1], values.min(), values.max()) if len(values) else ()
+            rows.append((name, unit.removesuffix("]"), *(f"{value:.6g}" for value in ends)))
+        count = len(next(iter(self.columns.values()), ()))
+        headings = ("column", "unit", "first", "last", "least", "greatest")
+        return html_table(headings, rows, title=f"Recording, {count} rows")
 
     def write_csv(self, path: Path) -> None:
         """Write the columns with 17 significant digits, so that reading gives them back exactly.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from drake_leg.colours import (
     rgb,
 )
 from drake_leg.errors import InvalidValueError
+from drake_leg.html_table import html_table
 from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.names import (
     BASE,
@@ -32,7 +34,7 @@ from drake_leg.names import (
 )
 from drake_leg.quantities import LEAST, require_positive
 
-# What describes a robot is found here, whichever file it stands in.
+# What describes a robot can be imported from here.
 __all__ = [
     "Brick",
     "Cylinder",
@@ -147,7 +149,7 @@ class Solid:
 
 @dataclass(frozen=True, kw_only=True)
 class Inertial:
-    """Mass properties said outright, where they do not follow from a homogeneous solid.
+    """Explicit mass properties, where they do not follow from a homogeneous solid.
 
     The inertia matrix is about the centre of mass, along the axes of the link's frame; its
     products are the entries of the matrix, as in SDF.
@@ -178,13 +180,7 @@ class Inertial:
             )
 
     def principal_moments(self) -> tuple[float, float, float]:
-        """Moments about the principal axes of inertia.
-
-        Returns
-        -------
-        (3,) tuple of float
-            The smallest first [kg*m^2].
-        """
+        """Moments about the principal axes of inertia, the smallest first [kg*m^2]."""
         (xx, yy, zz), (xy, xz, yz) = self.moments, self.products
         if not any(self.products):
             small, middle, great = sorted(self.moments)
@@ -200,8 +196,8 @@ class Inertial:
 class Link:
     """A rigid body whose frame is the DH frame of its row.
 
-    Its mass follows from ``solid``; where ``inertial`` is given, that acts, and the solid is only
-    seen. With neither it is a body without mass, allowed between two joints.
+    Its mass follows from ``solid``, unless there is an ``inertial``: then the solid is only drawn.
+    With neither, it is a body without mass, which is allowed between two joints.
     """
 
     name: str
@@ -239,24 +235,61 @@ class Segment:
 
 
 def link_colour(row: int) -> Colour:
-    """Colour of a link that has none of its own.
+    """Colour of a link that has none of its own, by its row in the table, from 1.
 
-    Parameters
-    ----------
-    row : int
-        Of the link in the table, from 1.
-
-    Returns
-    -------
-    (3,) tuple of float
-        Red, green, blue in 0...1; they come again after ``len(LINK_COLOURS)`` rows.
+    Colours repeat after ``len(LINK_COLOURS)`` rows.
     """
     return LINK_COLOURS[(row - 1) % len(LINK_COLOURS)]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """A serial robot on a fixed base."""
+    """A serial robot on a fixed base.
+
+    Its end effector, the foot, is the last frame of the table.
+
+    Parameters
+    ----------
+    name : str
+        As in file names: letters, digits and underscores.
+    title : str
+        As in headings.
+    source : str
+        Where its numbers come from.
+    segments : tuple of Segment
+        One for each row of the Khalil table, from base to tip, with its joint and its link.
+
+    Raises
+    ------
+    InvalidValueError
+        If a name is unusable or used twice, or no row moves.
+
+    Examples
+    --------
+    >>> from drake_leg import Robot
+    >>> from drake_leg.robot import Brick, Link, Row, Segment, Solid
+    >>> bar = Solid(
+    ...     shape=Brick(length=0.2, width=0.02, height=0.01),  # [m]
+    ...     density=2700.0,  # [kg/m^3]
+    ...     centre=(0.1, 0.0, 0.0),
+    ...     colour=(0.0, 0.45, 0.7),
+    ... )
+    >>> arm = Robot(
+    ...     name="arm",
+    ...     title="One bar",
+    ...     source="typed here",
+    ...     segments=(
+    ...         Segment(
+    ...             row=Row(joint="revolute"),
+    ...             joint="turn",
+    ...             link=Link(name="bar", solid=bar, end=(0.2, 0.0, 0.0)),
+    ...         ),
+    ...         Segment(row=Row(joint="fixed", d=0.2)),  # the foot: a frame only
+    ...     ),
+    ... )
+    >>> len(arm.moving), len(arm.rows)
+    (1, 2)
+    """
 
     name: str  # as in file names: leg_b
     title: str  # as in headings: Hexabot leg B
@@ -305,3 +338,31 @@ class Robot:
     def moving(self) -> tuple[Segment, ...]:
         """The segments with a joint position, in the table's order."""
         return tuple(s for s in self.segments if s.row.joint != "fixed")
+
+    def _repr_html_(self) -> str:
+        headings = ("row", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]", "joint", "link")
+        rows = []
+        variables = (f"q{number}" for number in itertools.count(1))
+        for index, segment in enumerate(self.segments, start=1):
+            row = segment.row
+            r, theta = f"{row.r:g}", _angle(row.theta)
+            if row.joint == "revolute":
+                theta = _sum(next(variables), row.theta, theta)
+            elif row.joint == "prismatic":
+                r = _sum(next(variables), row.r, r)
+            sigma = "~" if row.sigma is None else row.sigma
+            link = segment.link.name if segment.link else ""
+            cells = (index, sigma, f"{row.d:g}", _angle(row.alpha), r, theta)
+            rows.append((*cells, segment.joint or "", link))
+        return html_table(headings, rows, title=f"{self.title} ({self.source})")
+
+
+def _angle(angle: float) -> str:
+    """Write an angle [rad], as a part of π where it is one."""
+    named = {0.0: "0", math.pi / 2: "π/2", -math.pi / 2: "−π/2", math.pi: "π"}
+    return named.get(angle, f"{angle:.4g}")
+
+
+def _sum(variable: str, offset: float, text: str) -> str:
+    """Write a joint position with the offset that the table adds to it."""
+    return f"{variable} + {text}" if offset else variable

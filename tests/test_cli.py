@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drake_leg import cli
-from drake_leg.output import LIST
+from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
 from drake_leg.recording import read_csv
 from drake_leg.runs.catalogue import RUNS
@@ -445,7 +445,7 @@ def test_an_existing_folder_is_refused_without_overwrite_and_kept(refused, tmp_p
 def test_a_folder_of_something_else_is_refused_even_with_overwrite(refused, tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "thesis.tex").write_text("mine", encoding="utf-8")
-    refused("pendulum", "--overwrite", named="something else", out="out")
+    refused("pendulum", "--overwrite", named="holds thesis.tex, which is no result", out="out")
 
 
 def test_results_are_overwritten_on_request(run, tmp_path):

@@ -6,29 +6,35 @@ import re
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errata import Erratum, errata
 from drake_leg.errata.erratum import angles, number, vector
-from drake_leg.errata.formulas import angle_values, evaluate, evaluate_entry, multiplied, shown
 from drake_leg.errata.printed import (
-    LEG_B_J12_PRINTED,
-    LEG_B_J12_RIGHT,
-    LEG_B_PRINTED,
-    LEG_B_RIGHT,
-    LEG_B_SIGMAS_PRINTED,
-    LEG_B_SIGMAS_RIGHT,
+    J12_PRINTED,
+    J12_RIGHT,
     LEG_B_TABLE_PRINTED,
     LEG_B_TABLE_RIGHT,
-    SCARA_PRINTED,
-    SCARA_RIGHT,
+    SIGMAS_PRINTED,
+    SIGMAS_RIGHT,
+    angle_values,
+    leg_b_matrices,
+    scara_matrices,
+    shown,
+    texts,
 )
 from drake_leg.kinematics.khalil import base_transforms, foot_pose, jacobian, row_transform
 from drake_leg.quantities import STANDARD_GRAVITY
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 from drake_leg.runs.catalogue import RUNS
+from drake_leg.symbolic.chain import evaluate
+from drake_leg.symbolic.notation import text
+
+SCARA_PRINTED, SCARA_RIGHT = scara_matrices().printed, scara_matrices().right
+LEG_B_PRINTED, LEG_B_RIGHT = leg_b_matrices().printed, leg_b_matrices().right
 
 FOUND = {erratum.number: erratum for erratum in errata()}
 
@@ -82,7 +88,10 @@ def far_end(robot, start):
 
 def leg_b_values(q, sigmas):
     values = angle_values(list(q)) | {"L1": 50.0, "L2": 100.0, "L3": 100.0}
-    return values | {name: evaluate_entry(text, values) for name, text in sigmas.items()}
+    return values | {
+        sigma.name: evaluate(sp.Matrix([[expression]]), values).item()
+        for sigma, expression in sigmas.items()
+    }
 
 
 def scara_values(q):
@@ -160,7 +169,8 @@ def test_vectors_and_angles_are_in_parentheses():
 
 
 def test_a_matrix_is_shown_in_one_line():
-    assert shown((("2*cos(θ1)", "-1"), ("0", "θ1"))) == "[2·cos(θ1), −1; 0, θ1]"
+    theta = sp.Symbol("θ1")
+    assert shown(sp.Matrix([[2 * sp.cos(theta), -1], [0, theta]])) == "[2·cos(θ1), −1; 0, θ1]"
 
 
 PRINTED_WRONGLY = {
@@ -169,29 +179,29 @@ PRINTED_WRONGLY = {
     "SCARA T34": (
         SCARA_PRINTED,
         SCARA_RIGHT,
-        {(0, 2): "1", (1, 1): "1", (1, 3): "1", (2, 3): "452.4 - 340 - R"},
+        {(0, 2): "1", (1, 1): "1", (1, 3): "1", (2, 3): "452.4 − 340 − R"},
     ),
     "SCARA T03": (SCARA_PRINTED, SCARA_RIGHT, {(2, 3): "0"}),
     "leg T12": (
         LEG_B_PRINTED,
         LEG_B_RIGHT,
-        {(0, 1): "0", (0, 2): "sin(θ2)", (2, 1): "0", (2, 2): "-cos(θ2)"},
+        {(0, 1): "0", (0, 2): "sin(θ2)", (2, 1): "0", (2, 2): "−cos(θ2)"},
     ),
     "leg T34": (LEG_B_PRINTED, LEG_B_RIGHT, {(0, 2): "1", (1, 3): "1"}),
     "leg T04": (
         LEG_B_PRINTED,
         LEG_B_RIGHT,
         {
-            (0, 0): "cos(θ2 - θ3)*cos(θ1)",
-            (0, 1): "sin(θ2 - θ3)*cos(θ1)",
-            (1, 0): "cos(θ2 - θ3)*sin(θ1)",
-            (1, 1): "sin(θ2 - θ3)*sin(θ1)",
+            (0, 0): "cos(θ2 − θ3)·cos(θ1)",
+            (0, 1): "sin(θ2 − θ3)·cos(θ1)",
+            (1, 0): "cos(θ2 − θ3)·sin(θ1)",
+            (1, 1): "sin(θ2 − θ3)·sin(θ1)",
         },
     ),
     "leg J": (
         LEG_B_PRINTED,
         LEG_B_RIGHT,
-        {(0, 2): "100*sin(θ2 - θ3)*cos(θ1)", (1, 2): "100*sin(θ2 - θ3)*sin(θ1)"},
+        {(0, 2): "100·sin(θ2 − θ3)·cos(θ1)", (1, 2): "100·sin(θ2 − θ3)·sin(θ1)"},
     ),
 }
 
@@ -199,21 +209,21 @@ PRINTED_WRONGLY = {
 @pytest.mark.parametrize("name", PRINTED_WRONGLY)
 def test_the_matrices_are_quoted_as_printed(name):
     printed, right, wrong = PRINTED_WRONGLY[name]
-    entries = [np.array(matrices[name.split()[-1]]) for matrices in (printed, right)]
+    entries = [np.array(texts(matrices[name.split()[-1]])) for matrices in (printed, right)]
     places = [tuple(place) for place in np.argwhere(entries[0] != entries[1]).tolist()]
     assert {place: entries[0][place] for place in places} == wrong
 
 
 def test_the_abbreviations_are_quoted_as_printed():
-    assert LEG_B_SIGMAS_PRINTED == {
-        "σ1": "2*cos(θ2 - θ3) + 2*cos(θ2) + 1",
-        "σ2": "2*sin(θ2 - θ3) + 2*sin(θ2)",
+    assert {sigma.name: text(expression) for sigma, expression in SIGMAS_PRINTED.items()} == {
+        "σ1": "2·cos(θ2 − θ3) + 2·cos(θ2) + 1",
+        "σ2": "2·sin(θ2 − θ3) + 2·sin(θ2)",
     }
 
 
 def test_the_plus_one_is_in_the_list_of_entries_alone():
-    assert LEG_B_PRINTED["J"][0][1] == "-50*cos(θ1)*σ2"
-    assert LEG_B_J12_PRINTED == "-50*cos(θ1)*(2*sin(θ2 - θ3) + 2*sin(θ2) + 1)"
+    assert text(LEG_B_PRINTED["J"][0, 1]) == "−50·cos(θ1)·σ2"
+    assert text(J12_PRINTED) == "−50·cos(θ1)·(2·sin(θ2 − θ3) + 2·sin(θ2) + 1)"
     listed, matrix = FOUND[21].printed.split("in the matrix")
     assert "+ 1)" in listed
     assert "−50·cos(θ1)·σ2" in matrix
@@ -448,17 +458,17 @@ def test_16_only_the_elbow_makes_it_singular(rng):
 @pytest.mark.parametrize("name", ["T01", "T12", "T23", "T34", "T04"])
 def test_the_legs_right_matrices_are_the_chains(rng, name):
     q = rng.uniform(-3.0, 3.0, 3)
-    right = evaluate(LEG_B_RIGHT[name], leg_b_values(q, LEG_B_SIGMAS_RIGHT))
+    right = evaluate(LEG_B_RIGHT[name], leg_b_values(q, SIGMAS_RIGHT))
     np.testing.assert_allclose(right, chain_in_mm(LEG_B, q)[name], atol=1e-12)
     if name in LEG_B_PRINTED:
-        printed = evaluate(LEG_B_PRINTED[name], leg_b_values(q, LEG_B_SIGMAS_PRINTED))
+        printed = evaluate(LEG_B_PRINTED[name], leg_b_values(q, SIGMAS_PRINTED))
         assert np.abs(printed - right).max() > 1e-3
 
 
 def test_the_right_neighbours_multiply_to_the_right_foot():
-    values = leg_b_values(LEG_B_START, LEG_B_SIGMAS_RIGHT)
+    values = leg_b_values(LEG_B_START, SIGMAS_RIGHT)
     np.testing.assert_allclose(
-        multiplied(LEG_B_RIGHT, values), evaluate(LEG_B_RIGHT["T04"], values), atol=1e-12
+        leg_b_matrices().product(values), evaluate(LEG_B_RIGHT["T04"], values), atol=1e-12
     )
 
 
@@ -486,7 +496,7 @@ def test_17_the_table_is_shifted_by_a_column():
 @pytest.mark.parametrize(("n", "name", "volume"), [(18, "T12", 0.0), (19, "T34", 1.0)])
 def test_18_and_19_are_no_rotations(n, name, volume):
     transforms = chain_in_mm(LEG_B, LEG_B_START)
-    printed = evaluate(LEG_B_PRINTED[name], leg_b_values(LEG_B_START, LEG_B_SIGMAS_PRINTED))
+    printed = evaluate(LEG_B_PRINTED[name], leg_b_values(LEG_B_START, SIGMAS_PRINTED))
     assert not is_rotation(printed[:3, :3])
     a, b, c = printed[:3, :3].T
     assert np.dot(a, np.cross(b, c)) == pytest.approx(volume)
@@ -498,7 +508,7 @@ def test_18_and_19_are_no_rotations(n, name, volume):
 
 
 def test_20_the_pose_has_the_difference_for_the_sum():
-    printed = evaluate(LEG_B_PRINTED["T04"], leg_b_values(LEG_B_START, LEG_B_SIGMAS_PRINTED))
+    printed = evaluate(LEG_B_PRINTED["T04"], leg_b_values(LEG_B_START, SIGMAS_PRINTED))
     right = foot_pose(LEG_B.rows, LEG_B_START)[:3, 3] * 1000
     difference = math.cos(math.radians(-50 + 90))
     reach = 50 + 100 * math.cos(math.radians(-50)) + 100 * difference
@@ -510,18 +520,21 @@ def test_20_the_pose_has_the_difference_for_the_sum():
 
 def test_21_the_jacobian_sends_the_foot_elsewhere(rng):
     q = rng.uniform(-3.0, 3.0, 3)
-    values = leg_b_values(q, LEG_B_SIGMAS_RIGHT)
+    values = leg_b_values(q, SIGMAS_RIGHT)
     right = evaluate(LEG_B_RIGHT["J"], values)
     np.testing.assert_allclose(right, 1000 * jacobian(LEG_B.rows, q)[3:], atol=1e-12)
-    assert evaluate_entry(LEG_B_J12_RIGHT, values) == pytest.approx(right[0, 1], abs=1e-12)
+    assert evaluate(sp.Matrix([[J12_RIGHT]]), values).item() == pytest.approx(
+        right[0, 1], abs=1e-12
+    )
     corrected = evaluate(LEG_B_PRINTED["J"], values)
     assert np.argwhere(np.abs(corrected - right) > 1e-9).tolist() == [[0, 2], [1, 2]]
     end = far_end(LEG_B, LEG_B_START)
     matrix = LEG_B_PRINTED["J"]
-    listed = ((matrix[0][0], LEG_B_J12_PRINTED, matrix[0][2]), *matrix[1:])
+    listed = sp.Matrix(matrix)
+    listed[0, 1] = J12_PRINTED
     ways = []
     for formula, posture in ((matrix, LEG_B_START), (matrix, end), (listed, end)):
-        printed = evaluate(formula, leg_b_values(posture, LEG_B_SIGMAS_PRINTED))
+        printed = evaluate(formula, leg_b_values(posture, SIGMAS_PRINTED))
         qdot = np.linalg.inv(printed)[:, 0]
         step = 1e-3
         feet = [foot_pose(LEG_B.rows, posture + s * qdot)[:3, 3] for s in (step, -step)]

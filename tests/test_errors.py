@@ -1,12 +1,16 @@
 """Every error that this package documents is provoked, and says its one sentence."""
 
+import ast
 import copy
 import importlib
 import inspect
 import pickle
 import pkgutil
+import re
 import sys
 from dataclasses import replace
+from http import HTTPStatus
+from pathlib import Path
 
 import pytest
 
@@ -19,16 +23,16 @@ from drake_leg.errors import (
     LostMotionError,
     OutputError,
     PictureError,
+    PlaceError,
     SingularConfigurationError,
     StepBudgetError,
     TimeBudgetError,
     UnreadableFileError,
     UnstableRunError,
 )
+from drake_leg.files import check_target, read_text
 from drake_leg.imports import BrokenPackageError
-from drake_leg.kinematics.rates import exact_rates
-from drake_leg.output import check_target
-from drake_leg.reading import read_text
+from drake_leg.kinematics.movable import exact_rates
 from drake_leg.report.replays import UnlikeReplaysError
 from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B
@@ -36,23 +40,34 @@ from drake_leg.runs import leg, pendulum
 from drake_leg.runs.leg import run_robot, run_straight
 from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
 from drake_leg.runs.pendulum import run_pendulum
-from drake_leg.scene import rendering, video
-from drake_leg.scene.live.requests import RefusedError
-from drake_leg.scene.live.server import ServerError
-from drake_leg.scene.meshcat import MeshcatError
-from drake_leg.scene.motion import OtherRobotError
-from drake_leg.scene.rendering import NoRenderingError
-from drake_leg.scene.web_page import PageError
+from drake_leg.scene import artists, images
+from drake_leg.scene.artists import NoRenderingError
+from drake_leg.scene.scene import OtherRobotError
+from drake_leg.scene.server import RefusedError, ServerError
+from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import run as simulation_run
 from drake_leg.symbolic.optional import MissingSymPyError
+
+
+def errors_of_the_package():
+    """Every class of error that some module defines."""
+    found = {}
+    for module in pkgutil.walk_packages(drake_leg.__path__, "drake_leg."):
+        if module.name == "drake_leg.__main__":
+            continue
+        for kind in vars(importlib.import_module(module.name)).values():
+            if inspect.isclass(kind) and issubclass(kind, Exception):
+                found[kind.__name__] = kind
+    return [kind for kind in found.values() if kind.__module__.startswith("drake_leg.")]
+
 
 PROVOKED_ELSEWHERE = {
     MeshcatError: "tests/scene/test_web_page.py",
     PageError: "tests/scene/test_web_page.py",
-    RefusedError: "tests/scene/live/test_requests.py",
+    RefusedError: "tests/scene/test_requests.py",
     UnlikeReplaysError: "tests/report/test_replays.py",
-    ServerError: "tests/scene/live/test_server.py",
-    OtherRobotError: "tests/scene/test_motion.py",
+    ServerError: "tests/scene/test_server.py",
+    OtherRobotError: "tests/scene/test_scene.py",
     MissingSymPyError: "tests/symbolic/test_catalogue.py",
     TimeBudgetError: "tests/test_time_budget.py",
 }
@@ -116,13 +131,13 @@ def limit(monkeypatch, tmp_path):
 
 
 def no_rendering(monkeypatch, tmp_path):
-    monkeypatch.setattr(rendering, "rendering_fault", lambda: "there is no VTK here")
-    video.require_video(tmp_path / "a.gif")
+    monkeypatch.setattr(artists, "rendering_fault", lambda: "there is no VTK here")
+    images.require_video(tmp_path / "a.gif")
 
 
 def no_encoder(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "av", None)
-    video.require_video(tmp_path / "a.mp4")
+    images.require_video(tmp_path / "a.mp4")
 
 
 def unreadable(monkeypatch, tmp_path):
@@ -137,7 +152,7 @@ PROVOKED = {
     InvalidValueError: invalid,
     UnreadableFileError: unreadable,
     PictureError: picture,
-    OutputError: output,
+    PlaceError: output,
     SingularConfigurationError: singular,
     ForeseenSingularityError: foreseen,
     LostMotionError: lost,
@@ -175,12 +190,50 @@ def test_an_error_that_was_raised_is_pickled_and_copied(kind, monkeypatch, tmp_p
         assert same(caught.value, again)
 
 
-@pytest.mark.parametrize("kind", PROVOKED_ELSEWHERE, ids=lambda kind: kind.__name__)
+SAMPLES = {
+    "str": "word",
+    "object": "word",
+    "int": 3,
+    "int | None": 3,
+    "bool": True,
+    "float": 0.5,
+    "float | None": 0.5,
+    "str | None": "word",
+    "Exception": ValueError("no"),
+    "HTTPStatus": HTTPStatus.FORBIDDEN,
+    "Sequence[float]": (1.0, 2.0),
+    "tuple[float, float]": (-1.0, 1.0),
+}
+
+
+def made(kind):
+    """An error of a kind, from one sample for every argument of its constructor."""
+    words, settings = [], {}
+    for parameter in inspect.signature(kind).parameters.values():
+        sample = SAMPLES[parameter.annotation]
+        if parameter.kind is parameter.KEYWORD_ONLY:
+            settings[parameter.name] = sample
+        else:
+            words.append(sample)
+    return kind(*words, **settings)
+
+
+@pytest.mark.parametrize("kind", errors_of_the_package(), ids=lambda kind: kind.__name__)
 def test_an_error_of_any_kind_is_pickled(kind):
-    error = kind.__new__(kind, "a sentence")
+    error = made(kind)
     error.where = (1.0, "here")
     error.add_note("a note")
+    assert str(error)
     assert same(error, pickle.loads(pickle.dumps(error)))
+
+
+def test_no_error_names_an_option_of_the_command_line():
+    for path in Path(drake_leg.__file__).parent.rglob("*.py"):
+        if not {"cli", "report", "runs", "scene"}.isdisjoint(path.parts):
+            continue
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Raise):
+                assert not re.search(r"(?<![-\w])--[a-z]", ast.unparse(node)), path
 
 
 def test_what_a_singularity_stopped_is_pickled(monkeypatch):
@@ -195,11 +248,9 @@ def test_what_a_singularity_stopped_is_pickled(monkeypatch):
 
 
 def test_none_is_forgotten():
-    public = set()
-    for module in pkgutil.walk_packages(drake_leg.__path__, "drake_leg."):
-        if module.name == "drake_leg.__main__":
-            continue
-        for name, kind in vars(importlib.import_module(module.name)).items():
-            if inspect.isclass(kind) and issubclass(kind, DrakeLegError) and name[0] != "_":
-                public.add(kind)
-    assert public - {DrakeLegError} == set(PROVOKED) | set(PROVOKED_ELSEWHERE)
+    public = {
+        kind
+        for kind in errors_of_the_package()
+        if issubclass(kind, DrakeLegError) and kind.__name__[0] != "_"
+    }
+    assert public - {DrakeLegError, OutputError} == set(PROVOKED) | set(PROVOKED_ELSEWHERE)

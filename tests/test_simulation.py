@@ -351,7 +351,7 @@ def test_an_unstable_integration_stops_with_a_sentence():
     run = swing(pendulum_robot(mechanics=stiff), duration=5.0, q0=0.3, max_step=0.04)
     assert "blown up" in run.stop_reason
     assert "0.04 s" in run.stop_reason
-    assert "--max-step" in run.stop_reason
+    assert "`max_step`" in run.stop_reason
     assert run.stopped_at == run.time[-1] < 5.0
     assert {len(values) for values in run.scopes.values()} == {len(run.time)}
 

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drake_leg.cli.advice import as_options
 from drake_leg.cli.common import (
     BAD_INPUT,
     STOPPED_EARLY,
-    Commands,
     add_budget,
     budget_of,
     refuse_ignored,
@@ -31,18 +31,18 @@ SAMPLES, SEED = 32, 0
 TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "check",
-        help="prove a robot, or grade a print against it",
-        description="Read a robot's table for slips, then compare its chain with SymPy's "
-        "derivation, with Drake's plant on its SDF and with exact differences, at random "
+def configure_check(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Look for slips in a robot's table, then compare its chain with SymPy's "
+        "derivation, with Drake's plant of its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
-        "the robot instead. A printed table alone (CSV or TOML) is only read for slips.",
-        epilog="Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
-        "wrong and something is not understood, 3 nothing is wrong so far, but not all was "
-        "compared.",
+        "the robot instead. In a printed table alone (CSV or TOML) only slips are looked for."
+    )
+    parser.epilog = (
+        "Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
+        "wrong but something was not understood, 3 nothing is wrong so far, but not everything "
+        "was compared."
     )
     add_robot_source(parser)
     parser.add_argument(
@@ -156,7 +156,7 @@ def _print_findings(what: str, findings: Sequence[Finding], praise: str) -> None
 
 
 def _summary(findings: Sequence[Finding], praise: str) -> str:
-    """Count what is wrong, what is doubtful and what is not understood, each apart."""
+    """Count what is wrong, what is doubtful and what is not understood."""
     from drake_leg.lab.grader.findings import errors, not_understood
 
     wrong, unread = len(errors(findings)), len(not_understood(findings))
@@ -196,7 +196,7 @@ def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
         mark = "" if comparison.agrees else "  !"
         yield f"  {comparison.quantity:<10} {pair:<20} {comparison.difference:.1e}{mark}"
     for missing in proof.missing:
-        yield f"  {missing.quantity:<10} {missing.witness:<20} {missing.why}"
+        yield f"  {missing.quantity:<10} {missing.witness:<20} {as_options(missing.why)}"
     if proof.worst is not None:
         yield f"the greatest of all: {_where(robot, proof.worst)}"
     yield _verdict(proof)

@@ -10,44 +10,41 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, fail, numbers
+from drake_leg.cli.advice import as_options
+from drake_leg.cli.common import BAD_INPUT, FAILED, fail, numbers
 from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
+from drake_leg.files import ResultsFolder
 from drake_leg.imports import require_matplotlib
-from drake_leg.output import ResultsFolder
 from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
 
 if TYPE_CHECKING:
-    from drake_leg.doctor import Diagnosis
-    from drake_leg.feet import Feet
     from drake_leg.figures.of_postures import Maps
-    from drake_leg.kinematics.singularity import LostTwist
-    from drake_leg.kinematics.stroke import Stroke
+    from drake_leg.kinematics.feet import Feet
+    from drake_leg.singularity.doctor import Diagnosis
+    from drake_leg.singularity.rank import LostTwist
+    from drake_leg.singularity.stroke import Stroke
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "doctor",
-        help="examine a posture before simulating it",
-        description="Say of a posture: the foot's pose, rank and smallest singular value of its "
+def configure_doctor(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Describe a posture: the foot's pose, rank and smallest singular value of its "
         "Jacobian, manipulability, the singular family that is near, what motion is lost, the "
         "stroke along a direction to the first singularity or joint limit, and the greatest "
-        "amplitude that stays inside. With --foot: the joint positions that put the foot there.",
+        "amplitude that stays inside. With --foot: the joint positions that put the foot there."
     )
     add_robot_source(parser)
     parser.add_argument(
         "--q",
         metavar="X,Y,Z",
-        help="joint angles [deg]; a lift or another sliding joint [m]; needed for all but --foot",
+        help="joint angles [deg]; a lift or another sliding joint [m]; only --foot works without",
     )
     parser.add_argument("--direction", metavar="X,Y,Z", help="of the stroke (default 1,0,0)")
     parser.add_argument("--frequency", metavar="X", help="of the sine [rad/s] (default 1)")
-    parser.add_argument(
-        "--foot", metavar="X,Y,Z", help="point whose inverse kinematics is wanted [m]"
-    )
+    parser.add_argument("--foot", metavar="X,Y,Z", help="point to find joint positions for [m]")
     parser.add_argument(
         "--rpy",
         metavar="R,P,Y",
@@ -74,7 +71,7 @@ def add(commands: Commands) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
-    from drake_leg.doctor import examine_posture
+    from drake_leg.singularity.doctor import examine_posture
 
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
@@ -108,7 +105,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
 
 def _place(chosen: argparse.Namespace) -> dict[str, Any]:
-    """Read where the foot is wanted, and how turned."""
+    """Read where the foot is wanted, and in which orientation."""
     turned: dict[str, Any] = {}
     if chosen.yaw is not None:
         turned["yaw"] = math.radians(numbers("--yaw", chosen.yaw, 1)[0])
@@ -122,16 +119,16 @@ def _place(chosen: argparse.Namespace) -> dict[str, Any]:
 
 
 def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any]) -> int:
-    """Tell the inverse kinematics, without a posture."""
+    """Print the inverse kinematics, without a posture."""
     for option in ("direction", "frequency", "out"):
         if getattr(chosen, option) is not None:
-            raise InvalidValueError(f"--{option} is of a posture: give --q, too")
+            raise InvalidValueError(f"--{option} needs a posture: give --q, too")
     if not place:
         raise InvalidValueError(
             "there is nothing to examine: give a posture by --q, or a point for the foot by --foot"
         )
-    from drake_leg.doctor import feet_json
-    from drake_leg.feet import feet
+    from drake_leg.kinematics.feet import feet
+    from drake_leg.singularity.doctor import feet_json
 
     with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
         bar.turn_to("postures for the foot")
@@ -165,11 +162,12 @@ def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> Pict
 
 def _positions(robot: Robot, values: list[float]) -> list[float]:
     """Convert degrees where a joint turns; the SCARA's lift may be left out."""
-    from drake_leg.feet import units_of
-    from drake_leg.kinematics.scara import is_scara
+    from drake_leg.kinematics.feet import units_of
+    from drake_leg.kinematics.of_robot import geometry_of
+    from drake_leg.kinematics.scara import ScaraGeometry
 
     units = units_of(robot)
-    if len(values) == 3 and is_scara(robot):
+    if len(values) == 3 and isinstance(geometry_of(robot), ScaraGeometry):
         units = units[:3]
     if len(values) != len(units):
         raise InvalidValueError(
@@ -276,7 +274,7 @@ def _amplitude(greatest: float | None) -> str:
 
 
 def _feet_lines(found: Feet) -> list[str]:
-    lines = [f"inverse         {found.heading}"]
+    lines = [f"inverse         {as_options(found.heading)}"]
     for solution in found.solutions:
         where = "out of reach"
         if solution.q is not None:

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 
 from drake_leg.diagrams.disturbance import Disturbance
-from drake_leg.kinematics.inverse import Inverse
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
 from drake_leg.quantities import require_angle, require_non_negative
 from drake_leg.robot import Robot, Segment
+from drake_leg.singularity.inverse import Inverse
 from drake_leg.systems.drift_correction import DriftCorrection
 from drake_leg.systems.speed_limit import SpeedLimit
 
@@ -40,24 +40,24 @@ class Control:
         for error in self.q0_error:
             require_angle("an error of q0", error)
 
-    def task(self, task: Task, robot: Robot, lag: float | None = None) -> Task:
-        """Invert a task's Jacobian as chosen.
+    def inverted(self, exact: Movable, robot: Robot, lag: float | None = None) -> Movable:
+        """Invert a robot's Jacobian as chosen.
 
         Parameters
         ----------
-        task : Task
-            Exact.
+        exact : Movable
+            The robot, or its first joints, with the exact inverse.
         robot : Robot
-            Whose joints it moves, the first ones if it has more.
+            Whose joints have the limits.
         lag : float, optional
             Time constant of input filters that the joints are behind [s].
 
         Returns
         -------
-        Task
+        Movable
         """
         joints = robot.moving if self.joints is None else self.joints
-        return self.inverse.of(task, joints[: task.joints], lag or 0.0)
+        return self.inverse.of(exact, joints[: exact.joints], lag or 0.0)
 
     def start(self, q0: tuple[float, ...]) -> tuple[float, ...]:
         """Return where the joints really start.
@@ -94,7 +94,7 @@ class Control:
             return disturbance
         return replace(disturbance, stiffness=OF_KINKS)
 
-    def top_speed(self, task: Task, commanded: float) -> float:
+    def top_speed(self, moved: Movable, commanded: float) -> float:
         """Return how fast a corrected command may be.
 
         A foot that waits at its boundary for a command far outside is not pushed against it ever
@@ -102,7 +102,7 @@ class Control:
 
         Parameters
         ----------
-        task : Task
+        moved : Movable
             With the length of the arm.
         commanded : float
             Greatest speed of the uncorrected command [m/s].
@@ -114,7 +114,7 @@ class Control:
         """
         if self.inverse.is_exact:
             return math.inf
-        return max(TOP_SPEED * commanded, LEAST_TOP * task.length)
+        return max(TOP_SPEED * commanded, LEAST_TOP * moved.length)
 
 
 EXACT = Control()

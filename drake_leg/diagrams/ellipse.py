@@ -28,6 +28,26 @@ class EllipseConfig(HexabotLegConfig):
 
     Along the horizontal direction the foot moves as it does on the straight step; it starts at
     the rear end of the ellipse and rises first.
+
+    Parameters
+    ----------
+    robot, q0, amplitude, frequency, direction, gravity, filter_time_constant, control, disturbance
+        As in ``HexabotLegConfig``; the direction must be horizontal.
+    lift : float
+        From the lowest point of the ellipse to the highest [m].
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, EllipseConfig
+    >>> q0 = (radians(90), radians(-50), radians(-90))
+    >>> EllipseConfig(robot=LEG_B, q0=q0, lift=0.03).greatest_speed
+    0.07
     """
 
     lift: float = 0.040  # [m], from the lowest point of the ellipse to the highest
@@ -61,6 +81,17 @@ def build(config: EllipseConfig) -> Diagram:
     -------
     Diagram
         To be started with ``mechanism.start_on_motion``.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, EllipseConfig, build_ellipse, simulate
+    >>> q0 = (radians(90), radians(-50), radians(-90))
+    >>> diagram = build_ellipse(EllipseConfig(robot=LEG_B, q0=q0, lift=0.03))
+    >>> half_way_round = simulate(diagram, duration=1.5)
+    >>> rise = half_way_round.scopes["foot positions"][:, 2]
+    >>> (rise[-1] - rise[0]).round(3)  # 0.015 sin(1.5) [m]
+    np.float64(0.015)
     """
     builder = DiagramBuilder()
     frequency = config.frequency

@@ -31,11 +31,12 @@ from drake_leg.diagrams.control import EXACT, Command, Control, corrected
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.foot_task import foot_task, require_direction
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.of_robot import movable
 from drake_leg.quantities import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
 from drake_leg.robot import Robot
+from drake_leg.singularity.directions import require_direction
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
@@ -50,6 +51,47 @@ class HexabotLegConfig:
     """A step of the leg: the foot's velocity is ``amplitude * sin(frequency t) * direction``.
 
     The leg may be any chain whose foot can go that way.
+
+    Parameters
+    ----------
+    robot : Robot
+        The leg, or any chain whose foot can go that way.
+    q0 : (n,) tuple of float
+        Joint positions at the start [rad or m]: hip, knee, ankle.
+    amplitude : float
+        Greatest speed of the foot [m/s].
+    frequency : float
+        Of the sine [rad/s].
+    direction : (3,) tuple of float
+        Unit vector, base frame.
+    gain : float
+        Of a gain block behind the sine, whose own amplitude is ``amplitude / gain``; 1 is no block.
+    gravity : float
+        Along -z [m/s^2].
+    filter_time_constant : float, optional
+        Of input filters at the joints [s]; by default there are none.
+    feedback : {"sensed", "integrated"}
+        Which joint positions the inverse Jacobian takes.
+    keep : {"position", "pose"}, optional
+        Whether the foot may turn; by default it keeps its orientation where the joints can do that.
+    control : Control
+        Inverse, drift correction and error of the start.
+    disturbance : Disturbance
+        Push, mass error and torque limit.
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense, or the foot cannot go that way.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, HexabotLegConfig
+    >>> q0 = (radians(90), radians(-50), radians(-90))
+    >>> config = HexabotLegConfig(robot=LEG_B, q0=q0, amplitude=0.05, direction=(0.0, 1.0, 0.0))
+    >>> config.frequency
+    1.0
     """
 
     robot: Robot
@@ -68,7 +110,7 @@ class HexabotLegConfig:
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; its numbers must be finite")
-        task = self.exact_task()
+        moved = self.movable()
         for angle in self.control.start(self.q0):
             require_angle("an angle of q0", angle)
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
@@ -77,7 +119,7 @@ class HexabotLegConfig:
             raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
-        require_direction(self.robot, task, self.q0, self.direction)
+        require_direction(self.robot, moved, self.q0, self.direction)
         if self.feedback not in ("sensed", "integrated"):
             raise InvalidValueError(
                 f"the feedback is {self.feedback!r}; it must be sensed or integrated"
@@ -85,14 +127,9 @@ class HexabotLegConfig:
         if self.filter_time_constant is not None:
             require_positive("the filter's time constant", self.filter_time_constant, "s")
 
-    def exact_task(self) -> Task:
-        """Return what the foot is commanded.
-
-        Returns
-        -------
-        Task
-        """
-        return foot_task(self.robot, self.q0, self.keep)
+    def movable(self) -> Movable:
+        """Return the robot with its exact inverse, and what of its foot is commanded."""
+        return movable(self.robot, self.q0, self.keep)
 
     @property
     def greatest_speed(self) -> float:
@@ -112,6 +149,16 @@ def build(config: HexabotLegConfig) -> Diagram:
     -------
     Diagram
         To be started with ``mechanism.start_on_motion``.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, HexabotLegConfig, build_hexabot_leg, simulate
+    >>> q0 = (radians(90), radians(-50), radians(-90))
+    >>> diagram = build_hexabot_leg(HexabotLegConfig(robot=LEG_B, q0=q0, amplitude=0.05))
+    >>> step = simulate(diagram, duration=1.0)
+    >>> step.scopes["foot velocities"][-1].round(4).tolist()  # 0.05 sin(1), 0, 0 [m/s]
+    [0.0421, 0.0, -0.0]
     """
     builder = DiagramBuilder()
     amplitude = config.amplitude / config.gain
@@ -151,15 +198,15 @@ def add_leg(
         The foot's commanded velocity [m/s] and acceleration [m/s^2] in the base frame.
     """
     control = config.control
-    task = control.task(config.exact_task(), config.robot, config.filter_time_constant)
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
-    demux = builder.AddNamedSystem("Demux", Demultiplexer(task.joints))
+    moved = control.inverted(config.movable(), config.robot, config.filter_time_constant)
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(moved))
+    demux = builder.AddNamedSystem("Demux", Demultiplexer(moved.joints))
     q0 = control.start(config.q0)
     integrators = [
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q]))
         for i, q in enumerate(q0, start=1)
     ]
-    converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(task.joints))
+    converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(moved.joints))
     leg = add_mechanism(builder, config.robot, config.gravity, control.followed(config.disturbance))
 
     command = corrected(
@@ -169,9 +216,9 @@ def add_leg(
         Command(v, a),
         p=leg.foot.GetOutputPort("position"),
         pdot=leg.foot.GetOutputPort("velocity"),
-        top_speed=control.top_speed(task, config.greatest_speed),
+        top_speed=control.top_speed(moved, config.greatest_speed),
     )
-    command = _commanded(builder, task, command)
+    command = _commanded(builder, moved, command)
     builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
     if config.feedback == "sensed":
@@ -200,9 +247,9 @@ def add_leg(
     add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
 
 
-def _commanded(builder: DiagramBuilder, task: Task, command: Command) -> Command:
-    """Take of the foot's velocity what the task commands; a foot whose pose is kept turns not."""
-    matrix = task.twists[3:].T
+def _commanded(builder: DiagramBuilder, moved: Movable, command: Command) -> Command:
+    """Take the commanded part of the foot's velocity; a foot whose pose is kept does not turn."""
+    matrix = moved.twists[3:].T
     if np.array_equal(matrix, ALL):
         return command
     v, a = (builder.AddNamedSystem(name, MatrixGain(matrix)) for name in TASK)

@@ -16,17 +16,17 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Integrator, MatrixGain, Sine
 
 from drake_leg.diagrams.mechanism import add_scope
-from drake_leg.kinematics.encounter import SineStep
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
+from drake_leg.singularity.forecast import SineStep
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 
-def build(task: Task, q0: Sequence[float], step: SineStep) -> Diagram:
+def build(robot: Movable, q0: Sequence[float], step: SineStep) -> Diagram:
     """Wire the loop of a straight step.
 
     Parameters
     ----------
-    task : Task
+    robot : Movable
         The Jacobian and how it is inverted.
     q0 : (3,) sequence of float
         Where the joints start [rad or m].
@@ -43,7 +43,7 @@ def build(task: Task, q0: Sequence[float], step: SineStep) -> Diagram:
     sine = builder.AddNamedSystem("Sine Wave", Sine(step.amplitude, step.frequency, 0.0, 1))
     v = builder.AddNamedSystem("Direction", MatrixGain(direction))
     a = builder.AddNamedSystem("Direction of the derivatives", MatrixGain(direction))
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(robot))
     integrator = builder.AddNamedSystem("Integrator", Integrator(list(q0)))
 
     builder.Connect(sine.GetOutputPort("y0"), v.get_input_port())

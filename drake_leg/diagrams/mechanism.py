@@ -178,6 +178,20 @@ def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:
         Of the scope.
     signal : OutputPort
         A vector port.
+
+    Examples
+    --------
+    >>> from drake_leg import add_scope, simulate
+    >>> from pydrake.systems.framework import DiagramBuilder
+    >>> from pydrake.systems.primitives import Integrator, Sine
+    >>> builder = DiagramBuilder()
+    >>> sine = builder.AddNamedSystem("Sine Wave", Sine(1.0, 1.0, 0.0, 1))
+    >>> integrator = builder.AddNamedSystem("Integrator", Integrator([0.0]))
+    >>> _ = builder.Connect(sine.GetOutputPort("y0"), integrator.get_input_port())
+    >>> add_scope(builder, "position", integrator.get_output_port())
+    >>> result = simulate(builder.Build(), duration=1.0)
+    >>> result.scopes["position"][-1].round(4).tolist()  # 1 - cos(1)
+    [0.4597]
     """
     scope = builder.AddNamedSystem(name, VectorLogSink(signal.size()))
     builder.Connect(signal, scope.get_input_port())

@@ -27,7 +27,29 @@ from drake_leg.systems.energy_sensor import EnergySensor
 
 @dataclass(frozen=True, kw_only=True)
 class PendulumConfig:
-    """A pendulum let go at rest; damping and spring are the robot's joint mechanics."""
+    """A pendulum let go at rest; damping and spring are the robot's joint mechanics.
+
+    Parameters
+    ----------
+    robot : Robot
+        A pendulum, with damping and spring in its joint mechanics.
+    q0 : float, optional
+        Where the simulation starts [rad]; by default the robot's state target.
+    gravity : float
+        Along -z [m/s^2].
+
+    Raises
+    ------
+    InvalidValueError
+        If the robot is no pendulum, or an angle or gravity makes no sense.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import PENDULUM, PendulumConfig
+    >>> PendulumConfig(robot=PENDULUM, q0=radians(30)).gravity
+    9.80665
+    """
 
     robot: Robot
     q0: float | None = None  # [rad], where the simulation starts; None: the robot's state target
@@ -55,6 +77,14 @@ def build(config: PendulumConfig) -> Diagram:
     -------
     Diagram
         To be started with ``start_at_target``.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, PendulumConfig, build_pendulum, simulate
+    >>> diagram = build_pendulum(PendulumConfig(robot=PENDULUM, q0=0.0))
+    >>> swing = simulate(diagram, duration=1.0)
+    >>> swing.scopes["q"].max().round(2)  # nearly a half turn [rad]
+    np.float64(3.14)
     """
     builder = DiagramBuilder()
     plant = builder.AddNamedSystem(

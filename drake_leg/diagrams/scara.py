@@ -28,8 +28,8 @@ from drake_leg.diagrams.control import EXACT, Command, Control, corrected
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.scara import ScaraGeometry, lift_position, scara_task, tool_position
-from drake_leg.kinematics.task import Task
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, lift_position, tool_position
 from drake_leg.quantities import STANDARD_GRAVITY, require_angle, require_positive
 from drake_leg.robot import Robot
 from drake_leg.systems.inverse_jacobian import InverseJacobian
@@ -40,6 +40,38 @@ class ScaraConfig:
     """A straight horizontal move of the tool: ``amplitude * sin(frequency t)`` along a direction.
 
     Yaw and height of the tool stay what they are.
+
+    Parameters
+    ----------
+    robot : Robot
+        A SCARA.
+    q0 : (3,) tuple of float
+        Shoulder, elbow and wrist at the start [rad].
+    R : float
+        Height of the tool above its lowest position [m].
+    amplitude : float
+        Greatest speed of the tool [m/s].
+    frequency : float
+        Of the sine [rad/s].
+    direction : (3,) tuple of float
+        Horizontal unit vector, base frame.
+    gravity : float
+        Along -z [m/s^2].
+    control : Control
+        Inverse, drift correction and error of the start.
+    disturbance : Disturbance
+        Push, mass error and torque limit.
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense.
+
+    Examples
+    --------
+    >>> from drake_leg import SCARA, ScaraConfig
+    >>> ScaraConfig(robot=SCARA, amplitude=0.03).R
+    0.05
     """
 
     robot: Robot
@@ -81,6 +113,14 @@ def build(config: ScaraConfig) -> Diagram:
     -------
     Diagram
         To be started with ``mechanism.start_on_motion``.
+
+    Examples
+    --------
+    >>> from drake_leg import SCARA, ScaraConfig, build_scara, simulate
+    >>> move = simulate(build_scara(ScaraConfig(robot=SCARA)), duration=1.0)
+    >>> yaw = move.scopes["joint positions"][:, :3].sum(axis=1)
+    >>> bool(abs(yaw - yaw[0]).max() < 1e-9)  # the tool does not turn
+    True
     """
     arm = ScaraGeometry.from_robot(config.robot)
     x, y, _ = config.direction
@@ -91,8 +131,8 @@ def build(config: ScaraConfig) -> Diagram:
     v = builder.AddNamedSystem("Direction", MatrixGain(to_task))
     a = builder.AddNamedSystem("Direction of the derivatives", MatrixGain(to_task))
     control = config.control
-    task = control.task(scara_task(arm), config.robot)
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(task))
+    moved = control.inverted(MovableScara(arm), config.robot)
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(moved))
     demux = builder.AddNamedSystem("Demux", Demultiplexer(3))
     q0 = control.start(config.q0)
     integrators = [
@@ -114,7 +154,7 @@ def build(config: ScaraConfig) -> Diagram:
     builder.Connect(sine.GetOutputPort("y1"), a.get_input_port())
     command = Command(v.get_output_port(), a.get_output_port())
     if control.correction > 0.0:
-        command = _corrected(builder, config, command, scara, task)
+        command = _corrected(builder, config, command, scara, moved)
     builder.Connect(command.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(command.a, inverse_jacobian.GetInputPort("a"))
     builder.Connect(scara.joints.get_output_port(0), angles.get_input_port())
@@ -145,7 +185,7 @@ def build(config: ScaraConfig) -> Diagram:
 
 
 def _corrected(
-    builder: DiagramBuilder, config: ScaraConfig, command: Command, scara: Mechanism, task: Task
+    builder: DiagramBuilder, config: ScaraConfig, command: Command, scara: Mechanism, moved: Movable
 ) -> Command:
     """Correct (x, y, yaw): the place of the tool, and the sum of the three angles."""
     to_task = np.zeros((3, 7))
@@ -154,11 +194,11 @@ def _corrected(
 
     def sensed(name: str, place: str, joints: int) -> OutputPort:
         both = builder.AddNamedSystem(f"tool and joint {name}", Multiplexer([3, 4]))
-        task = builder.AddNamedSystem(f"task {name}", MatrixGain(to_task))
+        gain = builder.AddNamedSystem(f"task {name}", MatrixGain(to_task))
         builder.Connect(scara.foot.GetOutputPort(place), both.get_input_port(0))
         builder.Connect(scara.joints.get_output_port(joints), both.get_input_port(1))
-        builder.Connect(both.get_output_port(), task.get_input_port())
-        return task.get_output_port()
+        builder.Connect(both.get_output_port(), gain.get_input_port())
+        return gain.get_output_port()
 
     x, y, _ = tool_position(ScaraGeometry.from_robot(config.robot), [*config.q0, 0.0])
     return corrected(
@@ -168,6 +208,6 @@ def _corrected(
         command,
         p=sensed("positions", "position", 0),
         pdot=sensed("velocities", "velocity", 1),
-        top_speed=config.control.top_speed(task, abs(config.amplitude)),
-        lengths=task.row_lengths,
+        top_speed=config.control.top_speed(moved, abs(config.amplitude)),
+        lengths=moved.row_lengths,
     )

@@ -9,7 +9,7 @@ from pydrake.multibody.tree import RigidBody
 
 from drake_leg.drawings.captions import mass_words, transform_words
 from drake_leg.drawings.picture import Block, Net, Picture
-from drake_leg.simulink.solids import SHAPES
+from drake_leg.simulink.bodies import SHAPES
 
 _KINDS = {shape: kind for kind, shape in SHAPES.items()}
 
@@ -65,27 +65,13 @@ class Chain:
 
 
 def solid_of(body: RigidBody, shape: str) -> Block:
-    """Draw the solid of a body.
-
-    Parameters
-    ----------
-    body : RigidBody
-        Its mass is written.
-    shape : str
-        "brick", "cylinder", "sphere"; anything else is a box.
-    """
+    """Draw the solid of a body; a shape other than brick, cylinder and sphere is a box."""
     caption = (body.name(), _KINDS.get(shape, "Solid"), mass_words(body.default_mass()))
     return solid_block(f"Solid of {body.name()}", caption, shape)
 
 
 def solid_block(name: str, caption: tuple[str, ...], shape: str) -> Block:
-    """Draw a solid.
-
-    Parameters
-    ----------
-    name : str
-        Unique in its picture.
-    """
+    """Draw a solid; its name is unique in its picture."""
     known = shape in _KINDS
     return Block(
         name=name,
@@ -96,11 +82,5 @@ def solid_block(name: str, caption: tuple[str, ...], shape: str) -> Block:
 
 
 def connection_of(name: str) -> Block:
-    """Draw a subsystem's connection to the outside.
-
-    Parameters
-    ----------
-    name : str
-        Of the frame that it hands out.
-    """
+    """Draw a subsystem's connection to the outside, by the name of the frame there."""
     return Block(name=name, glyph="connection", text=(name,))

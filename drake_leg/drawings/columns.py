@@ -52,15 +52,7 @@ class Columns:
 def columns_of(picture: Picture) -> Columns:
     """Put every block into a column and lay lanes for the nets that pass columns.
 
-    Parameters
-    ----------
-    picture : Picture
-        What is to be drawn.
-
-    Returns
-    -------
-    Columns
-        Every wire goes from left to right, but for those that close a loop.
+    Every wire goes from left to right, except those that close a loop.
     """
     column = _layers(picture)
     spots = [Spot(column=c, block=block) for block, c in enumerate(column)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from xml.sax.saxutils import escape
 
 from drake_leg.colours import Background
@@ -15,6 +16,7 @@ from drake_leg.drawings.picture import Block, Picture
 from drake_leg.drawings.sizes import LABELLED
 from drake_leg.drawings.svg import SMALL, Point, document, element, text_at
 from drake_leg.drawings.text import text_width
+from drake_leg.text_file import write_text
 
 MARGIN = 18.0  # [px]
 HEADING = 15.0  # [px], size of a title
@@ -30,6 +32,10 @@ class Drawing:
     svg: str = field(repr=False)
     layouts: tuple[Layout, ...] = field(repr=False)
 
+    def write(self, path: Path | str, *, overwrite: bool = False) -> None:
+        """Write an SVG file, whole or not at all."""
+        write_text(Path(path), self.svg, ending=".svg", overwrite=overwrite)
+
     def _repr_html_(self) -> str:
         return self.svg
 
@@ -41,17 +47,9 @@ class Drawing:
 
 
 def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
-    """Lay pictures out and draw them, one below the other.
+    """Lay pictures out and draw them, one below the other; the same bytes for the same pictures.
 
-    Parameters
-    ----------
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    Drawing
-        The same bytes for the same pictures.
+    ``background`` is white or dark as the reader's system is, always white, or none.
     """
     layouts = tuple(map(lay_out_parts, pictures))
     parts = []

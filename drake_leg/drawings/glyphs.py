@@ -14,13 +14,7 @@ Glyph = Callable[[Block, Box], str]
 
 
 def draw_block(block: Block, box: Box) -> str:
-    """Draw a block without its caption and its wires.
-
-    Parameters
-    ----------
-    block : Block
-        With a known glyph.
-    """
+    """Draw a block without its caption and its wires."""
     return GLYPHS[block.glyph](block, box)
 
 

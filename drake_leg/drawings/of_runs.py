@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import count, takewhile
+
 from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.wiring import plant_of
@@ -16,23 +18,17 @@ from drake_leg.systems.frame_sensor import FrameSensor
 
 def run_pictures(
     diagram: Diagram,
-    robot: Robot,
+    robot: Robot | None = None,
     *,
     title: str,
     part: str = ALL,
     scopes: bool = True,
     accelerations: bool = True,
 ) -> tuple[Picture, ...]:
-    """Read the pictures of what a run simulates.
+    """Read the pictures of what a run simulates: signals, mechanism, all (both), or a link's.
 
-    Parameters
-    ----------
-    robot : Robot
-        What the plant is of; it tells the shapes of the solids.
-    part : str
-        "signals", "mechanism", "all" (both), or the name of a link.
-    scopes, accelerations : bool
-        Whether the logs are drawn, and what only accelerations need.
+    ``robot`` is what the plant was built from: it tells the shapes of the solids, which are boxes
+    without it.
 
     Raises
     ------
@@ -42,7 +38,7 @@ def run_pictures(
     plant = plant_of(diagram)
     shapes = {
         segment.link.name: type(segment.link.solid.shape).__name__.lower()
-        for segment in robot.segments
+        for segment in (robot.segments if robot else ())
         if segment.link is not None and segment.link.solid is not None
     }
     if part not in (SIGNALS, MECHANISM, ALL):
@@ -57,12 +53,13 @@ def run_pictures(
         )
     if part != SIGNALS:
         sensing = any(isinstance(system, FrameSensor) for system in diagram.GetSystems())
+        frames = takewhile(plant.HasFrameNamed, map(frame_name, count()))
         pictures.append(
             mechanism_picture(
                 plant,
                 title=f"{title}: mechanism, inside the plant",
                 shapes=shapes,
-                sensed=frame_name(len(robot.segments)) if sensing else None,
+                sensed=list(frames)[-1] if sensing else None,
             )
         )
     return tuple(pictures)

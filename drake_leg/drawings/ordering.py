@@ -33,15 +33,8 @@ class Order:
 def order_of(picture: Picture, columns: Columns) -> Order:
     """Order blocks, lanes and loose ports so that few wires cross.
 
-    Barycentres first, then every spot is tried at every other place of its column, until nothing
+    Barycentres first; then every spot is tried at every other place of its column, until nothing
     gets better.
-
-    Parameters
-    ----------
-    picture : Picture
-        Its blocks say which ports are loose.
-    columns : Columns
-        Of the same picture.
     """
     sides = [
         (range(len(picture.blocks[s.block].inputs)), range(len(picture.blocks[s.block].outputs)))

@@ -48,14 +48,10 @@ def trunks_of(tracks: Sequence[Track], heights: Mapping[End, float]) -> list[Tru
 
 
 def lanes_of(trunks: Sequence[Trunk]) -> tuple[dict[int, int], list[tuple[Trunk, Trunk]]]:
-    """Give every vertical line of a channel its lane.
+    """Find the lane of every vertical line of a channel, and pairs that cannot be kept apart.
 
-    Returns
-    -------
-    dict
-        Net to lane, counted from the left; straight nets have none.
-    list of (Trunk, Trunk)
-        Pairs of which the first would lie on the second, whichever way they are ordered.
+    Lanes, by net, are counted from the left; straight nets have none. Of a pair, the first would
+    lie on the second whichever way they are ordered.
     """
     bent = sorted((t for t in trunks if not t.straight), key=lambda t: t.track.net)
     order = _ordered(bent)

@@ -9,8 +9,7 @@ from drake_leg.drawings.chain import Chain, Output
 from drake_leg.drawings.picture import Picture
 from drake_leg.drawings.simulink_bodies import body_block
 from drake_leg.drawings.simulink_network import Network, ports_by_block
-from drake_leg.simulink.lines import split_port
-from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.model import Block, Model, split_port
 
 _SENSORS = ("6-DOF Joint", "Bushing Joint", "Transform Sensor")
 _LEAVES = ("Solid", "Inertia", "Configuration", "Graphic")  # how names of what ends a chain end
@@ -23,16 +22,7 @@ def model_mechanism_picture(
 
     What hangs on no World Frame follows, from an open end if there is one. A block that closes a
     loop has two connections on its left side, and so has a joint that only senses: it comes last.
-
-    Parameters
-    ----------
-    names : mapping
-        SID to unique name.
-
-    Returns
-    -------
-    Picture
-        Not yet laid out; without blocks where the model has no mechanism.
+    A model without a mechanism has a picture without blocks.
     """
     return _Walk(model, network, names).picture(title)
 

@@ -49,21 +49,6 @@ class Box:
         """The centre."""
         return self.x + self.width / 2, self.y + self.height / 2
 
-    def overlaps(self, other: Box, margin: float = 0.0) -> bool:
-        """Tell whether two rectangles have more than an edge in common.
-
-        Parameters
-        ----------
-        margin : float
-            How near is near enough [px].
-        """
-        return (
-            self.x < other.right + margin
-            and other.x < self.right + margin
-            and self.y < other.bottom + margin
-            and other.y < self.bottom + margin
-        )
-
 
 @dataclass(frozen=True)
 class Size:
@@ -76,13 +61,7 @@ class Size:
 
 
 def size_of(block: Block) -> Size:
-    """Return the size of a block.
-
-    Parameters
-    ----------
-    block : Block
-        With a known glyph.
-    """
+    """How much room a block needs."""
     sides = [ports for ports in (block.inputs, block.outputs) if ports]
     ports = 2 * PORT_PAD + PORT_PITCH * (max(map(len, sides), default=1) - 1)
     if block.glyph in ("mux", "demux"):

@@ -14,7 +14,7 @@ from drake_leg.figures.labels import Labels, Line
 from drake_leg.figures.sketch import AXES, COLOURS, Sketch
 from drake_leg.figures.style import GREY, INK, new_figure
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.robot import Robot, Segment
 
@@ -39,7 +39,7 @@ class _Seen(NamedTuple):
     up: Array
 
     def corners(self) -> Array:
-        """Return where each row's way bends, from x of the frame before to its own z, (n, 3)."""
+        """Where each row's way bends, from x of the frame before to its own z, (n, 3) [m]."""
         start, end, x = self.X_B[:-1, :3, 3], self.X_B[1:, :3, 3], self.X_B[:-1, :3, 0]
         found: Array = start + x * ((end - start) * x).sum(axis=1, keepdims=True)
         return found
@@ -53,10 +53,7 @@ class _Seen(NamedTuple):
 def chain(robot: Robot, title: str) -> Figure:
     """Draw a chain twice, with its frames and with its bodies, above its table.
 
-    Returns
-    -------
-    Figure
-        In a posture and from a side from which most is seen.
+    Posture and side are those, among many that are tried, in which most is seen.
     """
     seen = _best_seen(robot)
     unit = _unit_of(seen)
@@ -109,7 +106,7 @@ def _best_seen(robot: Robot) -> _Seen:
 
 
 def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
-    """Where a joint may be drawn [rad or m]."""
+    """Range in which a joint may be drawn [rad or m]."""
     mechanics, size = segment.mechanics, size_of(robot.rows)
     turns = segment.row.joint == "revolute"
     low, high = (-WIDEST, WIDEST) if turns else (0.2 * size, 0.5 * size)
@@ -124,7 +121,7 @@ def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
 
 
 def _clearness(seen: _Seen, size: float) -> float:
-    """Say how well places can be told apart, and axes seen."""
+    """Rate how well places can be told apart, and how well axes are seen."""
     origins = seen.X_B[:, :3, 3]
     flat = seen.on_paper(origins)
     first, second = np.triu_indices(len(origins), 1)

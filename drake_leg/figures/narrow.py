@@ -32,13 +32,7 @@ POINTS = 72.0  # [1/inch]
 
 
 def narrow(figure: Figure) -> None:
-    """Make a figure narrower, its lettering as large as before.
-
-    Parameters
-    ----------
-    figure : Figure
-        As one of this room's functions has drawn it; it is changed.
-    """
+    """Make a figure narrower, its lettering as large as before; the figure itself is changed."""
     with mpl.rc_context(STYLE):
         figure.set_layout_engine("constrained")
         _resize(figure)

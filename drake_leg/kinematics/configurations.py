@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.robot import Robot, Segment
 
 

@@ -1,1 +1,1 @@
-"""The reports: their page, their errata, the grader of prints, and the lessons."""
+"""The two reports: their page, their errata, the grader of printed formulas, the lessons."""

@@ -24,10 +24,10 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.configurations import greatest_reach, random_configurations
 from drake_leg.models.plant import build_plant
 from drake_leg.names import frame_name
+from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Robot, Row
 from drake_leg.symbolic.optional import require_sympy
-from drake_leg.time_budget import BUDGET, TimeBudget
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
 SAMPLES = 32
@@ -164,6 +164,15 @@ def prove(
         If there is no sample, the seed is negative, or the budget is not positive.
     MissingSymPyError
         If SymPy is not installed.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, prove
+    >>> proof = prove(PENDULUM)
+    >>> proof.holds, proof.complete
+    (True, True)
+    >>> proof.worst.difference < 1e-15
+    True
     """
     if not 1 <= samples <= MOST_SAMPLES:
         raise InvalidValueError(f"samples is {samples}; it must be 1 to {MOST_SAMPLES}")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drake_leg.reading import read_text
+from drake_leg.files import read_text
 from drake_leg.robot import JointType, Link, Robot, Row, Segment
 from drake_leg.robot_file.bodies import ORIGIN, read_inertial, read_solid
 from drake_leg.robot_file.classic import ClassicRow, khalil_rows
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.joints import read_mechanics
 from drake_leg.robot_file.keys import Keys
-from drake_leg.robot_file.units import AngleUnit, in_radians, joint_units
+from drake_leg.units import AngleUnit, in_radians, joint_units
 
 ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "row")
 TABLE_KEYS = {
@@ -23,13 +23,14 @@ SIGMAS: dict[int | str, JointType] = {0: "revolute", 1: "prismatic", "~": "fixed
 
 _INSTEAD_OF_ROBOT = {
     "lengths": "lengths are in m throughout",
-    "rows": "rows are tables of their own, each under [[row]]",
+    "rows": "every row is a table of its own, under [[row]]",
     "units": 'lengths are in m throughout, and angles = "deg" or "rad"',
-    "dh": "the table's rows stand under [[row]]",
-    "joints": "a joint stands with its link in a row, under [[row]]",
-    "links": "a link stands with its joint in a row, under [[row]]",
-    "gravity": "gravity is an option of a run, --gravity",
-    "q0": "where it starts is an option of a run, --q0, or position_target under [row.mechanics]",
+    "dh": "the table's rows go under [[row]]",
+    "joints": "a joint goes with its link in a row, under [[row]]",
+    "links": "a link goes with its joint in a row, under [[row]]",
+    "gravity": "gravity belongs to a run, as its option `gravity`",
+    "q0": "where it starts belongs to a run, as its option `q0`, or to [row.mechanics], as "
+    "position_target",
     "tool": 'a tool is a last [[row]] with sigma = "~"',
     "base": 'what raises or turns the base is a first [[row]] with sigma = "~"',
 }
@@ -48,13 +49,13 @@ _INSTEAD_OF_ROW = {
     ),
     **dict.fromkeys(("min", "lower"), "write lower, under [row.limits]"),
     **dict.fromkeys(("max", "upper"), "write upper, under [row.limits]"),
-    "velocity": "the greatest speed stands under [row.limits]",
-    "effort": "the greatest torque or force stands under [row.limits]",
+    "velocity": "the greatest speed goes under [row.limits]",
+    "effort": "the greatest torque or force goes under [row.limits]",
     **dict.fromkeys(("q0", "home", "position"), "write position_target, under [row.mechanics]"),
     "inertia": "inertia is moments and products, with mass and centre, under [row.inertial]",
     **dict.fromkeys(
         ("length", "width", "height", "radius", "shape", "colour", "color"),
-        "what a link looks like stands under [row.solid]",
+        "what a link looks like goes under [row.solid]",
     ),
     "friction": "what grows with speed is damping, under [row.mechanics]; there is no other",
     **dict.fromkeys(
@@ -65,36 +66,20 @@ _INSTEAD_OF_ROW = {
     "child": _NO_PARENTS,
     "children": _NO_PARENTS,
     "a": 'it belongs to the classic convention: say convention = "classic", or give d and r',
-    "mass": "a mass stands with centre and moments under [row.inertial]",
-    "density": "a density stands under [row.solid]",
-    "damping": "damping stands under [row.mechanics]",
+    "mass": "a mass goes with centre and moments under [row.inertial]",
+    "density": "a density goes under [row.solid]",
+    "damping": "damping goes under [row.mechanics]",
     "r": 'it belongs to Khalil\'s convention: leave out convention = "classic", or give d and a',
 }
 
 
-def load_robot(path: Path) -> Robot:
+def load_robot(path: Path | str) -> Robot:
     """Read a robot from a TOML file.
-
-    Returns
-    -------
-    Robot
-        In Khalil's convention, whatever the file has.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value, if something makes no sense.
-    """
-    return read_robot(read_text(path), str(path))
-
-
-def read_robot(text: str, where: str) -> Robot:
-    """Read a robot from TOML.
 
     Parameters
     ----------
-    where : str
-        Name of the file, the beginning of every error's sentence.
+    path : Path or str
+        ``drake-leg sdf leg-b --toml`` prints one to start from.
 
     Returns
     -------
@@ -105,14 +90,33 @@ def read_robot(text: str, where: str) -> Robot:
     ------
     InvalidValueError
         With file, key and value, if something makes no sense.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from drake_leg import LEG_B, load_robot
+    >>> from drake_leg.robot_file.write import robot_toml
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "leg_b.toml"
+    ...     _ = path.write_text(robot_toml(LEG_B))
+    ...     load_robot(path) == LEG_B
+    True
     """
+    return read_robot(read_text(Path(path)), str(path))
+
+
+def read_robot(text: str, where: str) -> Robot:
+    """Read a robot from TOML, as ``load_robot`` does; errors begin with the file's name."""
     keys = Keys(parse_document(text, where), where, ROBOT_KEYS, _INSTEAD_OF_ROBOT)
     name = keys.text("name")
     convention = keys.choice("convention", tuple(TABLE_KEYS), "khalil")
     angles: AngleUnit = keys.choice("angles", ("deg", "rad"))
-    tables = keys.value("row", remedy="every row of the table stands under [[row]]")
+    tables = keys.value("row", remedy="every row of the table goes under [[row]]")
     if not isinstance(tables, list) or not tables:
-        raise keys.error("row is no list of tables; every row stands under [[row]], two brackets")
+        raise keys.error(
+            "row is not a list of tables; every row goes under [[row]], with two brackets"
+        )
     rows = [
         Keys(table, f"{where}: row {index}", (*TABLE_KEYS[convention], *BODY_KEYS), _INSTEAD_OF_ROW)
         for index, table in enumerate(tables, start=1)
@@ -162,7 +166,7 @@ def _classic_row(keys: Keys, angles: AngleUnit) -> ClassicRow:
 def _segment(keys: Keys, row: Row, index: int, angles: AngleUnit) -> Segment:
     acting = [key for key in ("mechanics", "limits") if keys.has(key)]
     if row.joint == "fixed" and acting:
-        raise keys.error(f'{acting[0]} stands at a fixed row (sigma = "~"), which cannot move')
+        raise keys.error(f'{acting[0]} is given at a fixed row (sigma = "~"), which cannot move')
     if row.joint == "fixed" and not any(keys.has(key) for key in BODY_KEYS):
         return Segment(row=row)
     link = keys.text("link", f"link_{index}")

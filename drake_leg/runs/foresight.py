@@ -15,16 +15,23 @@ from drake_leg.errors import (
     InvalidValueError,
     SingularConfigurationError,
 )
-from drake_leg.kinematics.arms import Arm, ChainArm, ClosedArm, loses_turning
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.encounter import Encounter, Forecast, SineStep, encounter_at
-from drake_leg.kinematics.forecast import forecast_path, forecast_step
-from drake_leg.kinematics.inverse import Inverse
+from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.paths import CommandedMotion
-from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.robot import Segment
 from drake_leg.runs.options import StepOptions, joint_values
 from drake_leg.simulation import Run
+from drake_leg.singularity.families import families_of
+from drake_leg.singularity.forecast import (
+    Encounter,
+    Forecast,
+    SineStep,
+    encounter_at,
+    forecast_path,
+    forecast_step,
+)
+from drake_leg.singularity.inverse import Inverse
+from drake_leg.singularity.rank import loses_turning
 
 CORRECTION = 5.0  # [1/s], of a damped or limited inverse where none is asked for
 STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
@@ -38,7 +45,7 @@ Motion = Callable[[float, Array], CommandedMotion]  # amplitude, times -> motion
 class Plan:
     """A commanded motion and how it is followed."""
 
-    arm: ClosedArm | ChainArm
+    robot: Movable
     q0: tuple[float, ...]  # where the command believes the joints [rad or m]
     control: Control
     motion: Motion
@@ -58,17 +65,17 @@ class Plan:
             that does not start where the command believes it.
         """
         start = self.control.start(self.q0)
-        if self.filtered or not math.isfinite(self.duration) or _is_singular(self.arm, start):
+        if self.filtered or not math.isfinite(self.duration) or _is_singular(self.robot, start):
             return Forecast()
         gain = self.control.correction
-        off = self.arm.foot(start) - self.arm.foot(self.q0)
+        off = self.robot.foot(start) - self.robot.foot(self.q0)
         if self.step is not None and (gain == 0.0 or not off.any()):
-            return forecast_step(self.arm, start, self.step, self.duration)
-        if isinstance(self.arm, ChainArm):
+            return forecast_step(self.robot, start, self.step, self.duration)
+        if families_of(self.robot.geometry) is None:
             return Forecast()
         period = 2.0 * math.pi / self.frequency
         settled = SETTLED / gain if gain > 0.0 and off.any() else 0.0
-        origin = self.arm.foot(self.q0)
+        origin = self.robot.foot(self.q0)
 
         def path(amplitude: float) -> Callable[[Array], Array]:
             return lambda times: (
@@ -78,7 +85,7 @@ class Plan:
             )
 
         return forecast_path(
-            self.arm,
+            self.robot,
             start,
             path,
             amplitude=self.amplitude,
@@ -114,12 +121,12 @@ class Plan:
         """Refuse to keep the foot's orientation from a posture in which the joints cannot."""
         start = self.control.start(self.q0)
         exact = self.control.inverse.is_exact
-        if exact and _is_singular(self.arm, start) and loses_turning(self.arm, start):
+        if exact and _is_singular(self.robot, start) and loses_turning(self.robot, start):
             raise SingularConfigurationError(
                 q=start,
-                sigma_min=float(smallest_singular_value(self.arm.jacobian(start))),
+                sigma_min=self.robot.sigma_min(start),
                 time=0.0,
-                remedy="choose another --q0, or --task position, which lets the foot turn",
+                advice="choose another `q0`, or `task='position'`, which lets the foot turn",
             )
 
 
@@ -204,7 +211,7 @@ def step_for(step: float, control: Control) -> float:
 
 
 def singularity_findings(
-    arm: Arm, run: Run, forecast: Forecast, name: str, *, disturbed: bool = False
+    robot: Movable, run: Run, forecast: Forecast, name: str, *, disturbed: bool = False
 ) -> dict[str, Any]:
     """Say of a run where it became singular, and what it was expected to meet.
 
@@ -225,9 +232,9 @@ def singularity_findings(
         "grazing": graze.describe() if graze else None,
     }
     if isinstance(run.stopped_by, SingularConfigurationError):
-        q = run.scopes["joint positions"][-1, : len(arm.turning)].tolist()
+        q = run.scopes["joint positions"][-1, : robot.joints].tolist()
         greatest = foreseen.greatest_amplitude if foreseen else None
-        met = encounter_at(arm, q, float(run.time[-1]), greatest)
+        met = encounter_at(robot, q, float(run.time[-1]), greatest)
         findings["singularity"] = met.as_json()
         findings["stop_reason"] = (
             f"the {name} became {met.describe()}: {_remedy(met, disturbed=disturbed)}"
@@ -242,6 +249,6 @@ def _remedy(met: Encounter, *, disturbed: bool) -> str:
     return f"choose {amplitude}, a higher frequency, another posture or --inverse damped"
 
 
-def _is_singular(arm: Arm, q: Sequence[float]) -> bool:
-    sigma = np.linalg.svd(arm.jacobian(q), compute_uv=False)
+def _is_singular(robot: Movable, q: Sequence[float]) -> bool:
+    sigma = np.linalg.svd(robot.jacobian_in_lengths(q), compute_uv=False)
     return bool(sigma[-1] <= 1e-9 * sigma[0])

@@ -13,16 +13,13 @@ from pydrake.systems.framework import Diagram
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.integrator import IntegratorSettings
-from drake_leg.kinematics.arms import arm_of
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.encounter import SineStep
 from drake_leg.kinematics.khalil import foot_pose, jacobian
-from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
+from drake_leg.kinematics.movable import Movable, smallest_singular_value
+from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.paths import UP, CommandedMotion, elliptic_path, straight_path
-from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.kinematics.rotation import rotation_matrices
-from drake_leg.kinematics.task import Task
 from drake_leg.quantities import joint_entries
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
@@ -52,6 +49,7 @@ from drake_leg.runs.tip import (
     torque_error,
 )
 from drake_leg.simulation import Progress, Run, simulate
+from drake_leg.singularity.forecast import SineStep
 
 Config = TypeVar("Config", bound=hexabot_leg.HexabotLegConfig)
 
@@ -163,7 +161,7 @@ def _plan(
     step: SineStep | None,
 ) -> Plan:
     return Plan(
-        arm=arm_of(config.robot, config.exact_task()),
+        robot=config.movable(),
         q0=config.q0,
         control=config.control,
         motion=motion,
@@ -196,7 +194,7 @@ def _carry_out(
     path = plan.motion(config.amplitude, run.time)
     outcome = _outcome(config, options, settings, run, path, across)
     met = singularity_findings(
-        plan.arm, run, forecast, config.robot.name, disturbed=config.disturbance.acts
+        plan.robot, run, forecast, config.robot.name, disturbed=config.disturbance.acts
     )
     return replace(outcome, summary={**outcome.summary, **met})
 
@@ -244,17 +242,17 @@ def _outcome(
 ) -> Outcome:
     robot = config.robot
     start = foot_pose(robot.rows, config.q0)[:3, 3]
-    task = config.exact_task()
-    J = task.twists.T @ jacobian(robot.rows, run.scopes["joint positions"])
-    sigma_min = smallest_singular_value(np.array(task.row_lengths)[:, np.newaxis] * J)
+    moved = config.movable()
+    J = moved.twists.T @ jacobian(robot.rows, run.scopes["joint positions"])
+    sigma_min = smallest_singular_value(np.array(moved.row_lengths)[:, np.newaxis] * J)
     det_j = run.scopes["singularity check"][:, 0]
-    name, unit = _determinant(robot, task)
+    name, unit = _determinant(robot, moved)
     columns = tip_columns(robot, run)
     columns |= {f"{name}[{unit}]" if unit else name: det_j, "sigma_min[m]": sigma_min}
     exact = exact_tip(start, path, _exact_angles(config, start + path.displacement))
     findings = {
         **joint_entries("q0", config.q0, [s.row.joint == "prismatic" for s in robot.moving]),
-        "task": "pose" if task.keeps_orientation else "position",
+        "task": "pose" if moved.keeps_orientation else "position",
         "direction": list(config.direction),
         **control_findings(config.control),
         **tip_findings(run, start, path, np.array(config.direction), across, config.disturbance),
@@ -263,7 +261,7 @@ def _outcome(
         f"{name}_min_{unit}".replace("^", "").rstrip("_"): float(det_j.min()),
         f"{name}_max_{unit}".replace("^", "").rstrip("_"): float(det_j.max()),
     }
-    if task.keeps_orientation:
+    if moved.keeps_orientation:
         R_BF = foot_pose(robot.rows, config.q0)[:3, :3]
         findings["max_rotation_error_rad"] = _greatest_turn(R_BF, run.scopes["Q"])
     if config.filter_time_constant is not None:
@@ -274,11 +272,11 @@ def _outcome(
     return outcome_of(robot, run, settings, options.duration, Recording(columns), exact, findings)
 
 
-def _determinant(robot: Robot, task: Task) -> tuple[str, str]:
+def _determinant(robot: Robot, moved: Movable) -> tuple[str, str]:
     """Name what the singularity check records, and its unit: none where a redundant one mixes."""
     sliding = sum(segment.row.joint == "prismatic" for segment in robot.moving)
-    power = int(np.linalg.matrix_rank(task.twists[3:])) - sliding
-    if not task.is_redundant:
+    power = int(np.linalg.matrix_rank(moved.twists[3:])) - sliding
+    if not moved.is_redundant:
         return "det_j", f"m^{power}"
     return "manipulability", "" if sliding else f"m^{power}"
 
@@ -292,6 +290,7 @@ def _greatest_turn(R_BF: Array, quaternions: Array) -> float:
 
 def _exact_angles(config: hexabot_leg.HexabotLegConfig, feet: Array) -> Array | None:
     """Return the closed form's joint angles; there is none for a robot from a file."""
-    if not is_hexabot_leg(config.robot):
+    geometry = geometry_of(config.robot)
+    if not isinstance(geometry, LegGeometry):
         return None
-    return inverse_kinematics(LegGeometry.from_robot(config.robot), feet, like=config.q0)
+    return inverse_kinematics(geometry, feet, like=config.q0)

@@ -10,7 +10,7 @@ from pydrake.systems.framework import Diagram
 from drake_leg.diagrams import ellipse, hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.foot_task import first_direction, foot_task
+from drake_leg.kinematics.of_robot import movable
 from drake_leg.models.state_targets import initial_state, starting_posture
 from drake_leg.robot import Robot
 from drake_leg.robots import LegVariant
@@ -26,6 +26,7 @@ from drake_leg.runs.options import (
     joint_values,
 )
 from drake_leg.simulation import Start
+from drake_leg.singularity.directions import first_direction
 
 
 def leg_of(variant: LegVariant, options: LegOptions) -> Robot:
@@ -137,7 +138,7 @@ def _direction(
 ) -> tuple[float, float, float]:
     """Take the direction that was asked for, or the first one that the foot can go along."""
     if options.direction is None:
-        return first_direction(robot, foot_task(robot, q0, options.task), q0)
+        return first_direction(robot, movable(robot, q0, options.task), q0)
     return options.unit_direction()
 
 

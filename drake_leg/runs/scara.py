@@ -6,12 +6,11 @@ import numpy as np
 
 from drake_leg.diagrams import scara
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.kinematics.arms import ScaraArm
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.encounter import SineStep
+from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.kinematics.paths import CommandedMotion, straight_path
-from drake_leg.kinematics.rates import smallest_singular_value
 from drake_leg.kinematics.scara import (
+    MovableScara,
     ScaraGeometry,
     inverse_kinematics,
     lift_position,
@@ -40,6 +39,7 @@ from drake_leg.runs.tip import (
     torque_error,
 )
 from drake_leg.simulation import Progress, simulate
+from drake_leg.singularity.forecast import SineStep
 
 
 def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcome:
@@ -102,7 +102,7 @@ def run_scara(options: ScaraOptions, progress: Progress | None = None) -> Outcom
     }
     findings["inaccuracy"] = tip_inaccuracy(findings, path, config.control, settings, "tool")
     findings |= singularity_findings(
-        plan.arm, run, forecast, config.robot.name, disturbed=config.disturbance.acts
+        plan.robot, run, forecast, config.robot.name, disturbed=config.disturbance.acts
     )
     return outcome_of(
         config.robot, run, settings, options.duration, Recording(columns), exact, findings, "tool"
@@ -121,7 +121,7 @@ def _plan(config: scara.ScaraConfig, duration: float) -> Plan:
         )
 
     return Plan(
-        arm=ScaraArm(arm, lift_position(arm, config.R)),
+        robot=MovableScara(arm, lift_position(arm, config.R)),
         q0=config.q0,
         control=config.control,
         motion=motion,

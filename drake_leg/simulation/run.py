@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -15,6 +15,7 @@ from pydrake.systems.framework import Context, Diagram, EventStatus
 from pydrake.systems.primitives import VectorLogSink
 
 from drake_leg.diagrams.disturbance import is_disturbed
+from drake_leg.diagrams.mechanism import MOTION, start_on_motion
 from drake_leg.errors import (
     DrakeLegError,
     InvalidValueError,
@@ -24,6 +25,7 @@ from drake_leg.errors import (
     StepBudgetError,
     UnstableRunError,
 )
+from drake_leg.html_table import html_table
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.quantities import beyond, require_positive
@@ -55,6 +57,16 @@ class Run:
     wall_time: float  # [s], of AdvanceTo
     stopped_by: DrakeLegError | None = None  # where one of this package's errors was the reason
 
+    def _repr_html_(self) -> str:
+        rows = []
+        for name, values in self.scopes.items():
+            first, last = (", ".join(f"{value:.4g}" for value in values[i]) for i in (0, -1))
+            rows.append((name, values.shape[1], first, last))
+        title = f"Simulated {self.time[-1]:.4g} s in {len(self.time)} rows"
+        if self.stop_reason:
+            title += f"; stopped: {self.stop_reason}"
+        return html_table(("scope", "size", "first", "last"), rows, title=title)
+
     @property
     def real_time_factor(self) -> float:
         """Simulated time over the wall time of ``AdvanceTo``."""
@@ -64,8 +76,9 @@ class Run:
 def simulate(
     diagram: Diagram,
     *,
-    start: Start,
     duration: float,
+    start: Start | None = None,
+    max_step: float | None = None,
     settings: IntegratorSettings | None = None,
     longest_step: LongestStep | None = None,
     progress: Progress | None = None,
@@ -80,10 +93,13 @@ def simulate(
     ----------
     diagram : Diagram
         With per-step logs as scopes.
-    start : callable
-        ``start(diagram, context)`` sets the initial state.
     duration : float
-        [s].
+        Simulated time [s].
+    start : callable, optional
+        ``start(diagram, context)`` sets the initial state. By default the joints start on their
+        prescribed motion, or, where no motion drives them, at the diagram's default state.
+    max_step : float, optional
+        Longest time step [s]; by default that of the settings.
     settings : IntegratorSettings, optional
         Runge-Kutta of order 5 at steps of 40 ms by default.
     longest_step : callable, optional
@@ -104,14 +120,27 @@ def simulate(
         the initial state.
     SingularConfigurationError, JointLimitError
         If the robot is singular, or outside its joint limits, at the start.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, PendulumConfig, build_pendulum, simulate
+    >>> diagram = build_pendulum(PendulumConfig(robot=PENDULUM, q0=0.0))
+    >>> result = simulate(diagram, duration=0.5)
+    >>> result.stopped_at is None, result.time[-1]
+    (True, np.float64(0.5))
+    >>> sorted(result.scopes)
+    ['acceleration', 'energy', 'q', 'w']
     """
     settings = settings or IntegratorSettings()
+    if max_step is not None:
+        settings = replace(settings, max_step=max_step)
     require_positive("the duration", duration, "s")
     if duration / settings.max_step > STEP_BUDGET:
         raise InvalidValueError(
             f"{duration!r} s at steps of {settings.max_step!r} s are more than the "
-            f"{STEP_BUDGET} steps a run may take: choose a shorter duration or a larger --max-step "
-            "and, where a light link's damping or a stiff spring forbids that, --integrator radau3"
+            f"{STEP_BUDGET} steps a run may take",
+            advice="choose a shorter duration or a larger `max_step` and, where a light link's "
+            "damping or a stiff spring forbids that, `integrator='radau3'`",
         )
     simulator = Simulator(diagram)
     ResetIntegratorFromFlags(simulator, settings.scheme, settings.max_step)
@@ -122,7 +151,7 @@ def simulate(
     else:
         integrator.set_target_accuracy(settings.accuracy)
         context.DisableCaching()
-    _start(start, diagram, context)
+    _start(start or _default_start(diagram), diagram, context)
 
     guard = Guard(diagram, context, settings.max_step)
     limits = _Limits(diagram)
@@ -175,6 +204,13 @@ def simulate(
     )
 
 
+def _default_start(diagram: Diagram) -> Start:
+    """Return how a diagram starts when nobody says it."""
+    if diagram.HasSubsystemNamed(MOTION):
+        return start_on_motion
+    return lambda _diagram, _context: None
+
+
 def _start(start: Start, diagram: Diagram, context: Context) -> None:
     """Set the initial state, and see that the motion has a beginning."""
     try:
@@ -192,7 +228,7 @@ class _Limits:
 
     def __init__(self, diagram: Diagram) -> None:
         weaker = ", or a weaker disturbance" if is_disturbed(diagram) else ""
-        self._remedy = f"choose another posture or a smaller amplitude{weaker}"
+        self._advice = f"choose another posture or a smaller amplitude{weaker}"
         self._limited = []
         for plant in diagram.GetSystems():
             if isinstance(plant, MultibodyPlant):
@@ -213,7 +249,7 @@ class _Limits:
                         limits=(low[index], high[index]),
                         time=root.get_time(),
                         slides=isinstance(joint, PrismaticJoint),
-                        remedy=self._remedy,
+                        advice=self._advice,
                     )
 
 

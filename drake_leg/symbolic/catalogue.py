@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 from drake_leg.errors import InvalidValueError
@@ -11,6 +12,7 @@ from drake_leg.robots import LEG_A, LEG_B, SCARA
 from drake_leg.symbolic.optional import require_sympy
 
 if TYPE_CHECKING:
+    from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import Equation
 
 
@@ -31,20 +33,7 @@ SUBJECTS = {
 
 
 def require_subject(name: str) -> None:
-    """Refuse what is none of ``SUBJECTS``, and to go on without SymPy.
-
-    Parameters
-    ----------
-    name : str
-        As on the command line.
-
-    Raises
-    ------
-    InvalidValueError
-        If there is no such subject.
-    MissingSymPyError
-        If SymPy is not installed.
-    """
+    """Raise an error unless ``name`` is one of ``SUBJECTS`` and SymPy is installed."""
     if name not in SUBJECTS:
         raise InvalidValueError(
             f"there is no derivation {name!r}; the derivations are {', '.join(SUBJECTS)}"
@@ -55,27 +44,32 @@ def require_subject(name: str) -> None:
 def derived_equations(name: str) -> tuple[Equation, ...]:
     """Derive all equations of one of the reports' robots, and what they prove.
 
-    Returns
-    -------
-    tuple of Equation
-        Those that its report numbers; then the two Jacobians' difference, the factored
-        determinant and its zeros, without a number.
+    Those that its report numbers come first; then, without a number, the two Jacobians'
+    difference, the factored determinant and its zeros.
 
     Raises
     ------
     InvalidValueError
-        If there is no such subject.
+        If there is no such robot.
     MissingSymPyError
         If SymPy is not installed.
     """
     require_subject(name)
     from drake_leg.symbolic import equations
-    from drake_leg.symbolic.derivation import derive
 
     numbered = {
         "leg-a": equations.leg_a_equations,
         "leg-b": equations.leg_b_equations,
         "scara": equations.scara_equations,
     }
-    derivation = derive(SUBJECTS[name].robot.rows, SUBJECTS[name].task)
-    return (*numbered[name](derivation), *equations.findings(derivation))
+    robot = derived(name)
+    return (*numbered[name](robot), *equations.findings(robot))
+
+
+@cache
+def derived(name: str) -> Derivation:
+    """Derive one of the reports' robots, once for everything that uses its matrices."""
+    require_subject(name)
+    from drake_leg.symbolic.derivation import Derivation
+
+    return Derivation(SUBJECTS[name].robot.rows, SUBJECTS[name].task)

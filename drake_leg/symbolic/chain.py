@@ -41,23 +41,21 @@ class SymbolicChain:
     q: tuple[sp.Symbol, ...]  # joint positions, q1 ... qm
     values: Mapping[sp.Symbol, float]  # of the other symbols [m or rad]
 
+    @property
+    def legend(self) -> str:
+        """The numbers of the letters, as in ``l1 = 0.25 m``."""
+        return ", ".join(
+            f"{symbol} = {value:.9g} {'m' if symbol.is_positive else 'rad'}"
+            for symbol, value in self.values.items()
+        )
+
 
 def symbolic_chain(rows: Sequence[Row]) -> SymbolicChain:
-    """Write a table in symbols.
+    """Write a table in symbols, whose numbers ``values`` keeps.
 
     Lengths along x that are not zero become l1, l2, ...; those along z become h, or h1, h2, ...
     where there are several; a negative length becomes -l. Angles that are simple fractions of pi
     become exact, others symbols with the row's number, alpha3 or theta5.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, of which m rows move.
-
-    Returns
-    -------
-    SymbolicChain
-        With the symbols' numbers, so that ``evaluator`` gives numbers back.
     """
     values: dict[sp.Symbol, float] = {}
     q: list[sp.Symbol] = []
@@ -108,23 +106,9 @@ def _angle(name: str, value: float, values: dict[sp.Symbol, float]) -> sp.Expr:
 
 
 def row_transform(row: SymbolicRow) -> sp.Matrix:
-    """Transform from a row's frame to the frame before it.
+    """Transform from a row's frame to the frame before it, ``X_PC``, (4, 4).
 
-    ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``.
-
-    Parameters
-    ----------
-    row : SymbolicRow
-        One row of the table.
-
-    Returns
-    -------
-    (4, 4) Matrix
-        Homogeneous transform X_PC, from the row's frame C to the frame before it P.
-
-    References
-    ----------
-    Report A, eq. 1.
+    ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``: report A, eq. 1.
     """
     c, s = sp.cos(row.theta), sp.sin(row.theta)
     ca, sa = sp.cos(row.alpha), sp.sin(row.alpha)
@@ -139,22 +123,7 @@ def row_transform(row: SymbolicRow) -> sp.Matrix:
 
 
 def base_transforms(chain: SymbolicChain) -> tuple[sp.Matrix, ...]:
-    """Transforms from every row's frame to the base, row after row multiplied.
-
-    Parameters
-    ----------
-    chain : SymbolicChain
-        The table, n rows.
-
-    Returns
-    -------
-    (n,) tuple of (4, 4) Matrix
-        Homogeneous transforms in the base frame; the last one is the foot's.
-
-    References
-    ----------
-    Report A, eq. 6-8; report B, 1.4 and 2.4.
-    """
+    """Transforms from every row's frame to the base, each (4, 4); the last is the foot's."""
     X_BC = sp.eye(4)
     transforms = []
     for row in chain.rows:
@@ -163,40 +132,11 @@ def base_transforms(chain: SymbolicChain) -> tuple[sp.Matrix, ...]:
     return tuple(transforms)
 
 
-def foot_position(chain: SymbolicChain) -> sp.Matrix:
-    """Position of the last frame of the chain in the base.
-
-    Returns
-    -------
-    p_BF : (3, 1) Matrix
-        Lengths in the table's symbols.
-
-    References
-    ----------
-    Report B, 2.5.1.
-    """
-    return base_transforms(chain)[-1][:3, 3]
-
-
 def direct_jacobian(chain: SymbolicChain) -> sp.Matrix:
-    """Jacobian by the direct method: every joint's own contribution.
+    """Jacobian by the direct method: every joint's own contribution, (6, m), rotation first.
 
-    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint gives ``[z; z x OF]``, a prismatic one
-    ``[0; z]``.
-
-    Parameters
-    ----------
-    chain : SymbolicChain
-        The table, of which m rows move.
-
-    Returns
-    -------
-    Jv_BF : (6, m) Matrix
-        Rows 0-2 angular, rows 3-5 translational, in the base frame.
-
-    References
-    ----------
-    Report A, eq. 9-15.
+    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint adds ``[z; z x OF]``, a prismatic one
+    ``[0; z]``: report A, eq. 9-15.
     """
     transforms = base_transforms(chain)
     p_BF = transforms[-1][:3, 3]
@@ -211,24 +151,10 @@ def direct_jacobian(chain: SymbolicChain) -> sp.Matrix:
 
 
 def indirect_jacobian(chain: SymbolicChain) -> sp.Matrix:
-    """Jacobian by the indirect method: derivatives of the foot's pose.
+    """Jacobian by the indirect method: derivatives of the foot's pose, (6, m), rotation first.
 
     Its columns are ``[w; dp_BF/dqi]``, with ``w`` the axis of the skew matrix
-    ``dR_BF/dqi R_BF'``.
-
-    Parameters
-    ----------
-    chain : SymbolicChain
-        The table, of which m rows move.
-
-    Returns
-    -------
-    Jv_BF : (6, m) Matrix
-        Rows 0-2 angular, rows 3-5 translational, in the base frame.
-
-    References
-    ----------
-    Report A, appendix, "Computing the Jacobian Using Indirect Method".
+    ``dR_BF/dqi R_BF'``: report A, appendix.
     """
     X_BF = base_transforms(chain)[-1]
     R_BF, p_BF = X_BF[:3, :3], X_BF[:3, 3]
@@ -240,19 +166,9 @@ def indirect_jacobian(chain: SymbolicChain) -> sp.Matrix:
 
 
 def evaluator(chain: SymbolicChain, expression: sp.Matrix) -> Function:
-    """Make a NumPy function of a matrix of expressions, at the table's own lengths and angles.
+    """Make a NumPy function of q (m,) of a matrix, at the table's own lengths and angles.
 
-    Parameters
-    ----------
-    chain : SymbolicChain
-        Joint positions and the numbers of all other symbols.
-    expression : (a, b) Matrix
-        In the chain's symbols.
-
-    Returns
-    -------
-    callable
-        q (m,) -> (a, b) ndarray; raises ``InvalidValueError`` if q is not m finite numbers.
+    It raises ``InvalidValueError`` if q is not m finite numbers.
     """
     symbols, numbers = list(chain.values), list(chain.values.values())
     compiled = sp.lambdify([list(chain.q), symbols], expression, "numpy", cse=True)
@@ -264,37 +180,22 @@ def evaluator(chain: SymbolicChain, expression: sp.Matrix) -> Function:
     return evaluate
 
 
+def evaluate(matrix: sp.Matrix, values: Mapping[str, float]) -> Array:
+    """Evaluate a matrix at one set of numbers; ``values`` has its symbols by name."""
+    numbers = {symbol: sp.Float(values[symbol.name]) for symbol in matrix.free_symbols}
+    return np.array(matrix.xreplace(numbers), dtype=np.float64)
+
+
 def foot_function(rows: Sequence[Row]) -> Function:
-    """Derive any chain's foot.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, of which m rows move.
-
-    Returns
-    -------
-    callable
-        Of one vector q (m,) [rad or m]: X_BF (4, 4) [-, m].
-    """
+    """Derive a chain's foot: a function of q (m,) [rad or m] returning X_BF (4, 4) [-, m]."""
     chain = symbolic_chain(rows)
     return evaluator(chain, base_transforms(chain)[-1])
 
 
 def jacobian_function(rows: Sequence[Row]) -> Function:
-    """Derive any chain's Jacobian by the indirect method.
+    """Derive a chain's Jacobian by the indirect method, as a function of q (m,) [rad or m].
 
-    It shares no formula with ``kinematics.khalil.jacobian``.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, of which m rows move.
-
-    Returns
-    -------
-    callable
-        Of one vector q (m,) [rad or m]: Jv_BF (6, m), rotation first [rad, m per rad or m].
+    It returns Jv_BF (6, m), rotation first, and shares no formula with ``kinematics.khalil``.
     """
     chain = symbolic_chain(rows)
     return evaluator(chain, indirect_jacobian(chain))

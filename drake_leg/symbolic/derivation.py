@@ -1,9 +1,9 @@
-"""All that a report derives of a robot, derived from its Khalil rows."""
+"""What follows from a Khalil table: transforms, Jacobians, determinant, singular postures."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import cached_property
 
 import sympy as sp
 
@@ -20,42 +20,83 @@ from drake_leg.symbolic.singularities import SingularFamily, singular_families
 from drake_leg.symbolic.trigonometry import normal_form, tidy
 
 
-@dataclass(frozen=True, kw_only=True)
 class Derivation:
-    """Transforms, Jacobian, determinant and singularities, each as short as it gets."""
-
-    chain: SymbolicChain
-    neighbours: tuple[sp.Matrix, ...]  # frame i in frame i - 1, (4, 4)
-    to_base: tuple[sp.Matrix, ...]  # frame i in frame 0, (4, 4)
-    jacobian: sp.Matrix  # of the task's velocities, square
-    difference: sp.Matrix  # direct minus indirect Jacobian, (6, m)
-    determinant: sp.Expr  # of the task's Jacobian, factored
-    families: tuple[SingularFamily, ...]
-
-
-def derive(rows: Sequence[Row], task: Sequence[int]) -> Derivation:
-    """Derive a robot's matrices.
+    """A table's matrices, each as short as it gets, and derived when it is first asked for.
 
     Parameters
     ----------
-    task : (n,) sequence of int
-        Rows of the Jacobian (0-2 angular, 3-5 translational) that the task is made of; its
-        columns are the first n joints.
-
-    References
-    ----------
-    Report A, section 2 and appendix; report B, sections 1 and 2.
+    rows : sequence of Row
+        The table, of which m rows move.
+    task : sequence of int, optional
+        Rows of the Jacobian (0-2 angular, 3-5 translational) that make it square; by default those
+        that translate, or all that move at all, if they are m.
     """
-    chain = symbolic_chain(rows)
-    direct, indirect = direct_jacobian(chain), indirect_jacobian(chain)
-    jacobian = direct.extract(list(task), list(range(len(task)))).applyfunc(tidy)
-    determinant = tidy(jacobian.det())
-    return Derivation(
-        chain=chain,
-        neighbours=tuple(row_transform(row) for row in chain.rows),
-        to_base=tuple(X_BC.applyfunc(tidy) for X_BC in base_transforms(chain)),
-        jacobian=jacobian,
-        difference=(direct - indirect).applyfunc(normal_form),
-        determinant=determinant,
-        families=singular_families(determinant, chain.q),
-    )
+
+    def __init__(self, rows: Sequence[Row], task: Sequence[int] | None = None) -> None:
+        self.chain: SymbolicChain = symbolic_chain(rows)
+        self._chosen = task
+
+    @cached_property
+    def neighbours(self) -> tuple[sp.Matrix, ...]:
+        """Frame i in frame i - 1, each (4, 4)."""
+        return tuple(map(row_transform, self.chain.rows))
+
+    def in_base(self, frame: int) -> sp.Matrix:
+        """Frame, from 1, in frame 0, (4, 4)."""
+        return base_transforms(self.chain)[frame - 1].applyfunc(tidy)
+
+    @cached_property
+    def to_base(self) -> tuple[sp.Matrix, ...]:
+        """Frame i in frame 0, each (4, 4)."""
+        return tuple(X_BC.applyfunc(tidy) for X_BC in base_transforms(self.chain))
+
+    @cached_property
+    def _direct(self) -> sp.Matrix:
+        return direct_jacobian(self.chain)
+
+    @cached_property
+    def spatial_jacobian(self) -> sp.Matrix:
+        """By the direct method, (6, m)."""
+        return self._direct.applyfunc(tidy)
+
+    @cached_property
+    def difference(self) -> sp.Matrix:
+        """Direct minus indirect Jacobian, (6, m)."""
+        return (self._direct - indirect_jacobian(self.chain)).applyfunc(normal_form)
+
+    @cached_property
+    def task(self) -> tuple[int, ...]:
+        """Rows of the square Jacobian; none if no rows are as many as the joints."""
+        if self._chosen is not None:
+            return tuple(self._chosen)
+        moved = [row for row in range(6) if not self.spatial_jacobian[row, :].is_zero_matrix]
+        for rows in ([row for row in moved if row >= 3], moved):
+            if len(rows) == len(self.chain.q):
+                return tuple(rows)
+        return ()
+
+    @cached_property
+    def jacobian(self) -> sp.Matrix:
+        """Of the task's velocities over the first joints, square."""
+        rows = self._direct.extract(list(self.task), list(range(len(self.task))))
+        return rows.applyfunc(tidy)
+
+    @cached_property
+    def determinant(self) -> sp.Expr:
+        """Of the square Jacobian, factored."""
+        return tidy(self.jacobian.det())
+
+    @cached_property
+    def expanded_determinant(self) -> sp.Expr:
+        """The same in single angles, multiplied out."""
+        return sp.factor(normal_form(self.determinant))
+
+    @cached_property
+    def inverse(self) -> sp.Matrix:
+        """Of the square Jacobian."""
+        return (self.jacobian.adjugate().applyfunc(tidy) / self.determinant).applyfunc(sp.factor)
+
+    @cached_property
+    def families(self) -> tuple[SingularFamily, ...]:
+        """Where the determinant is zero."""
+        return singular_families(self.determinant, self.chain.q)

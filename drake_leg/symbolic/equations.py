@@ -1,16 +1,19 @@
-"""The reports' numbered equations, as SymPy derives them, in the reports' order."""
+"""The reports' equations, as SymPy derives them; and those of a table of one's own, by pieces."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import sympy as sp
 
 from drake_leg.symbolic.chain import SymbolicRow, row_transform
 from drake_leg.symbolic.derivation import Derivation
+from drake_leg.symbolic.notation import shorthand
 from drake_leg.symbolic.singularities import ANY_INTEGER, SingularFamily
-from drake_leg.symbolic.trigonometry import normal_form, shorthand, tidy
+
+PARTS = ("w_x", "w_y", "w_z", "v_x", "v_y", "v_z")  # rows of the spatial Jacobian
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,13 +31,7 @@ class Equation:
         return str(sp.latex(self._shown()))
 
     def text(self) -> str:
-        """Write it for a terminal, in the reports' shorthand.
-
-        Returns
-        -------
-        str
-            Several lines where there is a matrix.
-        """
+        """Write it for a terminal, in the reports' shorthand; a matrix takes several lines."""
         return str(sp.pretty(self._shown(), use_unicode=True, wrap_line=False))
 
     def _shown(self) -> sp.Rel:
@@ -42,13 +39,8 @@ class Equation:
 
 
 def leg_a_equations(leg: Derivation) -> tuple[Equation, ...]:
-    """Derive report A's equations 1-17 and 19; 18 is 14 again.
-
-    References
-    ----------
-    Report A, section 2.
-    """
-    J, determinant = leg.jacobian, leg.determinant
+    """Derive report A's equations 1-17 and 19; 18 is 14 again."""
+    J = leg.jacobian
     qdot = sp.Matrix(sp.symbols("qdot_1:4"))
     contributions = [sp.MatrixSymbol(f"V_{number}", 3, 1) for number in (1, 2, 3)]
     return (
@@ -56,7 +48,7 @@ def leg_a_equations(leg: Derivation) -> tuple[Equation, ...]:
             label="1",
             title="transform of a row (d, alpha, r, theta)",
             left=sp.MatrixSymbol("T", 4, 4),
-            right=_general_transform(),
+            right=general_transform(),
         ),
         *_neighbours(leg, labels=("2", "3", "4", "5")),
         *(_to_base(leg, frame, label=str(4 + frame)) for frame in (2, 3, 4)),
@@ -94,28 +86,20 @@ def leg_a_equations(leg: Derivation) -> tuple[Equation, ...]:
             left=sp.Matrix(sp.symbols("xdot ydot zdot")),
             right=sp.MatMul(J, qdot, evaluate=False),
         ),
-        Equation(
-            label="17",
-            title="determinant, multiplied out as it is printed",
-            left=sp.Determinant(sp.MatrixSymbol("J", 3, 3)),
-            right=sp.factor(normal_form(determinant)),
+        _determinant(
+            leg.expanded_determinant, "determinant, multiplied out as it is printed", label="17"
         ),
         Equation(
             label="19",
             title="inverse Jacobian",
             left=sp.MatrixSymbol("J", 3, 3) ** -1,
-            right=(J.adjugate().applyfunc(tidy) / determinant).applyfunc(sp.factor),
+            right=leg.inverse,
         ),
     )
 
 
 def leg_b_equations(leg: Derivation) -> tuple[Equation, ...]:
-    """Derive report B's equations of the leg.
-
-    References
-    ----------
-    Report B, sections 2.3 to 2.5.
-    """
+    """Derive report B's equations of the leg, sections 2.3 to 2.5."""
     return (
         *_neighbours(leg, labels=("2.3",) * 4),
         _to_base(leg, 4, label="2.4"),
@@ -130,49 +114,24 @@ def leg_b_equations(leg: Derivation) -> tuple[Equation, ...]:
 
 
 def scara_equations(arm: Derivation) -> tuple[Equation, ...]:
-    """Derive report B's equations of the SCARA, with h = 452.4 mm and q4 = 452.4 - 340 - R.
-
-    References
-    ----------
-    Report B, sections 1.3 to 1.6.
-    """
+    """Derive report B's sections 1.3 to 1.6, with h = 452.4 mm and q4 = 452.4 - 340 - R."""
     return (
         *_neighbours(arm, labels=("1.3",) * 4),
         _to_base(arm, 3, label="1.4"),
         _jacobian(arm, label="1.5"),
-        Equation(
-            label="1.6",
-            title="determinant",
-            left=sp.Determinant(sp.MatrixSymbol("J", 3, 3)),
-            right=arm.determinant,
-        ),
+        _determinant(arm.determinant, "determinant", label="1.6"),
     )
 
 
 def findings(robot: Derivation) -> tuple[Equation, ...]:
-    """State what the matrices prove: both methods agree, and where the Jacobian is singular.
-
-    Returns
-    -------
-    tuple of Equation
-        The Jacobians' difference, the factored determinant, its zeros.
-
-    References
-    ----------
-    Report A, appendix; report B, 1.6.
-    """
-    agree = robot.difference.is_zero_matrix
+    """State what the matrices prove: both methods agree, and where the Jacobian is singular."""
     return (
         Equation(
             title="Jacobian by both methods, rotation and translation",
             left=sp.Symbol("direct") - sp.Symbol("indirect"),
-            right=sp.Integer(0) if agree else robot.difference,
+            right=_zero_or(robot.difference),
         ),
-        Equation(
-            title="determinant, factored",
-            left=sp.Determinant(sp.MatrixSymbol("J", 3, 3)),
-            right=robot.determinant,
-        ),
+        _determinant(robot.determinant, "determinant, factored"),
         *(equation for family in robot.families for equation in zeros_of(family)),
     )
 
@@ -198,7 +157,76 @@ def zeros_of(family: SingularFamily) -> list[Equation]:
     return stated
 
 
-def _general_transform() -> sp.Matrix:
+def matrices(robot: Derivation) -> dict[str, sp.Matrix]:
+    """Name what the equations of a report's robot are made of: T, T01, V1, P, J, J⁻¹, det J."""
+    last, J = len(robot.neighbours), robot.jacobian
+    found = {"T": general_transform()}
+    found |= {f"T{i}{i + 1}": X for i, X in enumerate(robot.neighbours)}
+    found |= {f"T0{i}": robot.to_base[i - 1] for i in range(2, last + 1)}
+    found |= {f"V{j + 1}": J[:, j] for j in range(J.cols)}
+    # The SCARA's determinant is printed as its rows multiply out, the leg's in single angles.
+    multiplied = sp.expand(J.det())
+    if len(sp.Add.make_args(multiplied)) > 2:
+        multiplied = robot.expanded_determinant
+    return found | {
+        "P": robot.to_base[-1][:3, 3],
+        "J": J,
+        "J⁻¹": robot.inverse,
+        "det J": sp.Matrix([[robot.determinant]]),
+        "det J expanded": sp.Matrix([[multiplied]]),
+    }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Piece:
+    """A part of a table's derivation, which may take long, or forever."""
+
+    title: str
+    derive: Callable[[], list[Equation]]
+    otherwise: str = ""  # what is said if there is no equation
+
+
+def own_pieces(robot: Derivation) -> Iterator[Piece]:
+    """List what is derived of a table of one's own; later pieces use what earlier ones found."""
+    for frame, X_PC in enumerate(robot.neighbours, start=1):
+        left = sp.MatrixSymbol(f"T_{frame - 1}{frame}", 4, 4)
+        yield _piece(f"frame {frame} in frame {frame - 1}", left, partial(sp.Matrix, X_PC))
+    for frame in range(2, len(robot.neighbours) + 1):
+        left = sp.MatrixSymbol(f"T_0{frame}", 4, 4)
+        yield _piece(f"frame {frame} in the base", left, partial(robot.in_base, frame))
+    J = sp.MatrixSymbol("J", 6, len(robot.chain.q))
+    yield _piece(f"Jacobian, its rows {', '.join(PARTS)}", J, lambda: robot.spatial_jacobian)
+    yield _piece(
+        "Jacobian by both methods",
+        sp.Symbol("direct") - sp.Symbol("indirect"),
+        lambda: _zero_or(robot.difference),
+    )
+
+    def determinant() -> list[Equation]:
+        title = f"determinant of the rows {', '.join(PARTS[row] for row in robot.task)}"
+        size = len(robot.task)
+        return [_determinant(robot.determinant, title, size=size)] if size else []
+
+    def families() -> list[Equation]:
+        found = robot.families if robot.task else ()
+        return [equation for family in found for equation in zeros_of(family)]
+
+    yield Piece(
+        title="determinant",
+        derive=determinant,
+        otherwise="none, as no rows of the Jacobian are as many as its columns",
+    )
+    yield Piece(
+        title="singular postures", derive=families, otherwise="none is told by a determinant"
+    )
+
+
+def _piece(title: str, left: sp.Basic, right: Callable[[], sp.Basic]) -> Piece:
+    return Piece(title=title, derive=lambda: [Equation(title=title, left=left, right=right())])
+
+
+def general_transform() -> sp.Matrix:
+    """Transform of a row of any numbers, report A's equation 1."""
     d, alpha, r, theta = sp.symbols("d alpha r theta", real=True)
     return row_transform(SymbolicRow(joint="fixed", d=d, alpha=alpha, r=r, theta=theta))
 
@@ -206,6 +234,10 @@ def _general_transform() -> sp.Matrix:
 def _general_contribution() -> sp.Matrix:
     z = sp.Matrix(sp.symbols("z_x z_y z_z"))
     return z.cross(sp.Matrix(sp.symbols("p_x p_y p_z")))
+
+
+def _zero_or(difference: sp.Matrix) -> sp.Basic:
+    return sp.Integer(0) if difference.is_zero_matrix else difference
 
 
 def _neighbours(robot: Derivation, labels: Sequence[str]) -> list[Equation]:
@@ -231,8 +263,10 @@ def _to_base(robot: Derivation, frame: int, *, label: str) -> Equation:
 
 def _jacobian(robot: Derivation, *, label: str) -> Equation:
     return Equation(
-        label=label,
-        title="Jacobian",
-        left=sp.MatrixSymbol("J", 3, 3),
-        right=robot.jacobian,
+        label=label, title="Jacobian", left=sp.MatrixSymbol("J", 3, 3), right=robot.jacobian
     )
+
+
+def _determinant(value: sp.Expr, title: str, *, label: str = "", size: int = 3) -> Equation:
+    left = sp.Determinant(sp.MatrixSymbol("J", size, size))
+    return Equation(label=label, title=title, left=left, right=value)

@@ -8,7 +8,7 @@ from drake_leg.errors import DrakeLegError
 
 
 class MissingSymPyError(DrakeLegError):
-    """SymPy is wanted and not installed."""
+    """SymPy is needed and not installed."""
 
     def __init__(self, purpose: str) -> None:
         self.purpose = purpose
@@ -16,17 +16,6 @@ class MissingSymPyError(DrakeLegError):
 
 
 def require_sympy(purpose: str) -> None:
-    """Refuse to go on without SymPy.
-
-    Parameters
-    ----------
-    purpose : str
-        What wants it, the subject of the error's sentence.
-
-    Raises
-    ------
-    MissingSymPyError
-        If SymPy is not installed.
-    """
+    """Raise ``MissingSymPyError`` unless SymPy is installed; ``purpose`` begins its sentence."""
     if find_spec("sympy") is None:
         raise MissingSymPyError(purpose)

@@ -25,7 +25,7 @@ from drake_leg.symbolic.formulas import (
     total,
     written,
 )
-from drake_leg.symbolic.notation import plain, quoted
+from drake_leg.symbolic.spelling import plain, quoted
 
 ANGLE_LETTERS = ("theta", "teta", "phi", "th", "q")
 MOST_TOKENS = 2000
@@ -76,7 +76,7 @@ def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = Tru
     Parameters
     ----------
     text : str
-        In the reports' notation; see ``notation``.
+        In the reports' notation; see ``spelling``.
     declared : collection of str
         Names of symbols in lower case, so that ``rl4c3`` is read as ``rl4 c3``.
     weak : bool

@@ -29,22 +29,10 @@ class SingularFamily:
 
 
 def singular_families(determinant: sp.Expr, q: tuple[sp.Symbol, ...]) -> tuple[SingularFamily, ...]:
-    """Find all zeros of a factored determinant.
+    """Find the zeros of every factor of a determinant that depends on the joints, simplest first.
 
-    Parameters
-    ----------
-    determinant : Expr
-        A product. What of a factor is not of degree one, in the sine and cosine of an angle or in
-        the position of a sliding joint, is not solved for that joint.
-
-    Returns
-    -------
-    tuple of SingularFamily
-        One for every factor that depends on the joints, the simplest first.
-
-    References
-    ----------
-    Report A, eq. 17 and appendix; report B, 1.6.
+    A factor is solved for a joint if it is of degree one in the sine and cosine of its angle, or
+    in the position of a sliding joint: report A, eq. 17 and appendix; report B, 1.6.
     """
     factors = [
         factor.base if factor.is_Pow and factor.exp.is_Integer else factor
@@ -83,21 +71,8 @@ def solve_for(factor: sp.Expr, angle: sp.Symbol) -> Solution:
     """Solve ``a cos(x) + b sin(x) + c = 0`` by the tangent of the half angle.
 
     With ``t = tan(x/2)`` it is ``(c - a) t^2 + 2 b t + (c + a) = 0``, and ``x = 2 atan(t)``. Where
-    ``c = a`` for all values of the other angles, ``x = pi`` is a root besides.
-
-    Parameters
-    ----------
-    factor : Expr
-        Of degree one in cos(x) and sin(x), or in those of sums with x.
-
-    Returns
-    -------
-    Solution
-        The roots plus any number of turns; where they are all multiples of pi, as one value.
-
-    References
-    ----------
-    Report A, appendix (MATLAB's ``solve``).
+    ``c = a`` for all values of the other angles, ``x = pi`` is another root. Any number of turns
+    is added to the roots; if they are all the multiples of pi, they are one value.
     """
     expanded = sp.expand(sp.expand_trig(factor))
     a, b = expanded.coeff(sp.cos(angle)), expanded.coeff(sp.sin(angle))

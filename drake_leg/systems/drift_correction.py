@@ -40,6 +40,16 @@ class DriftCorrection(Diagram):
     ------
     InvalidValueError
         If the gain is negative.
+
+    Examples
+    --------
+    >>> from drake_leg import DriftCorrection
+    >>> block = DriftCorrection(5.0, start=[0.1, 0.0, 0.0])
+    >>> context = block.CreateDefaultContext()
+    >>> for name, value in (("v", [0.05, 0, 0]), ("p", [0.09, 0, 0])):  # 10 mm behind
+    ...     _ = block.GetInputPort(name).FixValue(context, value)
+    >>> block.GetOutputPort("velocity").Eval(context).round(6).tolist()  # 50 mm/s faster
+    [0.1, 0.0, 0.0]
     """
 
     def __init__(self, gain: float, start: ArrayLike) -> None:

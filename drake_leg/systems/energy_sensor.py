@@ -22,6 +22,15 @@ class EnergySensor(LeafSystem):
     ----------
     plant : MultibodyPlant
         Finalised.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, EnergySensor, build_plant
+    >>> sensor = EnergySensor(build_plant(PENDULUM))
+    >>> context = sensor.CreateDefaultContext()
+    >>> _ = sensor.GetInputPort("state").FixValue(context, [1.5707963, 0.0])  # hanging, at rest
+    >>> sensor.GetOutputPort("energy").Eval(context).round(4).tolist()  # -m g L / 2 [J]
+    [-0.0785]
     """
 
     def __init__(self, plant: MultibodyPlant) -> None:

@@ -106,6 +106,17 @@ class FrameSensor(LeafSystem):
     ----------
     Report A, section 2.5 (the 6-DOF joint from the world to the sphere); Simscape Multibody,
     Transform Sensor, parameter Measurement Frame.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, FrameSensor, build_plant
+    >>> plant = build_plant(LEG_B)
+    >>> sensor = FrameSensor(plant, plant.GetFrameByName("frame_4"))
+    >>> context = sensor.CreateDefaultContext()
+    >>> state = [0, 0, 0, 2, 0, 0]  # stretched along x; the hip turns at 2 rad/s
+    >>> _ = sensor.GetInputPort("state").FixValue(context, state)
+    >>> sensor.GetOutputPort("velocity").Eval(context).round(6).tolist()  # [m/s]
+    [0.0, 0.5, 0.0]
     """
 
     def __init__(

@@ -51,6 +51,15 @@ class InputFilter(Diagram):
     InvalidValueError
         If the time constant is not positive, the order not 1 or 2, or ``initial`` has not n finite
         numbers.
+
+    Examples
+    --------
+    >>> from drake_leg import InputFilter
+    >>> block = InputFilter(1, 0.1, initial=[0.0])
+    >>> context = block.CreateDefaultContext()
+    >>> _ = block.GetInputPort("u").FixValue(context, [1.0])  # a step
+    >>> block.GetOutputPort("qddot").Eval(context).round(6).tolist()  # u / tau^2
+    [100.0]
     """
 
     def __init__(

@@ -39,6 +39,18 @@ class JointStops(LeafSystem):
     ------
     InvalidValueError
         If there is no such joint, if it has more than one axis, or if none has a stop.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from drake_leg import PENDULUM, JointStops, build_plant
+    >>> from drake_leg.robot import HardStop, JointMechanics
+    >>> mechanics = JointMechanics(upper=1.0, upper_stop=HardStop.rotational())
+    >>> block = JointStops(build_plant(PENDULUM), {"pivot": mechanics})
+    >>> context = block.CreateDefaultContext()
+    >>> _ = block.GetInputPort("state").FixValue(context, [1.01, 0.0])  # 0.01 rad too far
+    >>> bool(block.GetOutputPort("generalized_force").Eval(context)[0] < 0)
+    True
     """
 
     def __init__(self, plant: MultibodyPlant, mechanics: Mapping[str, JointMechanics]) -> None:

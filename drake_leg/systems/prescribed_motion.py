@@ -74,6 +74,17 @@ class PrescribedMotion(Diagram):
     InvalidValueError
         If all joints shall be driven and one has no actuator, if the joints named are not joints of
         one axis, if the plant has constraints, or if the stiffness is negative.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, PrescribedMotion, build_plant
+    >>> plant = build_plant(PENDULUM)
+    >>> block = PrescribedMotion(plant, ["pivot"])
+    >>> context = block.CreateDefaultContext()
+    >>> for name, value in (("q", [0.0]), ("qdot", [0.0]), ("qddot", [0.0]), ("state", [0.0, 0.0])):
+    ...     _ = block.GetInputPort(name).FixValue(context, value)
+    >>> block.GetOutputPort("torque").Eval(context).round(4).tolist()  # holds m g L / 2 [N*m]
+    [-0.0785]
     """
 
     def __init__(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from drake_leg.kinematics.speed_limit import limited_speed
-from drake_leg.kinematics.task import Floats
+from drake_leg.kinematics.movable import Floats
 from drake_leg.quantities import require_positive
+from drake_leg.singularity.limits import limited_speed
 
 
 class SpeedLimit(LeafSystem):

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from slx_models import published_leg, published_pendulum
+from slx_models import JACOB_INV, published_leg, published_pendulum
 
 from drake_leg.cli import main
 
@@ -41,6 +41,14 @@ def test_another_unit_is_one_line(slx, capsys):
     assert main(["compare", slx(model), "leg-b"]) == 1
     text = capsys.readouterr().out
     assert "different (1)\n  (model): lengths are 1000 times those of leg-b\n" in text
+
+
+def test_unreadable_function_is_one_line(slx, capsys):
+    script = JACOB_INV.replace("inv(J)", "schur(J)")
+    assert main(["compare", slx(published_leg(script=script)), "leg-b"]) == 1
+    text = capsys.readouterr().out
+    assert "different (1)\n  MATLAB Function (SID " in text
+    assert "): could not be read: MATLAB function jacob_inv, line 11: 'schur' is no" in text
 
 
 def test_options_of_the_run(slx):

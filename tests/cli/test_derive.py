@@ -58,7 +58,7 @@ def test_latex_is_one_equation_a_line_under_a_comment(capsys):
     assert all(equation.isascii() for equation in equations)
 
 
-DESK = str(Path(__file__).parents[1] / "check" / "robots" / "desk_arm.toml")
+DESK = str(Path(__file__).parents[1] / "lab" / "grader" / "robots" / "desk_arm.toml")
 
 
 def test_a_robot_of_ones_own_is_derived_from_its_table(capsys):
@@ -89,7 +89,7 @@ def test_what_is_not_derived_in_time_is_said(capsys, monkeypatch):
         while True:
             time.sleep(0.001)
 
-    monkeypatch.setattr("drake_leg.symbolic.own_table.tidy", for_ever)
+    monkeypatch.setattr("drake_leg.symbolic.derivation.tidy", for_ever)
     assert main(["derive", DESK, "--budget", "1"]) == 3
     printed = capsys.readouterr()
     assert "frame 4 in frame 3" in printed.out

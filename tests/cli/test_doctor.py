@@ -5,7 +5,7 @@ import json
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.output import LIST
+from drake_leg.files import LIST
 
 LEG = ["doctor", "leg-b", "--q", "90,-50,-90"]
 MAPS = ("determinant", "sigma_min", "singular_feet", "singular_postures")

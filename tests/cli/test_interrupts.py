@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.output import LIST
+from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
 from drake_leg.recording import read_csv
 from drake_leg.runs import files, outcome
@@ -135,17 +135,17 @@ def test_a_signal_during_the_figures_leaves_the_data(number, monkeypatch, capsys
 
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
 def test_a_signal_during_a_file_leaves_nothing_of_it(number, monkeypatch, capsys):
-    from drake_leg import text_file
+    from drake_leg import files
 
-    monkeypatch.setattr(text_file, "place_file", before_it(text_file.place_file, come(number)))
+    monkeypatch.setattr(files, "_place", before_it(files._place, come(number)))
     assert main(["sdf", "leg-b", "--out", "a/b/leg.sdf"]) == 128 + number
     assert inside() == []
     assert "interrupted" in capsys.readouterr().err
 
 
 def test_a_signal_ends_a_session_too(monkeypatch, capsys):
-    monkeypatch.setattr("drake_leg.scene.live.browser.open_browser", lambda url: True)
-    monkeypatch.setattr("drake_leg.scene.viewer.view_robot", come(signal.SIGTERM))
+    monkeypatch.setattr("drake_leg.scene.server.open_browser", lambda url: True)
+    monkeypatch.setattr("drake_leg.scene.viewer.view_served", come(signal.SIGTERM))
     assert main(["view", "leg-b"]) == 143
 
 

@@ -20,8 +20,8 @@ from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.configurations import greatest_reach, random_configurations
 from drake_leg.models.proof import DrakeWitness
 from drake_leg.recording import read_csv
-from drake_leg.robot_file import load_robot
-from drake_leg.teleop.control import at_rest, control_step, drive_of
+from drake_leg.robot_file.read import load_robot
+from drake_leg.scene.teleop_control import at_rest, control_step, drive_of
 
 # Work that is stopped at its budget may be in a weak reference's callback, which is only reported.
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"
@@ -195,8 +195,8 @@ def teleop(subject):
         return
     before, after = (subject.witness.foot(one.q)[:3, 3] for one in (start, step))
     np.testing.assert_allclose(step.foot, after, atol=1e-9 * subject.size)
-    if step.share is not None and step.state == "free" and not drive.wanders:
-        wanted = drive.task.twists[3:] @ drive.task.command(velocity)
+    if step.share is not None and step.state == "free" and not drive.moved.varies:
+        wanted = drive.moved.twists[3:] @ drive.moved.command(velocity)
         np.testing.assert_allclose(after - before, wanted * dt, atol=1e-4 * dt)
 
 

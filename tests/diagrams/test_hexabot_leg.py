@@ -11,7 +11,7 @@ from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
-from drake_leg.models.files import sdf_file
+from drake_leg.models.files import sdf_folder
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 from drake_leg.simulation import simulate
 
@@ -99,7 +99,7 @@ def test_the_determinant_swings_between_the_reports_values_along_the_closed_form
 @pytest.mark.parametrize("robot", [LEG_B, LEG_A], ids=lambda robot: robot.name)
 def test_torques_are_inverse_dynamics_on_a_plant_parsed_from_the_sdf_file(robot):
     plant = MultibodyPlant(time_step=0.0)
-    Parser(plant).AddModels(str(sdf_file(robot.name)))
+    Parser(plant).AddModels(str(sdf_folder() / f"{robot.name}.sdf"))
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
     plant.Finalize()
     context = plant.CreateDefaultContext()

@@ -9,7 +9,7 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.kinematics.configurations import greatest_reach, random_configurations, ranges
 from drake_leg.models.proof import TOLERANCE, DrakeWitness, difference_jacobian, prove
 from drake_leg.robot import JointMechanics, Link, Robot, Row, Segment
@@ -156,7 +156,7 @@ def test_what_the_budget_does_not_reach_is_missing_and_said(monkeypatch):
     assert not proof.complete
     (missing,) = proof.missing
     assert missing.sentence == (
-        "the Jacobian by SymPy is not done within 3 s: give it more with --budget"
+        "the Jacobian by SymPy is not done within 3 s: give it more with `budget`"
     )
     assert len(proof.comparisons) == 6
     assert stages[-1] == "Jacobian by SymPy"

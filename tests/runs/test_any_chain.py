@@ -129,7 +129,7 @@ def test_without_a_direction_the_foot_takes_the_first_that_it_can():
 
 def test_from_a_posture_that_cannot_keep_the_pose_the_remedy_is_told():
     straight_wrist = [*SIX[:4], 0.0, SIX[5]]
-    with pytest.raises(SingularConfigurationError, match="or --task position, which lets the foot"):
+    with pytest.raises(SingularConfigurationError, match="or `task='position'`, which lets"):
         run_robot(PUMA, options(PUMA, straight_wrist))
     outcome = run_robot(PUMA, options(PUMA, straight_wrist, task="position", duration=0.3))
     assert outcome.summary["max_position_error_m"] < 1e-9

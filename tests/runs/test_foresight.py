@@ -45,7 +45,7 @@ def as_foreseen(summary):
     ids=str,
 )
 def test_a_forced_run_meets_what_was_foreseen(changes):
-    with pytest.raises(ForeseenSingularityError, match="--force"):
+    with pytest.raises(ForeseenSingularityError, match="`force=True`"):
         straight(**changes)
     assert as_foreseen(straight(force=True, **changes))
 
@@ -151,8 +151,8 @@ def test_position_limits_are_kept_by_the_limited_inverse_alone():
     [
         ({"inverse": "pinv"}, "'pinv'"),
         ({"correction": -1.0}, "-1.0"),
-        ({"rate_limit": 90.0}, "--inverse limited"),
-        ({"damped_below": 0.01}, "--inverse damped"),
+        ({"rate_limit": 90.0}, "`inverse='limited'`"),
+        ({"damped_below": 0.01}, "`inverse='damped'`"),
         ({"q0_error": [1.0]}, "q0_error"),
     ],
 )

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from scipy.integrate import quad, solve_ivp
+from witnesses import jacobian_rate_bias
 
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import MOTION, start_on_motion
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.foot_task import foot_task
-from drake_leg.kinematics.khalil import foot_pose, jacobian_rate_bias
-from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
+from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
+from drake_leg.kinematics.of_robot import movable
 from drake_leg.robots import LEG_B
 from drake_leg.runs.leg import run_ellipse, run_straight
 from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions
@@ -56,7 +56,7 @@ def test_joint_angles_are_those_of_the_exact_path_and_torques_inverse_dynamics(
 
 def loop_of_lags(tau, duration):
     """Integrate the kinematic loop with two lags between command and joints; return the foot."""
-    rates = foot_task(LEG_B).rates
+    rates = movable(LEG_B).rates
 
     def derivatives(time, state):
         command, q, qdot = state.reshape(3, 3)
@@ -73,7 +73,7 @@ def first_order_drift(tau, duration):
 
     The joints have the rates of 2 tau ago, so that the foot moves by J(q) J(q - 2 tau qdot)^-1 v.
     """
-    leg, task = LegGeometry.from_robot(LEG_B), foot_task(LEG_B)
+    leg, task = LegGeometry.from_robot(LEG_B), movable(LEG_B)
     start = foot_pose(LEG_B.rows, Q0)[:3, 3]
 
     def bias(time, axis):

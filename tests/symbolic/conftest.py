@@ -5,8 +5,7 @@ from functools import cache
 import pytest
 
 from drake_leg.symbolic import equations
-from drake_leg.symbolic.catalogue import SUBJECTS
-from drake_leg.symbolic.derivation import derive
+from drake_leg.symbolic.catalogue import derived as derived_robot
 
 NUMBERED = {
     "leg-a": equations.leg_a_equations,
@@ -15,15 +14,10 @@ NUMBERED = {
 }
 
 
-@cache
-def _derivation(name):
-    return derive(SUBJECTS[name].robot.rows, SUBJECTS[name].task)
-
-
 @pytest.fixture(scope="session")
 def derived():
     """Derivation of a subject of the catalogue."""
-    return _derivation
+    return derived_robot
 
 
 @pytest.fixture(scope="session")
@@ -33,7 +27,7 @@ def numbered():
     @cache
     def by_label(name):
         found = {}
-        for equation in NUMBERED[name](_derivation(name)):
+        for equation in NUMBERED[name](derived_robot(name)):
             found.setdefault(equation.label, []).append(equation)
         return found
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.symbolic.formulas import evaluate, names_in, substitute, written
-from drake_leg.symbolic.notation import readable, spelled_as
 from drake_leg.symbolic.parser import parse_formula
+from drake_leg.symbolic.spelling import readable, spelled_as
 
 VALUES = {"q1": 0.3, "q2": -1.1, "q3": 2.0, "l1": 50.0, "l2": 100.0, "r": 7.0, "sigma1": 3.0}
 SPELLINGS = tomllib.loads((Path(__file__).parent / "spellings.toml").read_text(encoding="utf-8"))

@@ -5,7 +5,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_leg.symbolic.trigonometry import normal_form, pythagoras, shorthand, tidy
+from drake_leg.symbolic.trigonometry import normal_form, pythagoras, tidy
 
 A, B, C = sp.symbols("q1:4", real=True)
 L1, L2 = sp.symbols("l1 l2", positive=True)
@@ -61,24 +61,3 @@ def test_tidy_finds_the_sum_of_angles_and_the_factors():
 def test_tidy_keeps_the_factors_that_sums_of_angles_would_hide():
     product = (L1 * sp.sin(A) + L2 * sp.sin(A + B)) * (L1 * sp.cos(A) + L2 * sp.cos(A + B))
     assert tidy(sp.expand(product)) == product
-
-
-@pytest.mark.parametrize(
-    ("long", "short"),
-    [
-        (sp.cos(A), "c1"),
-        (sp.sin(B + A), "s12"),
-        (L1 * sp.cos(A + B + C) - sp.sin(C), "c123*l1 - s3"),
-        (sp.cos(L1), "cos(l1)"),
-        (sp.cos(2 * A), "cos(2*q1)"),
-        (sp.atan(sp.sin(A)), "atan(s1)"),
-    ],
-)
-def test_the_shorthand_is_the_reports(long, short):
-    assert str(shorthand(long)) == short
-
-
-def test_the_shorthand_reaches_into_matrices():
-    assert shorthand(sp.Matrix([[sp.cos(A), -sp.sin(A)]])) == sp.Matrix([sp.symbols("c1 s1")]) * (
-        sp.diag(1, -1)
-    )

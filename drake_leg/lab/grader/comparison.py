@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.lab.grader.chains import Chain, chain_of
 from drake_leg.lab.grader.definitions import Reader
 from drake_leg.lab.grader.lengths import Binding, Cell, cell_values, same

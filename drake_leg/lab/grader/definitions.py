@@ -27,8 +27,8 @@ from drake_leg.symbolic.formulas import (
     substitute,
     written,
 )
-from drake_leg.symbolic.notation import is_joint_variable, plain, quoted
 from drake_leg.symbolic.parser import ANGLE_LETTERS, parse_formula
+from drake_leg.symbolic.spelling import is_joint_variable, plain, quoted
 
 # Names that people give to a result: Δ, J11, P4, T, x04. Other symbols may be lengths.
 _RESULT = re.compile(r"(?:[jptxyz]|delta|det\w*)_?\(?[\d, ]*\)?")

@@ -15,7 +15,7 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.kinematics.khalil import moving_rows
 from drake_leg.lab.grader.comparison import Comparison, Sampler, agrees_within_digits
 from drake_leg.lab.grader.definitions import Reader, unused_definitions, with_lengths_as_symbols
@@ -29,7 +29,7 @@ from drake_leg.lab.grader.table_linter import lint_table
 from drake_leg.lab.grader.tables import Table, repaired
 from drake_leg.robot import Robot
 from drake_leg.symbolic.formulas import evaluate, names_in
-from drake_leg.symbolic.notation import spelled_as
+from drake_leg.symbolic.spelling import spelled_as
 
 ANGLES = ("alpha", "theta")
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.tables import Table
 from drake_leg.robot import Robot
-from drake_leg.symbolic.notation import plain
+from drake_leg.symbolic.spelling import plain
 
 MOST = 48  # readings that are compared
 MOST_TRIED = 1000  # ways to give symbols to lengths, of which two symbols must not share one

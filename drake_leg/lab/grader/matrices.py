@@ -10,7 +10,7 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.lab.grader.chains import scales
 from drake_leg.lab.grader.claims import Claim, claim_of
 from drake_leg.lab.grader.comparison import Comparison, Meaning, Target

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.symbolic.notation import quoted
+from drake_leg.symbolic.spelling import quoted
 
 LONGEST = 20_000  # characters
 _OPENING, _CLOSING = "([{", ")]}"

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.files import read_text
 from drake_leg.lab.grader.claims import kind_of_name
 from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.matrix_text import rows_of_text
 from drake_leg.lab.grader.tables import Table, TableRow
 from drake_leg.lab.grader.text_print import parse_table, parse_text
-from drake_leg.reading import read_text
 from drake_leg.robot_file.document import parse_document
 from drake_leg.robot_file.keys import Keys, shown
 

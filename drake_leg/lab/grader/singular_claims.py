@@ -15,7 +15,7 @@ import sympy as sp
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.definitions import Reader
 from drake_leg.symbolic.formulas import DEGREE, names_in, number_of, parts, product
-from drake_leg.symbolic.notation import LONGEST, quoted, typed, without_latex
+from drake_leg.symbolic.spelling import LONGEST, quoted, typed, without_latex
 
 INTEGERS = ("k", "n", "m")
 _MOST = 50  # alternatives

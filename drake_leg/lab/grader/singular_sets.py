@@ -13,7 +13,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.lab.grader.claims import POSITION, task_rows
 from drake_leg.lab.grader.comparison import Sampler
@@ -25,7 +25,7 @@ from drake_leg.lab.grader.printed import Printed
 from drake_leg.lab.grader.singular_claims import Alternative, Condition, alternatives_of
 from drake_leg.robot import Robot, Row
 from drake_leg.symbolic.formulas import evaluate, names_in
-from drake_leg.symbolic.notation import plain, readable, renamed, spelled_as
+from drake_leg.symbolic.spelling import plain, readable, renamed, spelled_as
 
 PLACE = "singular"
 STARTS = 150  # random postures from which zeros are looked for

@@ -22,7 +22,7 @@ from drake_leg.lab.grader.tables import (
 )
 from drake_leg.models.solids import bounding_radius
 from drake_leg.robot import Link, Robot, Segment
-from drake_leg.symbolic.notation import quoted
+from drake_leg.symbolic.spelling import quoted
 
 LONG = 10.0  # [m], a link longer than that is a crane's
 SHORT = 1.0  # [mm], a link shorter than that is a watch's

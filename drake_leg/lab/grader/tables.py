@@ -9,8 +9,8 @@ from functools import lru_cache
 from typing import Any, Literal
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.symbolic.notation import plain, quoted
 from drake_leg.symbolic.optional import require_sympy
+from drake_leg.symbolic.spelling import plain, quoted
 
 Kind = Literal["nothing", "zero", "number", "length", "angle", "variable", "fixed", "other"]
 Sort = Literal["type", "length", "offset", "twist", "turn"]

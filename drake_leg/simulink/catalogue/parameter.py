@@ -65,3 +65,8 @@ def also_named(parameters: Parameters, **aliases: str) -> Parameters:
         else parameter
         for parameter in parameters
     )
+
+
+def without_table(names: str) -> dict[str, Parameters]:
+    """Return the kinds of blocks, by names with commas between, whose parameters are not known."""
+    return dict.fromkeys(" ".join(names.split()).split(", "), ())

@@ -1,6 +1,5 @@
 """A small, safe interpreter of the MATLAB text in Simulink models: parsed, never run as Python."""
 
-from drake_leg.simulink.matlab.numeric import value
-from drake_leg.simulink.matlab.program import Program, program
+from drake_leg.simulink.matlab.program import Program, program, value
 
 __all__ = ["Program", "program", "value"]

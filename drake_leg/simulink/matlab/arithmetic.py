@@ -1,4 +1,4 @@
-"""MATLAB's operators on values, and its ranges."""
+"""MATLAB's operators, its ranges, and linear algebra in which a singular matrix is no error."""
 
 from __future__ import annotations
 
@@ -9,22 +9,108 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.simulink.matlab import algebra
-from drake_leg.simulink.matlab.arrays import Array, Value, grid, measure, number, settle, shape
-from drake_leg.simulink.matlab.limits import ELEMENTS, MatlabError, require_room
+from drake_leg.simulink.matlab.values import (
+    ELEMENTS,
+    EXPONENT,
+    Array,
+    MatlabError,
+    Value,
+    grid,
+    measure,
+    number,
+    require_room,
+    settle,
+    shape,
+    whole,
+)
+
+
+def require_square(matrix: Array, what: str) -> None:
+    """Check that a matrix is square."""
+    if matrix.shape[0] != matrix.shape[1]:
+        raise MatlabError(f"{what} needs a square matrix, not one of {measure(matrix)}")
+
+
+def inverse(matrix: Array) -> Array:
+    """Inverse of a matrix; infinite where it is singular."""
+    require_square(matrix, "inv")
+    try:
+        return np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        return np.full(matrix.shape, np.inf)
+
+
+def singular(matrix: Array, what: str) -> tuple[Array, Array, Array]:
+    """Decompose a matrix into U (m, k), falling singular values (k,) and V transposed (k, n)."""
+    try:
+        if np.isfinite(matrix).all():
+            return np.linalg.svd(matrix, full_matrices=False)
+    except np.linalg.LinAlgError:
+        pass
+    raise MatlabError(f"{what} of a matrix needs finite numbers of like sizes")
+
+
+def pseudoinverse(matrix: Array) -> Array:
+    """Moore-Penrose inverse; singular values below MATLAB's tolerance count as zero."""
+    if not matrix.size:
+        return np.zeros(matrix.shape[::-1])
+    left, sigma, right = singular(matrix, "pinv")
+    kept = sigma > max(matrix.shape) * np.spacing(sigma[0])
+    inverted: Array = right[kept].T @ (left[:, kept] / sigma[kept]).T
+    return inverted
+
+
+def solve(matrix: Array, wanted: Array) -> Array:
+    """Solve ``matrix @ x = wanted``, in the least squares where there are more rows.
+
+    The answer is not finite where a square matrix is singular.
+    """
+    rows, columns = matrix.shape
+    if rows != wanted.shape[0]:
+        raise MatlabError(f"a division of {measure(wanted)} by {measure(matrix)} does not fit")
+    if rows == columns:
+        try:
+            return np.linalg.solve(matrix, wanted)
+        except np.linalg.LinAlgError:
+            return _eliminate(matrix, wanted)
+    left, sigma, right = singular(matrix, "a division by")
+    if rows < columns or sigma[-1] <= rows * np.spacing(sigma[0]):
+        raise MatlabError(f"a division by a {measure(matrix)} matrix has many answers: use pinv")
+    least: Array = right.T @ ((left.T @ wanted) / sigma[:, np.newaxis])
+    return least
+
+
+def _eliminate(matrix: Array, wanted: Array) -> Array:
+    """Eliminate with row pivots, dividing by zero as IEEE does."""
+    n = len(matrix)
+    work = np.hstack([matrix, wanted])
+    for k in range(n):
+        pivot = k + int(np.argmax(np.abs(work[k:, k])))
+        work[[k, pivot]] = work[[pivot, k]]
+        if work[k, k]:
+            work[k + 1 :] -= np.outer(work[k + 1 :, k] / work[k, k], work[k])
+    solution = work[:, n:]
+    for k in reversed(range(n)):
+        solution[k] = (solution[k] - work[k, k + 1 : n] @ solution[k + 1 :]) / work[k, k]
+    return solution
+
+
+def power(left: Value, right: Value) -> Array:
+    """Whole power of a square matrix."""
+    base = np.atleast_2d(number(left))
+    exponent = whole(right, "the exponent of a matrix")
+    require_square(base, "a power (^; for each element, .^)")
+    if abs(exponent) > EXPONENT:
+        raise MatlabError(f"the exponent {exponent} of a matrix is beyond {EXPONENT}")
+    return np.linalg.matrix_power(inverse(base) if exponent < 0 else base, abs(exponent))
+
 
 Operator = Callable[[Value, Value], Value]
 COMPLEX = "is complex; only real numbers are known here"
 
 
 def elementwise(ufunc: Callable[[Any, Any], Any], left: Value, right: Value) -> Value:
-    """Combine two values element by element; rows, columns and scalars are repeated.
-
-    Raises
-    ------
-    MatlabError
-        If the sizes do not fit.
-    """
+    """Combine two values element by element; rows, columns and scalars are repeated."""
     a, b = number(left), number(right)
     for m, n in zip(shape(a), shape(b), strict=True):
         if m != n and 1 not in (m, n):
@@ -33,25 +119,19 @@ def elementwise(ufunc: Callable[[Any, Any], Any], left: Value, right: Value) -> 
     return settle(np.asarray(ufunc(a, b)))
 
 
-def plus(left: Value, right: Value) -> Value:
-    """``left + right``."""
-    if type(left) is float and type(right) is float:
-        return left + right
-    return elementwise(np.add, left, right)
+def _combined(ufunc: Callable[[Any, Any], Any], scalars: Callable[[Any, Any], Any]) -> Operator:
+    """Make an operator that is fast on two numbers."""
+
+    def combine(left: Value, right: Value) -> Value:
+        if type(left) is float and type(right) is float:
+            result: float | bool = scalars(left, right)
+            return result
+        return elementwise(ufunc, left, right)
+
+    return combine
 
 
-def minus(left: Value, right: Value) -> Value:
-    """``left - right``."""
-    if type(left) is float and type(right) is float:
-        return left - right
-    return elementwise(np.subtract, left, right)
-
-
-def times(left: Value, right: Value) -> Value:
-    """``left .* right``."""
-    if type(left) is float and type(right) is float:
-        return left * right
-    return elementwise(np.multiply, left, right)
+times = _combined(np.multiply, operator.mul)
 
 
 def over(left: Value, right: Value) -> Value:
@@ -59,11 +139,6 @@ def over(left: Value, right: Value) -> Value:
     if type(left) is float and type(right) is float and right:
         return left / right
     return elementwise(np.divide, left, right)
-
-
-def under(left: Value, right: Value) -> Value:
-    r"""``left .\ right``."""
-    return over(right, left)
 
 
 def to_the(left: Value, right: Value) -> Value:
@@ -101,14 +176,14 @@ def matrix_over(left: Value, right: Value) -> Value:
 def matrix_under(left: Value, right: Value) -> Value:
     r"""``left \ right``: the x of ``left x = right``."""
     if not isinstance(left, np.ndarray):
-        return under(left, right)
-    return settle(algebra.solve(np.asarray(number(left)), np.atleast_2d(number(right))))
+        return over(right, left)
+    return settle(solve(np.asarray(number(left)), np.atleast_2d(number(right))))
 
 
 def matrix_to_the(left: Value, right: Value) -> Value:
     """``left ^ right``."""
     if isinstance(left, np.ndarray) or isinstance(right, np.ndarray):
-        return settle(algebra.power(left, right))
+        return settle(power(left, right))
     return to_the(left, right)
 
 
@@ -130,15 +205,6 @@ def inverted(value: Value) -> Value:
     return settle(array == 0)
 
 
-def _compared(ufunc: Callable[[Any, Any], Any], scalars: Callable[[Any, Any], bool]) -> Operator:
-    def compare(left: Value, right: Value) -> Value:
-        if type(left) is float and type(right) is float:
-            return scalars(left, right)
-        return elementwise(ufunc, left, right)
-
-    return compare
-
-
 def _logical(ufunc: Callable[[Any, Any], Any]) -> Operator:
     def combine(left: Value, right: Value) -> Value:
         return elementwise(lambda a, b: ufunc(a != 0, b != 0), left, right)
@@ -147,22 +213,22 @@ def _logical(ufunc: Callable[[Any, Any], Any]) -> Operator:
 
 
 OPERATORS: dict[str, Operator] = {
-    "+": plus,
-    "-": minus,
+    "+": _combined(np.add, operator.add),
+    "-": _combined(np.subtract, operator.sub),
     ".*": times,
     "./": over,
-    ".\\": under,
+    ".\\": lambda left, right: over(right, left),
     ".^": to_the,
     "*": matrix_times,
     "/": matrix_over,
     "\\": matrix_under,
     "^": matrix_to_the,
-    "==": _compared(np.equal, operator.eq),
-    "~=": _compared(np.not_equal, operator.ne),
-    "<": _compared(np.less, operator.lt),
-    "<=": _compared(np.less_equal, operator.le),
-    ">": _compared(np.greater, operator.gt),
-    ">=": _compared(np.greater_equal, operator.ge),
+    "==": _combined(np.equal, operator.eq),
+    "~=": _combined(np.not_equal, operator.ne),
+    "<": _combined(np.less, operator.lt),
+    "<=": _combined(np.less_equal, operator.le),
+    ">": _combined(np.greater, operator.gt),
+    ">=": _combined(np.greater_equal, operator.ge),
     "&": _logical(np.logical_and),
     "|": _logical(np.logical_or),
 }
@@ -170,18 +236,7 @@ SIGNS: dict[str, Callable[[Value], Value]] = {"+": number, "-": negative, "~": i
 
 
 def span(first: Value, step: Value, last: Value) -> Value:
-    """``first:step:last``, symmetric about its middle and with its last element met.
-
-    Returns
-    -------
-    Value
-        A row; 1×0 where there is nothing between.
-
-    Raises
-    ------
-    MatlabError
-        If one is no finite number, or there are too many elements.
-    """
+    """``first:step:last`` as a row, symmetric about its middle, that meets its last element."""
     a, d, b = (_end_of_range(value) for value in (first, step, last))
     if d == 0 or (b - a) * d < 0:
         return np.empty((1, 0))

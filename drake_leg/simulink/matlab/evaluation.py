@@ -1,19 +1,150 @@
-"""Expressions made ready: each becomes a function of a frame, never Python code."""
+"""Expressions and calls compiled to Python functions of a frame; none becomes Python code."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.arithmetic import OPERATORS, SIGNS, span, transpose
-from drake_leg.simulink.matlab.arrays import Value, shape, stack, truth
-from drake_leg.simulink.matlab.calls import Ready, Scope, called, paid
-from drake_leg.simulink.matlab.frames import Frame
+from drake_leg.simulink.matlab.functions import CONSTANTS, HEAVY, KNOWN, SILENT
 from drake_leg.simulink.matlab.indexing import ALL, Index, read
-from drake_leg.simulink.matlab.limits import CALL, FACTOR, MatlabError, require_room
+from drake_leg.simulink.matlab.values import (
+    CALL,
+    CALLS,
+    FACTOR,
+    Budget,
+    MatlabError,
+    Value,
+    require_room,
+    shape,
+    stack,
+    truth,
+)
+
+
+class Frame:
+    """The variables of one call; the calls around it share its budget and add up their nesting."""
+
+    __slots__ = ("budget", "nesting", "values")
+
+    def __init__(self, values: dict[str, Value], budget: Budget, nesting: int = 0) -> None:
+        self.values, self.budget, self.nesting = values, budget, nesting
+
+
+@dataclass(frozen=True, kw_only=True)
+class Routine:
+    """A function of a script, compiled."""
+
+    line: int
+    name: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    nesting: int
+    body: Callable[[Frame], object]
+
+
+def located(fault: MatlabError, name: str, line: int) -> InvalidValueError:
+    """Name the place of a fault: the function, and its line or that of the statement."""
+    what = f"MATLAB function {name}" if name else "MATLAB function"
+    return InvalidValueError(f"{what}, line {fault.line or line}: {fault}")
+
+
+def enter(
+    routine: Routine, arguments: list[Value], wanted: int, budget: Budget, nesting: int = 0
+) -> list[Value]:
+    """Call a function with its first arguments for its first outputs, so many as are wanted."""
+    name = routine.name
+    if len(arguments) > len(routine.inputs):
+        raise MatlabError(
+            f"{name} is given {len(arguments)} values; its inputs are {len(routine.inputs)}"
+        )
+    if wanted > len(routine.outputs):
+        raise MatlabError(
+            f"{name} is asked for {wanted} values; its outputs are {len(routine.outputs)}"
+        )
+    if nesting + routine.nesting > CALLS:
+        raise MatlabError(f"the calls of {name} inside one another are too deep")
+    inputs = dict(zip(routine.inputs, arguments, strict=False))
+    frame = Frame(inputs, budget, nesting + routine.nesting)
+    routine.body(frame)
+    missing = [output for output in routine.outputs[:wanted] if output not in frame.values]
+    if missing:
+        raise located(
+            MatlabError(f"the output '{missing[0]}' is never given a value"), name, routine.line
+        )
+    return [frame.values[output] for output in routine.outputs[:wanted]]
+
+
+Compiled = Callable[[Frame], Value]
+_SOME_ERROR = "it stops with an error"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Meanings:
+    """What names mean in a text: variables first, then its own functions, then the known ones."""
+
+    variables: frozenset[str]
+    routines: Mapping[str, Routine] = field(default_factory=dict)  # may be filled afterwards
+    own: frozenset[str] = frozenset()  # names of the routines
+
+
+def paid(frame: Frame, value: Value) -> Value:
+    """Count the elements of a value that was made, and pass it on."""
+    frame.budget.spend(value.size if isinstance(value, np.ndarray) else 1)
+    return value
+
+
+def compile_call(name: str, given: list[Compiled], meanings: Meanings) -> Compiled:
+    """Compile a call of a function, or a constant."""
+    if name in meanings.own:
+        return lambda frame: call_routine(meanings.routines[name], given, 1, frame)[0]
+    if not given and name in CONSTANTS:
+        constant = CONSTANTS[name]
+        return lambda frame: constant
+    if name in SILENT:
+        raise MatlabError(f"'{name}' gives no value")
+    if name == "error":
+        return _error(given)
+    if name not in KNOWN:
+        if name in CONSTANTS:
+            raise MatlabError(f"'{name}' takes no arguments here")
+        raise MatlabError(f"'{name}' is no number and no function known here")
+    least, most, function = KNOWN[name]
+    if not least <= len(given) <= most:
+        counts = f"{least}" if least == most else f"{least} to {most}"
+        raise MatlabError(f"'{name}' takes {counts} argument{'s' * (most > 1)}, not {len(given)}")
+    factor = FACTOR if name in HEAVY else 0
+
+    def call(frame: Frame) -> Value:
+        values = [argument(frame) for argument in given]
+        work = factor * sum(value.size for value in values if isinstance(value, np.ndarray))
+        frame.budget.spend(CALL + work)
+        return paid(frame, function(*values))
+
+    return call
+
+
+def _error(given: list[Compiled]) -> Compiled:
+    def error(frame: Frame) -> Value:
+        said = [text for text in (argument(frame) for argument in given) if isinstance(text, str)]
+        if len(said) > 1 and ":" in said[0] and " " not in said[0]:
+            said = said[1:]  # the first one was the error's identifier
+        raise MatlabError(f"it stops with the error {said[0]!r:.80}" if said else _SOME_ERROR)
+
+    return error
+
+
+def call_routine(
+    routine: Routine, arguments: list[Compiled], wanted: int, frame: Frame
+) -> list[Value]:
+    """Call a function of the same script with compiled arguments."""
+    given = [argument(frame) for argument in arguments]
+    return enter(routine, given, wanted, frame.budget, frame.nesting)
+
 
 _HEAVY = ("*", "/", "\\", "^")
 
@@ -27,50 +158,36 @@ class _Place:
     count: int
 
 
-def ready(node: syntax.Expression, scope: Scope, place: _Place | None = None) -> Ready:
-    """Make an expression ready to be evaluated any number of times.
-
-    Parameters
-    ----------
-    scope : Scope
-        What its names mean.
-    place : optional
-        The index that it stands in.
-
-    Returns
-    -------
-    callable
-        From a frame to the expression's value. It raises MatlabError where there is none.
-
-    Raises
-    ------
-    MatlabError
-        If a name means nothing.
-    """
+def compiled(node: syntax.Expression, meanings: Meanings, place: _Place | None = None) -> Compiled:
+    """Compile an expression; `place` is the index that it is in, for ``end``."""
     match node:
         case syntax.Number(value=constant):
             return lambda frame: constant
         case syntax.Text(text=text):
             return lambda frame: text
-        case syntax.Name(name=name) if name in scope.variables:
+        case syntax.Name(name=name) if name in meanings.variables:
             return _variable(name)
         case syntax.Name(name=name):
-            return called(name, [], scope)
-        case syntax.Apply(name=name, arguments=arguments) if name in scope.variables:
-            return _indexed(name, arguments, scope)
+            return compile_call(name, [], meanings)
+        case syntax.Apply(name=name, arguments=arguments) if name in meanings.variables:
+            return _indexed(name, arguments, meanings)
         case syntax.Apply(name=name, arguments=arguments):
-            return called(name, [ready(item, scope, place) for item in arguments], scope)
+            return compile_call(
+                name, [compiled(item, meanings, place) for item in arguments], meanings
+            )
         case syntax.Matrix(rows=rows):
-            return _matrix([[ready(item, scope, place) for item in row] for row in rows])
+            return _matrix([[compiled(item, meanings, place) for item in row] for row in rows])
         case syntax.Signs(signs=signs, operand=operand):
-            return _signed(signs, ready(operand, scope, place))
+            return _signed(signs, compiled(operand, meanings, place))
         case syntax.Chain(first=first, rest=rest):
-            links = [(sign, ready(item, scope, place) if item else None) for sign, item in rest]
-            return _chain(ready(first, scope, place), links)
+            links = [
+                (sign, compiled(item, meanings, place) if item else None) for sign, item in rest
+            ]
+            return _chain(compiled(first, meanings, place), links)
         case syntax.Logic(symbol=symbol, operands=operands):
-            return _logic(symbol == "&&", [ready(item, scope, place) for item in operands])
+            return _logic(symbol == "&&", [compiled(item, meanings, place) for item in operands])
         case syntax.Range(parts=parts):
-            return _range([ready(part, scope, place) for part in parts])
+            return _range([compiled(part, meanings, place) for part in parts])
         case syntax.End() if place:
             return _end(place)
         case syntax.End():
@@ -79,30 +196,19 @@ def ready(node: syntax.Expression, scope: Scope, place: _Place | None = None) ->
             raise MatlabError("':' stands in the index of no variable")
 
 
-def ready_indices(
-    name: str, arguments: tuple[syntax.Expression, ...], scope: Scope
+def compile_indices(
+    name: str, arguments: tuple[syntax.Expression, ...], meanings: Meanings
 ) -> Callable[[Frame], list[Index]]:
-    """Make the indices of a variable ready.
-
-    Returns
-    -------
-    callable
-        From a frame to the indices.
-
-    Raises
-    ------
-    MatlabError
-        If a name means nothing.
-    """
+    """Compile the indices of a variable to a function of a frame."""
     items: list[Callable[[Frame], Index]] = []
     for k, node in enumerate(arguments):
         place = _Place(name=name, index=k, count=len(arguments))
         colon = isinstance(node, syntax.Colon)
-        items.append((lambda frame: ALL) if colon else ready(node, scope, place))
+        items.append((lambda frame: ALL) if colon else compiled(node, meanings, place))
     return lambda frame: [item(frame) for item in items]
 
 
-def _variable(name: str) -> Ready:
+def _variable(name: str) -> Compiled:
     def variable(frame: Frame) -> Value:
         value = _valued(frame, name)
         if isinstance(value, np.ndarray):
@@ -119,8 +225,8 @@ def _valued(frame: Frame, name: str) -> Value:
         raise MatlabError(f"'{name}' is used before it has a value") from None
 
 
-def _indexed(name: str, arguments: tuple[syntax.Expression, ...], scope: Scope) -> Ready:
-    indices = ready_indices(name, arguments, scope)
+def _indexed(name: str, arguments: tuple[syntax.Expression, ...], meanings: Meanings) -> Compiled:
+    indices = compile_indices(name, arguments, meanings)
 
     def indexed(frame: Frame) -> Value:
         part = read(_valued(frame, name), indices(frame), name)
@@ -130,7 +236,7 @@ def _indexed(name: str, arguments: tuple[syntax.Expression, ...], scope: Scope) 
     return indexed
 
 
-def _matrix(rows: list[list[Ready]]) -> Ready:
+def _matrix(rows: list[list[Compiled]]) -> Compiled:
     count = sum(len(row) for row in rows)
     require_room(count, 1)
     even = bool(rows) and len({len(row) for row in rows}) == 1 and max(len(rows), len(rows[0])) > 1
@@ -145,7 +251,7 @@ def _matrix(rows: list[list[Ready]]) -> Ready:
     return matrix
 
 
-def _signed(signs: tuple[str, ...], operand: Ready) -> Ready:
+def _signed(signs: tuple[str, ...], operand: Compiled) -> Compiled:
     actions = [SIGNS[sign] for sign in reversed(signs)]
 
     def signed(frame: Frame) -> Value:
@@ -158,7 +264,7 @@ def _signed(signs: tuple[str, ...], operand: Ready) -> Ready:
     return signed
 
 
-def _chain(first: Ready, links: list[tuple[str, Ready | None]]) -> Ready:
+def _chain(first: Compiled, links: list[tuple[str, Compiled | None]]) -> Compiled:
     steps = [
         (OPERATORS.get(sign), operand, FACTOR if sign in _HEAVY else 1) for sign, operand in links
     ]
@@ -178,14 +284,14 @@ def _chain(first: Ready, links: list[tuple[str, Ready | None]]) -> Ready:
     return chain
 
 
-def _logic(both: bool, operands: list[Ready]) -> Ready:
+def _logic(both: bool, operands: list[Compiled]) -> Compiled:
     def logic(frame: Frame) -> Value:
         return both == all(truth(operand(frame)) == both for operand in operands)
 
     return logic
 
 
-def _range(parts: list[Ready]) -> Ready:
+def _range(parts: list[Compiled]) -> Compiled:
     def ranged(frame: Frame) -> Value:
         values = [part(frame) for part in parts]
         step = values[1] if len(values) == 3 else 1.0
@@ -194,7 +300,7 @@ def _range(parts: list[Ready]) -> Ready:
     return ranged
 
 
-def _end(place: _Place) -> Ready:
+def _end(place: _Place) -> Compiled:
     def end(frame: Frame) -> Value:
         rows, columns = shape(frame.values.get(place.name, np.empty((0, 0))))
         return float(

@@ -1,4 +1,4 @@
-"""Statements made ready: each becomes a step on a frame, with its line for messages."""
+"""Statements compiled: each becomes a step on a frame, with its line for messages."""
 
 from __future__ import annotations
 
@@ -7,42 +7,37 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.arrays import Value, grid, settle, truth
-from drake_leg.simulink.matlab.calls import Ready, Scope, call_routine
-from drake_leg.simulink.matlab.evaluation import ready, ready_indices
-from drake_leg.simulink.matlab.frames import Frame, Routine, located
+from drake_leg.simulink.matlab.evaluation import (
+    Compiled,
+    Frame,
+    Meanings,
+    Routine,
+    call_routine,
+    compile_indices,
+    compiled,
+    located,
+)
 from drake_leg.simulink.matlab.functions import SILENT
 from drake_leg.simulink.matlab.indexing import write
-from drake_leg.simulink.matlab.limits import MatlabError
+from drake_leg.simulink.matlab.values import MatlabError, Value, grid, settle, truth
 
 _Step = Callable[[Frame], str | None]  # returns the jump that it makes, if it makes one
 _Store = Callable[[Frame, Value], None]
 
 
-def ready_function(
+def compile_function(
     function: syntax.Function, routines: Mapping[str, Routine], own: frozenset[str]
 ) -> Routine:
-    """Make a function ready to be called any number of times.
-
-    Parameters
-    ----------
-    routines : mapping
-        Where all functions of the script will be found when it is called.
-
-    Raises
-    ------
-    InvalidValueError
-        With function and line, if a name means nothing.
-    """
+    """Compile a function; `routines` will hold all functions of the script when it is called."""
     variables = {*function.inputs, *function.outputs, *_assigned(function.body)} - {"~"}
-    scope = Scope(variables=frozenset(variables), routines=routines, own=own)
+    meanings = Meanings(variables=frozenset(variables), routines=routines, own=own)
     return Routine(
         line=function.line,
         name=function.name,
         inputs=function.inputs,
         outputs=function.outputs,
         nesting=function.nesting,
-        body=_block(function.body, scope, function.name),
+        body=_block(function.body, meanings, function.name),
     )
 
 
@@ -62,8 +57,10 @@ def _assigned(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:
                 yield from _assigned(body)
 
 
-def _block(statements: tuple[syntax.Statement, ...], scope: Scope, name: str) -> _Step:
-    steps = [(statement.line, _ready_step(statement, scope, name)) for statement in statements]
+def _block(statements: tuple[syntax.Statement, ...], meanings: Meanings, name: str) -> _Step:
+    steps = [
+        (statement.line, _compiled_step(statement, meanings, name)) for statement in statements
+    ]
 
     def block(frame: Frame) -> str | None:
         for line, step in steps:
@@ -79,42 +76,44 @@ def _block(statements: tuple[syntax.Statement, ...], scope: Scope, name: str) ->
     return block
 
 
-def _ready_step(statement: syntax.Statement, scope: Scope, name: str) -> _Step:
+def _compiled_step(statement: syntax.Statement, meanings: Meanings, name: str) -> _Step:
     try:
-        return _step(statement, scope, name)
+        return _step(statement, meanings, name)
     except MatlabError as fault:
         raise located(fault, name, statement.line) from None
 
 
-def _step(statement: syntax.Statement, scope: Scope, name: str) -> _Step:
+def _step(statement: syntax.Statement, meanings: Meanings, name: str) -> _Step:
     match statement:
         case syntax.Assign(targets=(target,), value=value):
-            return _assign(_store(target, scope), ready(value, scope))
+            return _assign(_store(target, meanings), compiled(value, meanings))
         case syntax.Assign(targets=targets, value=value):
-            return _assign_several([_store(target, scope) for target in targets], value, scope)
+            return _assign_several(
+                [_store(target, meanings) for target in targets], value, meanings
+            )
         case syntax.Evaluate(value=value):
-            return _evaluate(value, scope)
+            return _evaluate(value, meanings)
         case syntax.If(branches=branches, otherwise=otherwise):
             choices = [
-                (_condition(line, condition, scope, name), _block(body, scope, name))
+                (_condition(line, condition, meanings, name), _block(body, meanings, name))
                 for line, condition, body in branches
             ]
-            return _if(choices, _block(otherwise, scope, name))
+            return _if(choices, _block(otherwise, meanings, name))
         case syntax.For(variable=variable, over=over, body=body):
-            return _for(variable, ready(over, scope), _block(body, scope, name))
+            return _for(variable, compiled(over, meanings), _block(body, meanings, name))
         case syntax.While(line=line, condition=condition, body=body):
-            return _while(_condition(line, condition, scope, name), _block(body, scope, name))
+            return _while(_condition(line, condition, meanings, name), _block(body, meanings, name))
         case syntax.Jump(keyword=keyword):
             return lambda frame: keyword
 
 
-def _store(target: syntax.Target, scope: Scope) -> _Store:
+def _store(target: syntax.Target, meanings: Meanings) -> _Store:
     name = target.name
     if name == "~":
         return lambda frame, value: None
     if target.indices is None:
         return lambda frame, value: frame.values.__setitem__(name, value)
-    indices = ready_indices(name, target.indices, scope)
+    indices = compile_indices(name, target.indices, meanings)
 
     def store(frame: Frame, value: Value) -> None:
         new = write(frame.values.get(name), indices(frame), value, name)
@@ -124,7 +123,7 @@ def _store(target: syntax.Target, scope: Scope) -> _Store:
     return store
 
 
-def _assign(store: _Store, value: Ready) -> _Step:
+def _assign(store: _Store, value: Compiled) -> _Step:
     def assign(frame: Frame) -> None:
         new = value(frame)
         if isinstance(new, str):
@@ -134,14 +133,14 @@ def _assign(store: _Store, value: Ready) -> _Step:
     return assign
 
 
-def _assign_several(stores: list[_Store], value: syntax.Expression, scope: Scope) -> _Step:
+def _assign_several(stores: list[_Store], value: syntax.Expression, meanings: Meanings) -> _Step:
     name, arguments = _call(value)
-    if name not in scope.own or name in scope.variables:
+    if name not in meanings.own or name in meanings.variables:
         raise MatlabError("several values at once come only from a function of the same script")
-    given = [ready(argument, scope) for argument in arguments]
+    given = [compiled(argument, meanings) for argument in arguments]
 
     def assign(frame: Frame) -> None:
-        values = call_routine(scope.routines[name], given, len(stores), frame)
+        values = call_routine(meanings.routines[name], given, len(stores), frame)
         for store, new in zip(stores, values, strict=True):
             store(frame, new)
 
@@ -157,19 +156,19 @@ def _call(value: syntax.Expression) -> tuple[str, tuple[syntax.Expression, ...]]
     return "", ()
 
 
-def _evaluate(value: syntax.Expression, scope: Scope) -> _Step:
+def _evaluate(value: syntax.Expression, meanings: Meanings) -> _Step:
     """Evaluate for nothing but its errors; what only prints is left out."""
     name, arguments = _call(value)
-    if name in SILENT and name not in scope.own | scope.variables:
+    if name in SILENT and name not in meanings.own | meanings.variables:
         return lambda frame: None
-    if name in scope.own and name not in scope.variables:
-        given = [ready(argument, scope) for argument in arguments]
+    if name in meanings.own and name not in meanings.variables:
+        given = [compiled(argument, meanings) for argument in arguments]
 
         def call(frame: Frame) -> None:
-            call_routine(scope.routines[name], given, 0, frame)
+            call_routine(meanings.routines[name], given, 0, frame)
 
         return call
-    run = ready(value, scope)
+    run = compiled(value, meanings)
 
     def evaluate(frame: Frame) -> None:
         run(frame)
@@ -178,10 +177,10 @@ def _evaluate(value: syntax.Expression, scope: Scope) -> _Step:
 
 
 def _condition(
-    line: int, condition: syntax.Expression, scope: Scope, name: str
+    line: int, condition: syntax.Expression, meanings: Meanings, name: str
 ) -> Callable[[Frame], bool]:
     try:
-        value = ready(condition, scope)
+        value = compiled(condition, meanings)
     except MatlabError as fault:
         raise located(fault, name, line) from None
 
@@ -205,7 +204,7 @@ def _if(choices: list[tuple[Callable[[Frame], bool], _Step]], otherwise: _Step) 
     return choose
 
 
-def _for(variable: str, over: Ready, body: _Step) -> _Step:
+def _for(variable: str, over: Compiled, body: _Step) -> _Step:
     def loop(frame: Frame) -> str | None:
         array = grid(over(frame))
         for k in range(array.shape[1]):

@@ -5,8 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.simulink.matlab.arrays import Array, Value, grid, measure, settle
-from drake_leg.simulink.matlab.limits import MatlabError, require_room
+from drake_leg.simulink.matlab.values import (
+    Array,
+    MatlabError,
+    Value,
+    grid,
+    measure,
+    require_room,
+    settle,
+)
 
 
 class All:
@@ -20,20 +27,7 @@ _FAR = 2**31  # beyond any array
 
 
 def read(value: Value, indices: list[Index], name: str) -> Value:
-    """Read elements.
-
-    Parameters
-    ----------
-    indices : list of Index
-        One counts column by column, two are row and column.
-    name : str
-        The variable's, for messages.
-
-    Raises
-    ------
-    MatlabError
-        If an index is none, or beyond.
-    """
+    """Read elements: one index counts column by column, two are row and column."""
     if len(indices) == 1 and type(indices[0]) is float and isinstance(value, np.ndarray):
         return _element(value, indices[0], name)
     source = grid(value)
@@ -76,22 +70,7 @@ def _read_shape(source: Array, index: Index, count: int) -> tuple[int, int]:
 
 
 def write(value: Value | None, indices: list[Index], new: Value, name: str) -> Value:
-    """Write elements into a copy, which grows where they are beyond it.
-
-    Parameters
-    ----------
-    value : Value or None
-        The variable's; None where it has none yet.
-    new : Value
-        A scalar for all the elements, or as many values as there are elements.
-    name : str
-        The variable's, for messages.
-
-    Raises
-    ------
-    MatlabError
-        If the sizes do not fit, or the array would be too large.
-    """
+    """Write one value for all elements, or as many values, into a copy, which grows if needed."""
     block = grid(new)
     old = np.empty((0, 0), block.dtype) if value is None else grid(value)
     if not block.size:

@@ -1,20 +1,110 @@
-"""The code of a MATLAB Function block as something that can be called."""
+"""MATLAB text to be used: a parameter's number, the function of a MATLAB Function block."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.matlab.arrays import numbers
-from drake_leg.simulink.matlab.execution import ready_function
-from drake_leg.simulink.matlab.frames import Routine, enter, located
-from drake_leg.simulink.matlab.limits import SCRIPT_LENGTH, Budget, MatlabError
-from drake_leg.simulink.matlab.numeric import variable
-from drake_leg.simulink.matlab.statements import ScriptParser
+from drake_leg.simulink.matlab.evaluation import Frame, Meanings, Routine, compiled, enter, located
+from drake_leg.simulink.matlab.execution import compile_function
+from drake_leg.simulink.matlab.parser import ExpressionParser, ScriptParser
 from drake_leg.simulink.matlab.tokens import tokenize
+from drake_leg.simulink.matlab.values import (
+    ELEMENTS,
+    SCRIPT_LENGTH,
+    VALUE_LENGTH,
+    Budget,
+    MatlabError,
+    Value,
+    grid,
+    numbers,
+    settle,
+)
+
+Numbers = float | tuple[float, ...] | tuple[tuple[float, ...], ...]
+
+
+def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
+    """Evaluate numeric MATLAB text.
+
+    Parameters
+    ----------
+    text : str
+        An expression of numbers, operators, matrices, ranges and known functions.
+    names : mapping, optional
+        Variables: numbers, rows or matrices.
+
+    Returns
+    -------
+    float, tuple of float, or tuple of tuple of float
+        A number; the elements of a row or column; the rows of a matrix. Only a number alone may
+        be infinite.
+
+    Raises
+    ------
+    InvalidValueError
+        With a short reason, to stand behind what the text belongs to and a colon.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            return _plain(_evaluated(text, names or {}))
+    except MatlabError as fault:
+        raise InvalidValueError(str(fault)) from None
+
+
+def _evaluated(text: str, names: Mapping[str, ArrayLike]) -> Value:
+    if len(text) > VALUE_LENGTH:
+        raise MatlabError(f"the text is longer than {VALUE_LENGTH} characters")
+    parser = ExpressionParser(tokenize(text.strip()))
+    if parser.next.kind == "stop":
+        raise MatlabError("the text is empty")
+    node = parser.expression()
+    if parser.next.kind != "stop":
+        raise parser.unexpected("where the text should end")
+    variables = {name: variable(name, given) for name, given in names.items()}
+    run = compiled(node, Meanings(variables=frozenset(variables)))
+    return run(Frame(variables, Budget()))
+
+
+def variable(name: str, given: ArrayLike | float, *, column: bool = False) -> Value:
+    """Make a value of numbers from outside; a vector becomes a row, or a column."""
+    if isinstance(given, float):
+        return float(given)
+    try:
+        array = np.array(given, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise MatlabError(
+            f"'{name}' is given {given!r:.60}, which is no array of numbers"
+        ) from None
+    if array.ndim > 2 or array.size > ELEMENTS:
+        raise MatlabError(
+            f"'{name}' is given an array of shape {array.shape}; it must be a small matrix"
+        )
+    if array.ndim < 2:
+        array = array.reshape((-1, 1) if column else (1, -1))
+    return settle(array)
+
+
+def _plain(result: Value) -> Numbers:
+    if isinstance(result, str):
+        raise MatlabError(f"'{result:.40}' is a text, no number")
+    if not isinstance(result, np.ndarray):
+        if math.isnan(result):
+            raise MatlabError("it is not a number (NaN)")
+        return float(result)
+    array = grid(result).astype(float)
+    if not np.isfinite(array).all():
+        raise MatlabError("one of its elements is not finite")
+    if not array.size:
+        return ()
+    if 1 in array.shape:
+        return tuple(array.ravel().tolist())
+    return tuple(tuple(row) for row in array.tolist())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +182,7 @@ def program(script: str) -> Program:
     routines: dict[str, Routine] = {}
     own = frozenset(function.name for function in functions)
     for function in functions:
-        routines[function.name] = ready_function(function, routines, own)
+        routines[function.name] = compile_function(function, routines, own)
     main = routines[functions[0].name]
     return Program(
         name=main.name,

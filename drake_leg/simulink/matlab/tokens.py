@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from drake_leg.simulink.matlab.limits import MatlabError
+from drake_leg.simulink.matlab.values import MatlabError
 
 BLOCKS = ("function", "if", "elseif", "else", "end", "for", "while")
 JUMPS = ("break", "continue", "return")
@@ -42,22 +42,8 @@ def tokenize(text: str) -> list[Token]:
     """Cut MATLAB text into tokens.
 
     Comments and continuations are left out. Inside brackets a line break is a semicolon, and
-    blanks between two elements are a comma: ``[1 -2]`` has two elements, ``[1 - 2]`` has one.
-
-    Parameters
-    ----------
-    text : str
-        An expression or the code of a function block.
-
-    Returns
-    -------
-    list of Token
-        Ending with one of kind ``"stop"``.
-
-    Raises
-    ------
-    MatlabError
-        With its line, at a sign that MATLAB has not, or a text or bracket that is not closed.
+    blanks between two elements are a comma: ``[1 -2]`` has two elements, ``[1 - 2]`` has one. The
+    last token is of kind ``"stop"``.
     """
     return _Scanner(_without_block_comments(text)).scan()
 

@@ -1,0 +1,127 @@
+"""The reports as a person asks for them: the page, and what they print wrongly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from drake_leg.errata import Erratum
+from drake_leg.errata import errata as all_errata
+from drake_leg.errors import InvalidValueError, PictureError
+from drake_leg.output import ResultsFolder
+
+
+@dataclass(frozen=True)
+class Errata:
+    """Errors of the reports; a notebook shows what is printed, what is right, and the effect."""
+
+    chosen: tuple[Erratum, ...]
+
+    def __iter__(self) -> Iterator[Erratum]:
+        return iter(self.chosen)
+
+    def __len__(self) -> int:
+        return len(self.chosen)
+
+    def __getitem__(self, index: int) -> Erratum:
+        return self.chosen[index]
+
+    def _repr_html_(self) -> str:
+        from drake_leg.report.errata import errata_entries
+
+        style = (files("drake_leg.lab") / "shown.css").read_text(encoding="utf-8")
+        entries = errata_entries(erratum.number for erratum in self.chosen)
+        return f'<style>\n{style}</style>\n<div class="drake-leg-shown">{entries}</div>'
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """The page that was written; a notebook shows a link to it."""
+
+    page: Path  # report.html
+    failures: tuple[PictureError, ...]  # what could not be made
+
+    def _repr_html_(self) -> str:
+        return f'<a href="{self.page}">{self.page}</a>'
+
+
+def errata(*numbers: int) -> Errata:
+    """List what the two reports print wrongly, what is right, and what the error does.
+
+    The effects are computed now, at the robots' own numbers.
+
+    Parameters
+    ----------
+    *numbers : int
+        Of the errata, from 1; by default all of them.
+
+    Returns
+    -------
+    Errata
+        Each has ``number``, ``source``, ``where``, ``printed``, ``right`` and ``effect``.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no erratum with such a number.
+
+    Examples
+    --------
+    >>> from drake_leg import errata
+    >>> (first,) = errata(1)
+    >>> first.source
+    'Report A'
+    """
+    by_number = {erratum.number: erratum for erratum in all_errata()}
+    for number in numbers:
+        if number not in by_number:
+            raise InvalidValueError(
+                f"there is no erratum {number}; they are numbered from 1 to {len(by_number)}"
+            )
+    return Errata(tuple(by_number[number] for number in numbers or sorted(by_number)))
+
+
+def report(
+    folder: Path | str,
+    *,
+    overwrite: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Report:
+    """Reproduce every figure, table and equation of both reports on one page.
+
+    It simulates all runs and takes about a minute.
+
+    Parameters
+    ----------
+    folder : Path or str
+        To be made: ``report.html``, and the figures and replays beside it.
+    overwrite : bool
+        Whether the folder may replace older results.
+    progress : callable, optional
+        Called with the number of stages done.
+
+    Returns
+    -------
+    Report
+        Where the page is, and what of it could not be made.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+
+    Examples
+    --------
+    >>> from drake_leg import report
+    >>> made = report("report")  # doctest: +SKIP
+    >>> made.page  # doctest: +SKIP
+    PosixPath('report/report.html')
+    """
+    from drake_leg.report.page import write_report
+
+    target = ResultsFolder(Path(folder), overwrite=overwrite)
+    with target.begun() as scratch:
+        failures = write_report(scratch, progress or (lambda _done: None))
+    return Report(page=target.path / "report.html", failures=tuple(failures))

@@ -1,0 +1,95 @@
+"""The picture of a diagram: its signals, the mechanism inside its plant, or one link of it."""
+
+from __future__ import annotations
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Diagram
+
+from drake_leg.colours import Background
+from drake_leg.drawings.drawing import Drawing, draw
+from drake_leg.drawings.of_diagram import diagram_picture
+from drake_leg.drawings.of_runs import run_pictures
+from drake_leg.drawings.of_simulink import model_pictures
+from drake_leg.drawings.picture import ALL, SIGNALS
+from drake_leg.robot import Robot
+from drake_leg.simulink.listing import printable
+from drake_leg.simulink.model import Model
+
+
+def block_diagram(
+    diagram: Diagram | Model,
+    *,
+    part: str | None = None,
+    title: str | None = None,
+    robot: Robot | None = None,
+    scopes: bool = True,
+    accelerations: bool = True,
+    background: Background = "auto",
+) -> Drawing:
+    """Draw any Drake diagram as Simulink would: blocks with ports, wires at right angles.
+
+    The picture is read from the live diagram, so it shows what is simulated. A Simulink model that
+    was read from its file is drawn in the same style.
+
+    Parameters
+    ----------
+    diagram : Diagram or Model
+        Built; or from ``drake_leg.simulink.reader.read_model``.
+    part : str, optional
+        "signals": the diagram's own blocks and wires. "mechanism": the bodies and joints inside
+        its plant, as Simscape draws them. "all": both. Or the name of a link, as "femur". By
+        default the signals of a diagram, and all of a Simulink model.
+    title : str, optional
+        By default the name of the diagram, or of its plant.
+    robot : Robot, optional
+        What the plant was built from. It gives the shapes of the solids in a mechanism; without
+        it they are boxes.
+    scopes : bool
+        Whether logs are drawn.
+    accelerations : bool
+        Whether wires that only carry accelerations are drawn.
+    background : {"auto", "white", "none"}
+        "auto" is white or dark as the reader's system is; "none" is for light pages.
+
+    Returns
+    -------
+    Drawing
+        SVG text in ``drawing.svg``; a notebook shows it as a picture.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no such part, or a mechanism is asked for and the diagram has no plant.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, PendulumConfig, block_diagram, build_pendulum
+    >>> diagram = build_pendulum(PendulumConfig(robot=PENDULUM))
+    >>> drawing = block_diagram(diagram, part="all", robot=PENDULUM)
+    >>> drawing.svg.startswith("<svg")
+    True
+    """
+    if isinstance(diagram, Model):
+        drawn = model_pictures(diagram, title=title or printable(diagram.name), part=part or ALL)
+        return draw(*drawn, background=background)
+    heading = title or diagram.get_name() or _plant_name(diagram) or "diagram"
+    if part in (None, SIGNALS):
+        picture = diagram_picture(
+            diagram, title=heading, scopes=scopes, accelerations=accelerations
+        )
+        return draw(picture, background=background)
+    pictures = run_pictures(
+        diagram,
+        robot,
+        title=heading,
+        part=part or SIGNALS,
+        scopes=scopes,
+        accelerations=accelerations,
+    )
+    return draw(*pictures, background=background)
+
+
+def _plant_name(diagram: Diagram) -> str:
+    """Return the name of the diagram's first plant, empty if it has none."""
+    plants = (s for s in diagram.GetSystems() if isinstance(s, MultibodyPlant))
+    return next((str(plant.get_name()) for plant in plants), "")

@@ -1,0 +1,216 @@
+"""Simulink's own block types, the libraries' blocks, and the look-up of both."""
+
+from __future__ import annotations
+
+from drake_leg.simulink.catalogue.multibody import MULTIBODY
+from drake_leg.simulink.catalogue.parameter import (
+    Parameters,
+    choices,
+    numbers,
+    unbounded,
+    without_table,
+)
+
+BUILT_IN: dict[str, Parameters] = {
+    # Sources
+    "Sin": choices(SineType="Time based", TimeSource="Use simulation time")
+    + numbers(Amplitude="1", Bias="0", Frequency="1", Phase="0", Samples="10", Offset="0"),
+    "Constant": numbers(Value="1"),
+    "Step": unbounded(numbers(Time="1")) + numbers(Before="0", After="1"),
+    "SignalGenerator": choices(WaveForm="sine", Units="rad/sec")
+    + numbers(Amplitude="1", Frequency="1"),
+    "DiscretePulseGenerator": choices(PulseType="Time based")
+    + numbers(Amplitude="1", PulseWidth="5")
+    + unbounded(numbers(Period="10", PhaseDelay="0")),
+    "RandomNumber": numbers(Mean="0", Variance="1", Seed="0"),
+    "UniformRandomNumber": numbers(Minimum="-1", Maximum="1", Seed="0"),
+    "FromWorkspace": choices(VariableName="simin"),
+    "FromFile": choices(FileName="untitled.mat"),
+    # Continuous
+    "Integrator": choices(
+        ExternalReset="none",
+        InitialConditionSource="internal",
+        LimitOutput="off",
+        WrapState="off",
+        ShowStatePort="off",
+    )
+    + numbers(InitialCondition="0", AbsoluteTolerance="auto")
+    + unbounded(numbers(UpperSaturationLimit="inf", LowerSaturationLimit="-inf")),
+    "SecondOrderIntegrator": numbers(ICX="0.0", ICDXDT="0.0"),
+    "Derivative": unbounded(numbers(CoefficientInTFapproximation="inf")),
+    "TransferFcn": numbers(Numerator="[1]", Denominator="[1 1]"),
+    "ZeroPole": numbers(Zeros="[1]", Poles="[0 -1]", Gain="[1]"),
+    "StateSpace": numbers(A="1", B="1", C="1", D="1"),
+    "TransportDelay": numbers(DelayTime="1", InitialOutput="0"),
+    "VariableTransportDelay": numbers(MaximumDelay="10", InitialOutput="0"),
+    # Discrete
+    "UnitDelay": numbers(InitialCondition="0"),
+    "Delay": numbers(DelayLength="2", InitialCondition="0.0"),
+    "Memory": numbers(InitialCondition="0"),
+    "DiscreteIntegrator": choices(IntegratorMethod="Integration: Forward Euler")
+    + numbers(gainval="1.0", InitialCondition="0"),
+    "DiscreteTransferFcn": numbers(Numerator="[1]", Denominator="[1 0.5]"),
+    "DiscreteFilter": numbers(Numerator="[1]", Denominator="[1 0.5]"),
+    "DiscreteStateSpace": numbers(A="1", B="1", C="1", D="1", InitialCondition="0"),
+    "DiscreteFir": numbers(Coefficients="[0.5 0.5]"),
+    # Mathematics
+    "Gain": choices(Multiplication="Element-wise(K.*u)") + numbers(Gain="1"),
+    "Bias": numbers(Bias="0"),
+    "Sum": choices(Inputs="++"),
+    "Product": choices(Inputs="2", Multiplication="Element-wise(.*)"),
+    "Math": choices(Operator="exp"),
+    "Trigonometry": choices(Operator="sin"),
+    "Rounding": choices(Operator="floor"),
+    "Sqrt": choices(Operator="sqrt"),
+    "MinMax": choices(Function="min", Inputs="1"),
+    "Fcn": choices(Expr="sin(u(1)*exp(2.3*(-u(2))))"),
+    "MATLABFcn": choices(MATLABFcn="sin"),
+    "Logic": choices(Operator="AND"),
+    "RelationalOperator": choices(Operator=">="),
+    "ComplexToMagnitudeAngle": choices(Output="Magnitude and angle"),
+    "ComplexToRealImag": choices(Output="Real and imag"),
+    # Discontinuities
+    "Saturate": unbounded(numbers(UpperLimit="0.5", LowerLimit="-0.5")),
+    "DeadZone": unbounded(numbers(LowerValue="-0.5", UpperValue="0.5")),
+    "RateLimiter": unbounded(numbers(RisingSlewLimit="1", FallingSlewLimit="-1")),
+    "Quantizer": numbers(QuantizationInterval="0.5"),
+    "Backlash": numbers(BacklashWidth="1", InitialOutput="0"),
+    "Relay": choices(OnSwitchValue="eps", OffSwitchValue="eps", OnOutputValue="1"),
+    "HitCross": choices(HitCrossingOffset="0"),
+    # Routing
+    "Mux": numbers(Inputs="4"),
+    "Demux": choices(BusSelectionMode="off") + numbers(Outputs="4"),
+    "Switch": choices(Criteria="u2 >= Threshold", Threshold="0"),
+    "MultiPortSwitch": choices(Inputs="3"),
+    "ManualSwitch": choices(CurrentSetting="1"),
+    "Selector": choices(
+        InputPortWidth="3",
+        IndexOptions="Index vector (dialog)",
+        IndexMode="One-based",
+        Indices="[1 3]",
+    ),
+    "BusCreator": choices(Inputs="4"),
+    "BusSelector": choices(OutputSignals="signal1"),
+    "Concatenate": choices(NumInputs="2", Mode="Vector"),
+    "Goto": choices(GotoTag="A", TagVisibility="local"),
+    "From": choices(GotoTag="A"),
+    "GotoTagVisibility": choices(GotoTag="A"),
+    "Merge": choices(Inputs="2"),
+    "DataStoreMemory": choices(DataStoreName="A"),
+    "DataStoreRead": choices(DataStoreName="A"),
+    "DataStoreWrite": choices(DataStoreName="A"),
+    # Ports and sinks
+    "Inport": numbers(Port="1"),
+    "Outport": numbers(Port="1"),
+    "PMIOPort": choices(Side="Left") + numbers(Port="1"),
+    "SubSystem": choices(SFBlockType="NONE"),
+    "Scope": numbers(NumInputPorts="1"),
+    "ToWorkspace": choices(VariableName="simout"),
+    "ToFile": choices(FileName="untitled.mat"),
+}
+
+_NAMES = """
+Abs ActionPort AlgebraicConstraint ArithShift Assertion Assignment BitwiseOperator BusAssignment
+BusToVector Clock CombinatorialLogic ComplexToImag ConnectionLabel CustomGaugeBlock
+DashboardScope DataTypeConversion DataTypeDuplicate DataTypePropagation DigitalClock Display
+DisplayBlock DotProduct EditField EnablePort Find FirstOrderHold FloatingScope ForEach
+ForIterator FunctionCallGenerator FunctionCallSplit GaugeBlock Ground IC If InitialCondition
+Inspector Interpolation_n-D KnobBlock LampBlock LinearGaugeBlock Lookup Lookup2D Lookup_n-D
+LookupNDDirect MagnitudeAngleToComplex PermuteDimensions Polyval PreLookup Probe PushButtonBlock
+Queue RateTransition RealImagToComplex Record ResetPort Reshape RockerSwitchBlock
+RotarySwitchBlock S-Function SignalConversion SignalSpecification SignalViewerScope Signum
+SliderBlock SliderSwitchBlock Squeeze Stop SwitchCase Terminator TmpDummySource
+ToggleSwitchBlock TriggerPort TwoWayConnection UnaryMinus VariableTimeDelay WhileIterator Width
+ZeroOrderHold
+"""
+
+WITHOUT_PARAMETERS = frozenset(_NAMES.split())
+
+
+_UTILITIES: dict[str, Parameters] = {
+    "Solver Configuration": choices(UseLocalSolver="off", DoDC="off"),
+    "Simulink-PS Converter": choices(Unit="1", FilteringAndDerivatives="provide")
+    + numbers(UdotUserProvided="0", SimscapeFilterOrder="1", InputFilterTimeConstant=".001"),
+    "PS-Simulink Converter": choices(Unit="1"),
+    "Connection Port": choices(Side="Left") + numbers(Port="1"),
+    "Connection Label": choices(Label="A"),
+    "Two-Way Connection": (),
+    "Simscape Bus": (),
+    "Simscape Component": (),
+    "Spectrum Analyzer": (),
+    "Probe": (),
+    "Periodic Operating Point": (),
+    "Reset Solver": (),
+}
+
+_SIMULINK: dict[str, Parameters] = {
+    "Ramp": numbers(slope="1", start="0", InitialOutput="0"),
+    "Chirp Signal": numbers(f1="0.1", T="100", f2="1"),
+    "Repeating Sequence": numbers(rep_seq_t="[0 2]", rep_seq_y="[0 2]"),
+    "Repeating Sequence Stair": numbers(OutValues="[3 1 4 2 1]"),
+    "Slider Gain": numbers(low="0", gain="1", high="2"),
+    "PID Controller": choices(Controller="PID", Form="Parallel")
+    + numbers(P="1", I="1", D="0", N="100"),
+    "Wrap To Zero": (),
+    "Compare To Constant": choices(relop="<=", const="3"),
+    "Compare To Zero": choices(relop="<="),
+}
+
+_SIMULINK_WITHOUT_TABLE = """
+XY Graph, Signal Builder, Signal Editor, Counter Free-Running, Counter Limited, Band-Limited
+White Noise, Repeating Sequence Interpolated, Waveform Generator, Coulomb & Viscous Friction,
+Dead Zone Dynamic, Saturation Dynamic, Rate Limiter Dynamic, Discrete Derivative, Difference,
+Discrete PID Controller, PID Controller (2DOF), Discrete PID Controller (2DOF), Transfer Fcn
+First Order, Transfer Fcn Lead or Lag, Transfer Fcn Real Zero, Tapped Delay, Weighted Moving
+Average, Interval Test, Detect Change, Detect Increase, Detect Decrease, Cross Product, Matrix
+Concatenate, Matrix Square, Matrix Transpose, Create Diagonal Matrix, Extract Diagonal,
+Hermitian Transpose, Identity Matrix, IsSymmetric, Submatrix, Permute Matrix, Weighted Sample
+Time Math, Unit Conversion, Environment Controller, Manual Variant Source, Manual Variant Sink,
+DocBlock, Model Info, Enumerated Constant, Sine, Cosine, Lookup Table Dynamic, Degrees to
+Radians, Radians to Degrees, Cartesian to Polar, Polar to Cartesian, Cartesian to Spherical,
+Spherical to Cartesian, Real-Time Pacer, Simulation Pace, Power Spectral Density
+"""
+
+_FOUNDATION_WITHOUT_TABLE = """
+PS Abs, PS Add, PS Asynchronous Sample & Hold, PS Ceil, PS Constant, PS Constant Delay, PS
+Cosine, PS Counter, PS Dead Zone, PS Divide, PS Fix, PS Floor, PS Gain, PS Integrator, PS Lookup
+Table (1D), PS Lookup Table (2D), PS Math Function, PS Max, PS Min, PS Product, PS Ramp, PS
+Random Number, PS Repeating Sequence, PS Saturation, PS Sign, PS Signal Specification, PS Sine
+Wave, PS Sine, PS Step, PS Subtract, PS Switch, PS Terminator, PS Transfer Function, PS
+Trigonometric Function, PS Unit Conversion, PS Variable Delay, Ideal Force Sensor, Ideal Force
+Source, Ideal Torque Sensor, Ideal Torque Source, Ideal Angular Velocity Source, Ideal
+Translational Velocity Source, Ideal Rotational Motion Sensor, Ideal Translational Motion
+Sensor, Inertia, Mass, Rotational Damper, Rotational Friction, Rotational Hard Stop, Rotational
+Spring, Rotational Free End, Mechanical Rotational Reference, Translational Damper,
+Translational Friction, Translational Hard Stop, Translational Spring, Translational Free End,
+Mechanical Translational Reference, Gear Box, Lever, Wheel and Axle, Rotational Multibody
+Interface, Translational Multibody Interface, Electrical Reference, Resistor, Capacitor,
+Inductor, DC Voltage Source, Controlled Voltage Source, Controlled Current Source, Current
+Sensor, Voltage Sensor, Rotational Electromechanical Converter, Translational Electromechanical
+Converter
+"""
+
+_SIMULINK |= without_table(_SIMULINK_WITHOUT_TABLE)
+
+LIBRARIES: dict[str, dict[str, Parameters]] = {
+    "sm_lib": MULTIBODY,
+    "nesl_utility": _UTILITIES,
+    "nesl_utility_internal": _UTILITIES,
+    "fl_lib": without_table(_FOUNDATION_WITHOUT_TABLE),
+    "simulink": _SIMULINK,
+    "slpidlib": _SIMULINK,
+    "simulink_extras": _SIMULINK,
+}
+
+
+def known_parameters(block_type: str, source: str) -> Parameters | None:
+    """Return the parameters of a kind of block, None where it is not known.
+
+    The type is ``BlockType`` in the file; a ``Reference`` has the path of its library block as its
+    source. Folders of a library do not count: blocks have moved between them over the releases.
+    """
+    if block_type == "Reference":
+        return LIBRARIES.get(source.split("/", 1)[0], {}).get(source.rsplit("/", 1)[-1])
+    if block_type in WITHOUT_PARAMETERS:
+        return ()
+    return BUILT_IN.get(block_type)

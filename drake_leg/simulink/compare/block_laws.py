@@ -1,0 +1,264 @@
+"""What Simulink's memoryless blocks make of their inputs, as sums of atoms."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.compare.signals import Scalar, Signal, constants, mixed, sine_term, total
+from drake_leg.simulink.matlab import value
+from drake_leg.simulink.model import Block, number, vector
+
+Inputs = Sequence[Signal | None]  # by port; None where nothing is connected
+Law = Callable[[Block, Inputs, int], Signal | None]  # None where the law cannot be followed
+
+SINE = (("Amplitude", 1.0), ("Bias", 0.0), ("Frequency", 1.0), ("Phase", 0.0))
+SOURCES = ("Sin", "SignalGenerator", "Constant", "Ground")
+INTEGERS = re.compile(r"int\d|boolean|fixdt", re.IGNORECASE)  # types that round
+CONVERSIONS = {"Radians to Degrees": 180.0 / math.pi, "Degrees to Radians": math.pi / 180.0}
+DIALOG = ("", "Index vector (dialog)")
+OPEN = constants([0.0])  # an input that is not connected
+TRIALS = (0.0, 1.0, -0.31830989, 0.73, 11.3719, -47.1238898, 1234.5678)  # of an expression of u
+AFFINE = 1e-12  # relative, of an expression that counts as a factor and a constant
+
+
+def law_of(block: Block) -> Law | None:
+    """Find the law of a block: ``law(block, inputs, place)`` is the signal at an output, from 1.
+
+    A block with memory, with a law of its own, or that is not linear has none.
+    """
+    if block.type == "Fcn":
+        return _fcn if _affine(block) else None
+    if block.type == "SignalGenerator" and block.parameters.get("WaveForm") != "sine":
+        return None
+    if INTEGERS.search(str(block.parameters.get("OutDataTypeStr", ""))):
+        return None
+    if block.kind in CONVERSIONS:
+        return _conversion
+    return LAWS.get(block.type)
+
+
+def added(parts: Sequence[Signal], factors: Sequence[float]) -> Signal:
+    """Sum signals, each times its factor; a scalar is added to every component."""
+    size = max(map(len, parts))
+    wide = [part * size if len(part) == 1 else part for part in parts]
+    summed = []
+    for index in range(size):
+        there = [
+            (part[index], f) for part, f in zip(wide, factors, strict=True) if index < len(part)
+        ]
+        summed.append(total([part for part, _ in there], [f for _, f in there]))
+    return tuple(summed)
+
+
+def _sine(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    columns = [vector(block.parameters.get(name, default)) for name, default in SINE]
+    if len({len(column) for column in columns} - {1}) > 1 or not all(columns):
+        return None
+    rows = np.broadcast_arrays(*(np.array(column) for column in columns))
+    return tuple(
+        total([sine_term(amplitude, frequency, phase), Scalar(bias)], [1.0, 1.0])
+        for amplitude, bias, frequency, phase in zip(*(r.tolist() for r in rows), strict=True)
+    )
+
+
+def _constant(block: Block, inputs: Inputs, place: int) -> Signal:
+    return constants(vector(block.parameters.get("Value", 1.0)))
+
+
+def _ground(block: Block, inputs: Inputs, place: int) -> Signal:
+    return OPEN
+
+
+def _pass(block: Block, inputs: Inputs, place: int) -> Signal:
+    return inputs[0] or OPEN
+
+
+def _minus(block: Block, inputs: Inputs, place: int) -> Signal:
+    return tuple(scalar.scaled(-1.0) for scalar in inputs[0] or OPEN)
+
+
+def _gain(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    signal, gain = inputs[0] or OPEN, block.parameters.get("Gain", 1.0)
+    how = str(block.parameters.get("Multiplication", ""))
+    if isinstance(gain, str):
+        return None
+    if how.startswith("Matrix") and isinstance(gain, tuple):
+        matrix = np.atleast_2d(np.array(gain, dtype=float))
+        matrix = matrix if how.startswith("Matrix(K*u)") else matrix.T
+        return mixed(matrix, signal) if matrix.shape[1] == len(signal) else None
+    factors = vector(gain)
+    if len(factors) == 1:
+        return tuple(scalar.scaled(factors[0]) for scalar in signal)
+    if len(signal) == 1:
+        return tuple(signal[0].scaled(factor) for factor in factors)
+    if len(signal) != len(factors):
+        return None
+    return tuple(s.scaled(factor) for s, factor in zip(signal, factors, strict=True))
+
+
+def _sum(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    signs = [sign for sign in str(block.parameters.get("Inputs", "++")) if sign in "+-"]
+    factors = [1.0 if sign == "+" else -1.0 for sign in signs]
+    if len(factors) == 1:
+        signal = inputs[0] or OPEN
+        return (total(signal, factors * len(signal)),)
+    if not factors:
+        return None
+    wired = [*inputs, *[None] * len(factors)][: len(factors)]
+    return added([signal or OPEN for signal in wired], factors)
+
+
+def _bias(block: Block, inputs: Inputs, place: int) -> Signal:
+    bias = constants(vector(block.parameters.get("Bias", 0.0)))
+    return added([inputs[0] or OPEN, bias], [1.0, 1.0])
+
+
+def _generator(block: Block, inputs: Inputs, place: int) -> Signal:
+    hertz = str(block.parameters.get("Units", "")).lower().startswith("h")
+    frequency = number(block.parameters.get("Frequency"), 1.0) * (2.0 * math.pi if hertz else 1.0)
+    return (sine_term(number(block.parameters.get("Amplitude"), 1.0), frequency, 0.0),)
+
+
+def _product(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    """Follow a product in which one factor at most is no constant."""
+    signs = str(block.parameters.get("Inputs", "2"))
+    if signs.strip("*") and not signs.isdigit():
+        return None
+    size = max(len(signal or OPEN) for signal in inputs)
+    wide = [(signal or OPEN) * (size if len(signal or OPEN) == 1 else 1) for signal in inputs]
+    product = []
+    for index in range(size):
+        parts = [signal[index] for signal in wide if index < len(signal)]
+        moving = [part for part in parts if part.terms]
+        if len(moving) > 1:
+            return None
+        still = [part for part in parts if not part.terms]
+        scaled = (moving[0] if moving else Scalar(1.0)).scaled(
+            math.prod(part.constant for part in still)
+        )
+        origins = [Scalar(0.0, {}, part.origins) for part in still]
+        product.append(total([scaled, *origins], [1.0] * (1 + len(origins))))
+    return tuple(product)
+
+
+def _switch(block: Block, inputs: Inputs, place: int) -> Signal:
+    """Follow a Manual Switch as it stands."""
+    lower = str(block.parameters.get("CurrentSetting", "1")) == "0"
+    wired = [*inputs, None][:2]
+    return wired[lower] or OPEN
+
+
+def _selector(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    if str(block.parameters.get("IndexOptions", "")).strip() not in DIALOG:
+        return None
+    signal = inputs[0] or OPEN
+    try:
+        indices = vector(value(str(block.parameters.get("Indices", "[1 3]"))))
+    except InvalidValueError:
+        return None
+    first = 0 if str(block.parameters.get("IndexMode", "")).startswith("Zero") else 1
+    chosen = [int(index) - first for index in indices]
+    if any(not 0 <= index < len(signal) for index in chosen):
+        return None
+    return tuple(signal[index] for index in chosen)
+
+
+def _mux(block: Block, inputs: Inputs, place: int) -> Signal:
+    return tuple(scalar for signal in inputs for scalar in signal or OPEN)
+
+
+def _demux(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    signal = inputs[0] or OPEN
+    widths = _widths(block, len(signal))
+    if place > len(widths):
+        return None
+    start = sum(widths[: place - 1])
+    return signal[start : start + widths[place - 1]]
+
+
+def least_size(demux: Block) -> int:
+    """Return how many components a Demux needs at least."""
+    outputs = vector(demux.parameters.get("Outputs", 1.0))
+    if len(outputs) > 1:
+        return sum(int(width) if width > 0 else 1 for width in outputs)
+    return max(int(outputs[0]), 1) if outputs else 1
+
+
+def _widths(block: Block, size: int) -> list[int]:
+    """Share a Demux's input out; there are no outputs where it cannot be."""
+    outputs = vector(block.parameters.get("Outputs", 1.0))
+    if len(outputs) > 1:
+        fixed = sum(int(width) for width in outputs if width > 0)
+        free = sum(width <= 0 for width in outputs)
+        return [int(w) if w > 0 else (size - fixed) // max(free, 1) for w in outputs]
+    count = least_size(block)
+    if count > size:
+        return []
+    each, rest = divmod(size, count)
+    return [each + (index < rest) for index in range(count)]
+
+
+def _conversion(block: Block, inputs: Inputs, place: int) -> Signal:
+    factor = CONVERSIONS[block.kind]
+    return tuple(scalar.scaled(factor) for scalar in inputs[0] or OPEN)
+
+
+def _affine(block: Block) -> tuple[float, float] | None:
+    """Read an Fcn's expression of its scalar input as a factor and a constant."""
+    text = str(block.parameters.get("Expr", "")).replace("u(1)", "u").replace("u[1]", "u")
+    try:
+        found = [value(text, {"u": at}) for at in TRIALS]
+    except InvalidValueError:
+        return None
+    if not all(isinstance(one, float) and math.isfinite(one) for one in found):
+        return None
+    zero, one, *others = (float(str(result)) for result in found)
+    slope = one - zero
+    bent = max(
+        abs(result - zero - at * slope) / max(abs(at), 1.0)
+        for at, result in zip(TRIALS[2:], others, strict=True)
+    )
+    return (slope, zero) if bent <= AFFINE * (abs(slope) + abs(zero)) else None
+
+
+def _fcn(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    affine, signal = _affine(block), inputs[0] or OPEN
+    if affine is None or len(signal) != 1:
+        return None
+    return (total([signal[0], Scalar(1.0)], affine),)
+
+
+LAWS: dict[str, Law] = {
+    "Sin": _sine,
+    "Constant": _constant,
+    "Ground": _ground,
+    "Gain": _gain,
+    "Sum": _sum,
+    "Bias": _bias,
+    "UnaryMinus": _minus,
+    "Mux": _mux,
+    "Concatenate": _mux,
+    "Demux": _demux,
+    "BusCreator": _mux,
+    "Selector": _selector,
+    "Product": _product,
+    "ManualSwitch": _switch,
+    "SignalGenerator": _generator,
+    **dict.fromkeys(
+        (
+            "SignalConversion",
+            "DataTypeConversion",
+            "RateTransition",
+            "Reshape",
+            "SignalSpecification",
+            "Squeeze",
+            "BusToVector",
+        ),
+        _pass,
+    ),
+}

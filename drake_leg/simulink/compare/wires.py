@@ -1,0 +1,260 @@
+"""Blocks that carry and show signals, and the signal wires, one by one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.primitives import ConstantVectorSource, VectorLogSink
+
+from drake_leg.diagrams.wiring import Wire as LiveWire
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.compare.diagram_signals import DiagramSignals
+from drake_leg.simulink.compare.findings import (
+    Blocks,
+    Verdict,
+    different,
+    listed,
+    matched,
+    missing,
+)
+from drake_leg.simulink.compare.sides import Roles, Sides
+from drake_leg.simulink.compare.signals import CLOSE, Atom, Scalar, close
+from drake_leg.simulink.compare.simulink_mechanism import SENSORS
+from drake_leg.simulink.compare.simulink_signals import SINKS, unit_factor
+from drake_leg.simulink.model import Block
+from drake_leg.systems.frame_sensor import FrameSensor
+from drake_leg.systems.prescribed_motion import PrescribedMotion
+from drake_leg.units import parse_unit
+
+UNCONNECTED = "an output that stays unconnected"
+SHOWN_IN = ("1", "cm", "mm", "deg", "rpm")  # units of what a scope shows
+SCALES = tuple(float(1 / parse_unit(unit).factor) for unit in SHOWN_IN)
+UNITS = {  # of what is sensed: where a joint turns, where it slides
+    ("sensed", "position"): ("rad", "m"),
+    ("sensed", "velocity"): ("rad/s", "m/s"),
+    ("sensed", "acceleration"): ("rad/s^2", "m/s^2"),
+    ("sensed", "torque"): ("N*m", "N"),
+    ("foot", "position"): ("m", ""),
+    ("foot", "velocity"): ("m/s", ""),
+    ("foot", "acceleration"): ("m/s^2", ""),
+    ("foot", "angular velocity"): ("rad/s", ""),
+    ("foot", "quaternion"): ("1", ""),
+}
+LIKELY = {  # what the live block's name begins with, where several carry the signal
+    "Mux": "Mux",
+    "Demux": "Demux",
+    "Gain": "Gain",
+    "Sum": "Integrator",
+    "PS-Simulink Converter": "PS-Simulink",
+}
+CONVERTERS = ("Simulink-PS Converter", "PS-Simulink Converter")
+
+Shape = frozenset[Atom]
+
+
+def compare_carriers(sides: Sides, roles: Roles) -> Iterator[Verdict]:
+    """Name for every mux, gain, sum and converter the live block at which its signal appears."""
+    for block in sides.flat.blocks:
+        if block.type == "Terminator":
+            yield matched(block, UNCONNECTED)
+        elif sides.ours.is_carrier(block):
+            yield _carrier(sides, roles, block)
+
+
+def compare_sinks(sides: Sides, roles: Roles) -> Iterator[Verdict]:
+    """Find the scopes that record what the model's scopes show."""
+    logged = sides.live.logged()
+    for block in sides.flat.blocks:
+        if block.kind in SINKS or block.type in SINKS:
+            yield from _compare_sink(sides, roles, block, logged)
+
+
+def compare_units(sides: Sides) -> Iterator[Verdict]:
+    """Find converters whose unit measures something else than what reaches them."""
+    for sid, joint in sides.network.joints.items():
+        converter = sides.ours.converter(sid)
+        if converter is not None:
+            yield from _compare_unit(converter, sides.unit_of(joint))
+    for block in sides.flat.blocks:
+        if block.kind == "PS-Simulink Converter":
+            for scalar in sides.ours.output(f"{block.sid}#out:1"):
+                for atom in scalar.terms:
+                    if (atom.kind, atom.what) in UNITS:
+                        turning, sliding = UNITS[atom.kind, atom.what]
+                        slides = atom.kind == "sensed" and sides.unit_of(int(atom.of)) == "m"
+                        yield from _compare_unit(block, sliding if slides else turning)
+
+
+def boundaries(sides: Sides) -> Iterator[Verdict]:
+    """List what only groups and leads on: subsystems, their ports, Goto and From."""
+    leaves = {block.sid for block in sides.flat.blocks}
+    for block in sides.model.blocks:
+        if block.sid not in leaves:
+            yield matched(block, "the blocks and wires that it holds or joins")
+
+
+def without_counterpart(sides: Sides, settled: frozenset[str]) -> Iterator[Verdict]:
+    """State that the blocks that are not settled have no counterpart."""
+    for block in sides.flat.blocks:
+        if block.sid in settled:
+            continue
+        if block.kind in CONVERTERS:
+            yield missing(block, "it is connected to no joint or sensor of the chain")
+        elif block.kind in SENSORS:
+            yield missing(block, "it does not sense the chain from the world")
+        elif block.source.startswith("sm_lib"):
+            yield missing(block, "the Drake model has nothing of this kind")
+        else:
+            yield missing(block, "no block of the diagram does this")
+
+
+def compare_wires(sides: Sides, roles: Roles, judged: Blocks) -> Iterator[Verdict]:
+    """Find for every wire of the model the live connections that carry its signal."""
+    for wire in sides.flat.wires:
+        item = {"what": "wire", "from": wire.source, "to": wire.target, "name": wire.name}
+        source, target = (port.partition("#")[0] for port in (wire.source, wire.target))
+        lost = next((sid for sid in (source, target) if sid in judged.missing), None)
+        if lost is not None:
+            why = f"{sides.block(lost).name!r} has no counterpart: {judged.missing[lost]}"
+            yield Verdict(list="missing", item={**item, "why": why})
+            continue
+        if wire.target in judged.wrong:
+            continue
+        signal = roles.of(sides.ours.output(wire.source))
+        shapes = list(dict.fromkeys(scalar.shape for scalar in signal if scalar.shape))
+        names = judged.counterparts.get(source, set())
+        found = _carrying(sides, shapes, sides.block(target), names, judged)
+        text = ", ".join(f"{w.source}.{w.output} -> {w.target}.{w.input}" for w in found)
+        if not text and not shapes:
+            text = f"a number of {listed(sorted(names))}" if names else "a constant"
+        if not text and sides.block(target).type == "Terminator":
+            text = UNCONNECTED
+        if text:
+            yield Verdict(list="matched", item={**item, "counterpart": text}, wires=tuple(found))
+        else:
+            why = f"no connection of the diagram carries {', '.join(map(str, signal))}"
+            yield Verdict(list="missing", item={**item, "why": why})
+
+
+def physical(live: DiagramSignals) -> set[LiveWire]:
+    """Find the connections that in Simscape are physical ones: around the plant."""
+    plants, logs = set(live.of_type(MultibodyPlant)), set(live.of_type(VectorLogSink))
+    inner = {*plants, *live.of_type(PrescribedMotion), *live.of_type(FrameSensor)}
+    around = inner | {w.target for w in live.wires if w.source in plants} - logs
+    return {
+        wire
+        for wire in live.wires
+        if (wire.source in inner and wire.target in around)
+        or (wire.target in inner and wire.input == "q")
+    }
+
+
+def _carrier(sides: Sides, roles: Roles, block: Block) -> Verdict:
+    wired = [w.source for w in sides.flat.wires if w.source.startswith(f"{block.sid}#")]
+    ports = dict.fromkeys(wired or [f"{block.sid}#out:1"])
+    scalars = [s for port in ports for s in roles.of(sides.ours.output(port)) if s.shape]
+    carrying = [
+        [wire.source for wire in sides.live.wires if scalar.shape in sides.live.shapes[wire]]
+        for scalar in scalars
+    ]
+    word = LIKELY.get(block.kind, " ")
+    best = [
+        next((name for name in names if name.startswith(word)), names[0])
+        for names in carrying
+        if names
+    ]
+    if scalars and not best:
+        return missing(block, f"no block of the diagram gives {scalars[0]}")
+    names = list(dict.fromkeys(best or sides.live.of_type(ConstantVectorSource)))
+    return matched(block, listed(names), names)
+
+
+def _compare_sink(
+    sides: Sides, roles: Roles, block: Block, logged: list[tuple[Scalar, str]]
+) -> Iterator[Verdict]:
+    wires = [w for w in sides.flat.wires if w.target.partition("#")[0] == block.sid]
+    if not wires:
+        yield matched(block, "nothing: it shows nothing")
+        return
+    scopes: list[str] = []
+    lost: list[Verdict] = []
+    for scalar in (s for wire in wires for s in roles.of(sides.ours.output(wire.source))):
+        found = [(other, name) for other, name in logged if other.shape == scalar.shape]
+        if found:
+            scopes.append(_best_scope([name for _, name in found], block.name, scopes))
+            yield from _compare_scale(sides, block, scalar, found[0][0])
+        elif scalar.shape:
+            lost.append(missing(block, f"no scope of the diagram records {scalar}"))
+    if lost:
+        yield lost[0]
+    elif scopes:
+        names = list(dict.fromkeys(scopes))
+        yield matched(block, listed(names), names)
+    else:
+        yield missing(block, "nothing that the diagram has reaches it")
+
+
+def _best_scope(names: list[str], wanted: str, taken: list[str]) -> str:
+    """Prefer the scope of the same name, then one that is in use for this block already."""
+    for name in names:
+        if name.lower() == wanted.lower():
+            return name
+    return next((name for name in names if name in taken), names[0])
+
+
+def _compare_scale(sides: Sides, block: Block, ours: Scalar, live: Scalar) -> Iterator[Verdict]:
+    """A scope may show another unit; any other factor is a gain that the diagram lacks."""
+    if any(atom.kind == "sine" for atom in ours.terms):
+        return
+    converters = [b for b in sides.flat.blocks if b.kind == "PS-Simulink Converter"]
+    unit = math.prod(unit_factor(b) for b in converters if b.sid in ours.origins)
+    for atom, factor in ours.terms.items():
+        ratio = factor * unit / live.terms[atom]
+        offset = ours.constant * unit - ratio * live.constant
+        if abs(offset) > CLOSE * abs(ratio):
+            yield different(block.sid, block.name, f"offset of {atom}", offset, 0.0)
+        if not any(close(ratio, scale) or close(ratio, 1.0 / scale) for scale in SCALES):
+            yield different(block.sid, block.name, f"factor of {atom}", ratio, 1.0)
+
+
+def _compare_unit(block: Block, wanted: str) -> Iterator[Verdict]:
+    unit = str(block.parameters.get("Unit", "1"))
+    if unit in ("1", "inherit", ""):
+        return
+    try:
+        fits = parse_unit(unit).is_like(parse_unit(wanted))
+    except InvalidValueError:
+        fits = False
+    if not fits:
+        yield different(block.sid, block.name, "Unit", unit, wanted)
+
+
+def _carrying(
+    sides: Sides, shapes: list[Shape], target: Block, sources: set[str], judged: Blocks
+) -> list[LiveWire]:
+    """Find the live connections that carry signals of these shapes, the likeliest alone.
+
+    The list is empty where none of the signals is in the diagram.
+    """
+    live, into = sides.live, judged.counterparts.get(target.sid, set())
+    if not shapes:
+        still = [wire for wire in live.wires if not any(live.shapes[wire])]
+        return [wire for wire in still if wire.source in sources and wire.target in into]
+    carrier = sides.ours.is_carrier(target)
+
+    def fit(wire: LiveWire) -> int:
+        """Tell how well a connection fits: first by the end that does something."""
+        first, second = wire.target in into, wire.source in sources
+        if carrier:
+            first, second = second, first
+        logs = isinstance(live.systems[wire.target], VectorLogSink)
+        return 4 * first + 2 * second + (not logs)
+
+    found: dict[LiveWire, None] = {}
+    for shape in shapes:
+        wires = [wire for wire in live.wires if shape in live.shapes[wire]]
+        if wires:
+            found[max(wires, key=fit)] = None
+    return list(found)

@@ -1,0 +1,380 @@
+"""The grammar: expressions by climbing MATLAB's precedence, statements, functions."""
+
+from __future__ import annotations
+
+from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.tokens import JUMPS, REFUSED, Token
+from drake_leg.simulink.matlab.values import NESTING, MatlabError
+
+_COLON = 6
+_LEVELS = {
+    "||": 1,
+    "&&": 2,
+    "|": 3,
+    "&": 4,
+    **dict.fromkeys(("==", "~=", "<", "<=", ">", ">="), 5),
+    ":": _COLON,
+    **dict.fromkeys(("+", "-"), 7),
+    **dict.fromkeys(("*", "/", "\\", ".*", "./", ".\\"), 8),
+}
+_SIGNS = ("+", "-", "~")
+_POWERS = ("^", ".^")
+_TRANSPOSES = ("'", ".'")
+
+
+class ExpressionParser:
+    """A reader of tokens that knows expressions."""
+
+    def __init__(self, tokens: list[Token]) -> None:
+        self._tokens, self._at = tokens, 0
+        self._depth, self.deepest = 0, 0
+
+    @property
+    def next(self) -> Token:
+        """The token that comes next."""
+        return self._tokens[self._at]
+
+    def sees(self, *symbols: str) -> bool:
+        """Tell whether the next token is one of some symbols."""
+        token = self.next
+        return token.kind == "symbol" and token.text in symbols
+
+    def take(self) -> Token:
+        """Go past the next token."""
+        token = self.next
+        self._at += token.kind != "stop"
+        return token
+
+    def accept(self, *symbols: str) -> bool:
+        """Go past the next token if it is one of some symbols."""
+        found = self.sees(*symbols)
+        self._at += found
+        return found
+
+    def expect(self, symbol: str) -> None:
+        """Go past a symbol that must come next."""
+        if not self.accept(symbol):
+            raise self.unexpected(f"where '{symbol}' should be")
+
+    def unexpected(self, where: str = "where a value should be") -> MatlabError:
+        """Describe the next token as wrong."""
+        kind, text, line = self.next
+        if kind == "stop" or text == "\n":
+            return MatlabError("it ends too early", line)
+        if kind == "symbol" and text == "=":
+            return MatlabError("'=' stands in an expression; to compare, write '=='", line)
+        if kind == "symbol" and text == ".":
+            return MatlabError("structures (a.b) are not known here", line)
+        return MatlabError(f"'{text}' stands {where}", line)
+
+    def enter(self) -> None:
+        """Count one thing inside another."""
+        self._depth += 1
+        self.deepest = max(self.deepest, self._depth)
+        if self._depth > NESTING:
+            raise MatlabError(f"it is nested more than {NESTING} deep", self.next.line)
+
+    def leave(self) -> None:
+        """Count back."""
+        self._depth -= 1
+
+    def expression(self, lowest: int = 1) -> syntax.Expression:
+        """Read an expression, up to an operator of a lower precedence."""
+        self.enter()
+        left = self._signed()
+        while (level := self._level()) >= lowest:
+            left = self._range(left) if level == _COLON else self._chain(left, level)
+        self.leave()
+        return left
+
+    def _level(self) -> int:
+        return _LEVELS.get(self.next.text, 0) if self.next.kind == "symbol" else 0
+
+    def _chain(self, left: syntax.Expression, level: int) -> syntax.Expression:
+        rest: list[tuple[str, syntax.Expression | None]] = []
+        operands = [left]
+        symbol = self.next.text
+        while self._level() == level:
+            rest.append((self.take().text, operand := self.expression(level + 1)))
+            operands.append(operand)
+        if symbol in ("&&", "||"):
+            return syntax.Logic(symbol=symbol, operands=tuple(operands))
+        return syntax.Chain(first=left, rest=tuple(rest))
+
+    def _range(self, left: syntax.Expression) -> syntax.Expression:
+        parts = [left]
+        while self.accept(":"):
+            parts.append(self.expression(_COLON + 1))
+        if len(parts) > 3:
+            raise MatlabError("a range has at most two colons", self.next.line)
+        return syntax.Range(parts=tuple(parts))
+
+    def _signs(self) -> tuple[str, ...]:
+        signs = []
+        while self.sees(*_SIGNS):
+            signs.append(self.take().text)
+        return tuple(signs)
+
+    def _signed(self) -> syntax.Expression:
+        signs = self._signs()
+        operand = self._power()
+        return syntax.Signs(signs=signs, operand=operand) if signs else operand
+
+    def _power(self) -> syntax.Expression:
+        """Read powers and transposes, which share one precedence, from left to right."""
+        base = self._operand()
+        rest: list[tuple[str, syntax.Expression | None]] = []
+        while self.sees(*_POWERS, *_TRANSPOSES):
+            symbol = self.take().text
+            if symbol in _TRANSPOSES:
+                rest.append(("'", None))
+                continue
+            signs, exponent = self._signs(), self._operand()
+            if signs and self.sees(*_POWERS, *_TRANSPOSES):
+                raise MatlabError(
+                    "a signed exponent goes on; put it into parentheses", self.next.line
+                )
+            if signs:
+                exponent = syntax.Signs(signs=signs, operand=exponent)
+            rest.append((symbol, exponent))
+        return syntax.Chain(first=base, rest=tuple(rest)) if rest else base
+
+    def _operand(self) -> syntax.Expression:
+        kind, text, _ = self.next
+        if kind == "number":
+            self.take()
+            return syntax.Number(value=float(text.lower().replace("d", "e")))
+        if kind == "text":
+            self.take()
+            return syntax.Text(text=text)
+        if kind == "name":
+            return self.named()
+        if self.accept("("):
+            inner = self.expression()
+            self.expect(")")
+            return inner
+        if self.accept("["):
+            return self._matrix()
+        raise self.unexpected()
+
+    def named(self) -> syntax.Name | syntax.Apply | syntax.End:
+        """Read a name, and what it is applied to."""
+        name = self.take().text
+        if name == "end":
+            return syntax.End()
+        if self.sees("."):
+            raise MatlabError(
+                f"'{name}.{self._tokens[self._at + 1].text}' is not known here: "
+                "no structures, no packages",
+                self.next.line,
+            )
+        if not self.accept("("):
+            return syntax.Name(name=name)
+        arguments: list[syntax.Expression] = []
+        if not self.accept(")"):
+            arguments.append(self._argument())
+            while self.accept(","):
+                arguments.append(self._argument())
+            self.expect(")")
+        if self.sees("("):
+            raise MatlabError(f"'{name}(...)' is applied to parentheses again", self.next.line)
+        return syntax.Apply(name=name, arguments=tuple(arguments))
+
+    def _argument(self) -> syntax.Expression:
+        after = self._tokens[min(self._at + 1, len(self._tokens) - 1)].text
+        if self.sees(":") and after in (",", ")"):
+            self.take()
+            return syntax.Colon()
+        return self.expression()
+
+    def _matrix(self) -> syntax.Matrix:
+        rows = []
+        while not self.accept("]"):
+            if self.accept(";"):
+                continue
+            row = [self.expression()]
+            while self.accept(",") and not self.sees(";", "]"):
+                row.append(self.expression())
+            rows.append(tuple(row))
+            if not self.sees(";", "]"):
+                raise self.unexpected("between two elements")
+        return syntax.Matrix(rows=tuple(rows))
+
+
+_SEPARATORS = (";", ",", "\n")
+_LISTS = ("varargin", "varargout")
+
+
+class ScriptParser(ExpressionParser):
+    """A reader of tokens that knows the code of a MATLAB Function block."""
+
+    def __init__(self, tokens: list[Token]) -> None:
+        super().__init__(tokens)
+        self.name = ""  # of the function that is being read
+
+    def functions(self) -> tuple[syntax.Function, ...]:
+        """Read all functions; the first one is the block's."""
+        found: list[syntax.Function] = []
+        self._skip_separators()
+        while self.next.kind != "stop":
+            if not self._sees_keyword("function"):
+                place = "after the function's end" if found else "where 'function' should be"
+                raise self.unexpected(place)
+            found.append(self._function())
+            self._skip_separators()
+        if not found:
+            raise MatlabError("there is no function in the code", self.next.line)
+        names = [function.name for function in found]
+        for function in found:
+            if names.count(function.name) > 1:
+                raise MatlabError(f"there are two functions {function.name}", function.line)
+        return tuple(found)
+
+    def _sees_keyword(self, *keywords: str) -> bool:
+        return self.next.kind == "keyword" and self.next.text in keywords
+
+    def _skip_separators(self) -> None:
+        while self.accept(*_SEPARATORS):
+            pass
+
+    def _identifier(self) -> str:
+        if self.next.kind != "name" or self.next.text == "end":
+            raise self.unexpected("where a name should be")
+        if self.next.text in _LISTS:
+            raise MatlabError(f"'{self.next.text}' is not known here", self.next.line)
+        return self.take().text
+
+    def _function(self) -> syntax.Function:
+        line, self.deepest = self.take().line, 0
+        outputs: tuple[str, ...] = ()
+        if self.accept("["):
+            outputs = self._names("]")
+            self.expect("=")
+            name = self._identifier()
+        else:
+            name = self._identifier()
+            if self.accept("="):
+                outputs, name = (name,), self._identifier()
+        self.name = name
+        inputs = self._names(")") if self.accept("(") else ()
+        body = self._block("end", "function")
+        if self._sees_keyword("end"):
+            self.take()
+        return syntax.Function(
+            line=line, name=name, inputs=inputs, outputs=outputs, body=body, nesting=self.deepest
+        )
+
+    def _names(self, closing: str) -> tuple[str, ...]:
+        names: list[str] = []
+        while not self.accept(closing):
+            names.append("~" if closing == ")" and self.accept("~") else self._identifier())
+            if not self.sees(closing):
+                self.expect(",")
+        if len(set(names) - {"~"}) + names.count("~") < len(names):
+            raise MatlabError("a name stands twice in a function's head", self.next.line)
+        return tuple(names)
+
+    def _block(self, *ends: str) -> tuple[syntax.Statement, ...]:
+        """Read statements up to a keyword that ends them; it is left standing."""
+        self.enter()
+        statements: list[syntax.Statement] = []
+        self._skip_separators()
+        while self.next.kind != "stop" and not self._sees_keyword(*ends):
+            statements.append(self._statement())
+            if not (self.sees(*_SEPARATORS) or self.next.kind in ("stop", "keyword")):
+                raise self.unexpected("where the statement should end")
+            self._skip_separators()
+        if self.next.kind == "stop" and "function" not in ends:
+            raise MatlabError("an 'end' is missing", self.next.line)
+        self.leave()
+        return tuple(statements)
+
+    def _statement(self) -> syntax.Statement:
+        line, keyword = self.next.line, self.next.text
+        if self.next.kind != "keyword":
+            return self._simple(line)
+        if keyword in REFUSED:
+            raise MatlabError(f"'{keyword}' is not known here", line)
+        if keyword in JUMPS:
+            self.take()
+            return syntax.Jump(line=line, keyword=keyword)
+        if keyword == "if":
+            return self._if(line)
+        if keyword == "for":
+            return self._for(line)
+        if keyword == "while":
+            self.take()
+            condition, body = self.expression(), self._block("end")
+            self.take()
+            return syntax.While(line=line, condition=condition, body=body)
+        raise self.unexpected("where a statement should be")
+
+    def _if(self, line: int) -> syntax.If:
+        branches = []
+        otherwise: tuple[syntax.Statement, ...] = ()
+        while self._sees_keyword("if", "elseif"):
+            at = self.take().line
+            condition = self.expression()
+            branches.append((at, condition, self._block("elseif", "else", "end")))
+            if self._sees_keyword("else"):
+                self.take()
+                otherwise = self._block("end")
+            if self._sees_keyword("end"):
+                self.take()
+                break
+        return syntax.If(line=line, branches=tuple(branches), otherwise=otherwise)
+
+    def _for(self, line: int) -> syntax.For:
+        self.take()
+        closed = self.accept("(")
+        variable = self._identifier()
+        self.expect("=")
+        over = self.expression()
+        if closed:
+            self.expect(")")
+        body = self._block("end")
+        self.take()
+        return syntax.For(line=line, variable=variable, over=over, body=body)
+
+    def _simple(self, line: int) -> syntax.Statement:
+        if self.sees("[") and self._is_assignment():
+            targets = self._targets()
+            self.expect("=")
+            return syntax.Assign(line=line, targets=targets, value=self.expression())
+        left = self.expression()
+        if not self.accept("="):
+            return syntax.Evaluate(line=line, value=left)
+        return syntax.Assign(line=line, targets=(_target(left, line),), value=self.expression())
+
+    def _is_assignment(self) -> bool:
+        """Tell whether the bracket that comes next is the left side of an assignment."""
+        at, depth = self._at, 0
+        while True:
+            depth += (self._tokens[at].text == "[") - (self._tokens[at].text == "]")
+            at += 1
+            if not depth:
+                return self._tokens[at].text == "="
+
+    def _targets(self) -> tuple[syntax.Target, ...]:
+        line = self.take().line
+        targets = []
+        while not self.accept("]"):
+            if self.accept("~"):
+                targets.append(syntax.Target(name="~"))
+            elif self.next.kind == "name":
+                targets.append(_target(self.named(), line))
+            else:
+                raise self.unexpected("where a variable should be")
+            if not self.sees("]"):
+                self.expect(",")
+        if not targets:
+            raise MatlabError("'[] =' names no variable", line)
+        return tuple(targets)
+
+
+def _target(left: syntax.Expression, line: int) -> syntax.Target:
+    if isinstance(left, syntax.Name):
+        return syntax.Target(name=left.name)
+    if isinstance(left, syntax.Apply):
+        return syntax.Target(name=left.name, indices=left.arguments)
+    raise MatlabError("what stands before '=' is no variable", line)

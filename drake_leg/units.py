@@ -1,0 +1,314 @@
+"""Units: what each is in SI, as a product of kg, m, s and rad."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, Literal
+
+from drake_leg.errors import InvalidValueError
+
+AngleUnit = Literal["deg", "rad"]
+Powers = tuple[int, int, int, int]  # of kg, m, s, rad
+
+STANDARD_GRAVITY = 9.80665  # [m/s^2], Simscape's default; Drake's own is 9.81
+
+_LONGEST = 60  # characters of a unit
+_WORDS = re.compile(r"[A-Za-z_]+|\d+|[*/^()-]")
+_PI, _INCH, _GEE = Fraction(math.pi), Fraction("0.0254"), Fraction("9.80665")
+_POUND = Fraction("0.45359237")
+
+_MASS, _LENGTH, _TIME, _ANGLE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)
+_RATE, _FREQUENCY = (0, 0, -1, 1), (0, 0, -1, 0)
+_SPEED, _ACCELERATION = (0, 1, -1, 0), (0, 1, -2, 0)
+_FORCE, _PRESSURE = (1, 1, -2, 0), (1, -1, -2, 0)
+_ENERGY, _POWER = (1, 2, -2, 0), (1, 2, -3, 0)
+
+_ATOMS: dict[str, tuple[Fraction | int, Powers]] = {
+    "kg": (1, _MASS),
+    "g": (Fraction("1e-3"), _MASS),
+    "mg": (Fraction("1e-6"), _MASS),
+    "t": (1000, _MASS),
+    "lbm": (_POUND, _MASS),
+    "oz": (_POUND / 16, _MASS),
+    "slug": (_POUND * _GEE / (_INCH * 12), _MASS),
+    "m": (1, _LENGTH),
+    "km": (1000, _LENGTH),
+    "cm": (Fraction("1e-2"), _LENGTH),
+    "mm": (Fraction("1e-3"), _LENGTH),
+    "um": (Fraction("1e-6"), _LENGTH),
+    "in": (_INCH, _LENGTH),
+    "ft": (_INCH * 12, _LENGTH),
+    "yd": (_INCH * 36, _LENGTH),
+    "mi": (_INCH * 63_360, _LENGTH),
+    "s": (1, _TIME),
+    "ms": (Fraction("1e-3"), _TIME),
+    "us": (Fraction("1e-6"), _TIME),
+    "ns": (Fraction("1e-9"), _TIME),
+    "min": (60, _TIME),
+    "hr": (3600, _TIME),
+    "d": (86_400, _TIME),
+    "rad": (1, _ANGLE),
+    "deg": (_PI / 180, _ANGLE),
+    "rev": (_PI * 2, _ANGLE),
+    "rpm": (_PI / 30, _RATE),
+    "Hz": (1, _FREQUENCY),
+    "kHz": (1000, _FREQUENCY),
+    "mph": (_INCH * 63_360 / 3600, _SPEED),
+    "kph": (Fraction(1000, 3600), _SPEED),
+    "fpm": (_INCH * 12 / 60, _SPEED),
+    "fps": (_INCH * 12, _SPEED),
+    "gee": (_GEE, _ACCELERATION),
+    "N": (1, _FORCE),
+    "kN": (1000, _FORCE),
+    "mN": (Fraction("1e-3"), _FORCE),
+    "uN": (Fraction("1e-6"), _FORCE),
+    "dyn": (Fraction("1e-5"), _FORCE),
+    "lbf": (_POUND * _GEE, _FORCE),
+    "Pa": (1, _PRESSURE),
+    "kPa": (1000, _PRESSURE),
+    "MPa": (10**6, _PRESSURE),
+    "GPa": (10**9, _PRESSURE),
+    "bar": (10**5, _PRESSURE),
+    "psi": (_POUND * _GEE / _INCH**2, _PRESSURE),
+    "J": (1, _ENERGY),
+    "kJ": (1000, _ENERGY),
+    "W": (1, _POWER),
+    "kW": (1000, _POWER),
+    "mW": (Fraction("1e-3"), _POWER),
+}
+
+_SI_NAMES: dict[Powers, str] = {
+    (0, 0, 0, 0): "1",
+    _MASS: "kg",
+    _LENGTH: "m",
+    _TIME: "s",
+    _ANGLE: "rad",
+    _SPEED: "m/s",
+    _ACCELERATION: "m/s^2",
+    _RATE: "rad/s",
+    (0, 0, -2, 1): "rad/s^2",
+    _FORCE: "N",
+    _PRESSURE: "Pa",
+    _POWER: "W",
+    _ENERGY: "N*m",
+    (1, 0, -2, 0): "N/m",
+    (1, 0, -1, 0): "N*s/m",
+    (1, 2, -2, -1): "N*m/rad",
+    (1, 2, -1, -1): "N*m*s/rad",
+    (1, -3, 0, 0): "kg/m^3",
+    (1, 2, 0, 0): "kg*m^2",
+    (0, 2, 0, 0): "m^2",
+    (0, 1, 0, -1): "m/rad",
+    _FREQUENCY: "1/s",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unit:
+    """A unit, as its exact value in SI."""
+
+    factor: Fraction
+    powers: Powers
+
+    @property
+    def si(self) -> str:
+        """Name of the SI unit of the same quantity."""
+        return _SI_NAMES.get(self.powers) or "*".join(
+            f"{name}^{power}" if power != 1 else name
+            for name, power in zip(("kg", "m", "s", "rad"), self.powers, strict=True)
+            if power
+        )
+
+    def is_like(self, other: Unit) -> bool:
+        """Whether both measure the same; radians do not count, as in Simscape."""
+        return self.powers[:3] == other.powers[:3]
+
+    def in_si(self, value: float) -> float:
+        """Convert a value of this unit to SI, rounded once."""
+        if not math.isfinite(value) or self.factor == 1:
+            return value
+        try:
+            return float(Fraction(value) * self.factor)
+        except OverflowError:
+            return math.copysign(math.inf, value)
+
+    def times(self, other: Unit, exponent: int) -> Unit:
+        """Multiply by a power of another unit."""
+        kg, m, s, rad = (
+            mine + exponent * theirs for mine, theirs in zip(self.powers, other.powers, strict=True)
+        )
+        return Unit(factor=self.factor * other.factor**exponent, powers=(kg, m, s, rad))
+
+
+_ONE = Unit(factor=Fraction(1), powers=(0, 0, 0, 0))
+
+
+@lru_cache(maxsize=1024)
+def parse_unit(text: str) -> Unit:
+    """Read a unit as Simscape writes it: ``mm``, ``N*m/(deg/s)``, ``kg/m^3``, ``1``.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is not a product of known units.
+    """
+    words = _WORDS.findall(text)
+    if len(text) > _LONGEST or not words or "".join(words) != "".join(text.split()):
+        raise InvalidValueError(f"{text[:_LONGEST]!r} is not a unit")
+    try:
+        unit, rest = _product(words)
+    except (KeyError, IndexError, ValueError, ZeroDivisionError, OverflowError):
+        raise InvalidValueError(f"{text!r} is not a known unit") from None
+    if rest:
+        raise InvalidValueError(f"{text!r} is not a known unit")
+    return unit
+
+
+def _product(words: list[str]) -> tuple[Unit, list[str]]:
+    """Read factors, and return what follows them."""
+    unit, words = _power(words)
+    while words and words[0] in "*/":
+        sign = 1 if words[0] == "*" else -1
+        factor, words = _power(words[1:])
+        unit = unit.times(factor, sign)
+    return unit, words
+
+
+def _power(words: list[str]) -> tuple[Unit, list[str]]:
+    unit, words = _atom(words)
+    if words and words[0] == "^":
+        negative = words[1] == "-"
+        digits, words = words[1 + negative], words[2 + negative :]
+        if int(digits) > 9:
+            raise ValueError(digits)
+        unit = _ONE.times(unit, -int(digits) if negative else int(digits))
+    return unit, words
+
+
+def _atom(words: list[str]) -> tuple[Unit, list[str]]:
+    if words[0] == "(":
+        unit, words = _product(words[1:])
+        if words[0] != ")":
+            raise ValueError(words[0])
+        return unit, words[1:]
+    if words[0] == "1":
+        return _ONE, words[1:]
+    factor, powers = _ATOMS[words[0]]
+    return Unit(factor=Fraction(factor), powers=powers), words[1:]
+
+
+def value_in_si(unit: str) -> float:
+    """Return what one of a unit is in SI: 0.001 for ``mm``."""
+    return parse_unit(unit).in_si(1.0)
+
+
+def _choices(*units: str) -> dict[str, float]:
+    """Name units that a person may choose from, with their values in SI."""
+    return {unit: value_in_si(unit) for unit in units}
+
+
+TIME_UNITS = _choices("s", "ms")
+ANGLE_UNITS = _choices("rad", "deg")
+LENGTH_UNITS = _choices("m", "cm", "mm")
+DAMPING_UNITS = _choices("N*m*s/rad", "N*m/(deg/s)")  # the second is Simscape's default
+SPRING_UNITS = _choices("N*m/rad", "N*m/deg")  # the same
+SLIDING_DAMPING_UNITS = _choices("N*s/m")
+SLIDING_SPRING_UNITS = _choices("N/m")
+
+
+def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> float:
+    """Convert a value in one of several units, a table of their values in SI.
+
+    Parameters
+    ----------
+    what : str
+        The quantity that the unit is of, for the error's sentence.
+
+    Raises
+    ------
+    InvalidValueError
+        If the unit is not one of them.
+    """
+    if unit not in units:
+        raise InvalidValueError(f"the {what} unit is {unit!r}; it must be {' or '.join(units)}")
+    return value * units[unit]
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointUnits:
+    """The units that a robot file uses at one joint, and how they become SI and radians."""
+
+    position: str  # as in sentences and comments: deg, rad or m
+    effort: str
+    stiffness: dict[str, float]  # unit to its value in SI, the default first
+    damping: dict[str, float]  # the same
+
+    @property
+    def velocity(self) -> str:
+        """Unit of the joint's speed."""
+        return f"{self.position}/s"
+
+    def si(self, value: float) -> float:
+        """Convert a position or a speed to rad, m, rad/s or m/s."""
+        return math.radians(value) if self.position == "deg" else value
+
+
+def joint_units(joint: str, angles: AngleUnit) -> JointUnits:
+    """Choose the units of a joint, ``"prismatic"`` or another."""
+    if joint == "prismatic":
+        return JointUnits(
+            position="m",
+            effort="N",
+            stiffness=SLIDING_SPRING_UNITS,
+            damping=SLIDING_DAMPING_UNITS,
+        )
+    return JointUnits(position=angles, effort="N*m", stiffness=SPRING_UNITS, damping=DAMPING_UNITS)
+
+
+def in_radians(angle: float, angles: AngleUnit) -> float:
+    """Convert an angle in this unit to radians."""
+    return math.radians(angle) if angles == "deg" else angle
+
+
+def exact_degrees(angle: float) -> float | None:
+    """Find the shortest number of degrees that is exactly this angle [rad] when converted back.
+
+    Returns
+    -------
+    float or None
+        [deg]; None where there is none.
+    """
+    degrees = math.degrees(angle)
+    rounded = (round(degrees, digits) for digits in range(16))
+    neighbours = (math.nextafter(degrees, math.inf), math.nextafter(degrees, -math.inf))
+    for candidate in (*rounded, degrees, *neighbours):
+        if math.radians(candidate) == angle:
+            return candidate
+    return None
+
+
+def in_words(position: float, *, slides: bool) -> str:
+    """Write a joint's position [rad or m] in degrees, or in m where it slides: ``120 deg``."""
+    return f"{position:.9g} m" if slides else f"{math.degrees(position):.9g} deg"
+
+
+def joint_entries(name: str, q: Sequence[float], slides: Sequence[bool]) -> dict[str, Any]:
+    """Name joint positions [rad or m] for a summary.
+
+    Returns
+    -------
+    dict
+        ``q0_deg``, or ``q0`` and ``q0_units`` where a joint slides.
+    """
+    shown = [
+        position if sliding else round(math.degrees(position), 9)
+        for position, sliding in zip(q, slides, strict=True)
+    ]
+    if not any(slides):
+        return {f"{name}_deg": shown}
+    return {name: shown, f"{name}_units": ["m" if sliding else "deg" for sliding in slides]}

@@ -1,0 +1,35 @@
+"""The library's sentences name settings as Python has them, the command line's as options."""
+
+import pytest
+
+from drake_leg.cli.advice import as_options, place_given_by
+from drake_leg.errors import LostMotionError, OutputError, PlaceError
+
+
+@pytest.mark.parametrize(
+    ("library", "command_line"),
+    [
+        ("choose `inverse='damped'` or `'limited'`", "choose --inverse damped or limited"),
+        ("choose a smaller `max_step`", "choose a smaller --max-step"),
+        ("`force=True` goes on", "--force goes on"),
+        ("give `push=(0, 0, 0.1)`", "give --push 0,0,0.1"),
+        ("choose another `target`", "choose another --out"),
+        ("the name `Own Name` stays", "the name `Own Name` stays"),
+    ],
+)
+def test_settings_become_options(library, command_line):
+    assert as_options(library) == command_line
+
+
+def test_advice_of_an_error_is_for_whoever_reads_it():
+    error = LostMotionError(time=1.0, lag=0.1)
+    assert error.advice == "choose `integrator='runge_kutta5'` or a smaller `max_step`"
+    assert as_options(error).endswith(
+        f"{error.problem}: choose --integrator runge_kutta5 or a smaller --max-step"
+    )
+
+
+def test_the_option_that_gave_a_place_is_named():
+    with pytest.raises(OutputError) as caught, place_given_by("--still"):
+        raise PlaceError("a.png", "exists", replaceable=True)
+    assert as_options(caught.value) == "a.png exists: choose another --still, or add --overwrite"

@@ -1,0 +1,168 @@
+"""What README and the pages of docs/ show works as it stands."""
+
+import re
+import shlex
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from drake_leg.cli import main
+from drake_leg.errata import errata
+
+ROOT = Path(__file__).resolve().parents[1]
+README = ROOT / "README.md"
+PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (README, *ROOT.glob("docs/*.md"))}
+TEXT = "\n".join(PAGES.values())
+
+
+def blocks(language, text=TEXT):
+    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
+
+
+def commands(text):
+    """What a page says to type, in its order: blocks for the shell, and lines in sentences."""
+    found = []
+    pieces = re.findall(r"```(\w*)\n(.*?)```|`(drake-leg\s[^`]*)`", text, flags=re.DOTALL)
+    for language, block, inline in pieces:
+        lines = block.splitlines() if language == "sh" else [" ".join(inline.split())]
+        found += [line.partition("  #")[0].strip() for line in lines]
+    options_are_placeholders = re.compile(r"\b(NAME|DIR|FILE)\b")
+    return [line for line in found if line and not options_are_placeholders.search(line)]
+
+
+def program(text):
+    """Only complete calls of the program; `drake-leg run` in a table is a name."""
+    lines = [line for line in commands(text) if line.startswith("drake-leg ")]
+    alone = {"list", "errata"}
+    return [line for line in lines if len(words_of(line)) > 1 or words_of(line)[0] in alone]
+
+
+def words_of(command):
+    return shlex.split(command)[1:]
+
+
+def after(words, *options):
+    return [word for option, word in pairwise(words) if option in options]
+
+
+def test_readme_fits_one_sitting_and_links_every_page():
+    text = PAGES["README"]
+    assert len(text.splitlines()) <= 150
+    linked = set(re.findall(r"\]\(docs/([\w-]+)\.md\)", text))
+    assert linked == set(PAGES) - {"README"}
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(page):
+    folder = ROOT if page == "README" else ROOT / "docs"
+    for link in re.findall(r"\]\((?!https?:)([^)#]+)\)", PAGES[page]):
+        assert (folder / link).exists(), link
+
+
+def test_ci_calls_the_readmes_test_command():
+    (command,) = (
+        block.strip() for block in blocks("sh", PAGES["README"]) if block.strip().endswith("pytest")
+    )
+    assert command in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
+
+
+SNIPPETS = [(page, snippet) for page, text in PAGES.items() for snippet in blocks("python", text)]
+
+
+@pytest.mark.parametrize(("page", "snippet"), SNIPPETS, ids=[page for page, _ in SNIPPETS])
+def test_a_snippet_runs(page, snippet):
+    subprocess.run([sys.executable, "-W", "error", "-c", snippet], check=True, cwd=ROOT)
+
+
+def test_the_robot_of_ones_own_is_proved(tmp_path, monkeypatch, capsys):
+    (robot,) = blocks("toml")
+    monkeypatch.chdir(tmp_path)
+    Path("arm.toml").write_text(robot, encoding="utf-8")
+    assert main(["check", "arm.toml"]) == 0
+    assert "proved" in capsys.readouterr().out
+    assert main(["sdf", "arm.toml", "--out", "arm.sdf"]) == 0
+    assert main(["doctor", "arm.toml", "--q", "0,80,-90"]) == 0
+    run = "run arm.toml --out arm --q0 0,80,-90 --amplitude 0.05 --duration 0.2"
+    assert main(run.split()) == 0
+
+
+@pytest.mark.parametrize("text", blocks("yaml"))
+def test_the_config_is_taken(tmp_path, text):
+    config = tmp_path / "step.yaml"
+    config.write_text(text, encoding="utf-8")
+    words = ["run", "leg-b", "--config", str(config), "--out", str(tmp_path / "step")]
+    assert main([*words, "--duration", "0.2"]) == 0
+
+
+def test_the_errata_are_counted():
+    assert re.findall(r"(\d+) errata", TEXT) == [str(len(errata()))]
+
+
+def test_every_command_is_taken():
+    """Each is parsed as written, except those that only print something and exit."""
+    from drake_leg.cli import entry
+
+    found = [command for text in PAGES.values() for command in program(text)]
+    assert len(found) > 40
+    for command in found:
+        words = words_of(command)
+        if not {"--help", "--version"} & set(words):
+            entry._build_parser().parse_args(entry._join_negative_values(words))
+
+
+def test_the_bare_program_is_called_once_the_environment_is_activated():
+    lines = [line for block in blocks("sh", PAGES["README"]) for line in block.splitlines()]
+    bare = [index for index, line in enumerate(lines) if line.startswith("drake-leg ")]
+    assert lines.index(". .venv/bin/activate") < bare[0]
+
+
+TYPED = {"arm.toml", "step.yaml"}  # by the reader
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_no_name_is_written_twice_and_none_is_read_before_it_is_there(page):
+    written = set()
+    for command in program(PAGES[page]):
+        words = words_of(command)
+        read = after(words, "--config", "--printed")
+        read += words[1:2] if words[0] == "replay" else []
+        read += [word for word in words[1:2] if word.endswith((".toml", ".slx"))]
+        for name in read:
+            assert name in TYPED | written or (ROOT / name).exists(), command
+        for name in after(words, "--out", "--still"):
+            assert name not in written, f"{command}: {name} is there already"
+            written.add(name)
+
+
+STATUS = {
+    "drake-leg run leg-b --out far --amplitude 0.1 --force": 3,
+    "drake-leg check leg-b --printed tests/lab/grader/printed/report_b_leg.toml": 1,
+}
+SERVERS = ("drake-leg view leg-b", "drake-leg teleop leg-b")  # until they are interrupted
+VIDEOS = (".gif", ".mp4")  # drawn picture by picture
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", [page for page in PAGES if program(PAGES[page])])
+def test_a_pages_commands_work_one_after_the_other(page, tmp_path, monkeypatch, capsys):
+    """As a reader types them, in one folder, but shorter; pictures of runs are other tests'."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+    for folder in ("notebooks", "tests"):
+        Path(folder).symlink_to(ROOT / folder)
+    Path("arm.toml").write_text(*blocks("toml"), encoding="utf-8")
+    Path("step.yaml").write_text(*blocks("yaml"), encoding="utf-8")
+    for command in program(PAGES[page]):
+        words = words_of(command)
+        if command in SERVERS or command.endswith(VIDEOS):
+            continue
+        if words[0] == "run" and "--out" in words:
+            words += ["--duration", "3"]
+        try:
+            status = main(words)
+        except SystemExit as stop:
+            status = stop.code
+        assert (status or 0) == STATUS.get(command, 0), f"{command}: {capsys.readouterr().err}"

@@ -1,0 +1,175 @@
+"""The front door: which names it has, that each teaches by an example, and that it opens fast."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import inspect
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import drake_leg
+
+ROOT = Path(drake_leg.__file__).parents[1]
+SOURCE = Path(drake_leg.__file__).read_text(encoding="utf-8")
+ROBOTS = ("PENDULUM", "LEG_A", "LEG_B", "SCARA")
+MOST_IMPORTS = 5  # lines of a notebook that import from the package
+
+
+def load(name):
+    """Return a name of the door, whatever module of that name was imported before."""
+    return drake_leg.__getattr__(name)
+
+
+@pytest.fixture(scope="module")
+def fresh():
+    """What a new interpreter says after ``import drake_leg``."""
+    script = (
+        "import json, sys, time; start = time.perf_counter(); import drake_leg; "
+        "took = time.perf_counter() - start; "
+        "print(json.dumps({'took': took, 'modules': list(sys.modules), 'dir': dir(drake_leg)}))"
+    )
+    command = [sys.executable, "-W", "error", "-c", script]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def imported_for_types():
+    """Return name -> (module, own name) of what the door imports for type checkers."""
+    (block,) = (
+        node
+        for node in ast.parse(SOURCE).body
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    )
+    return {
+        alias.asname or alias.name: (node.module, alias.name)
+        for node in block.body
+        for alias in node.names
+        if node.module.startswith("drake_leg")
+    }
+
+
+def test_the_names_are_the_same_for_people_for_types_and_for_the_loader(fresh):
+    assert sorted(drake_leg.__all__) == sorted(drake_leg._HOMES)
+    assert imported_for_types() == drake_leg._HOMES
+    assert sorted(fresh["dir"]) == sorted([*drake_leg.__all__, "__version__"])
+
+
+def test_there_are_about_thirty():
+    assert 25 <= len(drake_leg.__all__) <= 38
+
+
+def test_imports_neither_drake_nor_numpy_and_is_quick(fresh):
+    heavy = {"pydrake", "numpy", "scipy", "sympy", "matplotlib"}
+    assert not heavy & set(fresh["modules"])
+    assert fresh["took"] < 0.5  # [s]; 0.03 on a machine that does nothing else
+
+
+def test_an_unknown_name_is_refused():
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        drake_leg.nonsense  # noqa: B018
+
+
+def test_the_tour_names_everything_with_a_line():
+    tour = inspect.getdoc(drake_leg)
+    for name in drake_leg.__all__:
+        assert re.search(rf"^- .*``{name}``.*: \w", tour, flags=re.MULTILINE), name
+
+
+def test_the_tours_example_runs(tmp_path, monkeypatch, capsys):
+    (example,) = re.findall(r"::\n\n((?:    .*\n|\n)+)", inspect.getdoc(drake_leg))
+    monkeypatch.chdir(tmp_path)
+    exec(inspect.cleandoc(example), {})
+    assert len(inspect.cleandoc(example).splitlines()) <= 10
+    assert (tmp_path / "step.svg").exists()
+    assert capsys.readouterr().out.startswith("[")
+
+
+@pytest.mark.parametrize("name", sorted(set(drake_leg.__all__) - {*ROBOTS}))
+def test_an_example_teaches(name, monkeypatch):
+    thing = load(name)
+    monkeypatch.setattr(drake_leg, name, thing)
+    doc = inspect.getdoc(thing)
+    assert "\nExamples\n--------\n" in doc, f"{name} has no example"
+    if inspect.isfunction(thing):
+        assert "\nParameters\n" in doc
+        assert "\nReturns\n" in doc or thing.__annotations__["return"] == "None"
+    # A class's methods are no names of the door.
+    parser, runner = doctest.DocTestParser(), doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    examples = parser.get_doctest(doc, {"drake_leg": drake_leg}, name, None, None)
+    assert examples.examples
+    report: list[str] = []
+    runner.run(examples, out=report.append)
+    assert runner.failures == 0, "".join(report)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_robot_shows_its_table(name):
+    robot = load(name)
+    html = robot._repr_html_()
+    assert robot.title in html
+    assert html.count("<tr>") == len(robot.segments) + 1
+    for number in range(1, len(robot.moving) + 1):
+        assert html.count(f"<td>q{number}") == 1
+
+
+def test_a_run_shows_its_summary_and_a_figure_and_writes_what_the_command_writes(tmp_path):
+    result = load("run")("scara", duration=0.5, out=tmp_path / "move")
+    html = result._repr_html_()
+    assert "max_position_error_m" in html
+    assert "data:image/png;base64," in html
+    written = {path.name for path in (tmp_path / "move").iterdir()}
+    assert {"recording.csv", "summary.json"} <= written
+    assert {f"{name}.svg" for name in result.figures} <= written
+    summary = json.loads((tmp_path / "move" / "summary.json").read_text(encoding="utf-8"))
+    assert summary == {"run": "scara", **result.summary}
+    assert "rows</b>" in result.recording._repr_html_()
+
+
+def test_a_run_says_which_options_it_has():
+    from drake_leg.errors import InvalidValueError
+
+    with pytest.raises(InvalidValueError, match="no option 'amplitud': did you mean amplitude"):
+        load("run")("leg-b", amplitud=0.05)
+    with pytest.raises(InvalidValueError, match="there is no run 'leg'"):
+        load("run")("leg")
+    with pytest.raises(InvalidValueError, match="there is no figure 'nonsense'"):
+        load("run")("leg-b", duration=0.1).figures["nonsense"]
+
+
+def test_a_robot_of_ones_own_makes_the_step():
+    result = load("run")(load("SCARA"), q0=[30, 90, -120, 0.05], duration=0.2)
+    assert result.summary["max_position_error_m"] < 1e-9
+    assert result.title == "SCARA arm: the step"
+
+
+def test_a_simulation_shows_its_scopes():
+    diagram = load("build_pendulum")(load("PendulumConfig")(robot=load("PENDULUM")))
+    html = load("simulate")(diagram, duration=0.1)._repr_html_()
+    assert "<td>energy</td>" in html
+
+
+def test_a_drake_diagram_shows_itself_in_a_notebook():
+    script = (
+        "from IPython.core.interactiveshell import InteractiveShell\n"
+        "shell = InteractiveShell.instance()\n"
+        "import drake_leg as dl\n"
+        "diagram = dl.build_pendulum(dl.PendulumConfig(robot=dl.PENDULUM))\n"
+        "data, _ = shell.display_formatter.format(diagram)\n"
+        "print(data['image/svg+xml'][:4])\n"
+    )
+    command = [sys.executable, "-c", script]
+    shown = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    assert shown.strip().endswith("<svg")
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.ipynb")), ids=lambda p: p.stem)
+def test_a_notebook_has_few_imports(path):
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    code = "\n".join("".join(c["source"]) for c in cells if c["cell_type"] == "code")
+    lines = re.findall(r"^\s*(?:from|import) drake_leg.*", code, flags=re.MULTILINE)
+    assert len(lines) <= MOST_IMPORTS, "\n".join(lines)
