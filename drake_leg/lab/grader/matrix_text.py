@@ -1,12 +1,13 @@
 r"""A matrix pasted as one text: LaTeX, MATLAB, Python, Markdown, or rows as they stand.
 
 ``\begin{bmatrix} a & b \\ c & d \end{bmatrix}``, ``[a b; c d]``, ``Matrix([[a, b], [c, d]])``,
-``| a | b |``, lines parted by tabs or spaces, and the boxes that SymPy draws.
+``| a | b |``, lines separated by tabs or spaces, and the boxes that SymPy draws.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.symbolic.spelling import quoted
@@ -38,40 +39,30 @@ _TAIL = re.compile(
 
 
 def rows_of_text(text: str, *, column: bool = False) -> list[list[str]]:
-    """Part a matrix into its entries.
+    """Split a matrix into rows of one length; of a ``column`` every line is one entry.
 
-    Parameters
-    ----------
-    column : bool
-        Whether it is a position, of which every line is one entry.
-
-    Returns
-    -------
-    list of list of str
-        Rows of one length.
-
-    Raises
-    ------
-    InvalidValueError
-        If it is too long or empty, has rows of different lengths, or something stands beside it.
+    A matrix that is too long or empty, whose rows differ in length, or that has a factor beside it
+    is refused.
     """
     if len(text) > LONGEST:
         raise InvalidValueError(f"a matrix has {len(text)} characters; write at most {LONGEST}")
     text = _COMMENT.sub("", text)
     rows = _latex_rows(text) or _bracketed_rows(text, column) or _lines(text)
     if not rows:
-        raise InvalidValueError("a matrix is empty; write its rows, their entries parted by commas")
+        raise InvalidValueError(
+            "a matrix is empty; write its rows, their entries separated by commas"
+        )
     lengths = {len(row) for row in rows}
     if len(lengths) > 1:
         raise InvalidValueError(
             f"the rows of {quoted(text)} have {' or '.join(map(str, sorted(lengths)))} entries; "
-            "part the entries by commas or & and the rows by semicolons or new lines"
+            "separate the entries by commas or & and the rows by semicolons or new lines"
         )
     return rows
 
 
 def _latex_rows(text: str) -> list[list[str]]:
-    r"""Read rows that \\ ends, with entries that & parts."""
+    r"""Read rows that \\ ends, with entries that & separates."""
     found = _ENVIRONMENT.search(text)
     if not found and re.search(r"\\(?:begin|end)\b", text):
         raise InvalidValueError(
@@ -150,7 +141,7 @@ def _rows_of_call(text: str) -> list[list[str]]:
     flat = _FLAT.match(text)
     if flat:
         count, width = int(flat[1]), int(flat[2])
-        cells = _stripped(_parted(flat[3], ","))
+        cells = _stripped(_split(flat[3], ","))
         if len(cells) != count * width or not cells:
             raise InvalidValueError(
                 f"a matrix of {count} rows and {width} columns has {len(cells)} entries; write "
@@ -169,16 +160,16 @@ def _rows_of_call(text: str) -> list[list[str]]:
 
 def _rows_inside(inside: str, column: bool) -> list[list[str]]:
     """Read what stands in the brackets of a matrix."""
-    inner = [part for part in _parted(inside, ",") if part.strip()]
+    inner = [part for part in _split(inside, ",") if part.strip()]
     rows = [_inside(part) for part in inner]
     if inner and None not in rows:
         return [_cells(row) for row in rows if row is not None]
     spaced = [found[1] for found in re.finditer(r"\[([^\[\]]*)\]", inside)]
     if spaced and not re.sub(r"\[[^\[\]]*\]", "", inside).strip():
         return [_cells(row) for row in spaced]  # as NumPy prints
-    parts = [line for part in _parted(inside, ";") for line in _parted(part, "\n")]
+    parts = [line for part in _split(inside, ";") for line in _split(part, "\n")]
     lines = [line.strip() for line in parts if line.strip()]
-    if column and len(lines) > 2 and all(len(_parted(line, ",")) == 1 for line in lines):
+    if column and len(lines) > 2 and all(len(_split(line, ",")) == 1 for line in lines):
         return [[line] for line in lines]
     return [_cells(line) for line in lines]
 
@@ -186,7 +177,7 @@ def _rows_inside(inside: str, column: bool) -> list[list[str]]:
 def _has_parts(held: str) -> bool:
     """Whether brackets hold more than one entry."""
     inside = held[1:-1].strip()
-    if any(len(_parted(inside, sign)) > 1 for sign in ",;\n"):
+    if any(len(_split(inside, sign)) > 1 for sign in ",;\n"):
         return True
     return held[0] != "(" and len(spaced_cells(inside)) > 1
 
@@ -195,11 +186,9 @@ def _end_of_bracket(text: str, begin: int) -> int | None:
     """Return where the bracket closes that opens at a place; None if none opens there."""
     if text[begin : begin + 1] not in tuple(_OPENING):
         return None
-    depth = 0
-    for index in range(begin, len(text)):
-        depth += (text[index] in _OPENING) - (text[index] in _CLOSING)
+    for index, _, depth in _depths(text[begin:]):
         if depth == 0:
-            return index + 1
+            return begin + index + 1
     raise InvalidValueError(
         f"in {quoted(text)} a bracket is not closed; write it behind the last row"
     )
@@ -210,12 +199,16 @@ def _inside(text: str) -> str | None:
     text = text.strip()
     if not text or text[0] not in "[{" or text[-1] not in "]}":
         return None
+    closed = next((index for index, _, depth in _depths(text) if depth == 0), None)
+    return text[1:-1] if closed == len(text) - 1 else None
+
+
+def _depths(text: str) -> Iterator[tuple[int, str, int]]:
+    """Count how many brackets are open behind every letter."""
     depth = 0
     for index, letter in enumerate(text):
         depth += (letter in _OPENING) - (letter in _CLOSING)
-        if depth == 0:
-            return text[1:-1] if index == len(text) - 1 else None
-    return None
+        yield index, letter, depth
 
 
 def _lines(text: str) -> list[list[str]]:
@@ -228,7 +221,7 @@ def _lines(text: str) -> list[list[str]]:
             lines.append(bare)
     for sign in ("|", "&", "\t", ","):
         if any(sign in line for line in lines):
-            return [_stripped(_parted(_unframed(line, sign), sign)) for line in lines]
+            return [_stripped(_split(_unframed(line, sign), sign)) for line in lines]
     wide = [re.split(r"\s{2,}", line) for line in lines]
     if len({len(row) for row in wide}) == 1 and len(wide[0]) > 1:
         return wide
@@ -255,15 +248,15 @@ def _unframed(line: str, sign: str) -> str:
 
 
 def _cells(row: str) -> list[str]:
-    """Part a row by its commas, or else by its spaces as MATLAB does."""
-    cells = _parted(row, ",")
+    """Split a row by its commas, or else by its spaces as MATLAB does."""
+    cells = _split(row, ",")
     if len(cells) > 1:
         return _stripped(cells[:-1] if not cells[-1].strip() else cells)
     return spaced_cells(row)
 
 
 def spaced_cells(row: str) -> list[str]:
-    """Part a row by spaces: ``a - b`` is one entry and ``a -b`` are two, as in MATLAB."""
+    """Split a row by spaces: ``a - b`` is one entry and ``a -b`` are two, as in MATLAB."""
     cells: list[str] = []
     depth = 0
     for word in row.split():
@@ -280,11 +273,10 @@ def spaced_cells(row: str) -> list[str]:
     return cells
 
 
-def _parted(text: str, sign: str) -> list[str]:
+def _split(text: str, sign: str) -> list[str]:
     """Split a text at a sign that stands in no brackets."""
-    parts, depth, begin = [], 0, 0
-    for index, letter in enumerate(text):
-        depth += (letter in _OPENING) - (letter in _CLOSING)
+    parts, begin = [], 0
+    for index, letter, depth in _depths(text):
         if letter == sign and depth == 0:
             parts.append(text[begin:index])
             begin = index + 1

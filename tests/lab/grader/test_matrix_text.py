@@ -108,7 +108,7 @@ def test_spaces_part_entries_as_in_matlab():
     ("text", "said"),
     [
         ("", "is empty"),
-        ("a & b \\\\ c", "have 1 or 2 entries; part the entries by commas"),
+        ("a & b \\\\ c", "have 1 or 2 entries; separate the entries by commas"),
         ("1 " * 20_000, "write at most"),
         ("[1 0; 0 1", "a bracket is not closed"),
         ("1 0; 0 1]", "] stands where no [ is open"),
