@@ -179,7 +179,7 @@ def prove(
     if seed < 0:
         raise InvalidValueError(f"the seed is {seed}; it must not be negative")
     require_positive("the budget", budget, "s")
-    require_sympy("drake-leg check")
+    require_sympy("a proof")
     q = random_configurations(robot, samples, np.random.default_rng(seed))
     found, missing = _compute(_testimonies(robot), q, TimeBudget(budget), progress)
     size = greatest_reach(robot)
