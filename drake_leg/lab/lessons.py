@@ -52,20 +52,11 @@ def check(
     count: int | None = 1,
     mistaken: Mapping[str, Convert] = NONE_MISTAKEN,
 ) -> None:
-    """Print whether an answer does what the exercise asks for.
+    """Print whether an answer does what the exercise asks for: whether ``holds(answer)``.
 
-    Parameters
-    ----------
-    answer : object
-        The reader's; None where there is none yet.
-    holds : callable
-        ``holds(answer)`` tells whether it is right.
-    hint : str
-        One sentence, shown with a wrong answer.
-    count : int, optional
-        How many numbers an answer is; None where it is text.
-    mistaken : mapping
-        A sentence on a mistake -> what undoes it: shown where the answer is right but for that.
+    ``hint`` is a sentence that is shown with a wrong answer. ``count`` is how many numbers an
+    answer has; None if it is text. ``mistaken`` maps a sentence about a mistake to what undoes it:
+    it is shown if the answer is right apart from that.
     """
     if answer is None:
         print("Put your answer in the place of None, and run both cells again.")

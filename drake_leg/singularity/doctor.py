@@ -98,13 +98,7 @@ class Diagnosis:
 
 
 def feet_json(found: Feet | None) -> dict[str, Any]:
-    """Return the inverse kinematics under the command line's keys, with angles in degrees.
-
-    Parameters
-    ----------
-    found : Feet or None
-        None gives empty lists.
-    """
+    """The inverse kinematics under the command line's keys, in degrees; empty lists for None."""
     solutions = found.solutions if found else ()
     units = list(found.units) if found else []
     turning = all(unit == "deg" for unit in units)

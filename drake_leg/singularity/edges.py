@@ -45,16 +45,11 @@ class Approach(NamedTuple):
 
 
 def leg_edges(leg: LegGeometry, facing: float) -> Edges:
-    """Return the edges of a leg's workspace.
+    """Edges of a leg's workspace, its foot in front of the hip axis (facing +1) or behind (-1).
 
     Seen from the knee, ``sqrt((facing h - l1)^2 + z^2)`` away with ``h = sqrt(x^2 + y^2)``, the
     foot is farthest on the stretched leg, at ``l2 + l3``, and nearest on the folded one, at
     ``|l2 - l3|``. On the hip axis ``h = 0``.
-
-    Parameters
-    ----------
-    facing : float
-        +1 with the foot in front of the hip axis, -1 behind it.
     """
 
     def from_knee(p: Array) -> Array:
@@ -71,7 +66,7 @@ def leg_edges(leg: LegGeometry, facing: float) -> Edges:
 
 
 def scara_edges(arm: ScaraGeometry) -> Edges:
-    """Return the edges of a SCARA's workspace: the stretched and the folded arm."""
+    """Edges of a SCARA's workspace: the stretched and the folded arm."""
 
     def from_base(p: Array) -> Array:
         return np.hypot(p[:, 0], p[:, 1])
@@ -87,20 +82,12 @@ def _flat_arm(a: float, b: float, distance: Callable[[Array], Array]) -> tuple[E
 
 
 def leg_extremes(leg: LegGeometry, p: Array, d: Array) -> list[float]:
-    """Ways along a line at which the foot's distance from the knee may be extreme.
+    """Ways along a line [m] at which the foot's distance from the knee may be extreme.
 
     With ``T = |p + s d|^2`` and ``H = h^2`` the distance is stationary where ``T' = l1 H' / h`` or,
-    behind the hip axis, its negative: a quartic, ``T'^2 H = l1^2 H'^2``.
-
-    Parameters
-    ----------
-    p, d : (3,) ndarray
-        Start [m] and unit vector of the line.
-
-    Returns
-    -------
-    list of float
-        [m]; among them are all extremes on either side of the axis, and the point nearest to it.
+    behind the hip axis, its negative: a quartic, ``T'^2 H = l1^2 H'^2``. Among the ways are all
+    extremes on either side of the axis, and the point nearest to it. The line starts at p (3,) [m]
+    in the direction of the unit vector d.
     """
     H = np.array([d[0] ** 2 + d[1] ** 2, 2.0 * (p[0] * d[0] + p[1] * d[1]), p[0] ** 2 + p[1] ** 2])
     slope_T, slope_H = np.array([2.0, 2.0 * float(p @ d)]), np.polyder(H)
@@ -114,13 +101,7 @@ def leg_extremes(leg: LegGeometry, p: Array, d: Array) -> list[float]:
 
 
 def line(p: Array, d: Array) -> Path:
-    """Make a straight path whose parameter is the way along it.
-
-    Parameters
-    ----------
-    p, d : (3,) ndarray
-        Start [m] and unit vector.
-    """
+    """Straight path from p (3,) [m] along a unit vector d; its parameter is the way [m]."""
     return lambda ways: p + np.multiply.outer(ways, d)
 
 
@@ -181,19 +162,6 @@ def _with_minima(
 
 
 def breaks_of_line(extremes: Sequence[float], end: float) -> Array:
-    """Sort the extremes on a line into its beginning and its end.
-
-    Parameters
-    ----------
-    extremes : sequence of float
-        Ways [m], in any order.
-    end : float
-        Of the line [m].
-
-    Returns
-    -------
-    (n,) ndarray
-        Increasing, from 0 to the end.
-    """
+    """The extremes on a line, sorted, between its beginning at 0 and its end [m]."""
     inside = sorted(way for way in extremes if math.isfinite(way) and 0.0 < way < end)
     return np.array([0.0, *inside, end])

@@ -62,44 +62,19 @@ class RateBox:
             self._joints.append(joint)
 
     def bounds(self, q: Floats) -> tuple[list[float], list[float]]:
-        """Return the lowest and the highest rates of a posture.
-
-        Parameters
-        ----------
-        q : (n,) sequence of float
-            Joint positions [rad or m].
-
-        Returns
-        -------
-        (n,) list of float, (n,) list of float
-            [rad/s or m/s]; the first ones are less.
-        """
+        """Lowest and highest rates (n,) in a posture [rad/s or m/s]; the first ones are less."""
         pairs = [joint.bounds(position) for joint, position in zip(self._joints, q, strict=True)]
         return [low for low, _ in pairs], [high for _, high in pairs]
 
     def holds(self, q: Floats, qdot: Floats) -> bool:
-        """Tell whether rates are within their bounds.
-
-        Parameters
-        ----------
-        q, qdot : (n,) sequence of float
-            Joint positions [rad or m] and their rates.
-        """
+        """Tell whether rates (n,) in a posture are within their bounds."""
         low, high = self.bounds(q)
         return all(a <= rate <= b for a, rate, b in zip(low, qdot, high, strict=True))
 
     def regime(self, q: Floats, qdot: Floats) -> tuple[int, ...]:
         """Tell what bounds each joint's rate: where that changes, the rates have a kink.
 
-        Parameters
-        ----------
-        q, qdot : (n,) sequence of float
-            Joint positions [rad or m] and their rates, within the bounds.
-
-        Returns
-        -------
-        (n,) tuple of int
-            FREE, FASTEST or BRAKING, negative at a lower bound.
+        FREE, FASTEST or BRAKING, negative at a lower bound, (n,), for rates within the bounds.
         """
         bounds = zip(self._joints, qdot, *self.bounds(q), strict=True)
         return tuple(
@@ -111,24 +86,11 @@ class RateBox:
 def limited_speed(
     v: Floats, a: Floats, top: float, lengths: Floats
 ) -> tuple[list[float], list[float]]:
-    """Shorten a velocity to a greatest speed, its direction kept.
+    """Shorten a velocity v and its derivative a to a greatest speed [m/s], the direction kept.
 
     Where ``|v| > top``, the velocity is ``top v / |v|`` and its derivative
     ``(top / |v|) (a - n (n . a))`` with ``n = v / |v|``; elsewhere both are what they were.
-
-    Parameters
-    ----------
-    v, a : (n,) sequence of float
-        Velocity [m/s] and its derivative [m/s^2].
-    top : float
-        Greatest speed [m/s].
-    lengths : (n,) sequence of float
-        What makes each part a length; 1 where it is one [m/unit].
-
-    Returns
-    -------
-    list of float, list of float
-        In the units of ``v`` and ``a``.
+    ``lengths`` make each part of the velocity a length [m/unit].
     """
     weights = [length * length for length in lengths]
     square = sum(w * part * part for w, part in zip(weights, v, strict=True))

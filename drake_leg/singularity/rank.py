@@ -31,20 +31,10 @@ class RankReport:
 
 
 def examine(J: Array, least: float = 0.0) -> RankReport:
-    """Take a Jacobian apart.
+    """Take a Jacobian (m, n), its rows in one unit, apart.
 
-    Parameters
-    ----------
-    J : (m, n) ndarray
-        Its rows in one unit.
-    least : float
-        Singular value that is nothing but rounding, in the Jacobian's unit.
-
-    Returns
-    -------
-    RankReport
-        A lost direction is one in which no joint rate moves the foot; its first component that
-        is not zero is positive.
+    Singular values below ``least`` are nothing but rounding. A lost direction is one in which no
+    joint rate moves the foot; its first component that is not zero is positive.
     """
     U, sigma, _ = np.linalg.svd(J)
     smaller = len(sigma)
@@ -80,21 +70,9 @@ class WholeRank:
 
 
 def examine_whole(rows: Sequence[Row], q: ArrayLike, length: float) -> WholeRank:
-    """Take the whole Jacobian of a chain's foot apart.
+    """Take the whole Jacobian of a chain's foot apart, lengths measured by ``length`` [m].
 
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, of which n rows move.
-    q : (n,) array_like
-        Joint positions [rad or m].
-    length : float
-        That lengths are measured by [m].
-
-    Returns
-    -------
-    WholeRank
-        Nothing is lost that no posture nearby has.
+    Nothing is reported lost that no posture nearby has.
     """
     posture = np.asarray(q, dtype=np.float64)
     unit = np.where([rows[index].joint == "revolute" for index in moving_rows(rows)], 1.0, length)

@@ -16,7 +16,6 @@ from drake_leg.kinematics.chain import MovableChain, Sweep, size_of, sweep, twis
 from drake_leg.kinematics.khalil import moving_rows
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.movable import TRANSLATION, Movable
-from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.quantities import AT_LIMIT
 from drake_leg.robot import Row
 from drake_leg.singularity.edges import Approach, Family, approaches, breaks_of_line, line
@@ -100,40 +99,13 @@ def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
     return closed_stroke(LegFamilies(leg), q, direction)
 
 
-def scara_stroke(arm: ScaraGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
-    """``closed_stroke`` of a SCARA."""
-    return closed_stroke(ScaraFamilies(arm), q, direction)
-
-
 def greatest_amplitude(stroke: Stroke, frequency: float) -> float:
-    """Greatest speed of a sine whose stroke ``2 A / w`` stays inside.
-
-    Parameters
-    ----------
-    stroke : Stroke
-        In the direction of the motion.
-    frequency : float
-        w [rad/s].
-
-    Returns
-    -------
-    float
-        A [m/s].
-    """
+    """Greatest speed A [m/s] of a sine of frequency w [rad/s] whose way ``2 A / w`` is a stroke."""
     return stroke.length * frequency / 2.0
 
 
 def unit(direction: ArrayLike) -> Array:
-    """Give a direction length 1.
-
-    Parameters
-    ----------
-    direction : (3,) array_like
-        Of any length but zero.
-
-    Returns
-    -------
-    (3,) ndarray
+    """Make a direction (3,) a unit vector.
 
     Raises
     ------

@@ -13,7 +13,8 @@ from drake_leg.kinematics.of_robot import movable
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.quantities import beyond
 from drake_leg.robots import LEG_B, SCARA
-from drake_leg.singularity.stroke import chain_stroke, leg_stroke, scara_stroke
+from drake_leg.singularity.families import ScaraFamilies
+from drake_leg.singularity.stroke import chain_stroke, closed_stroke, leg_stroke
 
 FREE = (-math.inf, math.inf)
 PUMA = textbook_arm("puma560_modified")
@@ -37,7 +38,9 @@ def test_a_scaras_stroke_is_the_closed_forms_with_its_lift_at_a_limit(rng):
     limits = SCARAS | {"lift": (0.02, 0.5)}
     stroke, end = chain_stroke(SCARA.rows, q, d, moved=movable(SCARA), limits=limits)
     assert stroke.joint is None
-    assert stroke.length == pytest.approx(scara_stroke(arm, q[:3], d).length, abs=1e-7)
+    assert stroke.length == pytest.approx(
+        closed_stroke(ScaraFamilies(arm), q[:3], d).length, abs=1e-7
+    )
     assert end[3] == pytest.approx(0.02, abs=1e-9)
 
 

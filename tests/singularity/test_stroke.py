@@ -11,10 +11,11 @@ from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.kinematics.scara import determinant as scara_determinant
 from drake_leg.kinematics.scara import inverse_kinematics as scara_inverse
 from drake_leg.robots import LEG_A, LEG_B, SCARA, hexabot_leg
+from drake_leg.singularity.families import ScaraFamilies
 from drake_leg.singularity.stroke import (
+    closed_stroke,
     greatest_amplitude,
     leg_stroke,
-    scara_stroke,
 )
 
 DEFAULT = np.radians([90.0, -50.0, -90.0])
@@ -103,7 +104,7 @@ def test_a_scaras_stroke_ends_where_the_arm_is_flat(rng):
         q = rng.uniform(-3.0, 3.0, 3)
         angle = rng.uniform(-np.pi, np.pi)
         d = np.array([np.cos(angle), np.sin(angle), 0.0])
-        stroke = scara_stroke(arm, q, d)
+        stroke = closed_stroke(ScaraFamilies(arm), q, d)
         x = arm.l1 * np.cos(q[0]) + arm.l2 * np.cos(q[0] + q[1])
         y = arm.l1 * np.sin(q[0]) + arm.l2 * np.sin(q[0] + q[1])
         task = np.array([x, y, q.sum()]) + (1 - 1e-12) * stroke.length * d
@@ -115,4 +116,6 @@ def test_a_scaras_stroke_ends_where_the_arm_is_flat(rng):
 
 def test_a_scaras_stroke_is_horizontal():
     with pytest.raises(InvalidValueError, match="horizontal"):
-        scara_stroke(ScaraGeometry.from_robot(SCARA), [0.0, 1.0, 0.0], [0.0, 0.0, 1.0])
+        closed_stroke(
+            ScaraFamilies(ScaraGeometry.from_robot(SCARA)), [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]
+        )

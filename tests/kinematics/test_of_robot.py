@@ -21,10 +21,11 @@ from chains import (
     fixed,
     turn,
 )
+from witnesses import jacobian_rate_bias
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import freedoms
-from drake_leg.kinematics.khalil import jacobian, jacobian_rate_bias
+from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from chains import POSTURES, random_chain
+from witnesses import jacobian_rate_bias
 
 from drake_leg.kinematics.chain import foot_jacobian, foot_jacobian_rate, sweep
-from drake_leg.kinematics.khalil import foot_pose, jacobian, jacobian_rate_bias
+from drake_leg.kinematics.khalil import foot_pose, jacobian
 
 
 @pytest.mark.parametrize("joints", range(1, 10))
