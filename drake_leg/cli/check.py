@@ -34,15 +34,15 @@ TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")
 def configure_check(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
-        "Read a robot's table for slips, then compare its chain with SymPy's "
-        "derivation, with Drake's plant on its SDF and with exact differences, at random "
+        "Look for slips in a robot's table, then compare its chain with SymPy's "
+        "derivation, with Drake's plant of its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
-        "the robot instead. A printed table alone (CSV or TOML) is only read for slips."
+        "the robot instead. In a printed table alone (CSV or TOML) only slips are looked for."
     )
     parser.epilog = (
         "Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
-        "wrong and something is not understood, 3 nothing is wrong so far, but not all was "
-        "compared."
+        "wrong but something was not understood, 3 nothing is wrong so far, but not everything "
+        "was compared."
     )
     add_robot_source(parser)
     parser.add_argument(
@@ -157,7 +157,7 @@ def _print_findings(what: str, findings: Sequence[Finding], praise: str) -> None
 
 
 def _summary(findings: Sequence[Finding], praise: str) -> str:
-    """Count what is wrong, what is doubtful and what is not understood, each apart."""
+    """Count what is wrong, what is doubtful and what is not understood."""
     from drake_leg.check.findings import errors, not_understood
 
     wrong, unread = len(errors(findings)), len(not_understood(findings))

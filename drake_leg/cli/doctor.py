@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 def configure_doctor(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
-        "Say of a posture: the foot's pose, rank and smallest singular value of its "
+        "Describe a posture: the foot's pose, rank and smallest singular value of its "
         "Jacobian, manipulability, the singular family that is near, what motion is lost, the "
         "stroke along a direction to the first singularity or joint limit, and the greatest "
         "amplitude that stays inside. With --foot: the joint positions that put the foot there."
@@ -40,13 +40,11 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--q",
         metavar="X,Y,Z",
-        help="joint angles [deg]; a lift or another sliding joint [m]; needed for all but --foot",
+        help="joint angles [deg]; a lift or another sliding joint [m]; only --foot works without",
     )
     parser.add_argument("--direction", metavar="X,Y,Z", help="of the stroke (default 1,0,0)")
     parser.add_argument("--frequency", metavar="X", help="of the sine [rad/s] (default 1)")
-    parser.add_argument(
-        "--foot", metavar="X,Y,Z", help="point whose inverse kinematics is wanted [m]"
-    )
+    parser.add_argument("--foot", metavar="X,Y,Z", help="point to find joint positions for [m]")
     parser.add_argument(
         "--rpy",
         metavar="R,P,Y",
@@ -107,7 +105,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
 
 def _place(chosen: argparse.Namespace) -> dict[str, Any]:
-    """Read where the foot is wanted, and how turned."""
+    """Read where the foot is wanted, and in which orientation."""
     turned: dict[str, Any] = {}
     if chosen.yaw is not None:
         turned["yaw"] = math.radians(numbers("--yaw", chosen.yaw, 1)[0])
@@ -121,10 +119,10 @@ def _place(chosen: argparse.Namespace) -> dict[str, Any]:
 
 
 def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any]) -> int:
-    """Tell the inverse kinematics, without a posture."""
+    """Print the inverse kinematics, without a posture."""
     for option in ("direction", "frequency", "out"):
         if getattr(chosen, option) is not None:
-            raise InvalidValueError(f"--{option} is of a posture: give --q, too")
+            raise InvalidValueError(f"--{option} needs a posture: give --q, too")
     if not place:
         raise InvalidValueError(
             "there is nothing to examine: give a posture by --q, or a point for the foot by --foot"

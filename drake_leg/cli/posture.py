@@ -21,24 +21,9 @@ def add_posture(parser: argparse.ArgumentParser) -> None:
 
 
 def posture(name: str, robot: Robot, text: str | None) -> list[float]:
-    """Read the posture that was asked for, or choose one.
+    """Read the posture that was asked for, or choose one [rad or m].
 
-    Parameters
-    ----------
-    name : str
-        Of the robot, as on the command line.
-    text : str or None
-        ``90,-50,-90``.
-
-    Returns
-    -------
-    (m,) list of float
-        [rad or m].
-
-    Raises
-    ------
-    InvalidValueError
-        If there is another count of numbers, or one is not finite.
+    ``name`` is the robot's on the command line, ``text`` as in ``90,-50,-90``.
     """
     if text is None:
         reports = _reports_posture(name)
@@ -55,13 +40,7 @@ def posture(name: str, robot: Robot, text: str | None) -> list[float]:
 
 
 def as_option(robot: Robot, q: list[float]) -> str:
-    """Write a posture as the option takes it.
-
-    Parameters
-    ----------
-    q : (m,) list of float
-        [rad or m].
-    """
+    """Write a posture [rad or m] as the option takes it."""
     return ",".join(
         f"{math.degrees(value) if segment.row.joint == 'revolute' else value:.6g}"
         for value, segment in zip(q, robot.moving, strict=True)
@@ -69,7 +48,7 @@ def as_option(robot: Robot, q: list[float]) -> str:
 
 
 def _reports_posture(name: str) -> list[float] | None:
-    """Return where the runs of the reports' robots start."""
+    """Return where the run of a report's robot starts [rad or m]."""
     if name not in RUNS:
         return None
     options = RUNS[name].options()

@@ -115,7 +115,7 @@ def foot_space(leg: LegGeometry, title: str) -> Figure:
     _legend(
         figure,
         axes,
-        (BLUE, "stretched, outer sheet: the edge of the reach"),
+        (BLUE, "stretched, outer sheet: the workspace boundary"),
         (PURPLE, "stretched, inner sheet: leaning back over the hip"),
         (INK, "folded"),
         (VERMILLION, f"{ON_AXIS}: on the hip axis"),

@@ -1,4 +1,4 @@
-"""What the notebooks need besides the front door: checked answers, and printed matrices."""
+"""What the notebooks need besides the front door: checked answers, printed matrices."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from pydrake.systems.framework import Diagram
 
 from drake_leg.check.printed import grade
 from drake_leg.check.printed_file import Printed, PrintedMatrix
+from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errata.printed import (
     PrintedMatrices,
     angle_values,
@@ -21,7 +23,9 @@ from drake_leg.errata.printed import (
 )
 from drake_leg.errors import DrakeLegError
 from drake_leg.figures.of_postures import maps_of_posture
+from drake_leg.integrator import IntegratorSettings
 from drake_leg.robot import Robot
+from drake_leg.simulink.compare.compare import LiveModel
 
 __all__ = [
     "PrintedMatrices",
@@ -29,6 +33,7 @@ __all__ = [
     "check",
     "graded",
     "leg_b_matrices",
+    "live_model",
     "maps_of_posture",
     "rotation_defect",
     "scara_matrices",
@@ -47,20 +52,11 @@ def check(
     count: int | None = 1,
     mistaken: Mapping[str, Convert] = NONE_MISTAKEN,
 ) -> None:
-    """Print whether an answer does what the exercise asks for.
+    """Print whether an answer does what the exercise asks for: whether ``holds(answer)``.
 
-    Parameters
-    ----------
-    answer : object
-        The reader's; None where there is none yet.
-    holds : callable
-        ``holds(answer)`` tells whether it is right.
-    hint : str
-        One sentence, shown with a wrong answer.
-    count : int, optional
-        How many numbers an answer is; None where it is text.
-    mistaken : mapping
-        A sentence on a mistake -> what undoes it: shown where the answer is right but for that.
+    ``hint`` is a sentence that is shown with a wrong answer. ``count`` is how many numbers an
+    answer has; None if it is text. ``mistaken`` maps a sentence about a mistake to what undoes it:
+    it is shown if the answer is right apart from that.
     """
     if answer is None:
         print("Put your answer in the place of None, and run both cells again.")
@@ -98,6 +94,27 @@ def graded(
         ),
     )
     return [finding.sentence() for finding in grade(robot, printed)]
+
+
+def live_model(diagram: Diagram, robot: Robot, *, duration: float = 20.0) -> LiveModel:
+    """Make a diagram as it starts ready to be compared with a Simulink model.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        Of a robot whose joints follow a motion.
+    duration : float
+        How long it would be simulated [s].
+    """
+    root = diagram.CreateDefaultContext()
+    start_on_motion(diagram, root)
+    return LiveModel(
+        diagram=diagram,
+        root=root,
+        robot=robot,
+        duration=duration,
+        scheme=IntegratorSettings().scheme,
+    )
 
 
 def _fault(answer: object, count: int | None) -> str | None:

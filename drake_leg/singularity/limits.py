@@ -62,7 +62,7 @@ class RateBox:
             self._joints.append(joint)
 
     def bounds(self, q: Floats) -> tuple[list[float], list[float]]:
-        """The lowest and the highest rates (n,) of a posture [rad/s or m/s]; the first ones are less."""
+        """Lowest and highest rates (n,) in a posture [rad/s or m/s]; the first ones are less."""
         pairs = [joint.bounds(position) for joint, position in zip(self._joints, q, strict=True)]
         return [low for low, _ in pairs], [high for _, high in pairs]
 

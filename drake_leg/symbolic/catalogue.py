@@ -70,6 +70,6 @@ def derived_equations(name: str) -> tuple[Equation, ...]:
 def derived(name: str) -> Derivation:
     """Derive one of the reports' robots, once for everything that uses its matrices."""
     require_subject(name)
-    from drake_leg.symbolic.derivation import derive
+    from drake_leg.symbolic.derivation import Derivation
 
-    return derive(SUBJECTS[name].robot.rows, SUBJECTS[name].task)
+    return Derivation(SUBJECTS[name].robot.rows, SUBJECTS[name].task)

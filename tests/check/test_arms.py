@@ -10,9 +10,10 @@ from drake_leg.check.rows import table_of_document
 from drake_leg.check.table import lint_table
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot import Row
-from drake_leg.robot_file import load_robot, read_robot, robot_toml
 from drake_leg.robot_file.classic import ClassicRow, khalil_rows
 from drake_leg.robot_file.document import parse_document
+from drake_leg.robot_file.read import load_robot, read_robot
+from drake_leg.robot_file.write import robot_toml
 
 ROBOTS = Path(__file__).parent / "robots"
 FILES = sorted(ROBOTS.glob("*.toml"))

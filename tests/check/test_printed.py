@@ -14,7 +14,7 @@ from drake_leg.check.printed_file import Printed, PrintedMatrix, read_printed
 from drake_leg.check.rotations import rotation_fault
 from drake_leg.check.rows import Table, TableRow
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot_file import load_robot, read_robot
+from drake_leg.robot_file.read import load_robot, read_robot
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 
 HERE = Path(__file__).parent

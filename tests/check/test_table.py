@@ -14,8 +14,9 @@ from drake_leg.check.shifts import repaired
 from drake_leg.check.sizes import lint_sizes
 from drake_leg.check.table import lint_table
 from drake_leg.robot import Inertial
-from drake_leg.robot_file import read_robot, robot_toml
 from drake_leg.robot_file.document import parse_document
+from drake_leg.robot_file.read import read_robot
+from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
 
 PRINTED = Path(__file__).parent / "printed"

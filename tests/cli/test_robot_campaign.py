@@ -20,7 +20,7 @@ from drake_leg.check.witness import DrakeWitness
 from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError
 from drake_leg.recording import read_csv
-from drake_leg.robot_file import load_robot
+from drake_leg.robot_file.read import load_robot
 
 # Work that is stopped at its budget may be in a weak reference's callback, which is only reported.
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"

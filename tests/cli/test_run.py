@@ -65,7 +65,7 @@ def test_a_config_file_disturbs_too(no_figures, here, capsys):
     ("words", "said"),
     [
         (["leg-b", "--push", "1,2"], "three numbers in N"),
-        (["leg-b", "--push", "0,0,x"], "'x' is no number"),
+        (["leg-b", "--push", "0,0,x"], "'x' is not a number"),
         (["leg-b", "--push", "0,0,inf"], "must be finite"),
         (["leg-b", "--push-at", "1"], "there is no push"),
         (["leg-b", "--push", "0,0,1", "--push-at", "20"], "earlier --push-at"),

@@ -11,7 +11,7 @@ from drake_leg.check.witness import DrakeWitness
 from drake_leg.kinematics.euler import euler_angles
 from drake_leg.kinematics.feet import feet, limits_of, units_of
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.robot_file import load_robot
+from drake_leg.robot_file.read import load_robot
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 ROBOTS = Path(__file__).parents[1] / "check" / "robots"

@@ -12,7 +12,8 @@ from drake_leg.kinematics.euler import euler_rotation
 from drake_leg.kinematics.feet import feet
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, foot_position
-from drake_leg.robot_file import load_robot, robot_toml
+from drake_leg.robot_file.read import load_robot
+from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.singularity.doctor import examine_posture
 
@@ -250,8 +251,8 @@ def test_the_foot_alone_needs_no_posture(capsys, name, foot, count):
         (["leg-b", "--q", "90,-50,-90", "--frequency", "-1"], "-1"),
         (["leg-b", "--q", "90,-50,-90", "--foot", "1,2"], "1,2"),
         (["leg-b"], "give a posture by --q, or a point for the foot by --foot"),
-        (["leg-b", "--foot", "1,2,3", "--direction", "1,0,0"], "--direction is of a posture"),
-        (["leg-b", "--foot", "1,2,3", "--out", "maps"], "--out is of a posture"),
+        (["leg-b", "--foot", "1,2,3", "--direction", "1,0,0"], "--direction needs a posture"),
+        (["leg-b", "--foot", "1,2,3", "--out", "maps"], "--out needs a posture"),
         (["leg-b", "--q", "90,-50,-90", "--rpy", "1,2,3"], "--rpy goes with --foot"),
         (["leg-b", "--foot", "1,2,3", "--rpy", "1,2,3"], "leave --rpy out"),
         (["leg-b", "--foot", "1,2,3", "--yaw", "1"], "a yaw is for a SCARA's tool"),

@@ -7,7 +7,7 @@ import sympy as sp
 
 from drake_leg.kinematics import khalil
 from drake_leg.robot import Row
-from drake_leg.robot_file import load_robot
+from drake_leg.robot_file.read import load_robot
 from drake_leg.robots import SCARA
 from drake_leg.symbolic.chain import evaluator
 from drake_leg.symbolic.derivation import Derivation
