@@ -21,6 +21,7 @@ from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError
 from drake_leg.recording import read_csv
 from drake_leg.robot_file.read import load_robot
+from drake_leg.scene.driven_foot import DrivenFoot
 
 # Work that is stopped at its budget may be in a weak reference's callback, which is only reported.
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"
