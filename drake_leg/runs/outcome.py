@@ -12,7 +12,7 @@ from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
-from drake_leg.simulation import Run
+from drake_leg.simulation.run import Run
 
 if TYPE_CHECKING:
     from drake_leg.figures.of_runs import Subject

@@ -30,7 +30,7 @@ from drake_leg.runs.configs import pendulum_config
 from drake_leg.runs.options import PendulumOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.pendulum_steps import LONGEST, implicit_step, steps_of
-from drake_leg.simulation import LongestStep, Progress, Start, simulate
+from drake_leg.simulation.run import LongestStep, Progress, Start, simulate
 
 # Relative, of the error control: what each integrator reaches at a limit in bounded time.
 ACCURACY_AT_LIMITS = {
