@@ -59,8 +59,8 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 - ``block_diagram``: any Drake diagram as an SVG block diagram.
 - ``frames_drawing``: a robot with its frames, lengths and forces.
-- ``still``: a robot in 3D, as a picture.
-- ``replay``: a recording in 3D, as a page that plays it.
+- ``still``: a robot, or any plant, in 3D, as a picture.
+- ``replay``: a recorded motion in 3D, as a page that plays it.
 
 **The two reports**
 
@@ -80,7 +80,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
 
-    from drake_leg.check.proof import prove
     from drake_leg.diagrams.ellipse import EllipseConfig
     from drake_leg.diagrams.ellipse import build as build_ellipse
     from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
@@ -95,13 +94,15 @@ if TYPE_CHECKING:
     from drake_leg.kinematics.of_robot import movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
+    from drake_leg.models.proof import prove
     from drake_leg.pictures.block_diagram import block_diagram
     from drake_leg.recording import Recording
     from drake_leg.robot import Robot
     from drake_leg.robot_file.read import load_robot
     from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
     from drake_leg.runs.named import run
-    from drake_leg.scene.shown import replay, still
+    from drake_leg.scene.images import still
+    from drake_leg.scene.replay import replay
     from drake_leg.simulation.run import simulate
     from drake_leg.singularity.doctor import examine_posture
     from drake_leg.symbolic.by_robot import derive
@@ -147,12 +148,12 @@ _HOMES = {
     "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
     "load_robot": ("drake_leg.robot_file.read", "load_robot"),
     "movable": ("drake_leg.kinematics.of_robot", "movable"),
-    "prove": ("drake_leg.check.proof", "prove"),
-    "replay": ("drake_leg.scene.shown", "replay"),
+    "prove": ("drake_leg.models.proof", "prove"),
+    "replay": ("drake_leg.scene.replay", "replay"),
     "report": ("drake_leg.lab.shown", "report"),
     "run": ("drake_leg.runs.named", "run"),
     "simulate": ("drake_leg.simulation.run", "simulate"),
-    "still": ("drake_leg.scene.shown", "still"),
+    "still": ("drake_leg.scene.images", "still"),
 }
 
 __all__ = [

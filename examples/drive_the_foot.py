@@ -16,7 +16,6 @@ from pydrake.trajectories import PiecewisePolynomial
 from scipy.interpolate import CubicHermiteSpline
 
 import drake_leg as dl
-from drake_leg.integrator import IntegratorSettings
 
 X, Y, Z = np.eye(3)
 WAYS = {"D": X, "A": -X, "W": Y, "S": -Y, "R": Z, "F": -Z}
@@ -58,8 +57,7 @@ def build() -> Diagram:
 
 def main(duration: float = ENDS[-1]) -> plt.Figure:
     """Simulate for a duration [s], compare the foot with what the keys command, and plot."""
-    settings = IntegratorSettings(max_step=0.005)  # [s], for the velocity's bends
-    drive = dl.simulate(build(), duration=duration, settings=settings)
+    drive = dl.simulate(build(), duration=duration, max_step=0.005)
     foot = drive.scopes["foot"]
     exact = CubicHermiteSpline(ENDS, V, 0.0 * V).antiderivative()(drive.time)
     print(drive.stop_reason or "The foot has gone the whole way.")

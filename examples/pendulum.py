@@ -17,7 +17,6 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Demultiplexer
 
 import drake_leg as dl
-from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.pendulum import PendulumModel, exact_motion
 from drake_leg.robots import pendulum
 
@@ -47,8 +46,7 @@ def build() -> Diagram:
 
 def main(duration: float = 10.0) -> plt.Figure:
     """Simulate for a duration [s], compare with the exact motion, and plot."""
-    settings = IntegratorSettings(max_step=0.002)  # [s]
-    swing = dl.simulate(build(), duration=duration, settings=settings)
+    swing = dl.simulate(build(), duration=duration, max_step=0.002)
 
     q = swing.scopes["q"][:, 0]
     q_exact, _ = exact_motion(PendulumModel.from_robot(ROBOT), Q0, swing.time)

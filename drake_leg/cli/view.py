@@ -49,16 +49,16 @@ def _view(chosen: argparse.Namespace) -> int:
     if chosen.still is not None:
         refuse_ignored(server_options(chosen), "means nothing with --still, which opens no page")
         return _still(chosen)
-    refuse_ignored({"--overwrite": chosen.overwrite}, "goes with --still")
+    refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --still")
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
-    from drake_leg.scene.viewer import view_robot
-    from drake_leg.scene.views import view_named
+    from drake_leg.scene.viewer import view_served
+    from drake_leg.scene.views import as_view
 
-    view = view_named(chosen.view)
+    view = as_view(chosen.view)
     try:
         with start_server(chosen, robot.title) as server:
-            left_at = view_robot(robot, q, server, view=view, once=chosen.once)
+            left_at = view_served(robot, q, server, view=view, once=chosen.once)
     except KeyboardInterrupt:
         return 0
     print(f"the sliders were left at --q {as_option(robot, left_at.tolist())}")
@@ -67,19 +67,19 @@ def _view(chosen: argparse.Namespace) -> int:
 
 def _still(chosen: argparse.Namespace) -> int:
     from drake_leg.files import whole_file
-    from drake_leg.scene.stills import still_png
-    from drake_leg.scene.views import view_named
+    from drake_leg.scene.images import still
+    from drake_leg.scene.views import as_view
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
-    view = view_named(chosen.view)
+    view = as_view(chosen.view)
     require_pillow()
     with (
         picture(f"the still {chosen.still}"),
         place_given_by("--still"),
         whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch,
     ):
-        scratch.write_bytes(still_png(robot, q, view=view))
+        scratch.write_bytes(still(robot, q, view=view).png)
     print(f"wrote {chosen.still}")
     say_if_sketched()
     return 0

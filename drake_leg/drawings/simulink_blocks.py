@@ -12,9 +12,8 @@ from drake_leg.drawings.simulink_names import cut, name_lines
 from drake_leg.drawings.simulink_network import TO_PHYSICAL, TO_SIGNAL
 from drake_leg.drawings.text import spaced, wrapped
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.lines import split_port
 from drake_leg.simulink.matlab import Program, program
-from drake_leg.simulink.model import Block, Value
+from drake_leg.simulink.model import Block, Value, split_port
 
 GLYPHS = JOINT_GLYPHS | {
     "BusCreator": "mux",
@@ -35,7 +34,7 @@ GLYPHS = JOINT_GLYPHS | {
     TO_SIGNAL: "converter",
 }
 
-# Parameters that stand inside, and what stands inside of other blocks.
+# Parameters that are written inside, and the text inside other blocks.
 _VALUES = {
     "Constant": "Value",
     "Fcn": "Expr",
@@ -57,21 +56,10 @@ _SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 def signal_block(
     block: Block, *, name: str, inputs: Sequence[str], outputs: Sequence[str], script: str
 ) -> Drawn:
-    """Draw a block of the signals.
+    """Draw a block of the signals, with the parameters that tell most.
 
-    Parameters
-    ----------
-    name : str
-        Unique in its picture.
-    inputs, outputs : sequence of str
-        Its ports that are wired, as ``SID#in:1``.
-    script : str
-        Code of a MATLAB Function block; "" of another one.
-
-    Returns
-    -------
-    Block
-        With the parameters that tell most.
+    ``inputs`` and ``outputs`` are its ports that are wired, as ``SID#in:1``; ``script`` is the code
+    of a MATLAB Function block.
     """
     glyph = GLYPHS.get(block.kind, "box")
     function = _function(script)
@@ -121,7 +109,7 @@ def _label(port: str, labels: Sequence[str]) -> str:
 
 
 def _text(block: Block, glyph: str, function: Program | None) -> tuple[str, ...]:
-    """Return what stands inside: a value, or what the block computes."""
+    """The text inside: a value, or what the block computes."""
     if block.kind in _VALUES:
         return (value_text(block.parameters.get(_VALUES[block.kind])),)
     if function is not None:

@@ -22,10 +22,8 @@ from drake_leg.drawings.simulink_names import cut, name_lines
 from drake_leg.drawings.text import wrapped
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot import Brick, Cylinder, Shape, Sphere
-from drake_leg.simulink.model import Block
-from drake_leg.simulink.poses import rigid_transform
-from drake_leg.simulink.solids import SOLIDS, SolidProperties, read_solid
-from drake_leg.simulink.values import number, vector
+from drake_leg.simulink.bodies import SOLIDS, SolidProperties, read_solid, rigid_transform
+from drake_leg.simulink.model import Block, number, vector
 
 JOINT_GLYPHS = {
     "6-DOF Joint": "six_dof",
@@ -42,21 +40,10 @@ _INSIDE = {"Mechanism Configuration": ("g ↓",), "Solver Configuration": ("f(x)
 
 
 def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> Drawn:
-    """Draw a mechanical block.
+    """Draw a mechanical block: its name, its kind where nothing else tells it, its parameters.
 
-    Parameters
-    ----------
-    name : str
-        Unique in its picture.
-    turned : bool
-        Whether its follower is on the left, towards the world.
-    senses : bool
-        Whether signals leave or reach it.
-
-    Returns
-    -------
-    Block
-        With its name, its kind where nothing else tells it, and its parameters.
+    ``turned`` tells whether its follower is on the left, towards the world; ``senses`` whether
+    signals leave or reach it.
 
     Raises
     ------

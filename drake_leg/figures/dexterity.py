@@ -34,10 +34,7 @@ SIDES = (1, -1)  # the foot in front of the hip, and behind it
 def dexterity(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     """Draw the smallest singular value over the leg's own plane, for both ways of facing the foot.
 
-    Parameters
-    ----------
-    start : (3,) array_like
-        A posture to be marked [rad].
+    The posture ``start`` (3,) [rad] is marked.
     """
     reach, far = leg.l2 + leg.l3, leg.l1 + leg.l2 + leg.l3
     x, z = np.meshgrid(np.linspace(0.0, 1.02 * far, 221), np.linspace(-reach, reach, 361))
@@ -72,14 +69,7 @@ def dexterity(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 def arm_dexterity(arm: ScaraGeometry, start: ArrayLike, title: str) -> Figure:
     """Draw the smallest singular value of the tool's (x, y) from above, and both singular circles.
 
-    Parameters
-    ----------
-    start : (4,) array_like
-        The posture of the arm that is drawn [rad, the last one m].
-
-    References
-    ----------
-    Report B, section 1.6.
+    The arm is drawn in the posture ``start`` (4,) [rad, the last one m]; report B, section 1.6.
     """
     far = arm.l1 + arm.l2
     side = np.linspace(-1.04 * far, 1.04 * far, 361)

@@ -33,7 +33,8 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     Parameters
     ----------
     robot : Robot
-        Any: the reports' robots are drawn as there, another chain seen askew, beside its table.
+        Any: the reports' robots are drawn as in the reports, another chain at an angle, above its
+        table.
     title : str, optional
         By default the robot's.
 
@@ -60,17 +61,12 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
 
 
 def _frames(robot: Robot, q: list[float]) -> Array:
-    """Return the poses of frames 0 ... n in the base."""
+    """Poses of frames 0 ... n in the base, (n + 1, 4, 4)."""
     return np.concatenate([np.eye(4)[np.newaxis], base_transforms(robot.rows, q)])
 
 
 def pendulum(robot: Robot, title: str) -> Figure:
-    """Draw the pendulum with its weight and what its pivot takes.
-
-    References
-    ----------
-    Report A, figures 1 and 2.
-    """
+    """Draw the pendulum with its weight and the reaction in its pivot: A 1, A 2."""
     model = PendulumModel.from_robot(robot)
     figure, (axes,) = new_figure(title, height=4.2)
     length = 1e3 * model.length
@@ -104,12 +100,7 @@ def pendulum(robot: Robot, title: str) -> Figure:
 
 
 def leg(robot: Robot, title: str) -> Figure:
-    """Draw the leg with what acts on it in its own plane, and from above.
-
-    References
-    ----------
-    Report A, figure 9; report B, figure 3.
-    """
+    """Draw the leg with what acts on it in its own plane, and from above: A 9, B 3."""
     geometry = LegGeometry.from_robot(robot)
     figure, (side, top) = new_figure(title, rows=2, height=7.4)
     unit = 1e3 * (geometry.l1 + geometry.l2 + geometry.l3) / 9
@@ -177,12 +168,7 @@ def _leg_top(robot: Robot, sign: int, sketch: Sketch) -> None:
 
 
 def scara(robot: Robot, title: str) -> Figure:
-    """Draw the SCARA from the side and from above.
-
-    References
-    ----------
-    Report B, figure 2.
-    """
+    """Draw the SCARA from the side and from above: B 2."""
     arm = ScaraGeometry.from_robot(robot)
     unit = 1e3 * (arm.l1 + arm.l2) / 7
     figure, (side, top) = new_figure(title, columns=2, height=4.6)

@@ -27,21 +27,10 @@ Named = Iterator[tuple[str, Callable[[], Figure]]]
 def figures_of_run(
     subject: Subject, title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]
 ) -> Named:
-    """Name the figures of a run and tell how each is drawn.
+    """Name the figures of a run, and the functions that draw them.
 
-    Parameters
-    ----------
-    subject : {"swing", "foot", "tool"}
-        What the run shows: a pendulum that swings, a foot or a tool that is moved.
-    title : str
-        Of the run, for the figures' titles.
-    summary : mapping
-        What it came to.
-
-    Yields
-    ------
-    tuple of str and callable
-        File name without ending, and a function that draws the figure.
+    ``subject`` is what the run shows: a pendulum that swings, a foot or a tool that is moved.
+    ``title`` begins the figures' titles; ``summary`` is the run's.
     """
     if subject == "swing":
         yield from _pendulum(title, robot, recording, summary)
@@ -94,7 +83,7 @@ def _joints(title: str, robot: Robot, recording: Recording) -> Named:
 
 
 def _numbers(robot: Robot, kind: JointType) -> dict[int, str]:
-    """Return the joints of a kind: number, from 1, to name."""
+    """The joints of a kind: number, from 1, to name."""
     return {
         number: str(segment.joint)
         for number, segment in enumerate(robot.moving, start=1)
@@ -125,7 +114,7 @@ def _along_x(title: str, recording: Recording) -> Named:
 
 
 def _goes_along_x(recording: Recording) -> bool:
-    """Tell whether the command has no component but along x."""
+    """Tell whether the command is along x alone."""
     return bool(np.any(recording["dx"]) and not np.any(recording.stack("dy", "dz")))
 
 

@@ -26,11 +26,10 @@ from drake_leg.report.runs import RUNS, command
 from drake_leg.report.subjects import SUBJECTS
 from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.outcome import Outcome
-from drake_leg.scene.motion import recorded_motion
-from drake_leg.scene.paper import DARK, LIGHT
-from drake_leg.scene.replay import replay_page
-from drake_leg.scene.stills import still_png
-from drake_leg.scene.views import VIEWS
+from drake_leg.scene.images import still
+from drake_leg.scene.lettering import DARK, LIGHT
+from drake_leg.scene.replay import replay
+from drake_leg.scene.scene import motion_of
 
 DRAWING = Markup(
     'class="{}" tabindex="0" role="region" aria-label="{}, a block diagram" style="--width: {}px"'
@@ -129,8 +128,7 @@ def _still(item: Item, workshop: Workshop) -> Exhibit:
     subject = SUBJECTS[item.subject]
     file = workshop.folder / f"{item.id}.png"
     light, dark = (
-        still_png(subject.robot, subject.q, view=VIEWS[item.show], paper=paper)
-        for paper in (LIGHT, DARK)
+        still(subject.robot, subject.q, view=item.show, paper=paper).png for paper in (LIGHT, DARK)
     )
     file.write_bytes(light)
     image = picture(light, f"{item.title}. {item.caption}", dark=dark)
@@ -146,12 +144,12 @@ def _still(item: Item, workshop: Workshop) -> Exhibit:
 
 def _replay(item: Item, workshop: Workshop) -> Exhibit:
     outcome = workshop.outcomes[item.subject]
-    motion = recorded_motion(outcome.robot, outcome.recording)
+    motion = motion_of(outcome.robot, outcome.recording)
     file = workshop.folder / f"{item.id}.html"
-    page = replay_page(motion, title=run_kind(RUNS[item.subject].name).heading)
+    page = replay(outcome.robot, motion, title=run_kind(RUNS[item.subject].name).heading).html
     file.write_text(page, encoding="utf-8")
     light, dark = (
-        still_png(outcome.robot, motion.q[0], motion=motion, paper=paper) for paper in (LIGHT, DARK)
+        still(outcome.robot, motion.q[0], motion=motion, paper=paper).png for paper in (LIGHT, DARK)
     )
     poster = picture(light, item.caption, dark=dark)
     return Exhibit(

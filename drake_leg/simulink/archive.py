@@ -1,16 +1,19 @@
-"""The parts of a .slx file, read into memory within limits; nothing is unpacked to the disk."""
+"""The parts of a .slx file, read within limits as XML trees; nothing is unpacked to the disk."""
 
 from __future__ import annotations
 
 import io
 import re
-import stat
 import struct
 import zipfile
 import zlib
 from collections.abc import Mapping
-from pathlib import Path, PurePosixPath
-from types import TracebackType
+from pathlib import Path
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
+
+from defusedxml.common import DefusedXmlException
+from defusedxml.ElementTree import ParseError, XMLParser
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
 from drake_leg.files import read_bytes
@@ -21,78 +24,117 @@ MOST_PARTS = 20_000
 LARGEST_PART = 64 << 20  # bytes, unpacked
 LARGEST_TOTAL = 256 << 20  # bytes, unpacked
 HIGHEST_RATIO = 200  # unpacked to packed, of parts above 1 MiB
+DEEPEST = 200  # elements in elements
+MOST_ELEMENTS = 1_000_000
 
 _END_OF_DIRECTORY = struct.Struct("<4s4H2LH")
 _SMALL = 1 << 20
 _TEXT_MODEL = re.compile(rb"\s*(#[^\n]*\n\s*)*(Model|Library|Subsystem)\s*\{")
+_DAMAGES = (
+    *(zipfile.BadZipFile, zlib.error, OSError, EOFError),
+    *(NotImplementedError, RuntimeError, ValueError, struct.error),
+)
+_DAMAGED = "it is cut short or damaged: copy the file again or save the model again"
 
 
 class Parts:
-    """The parts of one file; a context manager."""
+    """The parts of one file, held in memory."""
 
     def __init__(self, path: Path) -> None:
         content = _content(path)
         try:
             self._archive = zipfile.ZipFile(io.BytesIO(content))
             self._entries = _checked(self._archive.infolist())
-        except (zipfile.BadZipFile, ValueError, struct.error, EOFError, OverflowError) as error:
-            if isinstance(error, InvalidValueError):
-                self._archive.close()
-                raise
-            raise _damaged() from None
+        except InvalidValueError:
+            raise
+        except (zipfile.BadZipFile, ValueError, struct.error, EOFError, OverflowError):
+            raise InvalidValueError(_DAMAGED) from None
         except (NotImplementedError, OSError) as error:
             raise InvalidValueError(f"it cannot be opened ({error})") from None
-
-    def __enter__(self) -> Parts:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._archive.close()
 
     def names(self) -> tuple[str, ...]:
         """Return the names of all parts."""
         return tuple(self._entries)
 
     def read(self, name: str) -> bytes | None:
-        """Read a part.
-
-        Returns
-        -------
-        bytes or None
-            None where the file has no such part.
-
-        Raises
-        ------
-        InvalidValueError
-            If it is damaged.
-        """
+        """Read a part; None where the file has no such part."""
         entry = self._entries.get(name)
         if entry is None:
             return None
         try:
             with self._archive.open(entry) as part:
                 content = part.read(entry.file_size + 1)
-        except (
-            zipfile.BadZipFile,
-            zlib.error,
-            OSError,
-            EOFError,
-            NotImplementedError,
-            RuntimeError,
-            ValueError,
-            struct.error,
-        ):
+        except _DAMAGES:
             raise InvalidValueError(
                 f"its part {name} is damaged: save the model again or copy the file again"
             ) from None
         if len(content) != entry.file_size:
             raise InvalidValueError(f"its part {name} is cut short: copy the file again")
         return content
+
+
+class _LimitedBuilder(TreeBuilder):
+    """A tree builder that refuses trees that no model has."""
+
+    def __init__(self, part: str) -> None:
+        super().__init__()
+        self._part = part
+        self._depth = self._count = 0
+
+    def start(self, tag: str, attributes: dict[str, str]) -> Element:
+        self._depth += 1
+        self._count += 1
+        if self._depth > DEEPEST or self._count > MOST_ELEMENTS:
+            raise InvalidValueError(
+                f"its part {self._part} is deeper than {DEEPEST} levels or longer than "
+                f"{MOST_ELEMENTS} elements, which no model is"
+            )
+        return super().start(tag, attributes)
+
+    def end(self, tag: str) -> Element:
+        self._depth -= 1
+        return super().end(tag)
+
+
+def parse_markup(content: bytes, part: str) -> Element:
+    """Parse one part, which must have no document type and no entities."""
+    parser = XMLParser(target=_LimitedBuilder(part), forbid_dtd=True)
+    try:
+        parser.feed(content)
+        root: Element = parser.close()
+    except DefusedXmlException:
+        raise InvalidValueError(
+            f"its part {part} declares a document type or an entity, which no Simulink file does: "
+            "save the model again in Simulink"
+        ) from None
+    except ParseError as error:
+        raise InvalidValueError(
+            f"its part {part} is no XML ({expat.ErrorString(error.code)}, line "
+            f"{error.position[0]}): save the model again in Simulink"
+        ) from None
+    except (LookupError, UnicodeError) as error:
+        raise InvalidValueError(
+            f"its part {part} is in an encoding that is not known here ({error}): save the model "
+            "again in Simulink"
+        ) from None
+    return root
+
+
+def parameters(element: Element) -> dict[str, str]:
+    """Return the ``<P Name="...">`` directly under an element, name to text.
+
+    Those whose value is in another part are left out.
+    """
+    return {
+        child.get("Name", ""): child.text or ""
+        for child in element
+        if child.tag == "P" and child.get("Ref") is None
+    }
+
+
+def one_line(text: str) -> str:
+    """Return a name with its line breaks as blanks."""
+    return " ".join(text.splitlines())
 
 
 def _content(path: Path) -> bytes:
@@ -115,16 +157,10 @@ def _content(path: Path) -> bytes:
         raise InvalidValueError("it is no ZIP archive, which every .slx is: give a model's .slx")
     end = tail.rfind(b"PK\x05\x06")
     if end < 0 or len(tail) - end < _END_OF_DIRECTORY.size:
-        raise _damaged()
+        raise InvalidValueError(_DAMAGED)
     if _END_OF_DIRECTORY.unpack_from(tail, end)[5] > LARGEST_DIRECTORY:
         raise InvalidValueError("it lists more parts than any model has: it is no .slx")
     return content
-
-
-def _damaged() -> InvalidValueError:
-    return InvalidValueError(
-        "it is cut short or damaged: copy the file again or save the model again"
-    )
 
 
 def _checked(entries: list[zipfile.ZipInfo]) -> Mapping[str, zipfile.ZipInfo]:
@@ -134,9 +170,17 @@ def _checked(entries: list[zipfile.ZipInfo]) -> Mapping[str, zipfile.ZipInfo]:
     checked: dict[str, zipfile.ZipInfo] = {}
     for entry in entries:
         name = entry.filename
-        _require_plain(entry)
         if name in checked:
             raise InvalidValueError(f"it has two parts named {name!r}: save the model again")
+        if entry.flag_bits & 0x1:
+            raise InvalidValueError(
+                f"its part {name!r} is encrypted: save the model without a password"
+            )
+        if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            raise InvalidValueError(
+                f"its part {name!r} is packed in a way that Simulink does not use: save the model "
+                "again"
+            )
         total += entry.file_size
         if entry.file_size > LARGEST_PART or total > LARGEST_TOTAL:
             raise InvalidValueError(
@@ -150,20 +194,3 @@ def _checked(entries: list[zipfile.ZipInfo]) -> Mapping[str, zipfile.ZipInfo]:
             )
         checked[name] = entry
     return checked
-
-
-def _require_plain(entry: zipfile.ZipInfo) -> None:
-    name = entry.orig_filename
-    path = PurePosixPath(name.replace("\\", "/"))
-    if path.is_absolute() or ".." in path.parts or ":" in name or "\0" in name:
-        raise InvalidValueError(f"its part {name!r} has a path that leads outside: it is no .slx")
-    if stat.S_ISLNK(entry.external_attr >> 16):
-        raise InvalidValueError(f"its part {name!r} is a symbolic link: it is no .slx")
-    if entry.flag_bits & 0x1:
-        raise InvalidValueError(
-            f"its part {name!r} is encrypted: save the model without a password"
-        )
-    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise InvalidValueError(
-            f"its part {name!r} is packed in a way that Simulink does not use: save the model again"
-        )

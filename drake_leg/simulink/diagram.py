@@ -1,16 +1,63 @@
-"""From the systems of a file to what is drawn in them: blocks and lines, still as text."""
+"""What is drawn in the systems of a file: blocks and lines with their ports, still as text."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.lines import DrawnLine, read_line
-from drake_leg.simulink.markup import one_line, parameters
+from drake_leg.simulink.archive import one_line, parameters
 from drake_leg.simulink.masks import Mask, read_mask
+from drake_leg.simulink.model import split_port
+
+_PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")
+_PHYSICAL = ("lconn", "rconn")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnLine:
+    """A line with all its branches."""
+
+    name: str
+    physical: bool
+    source: str  # port; "" where the line hangs, and of physical lines
+    ends: tuple[str, ...]  # ports; of a physical line all of them
+
+
+def read_line(element: Element) -> DrawnLine:
+    """Read a ``<Line>`` with its branches."""
+    texts = parameters(element)
+    ends = [_port(text) for text in _ends(element, texts)]
+    physical = any(split_port(end)[1] in _PHYSICAL for end in ends)
+    source = "" if physical or "Src" not in texts else _port(texts["Src"])
+    if source:
+        ends.remove(source)
+    return DrawnLine(
+        name=one_line(texts.get("Name", "")), physical=physical, source=source, ends=tuple(ends)
+    )
+
+
+def _ends(element: Element, texts: dict[str, str]) -> Iterator[str]:
+    """Walk through a line and its branches, at whatever end they hold a port."""
+    for key in ("Src", "Dst"):
+        if texts.get(key):
+            yield texts[key]
+    for branch in element:
+        if branch.tag == "Branch":
+            yield from _ends(branch, parameters(branch))
+
+
+def _port(text: str) -> str:
+    found = _PORT.fullmatch(text.strip())
+    if not found:
+        raise InvalidValueError(
+            f"a line ends at {text[:60]!r}, which is no port (5#in:1): save the model again in "
+            "Simulink"
+        )
+    return f"{found['sid']}#{found['kind']}:{int(found['number'] or 1)}"
+
 
 _OLD_PORTS = {"in": 0, "out": 1, "lconn": 5, "rconn": 6}  # places in <P Name="Ports">
 _DEEPEST = 100  # subsystems in subsystems
@@ -59,22 +106,15 @@ def read_diagram(
     fetch: Callable[[str], Element],
     is_function: Callable[[DrawnBlock, str], bool],
 ) -> Diagram:
-    """Read all systems.
+    """Read the ``<System>`` of the top and all systems inside it.
 
     Parameters
     ----------
-    root : Element
-        ``<System>`` of the top.
     fetch : callable
         From the name of a system, as ``<System Ref="...">`` has it, to its ``<System>``.
     is_function : callable
         From a block that holds some chart, and the tag of the S-Function inside, to whether the
         chart is a MATLAB function: files of about R2012 do not tell at the block.
-
-    Raises
-    ------
-    InvalidValueError
-        If a block has no SID, two blocks have the same, or a port makes no sense.
     """
     return _Walk(fetch, is_function).all(root)
 

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.lines import split_port
-from drake_leg.simulink.model import Block, Model, Wire
+from drake_leg.simulink.model import Block, Model, Wire, split_port
 from drake_leg.simulink.wiring import join
 
 _GATES = {"enable": "EnablePort", "trigger": "TriggerPort", "ifaction": "ActionPort"}
@@ -19,17 +18,9 @@ _CONNECTION_PORTS = ("PMIOPort", "Connection Port")
 def flatten(model: Model) -> Model:
     """Take away every boundary, so that wires and nodes lead from leaf block to leaf block.
 
-    Parameters
-    ----------
-    model : Model
-        As it is drawn.
-
-    Returns
-    -------
-    Model
-        Without subsystems, virtual or atomic, their Inport, Outport and Connection Port blocks,
-        Goto and From, and Connection Labels. Inport and Outport blocks of the top stay. Wires have
-        the name that is nearest to their target. `Block.system` still tells where a block was.
+    Subsystems, virtual or atomic, go with their Inport, Outport and Connection Port blocks, and so
+    do Goto, From and Connection Labels. Inport and Outport blocks of the top stay. Wires have the
+    name that is nearest to their target. `Block.system` still tells where a block was.
 
     Raises
     ------

@@ -7,8 +7,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drake_leg.simulink.lines import split_port
-from drake_leg.simulink.model import Block, Model, Value
+from drake_leg.simulink.model import Block, Model, Value, split_port
 from drake_leg.simulink.parameters import default_values
 
 _WIDTH = 100
@@ -17,14 +16,7 @@ _UNITS = "Units"
 
 
 def as_json(model: Model) -> dict[str, Any]:
-    """Return a model as JSON can hold it.
-
-    Returns
-    -------
-    dict
-        ``blocks``, ``wires``, ``nodes``, ``functions``, ``solver``; numbers in SI, an infinite
-        one as the text ``inf`` or ``-inf``.
-    """
+    """Return a model as JSON can hold it: numbers in SI, infinite ones as ``inf`` or ``-inf``."""
     return {
         "blocks": [
             {
@@ -50,14 +42,7 @@ def as_json(model: Model) -> dict[str, Any]:
 
 
 def as_lines(model: Model) -> list[str]:
-    """Return a model as tables.
-
-    Returns
-    -------
-    list of str
-        Blocks with the settings that are not their defaults, wires, physical connections,
-        functions, solver.
-    """
+    """Return a model as tables; of the blocks' settings, those that are not the default."""
     names = block_paths(model)
     blocks = [
         (block.sid, names[block.sid], printable(block.kind), ", ".join(_settings(block)))
@@ -82,13 +67,7 @@ def as_lines(model: Model) -> list[str]:
 
 
 def block_paths(model: Model) -> dict[str, str]:
-    """Name each block by its path.
-
-    Returns
-    -------
-    dict
-        SID to the names of the subsystems that hold the block and its own, a slash between.
-    """
+    """Map a block's SID to its path: names of its subsystems and its own, a slash between."""
     blocks = {block.sid: block for block in model.blocks}
     names: dict[str, str] = {}
     for block in model.blocks:
@@ -133,13 +112,7 @@ def _shown(value: Value) -> str:
 
 
 def plain(value: object) -> object:
-    """Return what JSON can hold: lists for tuples, text for numbers that are not finite.
-
-    Parameters
-    ----------
-    value : object
-        Of dictionaries, lists, tuples, numbers and texts.
-    """
+    """Return what JSON can hold: lists for tuples, text for numbers that are not finite."""
     if isinstance(value, dict):
         return {key: plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):

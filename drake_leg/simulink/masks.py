@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from xml.etree.ElementTree import Element
 
-from drake_leg.simulink.markup import parameters
+from drake_leg.simulink.archive import parameters
 
 _EVALUATED = ("edit", "slider", "dial", "spinbox", "min", "max")  # the other types hold choices
 _VARIABLE = re.compile(r"\s*([A-Za-z]\w*)\s*=\s*([@&])\d+\s*")  # L=@1, and & for a text
@@ -29,18 +29,10 @@ class Mask:
 
 
 def read_mask(block: Element, texts: dict[str, str]) -> Mask:
-    """Read a block's mask.
+    """Read the mask of a ``<Block>``.
 
-    Parameters
-    ----------
-    block : Element
-        ``<Block>``; a mask stands in ``<Mask>``, in files of about R2013 in an
-        ``<Object ClassName="Simulink.Mask">``, and before in ``MaskVariables``.
-
-    Returns
-    -------
-    Mask
-        Without names where the block has none.
+    It is a ``<Mask>``, in files of about R2013 an ``<Object ClassName="Simulink.Mask">``, and
+    before ``MaskVariables`` and their values.
     """
     kind, code = texts.get("MaskType", ""), texts.get("MaskInitialization", "")
     entries = list(_oldest(texts))

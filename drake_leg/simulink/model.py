@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-Value = float | str | tuple[float, ...] | tuple[tuple[float, ...], ...]
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+
+Numbers = float | tuple[float, ...] | tuple[tuple[float, ...], ...]
+Value = Numbers | str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,3 +62,38 @@ class Model:
     nodes: tuple[tuple[str, ...], ...]  # physical ports that one connection joins: "SID#lconn:1"
     functions: tuple[Function, ...]
     solver: Mapping[str, Value]  # StopTime [s], Solver, RelTol, MaxStep, ...
+
+
+def split_port(port: str) -> tuple[str, str, int]:
+    """Split a port into SID, kind (``in``, ``out``, ``lconn``, ``enable``, ...) and number."""
+    sid, _, rest = port.partition("#")
+    kind, _, number = rest.partition(":")
+    return sid, kind, int(number)
+
+
+def vector(value: Value | None) -> tuple[float, ...]:
+    """Read numbers as a vector, which is empty where they are none."""
+    if isinstance(value, int | float):
+        return (float(value),)
+    if isinstance(value, tuple):
+        return tuple(float(one) for one in np.array(value, dtype=float).ravel())
+    return ()
+
+
+def number(value: Value | None, default: float = 0.0) -> float:
+    """Read a parameter as one number, the default where it is none."""
+    numbers = vector(value)
+    return numbers[0] if len(numbers) == 1 else default
+
+
+def senseless(block: Block, name: str, why: str) -> InvalidValueError:
+    """Make the error of a parameter that makes no sense; ``why`` says what it must be."""
+    return InvalidValueError(
+        f"the block {block.name!r} (SID {block.sid}) has {name} "
+        f"{block.parameters.get(name)!r}; {why}"
+    )
+
+
+def is_on(block: Block, switch: str) -> bool:
+    """Tell whether a switch of a block is on."""
+    return block.parameters.get(switch) == "on"

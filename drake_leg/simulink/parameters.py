@@ -8,31 +8,19 @@ from collections.abc import Mapping
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue.blocks import known_parameters
 from drake_leg.simulink.diagram import DrawnBlock
-from drake_leg.simulink.evaluation import evaluate, require_finite
+from drake_leg.simulink.evaluation import Names, evaluate, require_finite
 from drake_leg.simulink.model import Value
-from drake_leg.simulink.scopes import Scope
-from drake_leg.simulink.units import parse_unit
+from drake_leg.units import parse_unit
 
 _UNIT_SUFFIXES = ("Units", "_unit")
 _LIBRARIES = "Simulink, Simscape and Simscape Multibody"
 
 
-def values_of(block: DrawnBlock, scope: Scope) -> dict[str, Value]:
-    """Evaluate a block's parameters.
+def values_of(block: DrawnBlock, names: Names) -> dict[str, Value]:
+    """Evaluate a block's parameters, those included that its mask adds.
 
-    Parameters
-    ----------
-    block : DrawnBlock
-        With the texts of the file.
-    scope : Scope
-        Names that its parameters may use.
-
-    Returns
-    -------
-    dict
-        Name to value. Those that the file leaves out have their defaults; a value with a unit is in
-        SI, and so is the unit beside it; what is no number is text. ``Inputs`` of a Sum are its
-        signs alone: ``+-``. What its mask adds is among them.
+    Those that the file leaves out have their defaults; a value with a unit is in SI, and so is the
+    unit beside it; what is no number is text. ``Inputs`` of a Sum are its signs alone: ``+-``.
 
     Raises
     ------
@@ -62,8 +50,8 @@ def values_of(block: DrawnBlock, scope: Scope) -> dict[str, Value]:
             continue
         unit = texts.get(f"{name}Units", parameter.unit)
         try:
-            number = evaluate(text, unit, parameter.unit, scope)
-            require_finite(number, text, unbounded=parameter.unbounded, scope=scope)
+            number = evaluate(text, unit, parameter.unit, names)
+            require_finite(number, text, unbounded=parameter.unbounded, names=names)
         except InvalidValueError as error:
             raise InvalidValueError(f"{block}: parameter {name} {error}") from None
         found[parameter.name] = number
@@ -75,30 +63,17 @@ def values_of(block: DrawnBlock, scope: Scope) -> dict[str, Value]:
     for name, text in others.items():
         if name not in found and not name.endswith("_conf"):
             found[name] = text
-    _convert_others(block, others, found, scope)
+    _convert_others(block, others, found, names)
     for name, text in block.mask.values.items():
         if name not in {parameter.name for parameter in known}:
-            found[name] = scope.numbers.get(name, text)
+            found[name] = names.numbers.get(name, text)
     if block.type == "Sum":
         found["Inputs"] = _signs(str(found["Inputs"]))
     return found
 
 
 def default_values(block_type: str, source: str) -> Mapping[str, Value]:
-    """Return what a block of a kind has before anybody touches it.
-
-    Parameters
-    ----------
-    block_type : str
-        ``BlockType`` in the file.
-    source : str
-        Library path of a ``Reference``; otherwise "".
-
-    Returns
-    -------
-    mapping
-        Name to value, in SI; empty for a kind that is not known.
-    """
+    """Return a kind's defaults by name, in SI; a kind that is not known has none."""
     return {
         parameter.name: evaluate(parameter.default, parameter.unit, parameter.unit)
         if parameter.numeric
@@ -108,7 +83,7 @@ def default_values(block_type: str, source: str) -> Mapping[str, Value]:
 
 
 def _convert_others(
-    block: DrawnBlock, others: Mapping[str, str], found: dict[str, Value], scope: Scope
+    block: DrawnBlock, others: Mapping[str, str], found: dict[str, Value], names: Names
 ) -> None:
     """Convert what is in no table but has its unit beside it."""
     for suffix in _UNIT_SUFFIXES:
@@ -122,8 +97,8 @@ def _convert_others(
             except InvalidValueError:
                 continue
             try:
-                found[name] = evaluate(others[name], unit, unit, scope)
-                require_finite(found[name], others[name], unbounded=True, scope=scope)
+                found[name] = evaluate(others[name], unit, unit, names)
+                require_finite(found[name], others[name], unbounded=True, names=names)
             except InvalidValueError as error:
                 raise InvalidValueError(f"{block}: parameter {name} {error}") from None
             found[key] = si
@@ -131,7 +106,7 @@ def _convert_others(
 
 def _counted(block: DrawnBlock, parameter: str) -> str | None:
     """Return what the file says only by the number of drawn ports."""
-    ports = {("Mux", "Inputs"): "in", ("Demux", "Outputs"): "out", ("Scope", "NumInputPorts"): "in"}
+    ports = {("Mux", "Inputs"): "in", ("Demux", "Outputs"): "out", ("Names", "NumInputPorts"): "in"}
     count = block.ports.get(ports.get((block.type, parameter), ""))
     return str(count) if count else None
 

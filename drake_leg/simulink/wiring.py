@@ -6,25 +6,15 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.diagram import Diagram, DrawnBlock
-from drake_leg.simulink.lines import DrawnLine, split_port
-from drake_leg.simulink.model import Wire
+from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine
+from drake_leg.simulink.model import Wire, split_port
 
 
 def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
     """Make one wire of every way from an output to an input.
 
-    Returns
-    -------
-    tuple of Wire
-        Without lines that hang, and without those at blocks that are commented out; what goes
-        into a block that is commented through comes out of it.
-
-    Raises
-    ------
-    InvalidValueError
-        If a line ends at a block that is not there, two lines end at one input, or a signal runs
-        in a circle of blocks that are commented through.
+    Lines that hang, and those at blocks that are commented out, are left out; what goes into a
+    block that is commented through comes out of it.
     """
     through = {block.sid for block in diagram.through}
     blocks = {block.sid: block for block in (*diagram.blocks, *diagram.through)}
@@ -68,18 +58,9 @@ def _bridged(wire: Wire, wires: Mapping[str, Wire], through: Container[str]) -> 
 
 
 def nodes_of(diagram: Diagram) -> tuple[tuple[str, ...], ...]:
-    """Join the physical ports that are connected, however many lines it takes.
+    """Join the physical ports that are connected, at least two a node.
 
-    Returns
-    -------
-    tuple of tuple of str
-        Ports ``SID#lconn:1``, at least two a node; a block that is commented through joins its
-        first ports on both sides.
-
-    Raises
-    ------
-    InvalidValueError
-        If a line ends at a block that is not there.
+    A block that is commented through joins its first ports on both sides.
     """
     through = {block.sid for block in diagram.through}
     blocks = {block.sid: block for block in (*diagram.blocks, *diagram.through)}
@@ -96,18 +77,7 @@ def nodes_of(diagram: Diagram) -> tuple[tuple[str, ...], ...]:
 
 
 def join(groups: Iterable[Sequence[str]]) -> tuple[tuple[str, ...], ...]:
-    """Unite groups that share a member.
-
-    Parameters
-    ----------
-    groups : iterable of sequence of str
-        Members of one group belong together.
-
-    Returns
-    -------
-    tuple of tuple of str
-        Disjoint groups of at least two, in the order of their first members.
-    """
+    """Unite groups that share a member; those of one member are left out."""
     parent: dict[str, str] = {}
 
     def root(member: str) -> str:

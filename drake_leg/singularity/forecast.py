@@ -104,16 +104,9 @@ class Forecast:
 def encounter_at(
     robot: Movable, q: Sequence[float], time: float, greatest_amplitude: float | None = None
 ) -> Encounter:
-    """Describe a singular posture that a run has come to.
+    """Describe a singular posture that a run has come to at a time [s].
 
-    Parameters
-    ----------
-    q : (n,) sequence of float
-        [rad or m].
-    time : float
-        [s].
-    greatest_amplitude : float, optional
-        What would have stayed inside [m/s].
+    ``greatest_amplitude`` [m/s] is what would have stayed inside, where it is known.
     """
     posture = tuple(float(value) for value in q)
     families = families_of(robot.geometry)
@@ -134,16 +127,10 @@ def _listed(values: Sequence[float], digits: int) -> str:
 
 
 def forecast_step(robot: Movable, q0: Sequence[float], step: SineStep, duration: float) -> Forecast:
-    """Say what a straight step meets: in closed form, for a chain numerically.
+    """Say what a straight step from q0 meets in a run's duration [s].
 
-    ``s = (2 A / w) sin^2(w t / 2)`` is the way, so that the way to the edge gives the instant.
-
-    Parameters
-    ----------
-    q0 : (3,) sequence of float
-        Where it starts [rad or m], not singular.
-    duration : float
-        Of the run [s].
+    ``s = (2 A / w) sin^2(w t / 2)`` is the way, so that the way to the edge tells the instant: in
+    closed form, for a chain numerically.
     """
     end = step.way(duration)
     if end == 0.0:

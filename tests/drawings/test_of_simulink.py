@@ -26,7 +26,7 @@ from drake_leg.drawings.parts import lay_out_parts
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.robots import LEG_B
-from drake_leg.simulink.lines import split_port
+from drake_leg.simulink.model import split_port
 from drake_leg.simulink.reader import read_model
 
 LEG = Path(__file__).parents[2] / "notebooks" / "leg.slx"
@@ -423,7 +423,7 @@ def test_a_picture_that_nobody_can_read_is_refused(pictures):
     builder = ModelBuilder()
     for place in range(MOST_BLOCKS + 1):
         builder.add_block("Gain", f"K{place}")
-    with pytest.raises(InvalidValueError, match="301 blocks, of which at most 300"):
+    with pytest.raises(InvalidValueError, match="301 blocks; at most 300"):
         pictures(builder)
 
 

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from scipy.integrate import quad, solve_ivp
+from witnesses import jacobian_rate_bias
 
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import MOTION, start_on_motion
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.khalil import foot_pose, jacobian_rate_bias
+from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.robots import LEG_B

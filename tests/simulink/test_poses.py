@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.bodies import about, inverse, pose, rigid_transform, rotation_text
 from drake_leg.simulink.model import Block
-from drake_leg.simulink.poses import about, inverse, pose, rigid_transform, rotation_text
 
 
 def transform(**parameters):

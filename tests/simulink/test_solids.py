@@ -8,11 +8,11 @@ from slx_models import published_leg
 from drake_leg.models.solids import mass_properties
 from drake_leg.models.solids import volume as volume_of
 from drake_leg.robot import Brick, Cylinder, Solid, Sphere
+from drake_leg.simulink.bodies import OTHER, SHAPES, SOLIDS, read_solid, volume
 from drake_leg.simulink.catalogue.multibody import MULTIBODY
 from drake_leg.simulink.model import Block
 from drake_leg.simulink.parameters import default_values
 from drake_leg.simulink.reader import read_model
-from drake_leg.simulink.solids import OTHER, SHAPES, SOLIDS, read_solid, volume
 
 LIBRARY = "sm_lib/Body Elements"
 OF_2016 = {"brick": "Brick", "cylinder": "Cylinder", "sphere": "Sphere"}  # GeometryShape

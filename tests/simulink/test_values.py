@@ -2,8 +2,7 @@
 
 import pytest
 
-from drake_leg.simulink.model import Block
-from drake_leg.simulink.values import number, senseless, vector
+from drake_leg.simulink.model import Block, number, senseless, vector
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from drake_leg.kinematics.batches import Array
+from drake_leg.simulink.bodies import inverse
 from drake_leg.simulink.compare.mechanism import Mechanism, PassedTransform, Place
 from drake_leg.simulink.compare.simulink_mechanism import Network
-from drake_leg.simulink.poses import inverse
 
 NEAR = 1e-9  # [m] or of a rotation's entries
 SAME = 1e-6  # relative, of ratios that are one factor

@@ -11,8 +11,7 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.compare.signals import Scalar, Signal, constants, mixed, sine_term, total
 from drake_leg.simulink.matlab import value
-from drake_leg.simulink.model import Block
-from drake_leg.simulink.values import number, vector
+from drake_leg.simulink.model import Block, number, vector
 
 Inputs = Sequence[Signal | None]  # by port; None where nothing is connected
 Law = Callable[[Block, Inputs, int], Signal | None]  # None where the law cannot be followed

@@ -20,8 +20,8 @@ from drake_leg.simulink.compare.diagram_signals import function_role
 from drake_leg.simulink.compare.signals import Atom, Scalar, Signal, close, mixed
 from drake_leg.simulink.compare.simulink_signals import SimulinkSignals
 from drake_leg.simulink.matlab import Program
-from drake_leg.simulink.units import parse_unit
 from drake_leg.systems.inverse_jacobian import InverseJacobian
+from drake_leg.units import parse_unit
 
 SAME = 1e-7  # relative, of functions that count as equal
 LENGTH_UNITS = tuple(float(parse_unit(unit).factor) for unit in ("m", "cm", "mm", "in"))

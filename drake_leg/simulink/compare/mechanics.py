@@ -8,6 +8,7 @@ import numpy as np
 from pydrake.multibody.tree import FrameIndex
 
 from drake_leg.kinematics.batches import Array
+from drake_leg.simulink.bodies import DIMENSIONS, OTHER, SolidProperties, rotation_text
 from drake_leg.simulink.compare.alignment import NEAR, Miss
 from drake_leg.simulink.compare.findings import (
     Blocks,
@@ -23,10 +24,7 @@ from drake_leg.simulink.compare.findings import (
 from drake_leg.simulink.compare.mechanism import ChainJoint, PassedTransform, Place
 from drake_leg.simulink.compare.plant_mechanism import Links
 from drake_leg.simulink.compare.sides import Sides
-from drake_leg.simulink.model import Block
-from drake_leg.simulink.poses import rotation_text
-from drake_leg.simulink.solids import DIMENSIONS, OTHER, SolidProperties
-from drake_leg.simulink.values import vector
+from drake_leg.simulink.model import Block, vector
 from drake_leg.systems.frame_sensor import FrameSensor
 
 UNITS = {  # of a revolute joint's parameters, and of a prismatic one's
@@ -85,9 +83,7 @@ def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
     if joints and not network.grounded:
         where = "not at the chain", "at the chain's base"
         yield different("", "(model)", "World Frame", *where)
-    for sid in network.loose:
-        yield missing(sides.block(sid), "it is connected to nothing that leads to the World Frame")
-    for sid, why in network.unknown.items():
+    for sid, why in network.unplaced.items():
         yield missing(sides.block(sid), why)
 
 

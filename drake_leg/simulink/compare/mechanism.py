@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.simulink.solids import SolidProperties
+from drake_leg.simulink.bodies import SolidProperties
 
 Parameter = float | str
 

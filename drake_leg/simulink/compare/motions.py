@@ -18,8 +18,7 @@ from drake_leg.simulink.compare.findings import (
 from drake_leg.simulink.compare.sides import Roles, Sides, other_signal, same_factors
 from drake_leg.simulink.compare.signals import Scalar, close
 from drake_leg.simulink.compare.simulink_signals import is_integrator
-from drake_leg.simulink.model import Block
-from drake_leg.simulink.values import number
+from drake_leg.simulink.model import Block, number
 from drake_leg.systems.input_filter import TIME_CONSTANT
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 

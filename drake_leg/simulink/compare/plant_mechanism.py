@@ -20,8 +20,8 @@ from pydrake.systems.framework import Context
 from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.batches import Array
 from drake_leg.robot import Brick, Cylinder, Solid, Sphere
+from drake_leg.simulink.bodies import SolidProperties, volume
 from drake_leg.simulink.compare.mechanism import ChainJoint, Mechanism, Parameter, Place
-from drake_leg.simulink.solids import SolidProperties, volume
 
 DIGITS = 12  # of a size or a density that follows from moments of inertia
 SHAPES = {Brick: "brick", Cylinder: "cylinder", Sphere: "sphere"}

@@ -21,10 +21,10 @@ from drake_leg.simulink.compare.simulink_mechanism import Network, read_network
 from drake_leg.simulink.compare.simulink_signals import SimulinkSignals, senses_rotation
 from drake_leg.simulink.flatten import flatten
 from drake_leg.simulink.model import Block, Model
-from drake_leg.simulink.units import parse_unit
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.joint_stops import JointStops
 from drake_leg.systems.prescribed_motion import PrescribedMotion
+from drake_leg.units import parse_unit
 
 MOST_TURNED = 6  # joints that are tried with their ends exchanged
 ANGLE_UNITS = tuple(float(parse_unit(unit).factor) for unit in ("rad", "deg", "rev", "rpm"))
@@ -117,13 +117,7 @@ class Roles:
 
 
 def read_sides(model: Model, run: LiveModel) -> Sides:
-    """Read the model's and the diagram's mechanism and signals, and align the mechanisms.
-
-    Raises
-    ------
-    InvalidValueError
-        If the model's network cannot be read, or the diagram has no plant.
-    """
+    """Read the model's and the diagram's mechanism and signals, and align the mechanisms."""
     flat = flatten(model)
     plant = plant_of(run.diagram)
     drake = _mechanism(run, plant)

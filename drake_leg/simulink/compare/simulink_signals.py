@@ -11,9 +11,8 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.compare.block_laws import OPEN, SOURCES, added, law_of, least_size
 from drake_leg.simulink.compare.signals import Atom, Signal, atoms, constants
 from drake_leg.simulink.matlab import Program, program
-from drake_leg.simulink.model import Block, Model
-from drake_leg.simulink.units import parse_unit
-from drake_leg.simulink.values import is_on, number, vector
+from drake_leg.simulink.model import Block, Model, is_on, number, vector
+from drake_leg.units import parse_unit
 
 INTEGRATORS = ("Integrator", "DiscreteIntegrator")
 SINKS = ("Scope", "Display", "ToWorkspace", "ToFile", "Outport", "XY Graph", "Record")

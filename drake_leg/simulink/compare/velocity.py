@@ -31,8 +31,7 @@ from drake_leg.simulink.compare.inverse import (
 )
 from drake_leg.simulink.compare.sides import Roles, Sides, other_signal, same_factors
 from drake_leg.simulink.compare.signals import Atom, Scalar, close
-from drake_leg.simulink.model import Block
-from drake_leg.simulink.values import number
+from drake_leg.simulink.model import Block, number
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 SINE = (("Frequency", "rad/s"), ("Phase", "rad"), ("Amplitude", "m/s"))

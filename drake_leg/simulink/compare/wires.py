@@ -24,9 +24,9 @@ from drake_leg.simulink.compare.signals import CLOSE, Atom, Scalar, close
 from drake_leg.simulink.compare.simulink_mechanism import SENSORS
 from drake_leg.simulink.compare.simulink_signals import SINKS, unit_factor
 from drake_leg.simulink.model import Block
-from drake_leg.simulink.units import parse_unit
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.prescribed_motion import PrescribedMotion
+from drake_leg.units import parse_unit
 
 UNCONNECTED = "an output that stays unconnected"
 SHOWN_IN = ("1", "cm", "mm", "deg", "rpm")  # units of what a scope shows
