@@ -102,7 +102,7 @@ class Recording:
         return html_table(headings, rows, title=f"Recording, {count} rows")
 
     def write_csv(self, path: Path) -> None:
-        """Write the columns with 17 significant digits, so that reading gives them back exactly.
+        """Write the columns with 17 significant digits, so that they are read back exactly.
 
         Raises
         ------

@@ -203,7 +203,7 @@ def _advance(simulator: Simulator, duration: float) -> tuple[str | None, DrakeLe
 
 
 def _default_start(diagram: Diagram) -> Start:
-    """Return how a diagram starts when nobody says it."""
+    """Return how a diagram starts if no ``start`` is given."""
     if diagram.HasSubsystemNamed(MOTION):
         return start_on_motion
     return lambda _diagram, _context: None

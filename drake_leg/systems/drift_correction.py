@@ -1,4 +1,4 @@
-"""The command with a pull back to where it ought to have brought the foot."""
+"""A command that pulls the foot back to where it should be."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ class PrescribedMotion(Diagram):
     Raises
     ------
     InvalidValueError
-        If all joints shall be driven and one has no actuator, if the joints named are not joints of
+        If all joints are to be driven and one has no actuator, if the joints named are not joints of
         one axis, if the plant has constraints, or if the stiffness is negative.
 
     Examples
