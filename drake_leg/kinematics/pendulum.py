@@ -19,10 +19,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipj, ellipkm1
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_energy, limit_force
 from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative, require_positive
-from drake_leg.robot import Brick, JointMechanics, Robot, Row, Solid
+from drake_leg.robot import Brick, Robot, Row, Solid
 
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright
 IN_AND_OUT = 0.002  # [s], greatest step where a limit may be met: none is stepped over
