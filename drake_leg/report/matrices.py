@@ -66,13 +66,15 @@ def comparisons(subject: Subject) -> Mapping[str, Comparison]:
     for name, formula in matrices(derived(subject.name)).items():
         if name == "T":
             continue
-        chain, drake = (side(name, subject.task) for side in (witness.by_chain, witness.by_drake))
+        by_chain, by_drake = (
+            side(name, subject.task) for side in (witness.by_chain, witness.by_drake)
+        )
         value = evaluate(formula, values)
         found[name] = Comparison(
             formula=formula,
             value=value,
-            from_chain=float(np.abs(value - chain).max()),
-            from_drake=float(np.abs(value - drake).max()),
+            from_chain=float(np.abs(value - by_chain).max()),
+            from_drake=float(np.abs(value - by_drake).max()),
         )
     return found
 
