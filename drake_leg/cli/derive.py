@@ -35,11 +35,13 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
         "and its singularities from the Khalil rows, in symbols; or those of a robot of your own. "
         "Needs SymPy: pip install 'drake-leg[symbolic]'."
     )
-    parser.epilog = "Exit status: 0 all was derived, 2 bad input, 3 not all was derived in time."
+    parser.epilog = (
+        "Exit status: 0 everything was derived, 2 bad input, 3 something was not derived in time."
+    )
     parser.add_argument(
         "name",
         metavar="NAME|FILE.toml",
-        help=f"one of {', '.join(SUBJECTS)}, with the equations' numbers in the report; or a "
+        help=f"one of {', '.join(SUBJECTS)}, with the numbers of the report's equations; or a "
         "robot of your own",
     )
     parser.add_argument("--latex", action="store_true", help="print lines of LaTeX")
@@ -73,7 +75,7 @@ def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -
 
 
 def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
-    """Derive what follows from a table, each piece printed when it is there."""
+    """Derive what follows from a table, and print each piece when it is done."""
     robot = robot_source(chosen.name).robot()
     require_sympy(f"the derivation of {chosen.name}")
     from drake_leg.symbolic.derivation import Derivation

@@ -14,7 +14,7 @@ def configure_inspect(parser: argparse.ArgumentParser) -> None:
         "physical connections, MATLAB functions and solver. No MATLAB is needed, and nothing in "
         "the file is executed."
     )
-    parser.add_argument("model", type=Path, metavar="MODEL.slx", help="file that Simulink saved")
+    parser.add_argument("model", type=Path, metavar="MODEL.slx", help="file saved by Simulink")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(command=_inspect)
 

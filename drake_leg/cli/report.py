@@ -16,8 +16,8 @@ def configure_report(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
         "Reproduce every figure, table and equation of both reports: report.html "
-        "with everything on one page, the errata where they belong, and beside it the figures as "
-        "PNG, SVG and PDF, named after the reports, and the motions in 3D, which the page plays."
+        "has everything on one page, with the errata where they belong; beside it are the figures "
+        "as PNG, SVG and PDF, named as in the reports, and the 3D replays that the page plays."
     )
     add_output(parser)
     parser.set_defaults(command=_report)

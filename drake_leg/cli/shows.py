@@ -1,4 +1,4 @@
-"""What shows a run's motion: a page that replays it, a video, still pictures."""
+"""What shows a run's motion: a page that replays it, a video, stills."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from drake_leg.cli.advice import place_given_by
+from drake_leg.cli.advice import as_options, place_given_by
 from drake_leg.cli.common import remark
 from drake_leg.cli.pictures import Pictures
 from drake_leg.errors import OutputError
@@ -23,21 +23,11 @@ ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}
 
 
 def stop_note(summary: Mapping[str, Any]) -> str | None:
-    """Say why a run stopped before its end.
-
-    Parameters
-    ----------
-    summary : mapping
-        As in ``summary.json``, or less.
-
-    Returns
-    -------
-    str or None
-        None where it did not, or nothing is known of it.
-    """
+    """Say why a run stopped before its end, from what ``summary.json`` says, if it did."""
     reason, at = summary.get("stop_reason"), summary.get("stopped_at_s")
     if not isinstance(reason, str):
         return None
+    reason = as_options(reason)
     return f"stopped at {at:.4g} s: {reason}" if isinstance(at, float) else f"stopped: {reason}"
 
 
@@ -55,7 +45,7 @@ def add_shows(parser: argparse.ArgumentParser) -> None:
 
 
 def say_if_sketched() -> None:
-    """Say on the standard error why matplotlib drew what VTK could not render."""
+    """Print why matplotlib drew what VTK could not render, if it did."""
     from drake_leg.scene.images import sketching
 
     sentence = sketching()
@@ -65,7 +55,7 @@ def say_if_sketched() -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Shows:
-    """What was asked for beside the folder of results."""
+    """What was asked for besides the folder of results."""
 
     replay: Path | None
     video: Path | None
@@ -74,7 +64,7 @@ class Shows:
 
     @classmethod
     def of(cls, chosen: argparse.Namespace) -> Self:
-        """Read it off the command line."""
+        """Read it from the command line."""
         return cls(
             replay=chosen.replay,
             video=chosen.video,
@@ -83,13 +73,7 @@ class Shows:
         )
 
     def check(self) -> None:
-        """Refuse files that cannot be made, before any work is done for them.
-
-        Raises
-        ------
-        DrakeLegError
-            As ``scene.replay.check_show`` does.
-        """
+        """Refuse files that cannot be made, before any work is done for them."""
         for option, path in self._files().items():
             from drake_leg.scene.replay import check_show
 
@@ -104,10 +88,7 @@ class Shows:
     ) -> list[Path]:
         """Write stills into the folder of results, page and video beside it.
 
-        Returns
-        -------
-        list of Path
-            Of page and video, as far as they could be made.
+        Returns the paths of those of the page and the video that could be made.
         """
         made = []
 

@@ -49,7 +49,7 @@ def _view(chosen: argparse.Namespace) -> int:
     if chosen.still is not None:
         refuse_ignored(server_options(chosen), "means nothing with --still, which opens no page")
         return _still(chosen)
-    refuse_ignored({"--overwrite": chosen.overwrite}, "goes with --still")
+    refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --still")
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
     from drake_leg.scene.viewer import view_served

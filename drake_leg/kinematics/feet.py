@@ -38,24 +38,12 @@ class Feet:
 
 
 def limits_of(joints: Sequence[Segment]) -> Limits:
-    """Read the joints' limits, infinite where there is none.
-
-    Returns
-    -------
-    list of (float, float)
-        Lower and upper [rad or m].
-    """
+    """Lower and upper limits of the joints [rad or m], infinite where there is none."""
     return [joint.mechanics.bounds for joint in joints]
 
 
 def units_of(robot: Robot) -> tuple[str, ...]:
-    """Return the unit that a person reads each joint's position in.
-
-    Returns
-    -------
-    tuple of str
-        ``deg`` or ``m``.
-    """
+    """Unit, ``deg`` or ``m``, in which a person reads each joint's position."""
     return tuple("deg" if joint.row.joint == "revolute" else "m" for joint in robot.moving)
 
 
@@ -76,7 +64,7 @@ def feet(
     foot : (3,) sequence of float
         Where the foot is to be, in the base frame [m].
     q : sequence of float, optional
-        Posture whose yaw a SCARA keeps, where no other is given [rad].
+        Posture whose yaw a SCARA keeps, unless a yaw is given [rad].
     yaw : float, optional
         Of a SCARA's tool [rad].
     rpy : (3,) sequence of float, optional
@@ -155,13 +143,7 @@ def _scara_feet(
 
 
 def lift_limits(robot: Robot) -> tuple[float, float]:
-    """Return how far a SCARA's lift goes: to its limits, or as the report's table has it.
-
-    Returns
-    -------
-    (float, float)
-        [m].
-    """
+    """How far a SCARA's lift goes [m]: to its limits, or as the report's table has it."""
     arm = ScaraGeometry.from_robot(robot)
     ((low, high),) = limits_of(robot.moving[3:4])
     if math.isinf(low) and math.isinf(high) and arm.height > arm.lowest:
@@ -190,7 +172,7 @@ def _found(
     if many and rpy is None and len(robot.moving) > 3:
         return (
             f"{count} found of infinitely many: {joints_in_words(robot)} reach a point in any of "
-            "many orientations; `rpy` chooses one"
+            "many orientations; choose one by rpy"
         )
     if many:
         return f"{count} found of infinitely many: joints can move while the foot stays"

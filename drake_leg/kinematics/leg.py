@@ -6,8 +6,9 @@ With ci = cos qi, c23 = cos(q2 + q3) and the same for sines:
 - ``depth = l2 s2 + l3 s23`` is its height over the hip, up to the sign ``s`` of the variant.
 
 The Jacobian has two singular families: ``sin q3 = 0`` (leg stretched or folded) and
-``reach = 0`` (foot on the hip axis). A foot position is met in up to four ways: the leg may face it
-or turn its back (the sign of the reach), and the ankle may bend either way (the sign of sin q3).
+``reach = 0`` (foot on the hip axis). The foot can reach a point in up to four ways: the leg may
+face it or turn its back (the sign of the reach), and the ankle may bend either way (the sign of
+sin q3).
 """
 
 from __future__ import annotations
@@ -107,25 +108,8 @@ def _links(leg: LegGeometry, q: ArrayLike) -> _Links:
 
 
 def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:
-    """Position of the foot F in the base frame B.
+    """Position p_BF of the foot in the base frame, (..., 3) [m].
 
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    p_BF : (..., 3) ndarray
-        [m].
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
     Report A, eq. 8; report B, 2.5.1 (printed with q2 - q3 for q2 + q3).
     """
     c1, s1, _, z2, _, z3, reach = _links(leg, q)
@@ -133,25 +117,7 @@ def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:
 
 
 def foot_and_jacobian(leg: LegGeometry, q: ArrayLike) -> tuple[Array, Array]:
-    """Position of the foot and its translational Jacobian at once: they share most of the work.
-
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    p_BF : (..., 3) ndarray
-        [m], as ``foot_position``.
-    Jv_BF : (..., 3, 3) ndarray
-        [m/rad], as ``foot_jacobian``.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-    """
+    """``foot_position`` and ``foot_jacobian`` at once: they share most of the work."""
     angles = finite_vectors("q", q, 3)
     if angles.ndim == 1:
         return _foot_and_jacobian(leg, angles)
@@ -171,28 +137,9 @@ def _foot_and_jacobian(leg: LegGeometry, q: Array) -> tuple[Array, Array]:
 
 
 def foot_rotation(leg: LegGeometry, q: ArrayLike) -> Array:
-    """Rotation of the foot frame F in the base frame B.
+    """Rotation R_BF of the foot frame in the base frame, (..., 3, 3).
 
-    ``R_BF = Rz(q1) Rx(s pi/2) Rz(q2 + q3)``.
-
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    R_BF : (..., 3, 3) ndarray
-        Rotation matrices.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
-    Report A, eq. 8; report B, 2.4.
+    ``R_BF = Rz(q1) Rx(s pi/2) Rz(q2 + q3)`` (report A, eq. 8; report B, 2.4).
     """
     (q1, q2, q3), cos, sin = split("q", q, 3)
     c1, s1, c23, s23 = cos(q1), sin(q1), cos(q2 + q3), sin(q2 + q3)
@@ -207,9 +154,7 @@ def foot_rotation(leg: LegGeometry, q: ArrayLike) -> Array:
 
 
 def foot_jacobian(leg: LegGeometry, q: ArrayLike) -> Array:
-    """Translational Jacobian of the foot F in the base frame B.
-
-    ``v_BF = Jv_BF @ qdot``.
+    """Translational Jacobian of the foot F in the base frame B: ``v_BF = Jv_BF @ qdot``.
 
     Parameters
     ----------
@@ -234,52 +179,19 @@ def foot_jacobian(leg: LegGeometry, q: ArrayLike) -> Array:
 
 
 def determinant(leg: LegGeometry, q: ArrayLike) -> Array:
-    """Determinant of the foot's translational Jacobian, factored.
+    """Determinant of the foot's translational Jacobian, factored, (...) [m^3/rad^3].
 
-    ``det J = -s l2 l3 sin(q3) (l1 + l2 c2 + l3 c23)``.
-
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    (...) ndarray
-        [m^3/rad^3]; zero on both singular families.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
-    Report A, eq. 17 (printed unfactored, the family on the hip axis left out).
+    ``det J = -s l2 l3 sin(q3) (l1 + l2 c2 + l3 c23)``: zero on both singular families (report A,
+    eq. 17, printed unfactored, the family on the hip axis left out).
     """
     (_, _, q3), _, sin = split("q", q, 3)
     return np.asarray(-leg.sign * leg.l2 * leg.l3 * sin(q3) * _links(leg, q).reach)
 
 
 def jacobian_rate_bias(leg: LegGeometry, q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Foot acceleration that is there without joint acceleration.
+    """Foot acceleration that is there without joint acceleration, (..., 3) [m/s^2].
 
     ``a_BF = Jv_BF @ qddot + bias`` with ``bias = dJv_BF/dt @ qdot``.
-
-    Parameters
-    ----------
-    q, qdot : (..., 3) array_like
-        Joint angles [rad] and rates [rad/s].
-
-    Returns
-    -------
-    (..., 3) ndarray
-        [m/s^2], in the base frame.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` or ``qdot`` does not end in 3, or is not finite.
     """
     c1, s1, x2, z2, x3, z3, reach = _links(leg, q)
     (w1, w2, w3), _, _ = split("qdot", qdot, 3)
@@ -364,27 +276,11 @@ class MovableLeg(Movable):
 
 
 def foot_rotation_angles(leg: LegGeometry, R_BF: ArrayLike) -> Array:
-    """Angles of the foot's rotation in the leg's own Z-X-Z sequence.
+    """Angles a, b, c [rad] of foot rotations (..., 3, 3) in the leg's own Z-X-Z sequence, (..., 3).
 
     ``R_BF = Rz(a) Rx(b) Rz(c)``: for a foot rotated by the leg, a = q1, b = s pi/2 and
-    c = q2 + q3, so the sequence is regular wherever the leg goes.
-
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths and variant; the sign chooses between the two solutions.
-    R_BF : (..., 3, 3) array_like
-        Rotation matrices.
-
-    Returns
-    -------
-    (..., 3) ndarray
-        a, b, c [rad], a and c in (-pi, pi].
-
-    Raises
-    ------
-    InvalidValueError
-        If the last axis is not 3 long, or a value is not finite.
+    c = q2 + q3, so the sequence is regular wherever the leg goes. a and c are in (-pi, pi]; the
+    leg's sign chooses between the two solutions.
     """
     R = finite_vectors("R_BF", R_BF, 3)
     if R.ndim < 2 or R.shape[-2] != 3:
@@ -403,7 +299,7 @@ class Branch:
     facing: int  # +1: the foot is in front of the hip, -1: behind it
     bend: int  # sign of sin q3
     q: tuple[float, float, float] | None  # [rad]; None where the point is out of reach
-    within_limits: bool  # of the joints; True where none are given
+    within_limits: bool  # of the joints; True without limits
 
     @property
     def name(self) -> str:
@@ -413,27 +309,12 @@ class Branch:
 
 
 def branch_angles(leg: LegGeometry, p_BF: ArrayLike) -> Array:
-    """Joint angles of all four branches.
+    """Joint angles of all four branches for feet p_BF (..., 3) [m], (..., 4, 3) [rad].
 
-    ``foot_position(leg, branch_angles(leg, p)[..., b, :]) == p`` wherever it is not NaN.
-
-    The ankle follows from the triangle of femur, tibia and the distance from knee to foot.
-
-    Parameters
-    ----------
-    p_BF : (..., 3) array_like
-        Foot positions in the base frame [m]. On the hip axis the hip angle is arbitrary: 0 or pi.
-
-    Returns
-    -------
-    q : (..., 4, 3) ndarray
-        Hip, knee, ankle angles [rad] in (-pi, pi], in the order of ``BRANCHES``; NaN where the
-        point is out of reach.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``p_BF`` does not end in 3, or is not finite.
+    ``foot_position(leg, branch_angles(leg, p)[..., b, :]) == p`` wherever it is not NaN, that is,
+    in reach; angles are in (-pi, pi], in the order of ``BRANCHES``. The ankle follows from the
+    triangle of femur, tibia and the distance from knee to foot. On the hip axis the hip angle is
+    arbitrary.
     """
     points = finite_vectors("p_BF", p_BF, 3)
     x, y, w = points[..., 0], points[..., 1], leg.sign * points[..., 2]
@@ -456,19 +337,9 @@ def branches(
     p_BF: ArrayLike,
     limits: Sequence[tuple[float, float]] | None = None,
 ) -> tuple[Branch, ...]:
-    """All four ways of putting the foot at one point, those out of reach named as such.
+    """All four ways of putting the foot at one point (3,) [m], those out of reach named as such.
 
-    Parameters
-    ----------
-    p_BF : (3,) array_like
-        Foot position in the base frame [m].
-    limits : sequence of three pairs of float, optional
-        Lower and upper limit of each joint [rad].
-
-    Returns
-    -------
-    tuple of four Branch
-        In the order of ``BRANCHES``.
+    ``limits`` are the lower and upper limit of each joint [rad].
 
     Raises
     ------
@@ -497,27 +368,10 @@ def branches(
 
 
 def inverse_kinematics(leg: LegGeometry, p_BF: ArrayLike, like: ArrayLike) -> Array:
-    """Joint angles that put the foot at a point, on the branch of a given posture.
+    """Joint angles (..., 3) that put the foot at a point, on the branch of a given posture.
 
-    ``foot_position(leg, inverse_kinematics(leg, p_BF, like)) == p_BF``.
-
-    Parameters
-    ----------
-    p_BF : (..., 3) array_like
-        Foot position in the base frame [m].
-    like : (3,) array_like
-        Joint angles [rad] whose branch is wanted, and whose turns: every angle is the one
-        nearest to its own.
-
-    Returns
-    -------
-    q : (..., 3) ndarray
-        Hip, knee, ankle angles [rad]; NaN where the point is out of reach.
-
-    Raises
-    ------
-    InvalidValueError
-        If a shape is wrong or a value is not finite.
+    ``foot_position(leg, inverse_kinematics(leg, p_BF, like)) == p_BF``. Every angle is the one
+    nearest to that of ``like`` (3,) [rad], by whole turns; NaN where the point is out of reach.
     """
     near = one_vector("like", like, 3)
     reach = leg.l1 + leg.l2 * math.cos(near[1]) + leg.l3 * math.cos(near[1] + near[2])

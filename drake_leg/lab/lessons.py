@@ -1,4 +1,4 @@
-"""What the notebooks need besides the front door: checked answers, and printed matrices."""
+"""What the notebooks need besides the front door: checked answers, printed matrices."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from pydrake.systems.framework import Diagram
 
-from drake_leg.check.printed import grade
-from drake_leg.check.printed_file import Printed, PrintedMatrix
+from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errata.printed import (
     PrintedMatrices,
     angle_values,
@@ -21,7 +21,11 @@ from drake_leg.errata.printed import (
 )
 from drake_leg.errors import DrakeLegError
 from drake_leg.figures.of_postures import maps_of_posture
+from drake_leg.integrator import IntegratorSettings
+from drake_leg.lab.grader.grade import grade
+from drake_leg.lab.grader.printed import Printed, PrintedMatrix
 from drake_leg.robot import Robot
+from drake_leg.simulink.compare.compare import LiveModel
 
 __all__ = [
     "PrintedMatrices",
@@ -29,6 +33,7 @@ __all__ = [
     "check",
     "graded",
     "leg_b_matrices",
+    "live_model",
     "maps_of_posture",
     "rotation_defect",
     "scara_matrices",
@@ -89,6 +94,27 @@ def graded(
         ),
     )
     return [finding.sentence() for finding in grade(robot, printed)]
+
+
+def live_model(diagram: Diagram, robot: Robot, *, duration: float = 20.0) -> LiveModel:
+    """Make a diagram as it starts ready to be compared with a Simulink model.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        Of a robot whose joints follow a motion.
+    duration : float
+        How long it would be simulated [s].
+    """
+    root = diagram.CreateDefaultContext()
+    start_on_motion(diagram, root)
+    return LiveModel(
+        diagram=diagram,
+        root=root,
+        robot=robot,
+        duration=duration,
+        scheme=IntegratorSettings().scheme,
+    )
 
 
 def _fault(answer: object, count: int | None) -> str | None:

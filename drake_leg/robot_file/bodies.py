@@ -19,7 +19,7 @@ ORIGIN = (0.0, 0.0, 0.0)
 _SOLID_KEYS = ("density", "centre", "colour")
 _INERTIAL_KEYS = ("mass", "centre", "moments", "products")
 _INSTEAD_OF_SOLID = {
-    "mass": "a mass stands with centre and moments under [row.inertial], beside the solid",
+    "mass": "a mass goes with centre and moments under [row.inertial], beside the solid",
     "color": "did you mean 'colour'?",
     "center": "did you mean 'centre'?",
     "inertia": "inertia is moments and products, under [row.inertial], beside the solid",
@@ -35,7 +35,7 @@ _INSTEAD_OF_INERTIAL = {
     "inertia": "write moments = [Ixx, Iyy, Izz] and products = [Ixy, Ixz, Iyz]",
     **dict.fromkeys(("Ixx", "Iyy", "Izz", "ixx", "iyy", "izz"), "write moments = [Ixx, Iyy, Izz]"),
     **dict.fromkeys(("Ixy", "Ixz", "Iyz", "ixy", "ixz", "iyz"), "write products = [Ixy, Ixz, Iyz]"),
-    "density": "mass, centre and moments stand here; a density makes them under [row.solid]",
+    "density": "mass, centre and moments are given here; a density goes under [row.solid]",
 }
 
 

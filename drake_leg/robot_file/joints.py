@@ -22,7 +22,7 @@ _MECHANICS_KEYS = (
 _LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "lower_stop", "upper_stop")
 _STOP_KEYS = ("stiffness", "spring_unit", "damping", "damping_unit", "transition_width")
 _INSTEAD_OF_MECHANICS = {
-    **dict.fromkeys(("limits", *_LIMIT_KEYS), "limits stand under [row.limits]"),
+    **dict.fromkeys(("limits", *_LIMIT_KEYS), "limits go under [row.limits]"),
     "stiffness": "did you mean 'spring_stiffness'?",
     "mimic": "joints do not follow one another here, each row that moves has a position of its own",
     "friction": "friction that grows with speed is damping; there is no other",

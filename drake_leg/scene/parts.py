@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from pydrake.geometry import Box, CalcObb, Cylinder, Shape
+from pydrake.geometry import Box, CalcObb, Cylinder, Shape, Sphere
 
 from drake_leg.colours import PURPLE, Colour, rgb
 from drake_leg.kinematics.batches import Array
@@ -46,12 +46,21 @@ class Part:
 
     def corners(self) -> Array:
         """Corners of the box around it, on its frame, (8, 3) [m]; none of a half-space."""
+        signs = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
+        return self._on_box(signs)
+
+    def ends(self) -> Array:
+        """Where the axes of that box end, (6, 3) [m]; of a ball its centre, (1, 3)."""
+        ends = np.concatenate([np.eye(3), -np.eye(3)])
+        return self._on_box(np.zeros((1, 3)) if isinstance(self.shape, Sphere) else ends)
+
+    def _on_box(self, shares: Array) -> Array:
+        """Points of the box around it, -1 ... 1 along each of its axes, on its frame [m]."""
         box = CalcObb(self.shape)
         if box is None:
             return np.zeros((0, 3))
-        signs = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
-        X_FG = self.X_FP @ box.pose().GetAsMatrix4()
-        return np.asarray(signs * box.half_width() @ X_FG[:3, :3].T + X_FG[:3, 3])
+        X_FB = self.X_FP @ box.pose().GetAsMatrix4()
+        return np.asarray(shares * box.half_width() @ X_FB[:3, :3].T + X_FB[:3, 3])
 
 
 def size_of(points: Array) -> float:

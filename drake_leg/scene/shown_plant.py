@@ -12,6 +12,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,10 +27,11 @@ from drake_leg.kinematics.batches import Array, finite_vectors
 from drake_leg.models.sdf import sdf_text
 from drake_leg.names import place_name
 from drake_leg.robot import Robot, link_colour
-from drake_leg.scene.parts import Part, rod
+from drake_leg.scene.parts import Part, rod, size_of
 
 PALE = (0.72, 0.73, 0.76)
 BASE_SIZE, ROD_RADIUS = 0.07, 0.009  # of the scene's size
+GROUND = 3.0  # of the scene's size, from which on a shape of the world is a ground
 SOLID_OPACITY = 0.45  # so that the frames inside can be seen
 TABLE_FRAME = re.compile(r"frame_(\d+)")  # a frame of a Khalil table
 LANGUAGES = {"<sdf": "sdf", "<robot": "urdf", "<mujoco": "xml"}  # of a model, and its file's ending
@@ -77,8 +79,8 @@ class ShownPlant:
         As in headings; by default the name of the plant or of its model.
     trace : sequence of str
         Names of frames or bodies whose origins leave a trace; by default the ends of all bodies
-        that carry no others: their frame ``NAME_end`` or the last of the table, whichever is
-        farther out, or the centre of mass.
+        that carry no others: their frame ``NAME_end`` or the last of the table, or the end of their
+        shapes, whichever is farthest out, or the centre of mass.
 
     Raises
     ------
@@ -168,7 +170,7 @@ class ShownPlant:
         """
         points: list[list[Array]] = [[] for _ in self.frames]
         for body in self._bodies:
-            if body.index() != self.plant.world_body().index():
+            if body is not self._bodies[0]:
                 for part in self._shapes[body.index()]:
                     points[part.frame].extend(part.corners())
             for end in self._end_of(body):
@@ -191,6 +193,8 @@ class ShownPlant:
     def parts(self, size: float) -> tuple[Part, ...]:
         """Shapes, thin rods where no shape leads on, and a block where a base has none.
 
+        A ground that is much larger than the scene is left out: there is a floor.
+
         Parameters
         ----------
         size : float
@@ -198,10 +202,11 @@ class ShownPlant:
         """
         parts: list[Part] = []
         for body in self._bodies:
-            shapes = self._shapes[body.index()]
-            parts += shapes
-            bare = body.index() == self.plant.world_body().index() or not shapes
-            if body.index() in self._anchored and bare:
+            shapes, is_world = self._shapes[body.index()], body is self._bodies[0]
+            parts += [
+                part for part in shapes if not is_world or size_of(part.corners()) < GROUND * size
+            ]
+            if body.index() in self._anchored and (is_world or not shapes):
                 parts += self._base_parts(body, size)
             else:
                 parts += self._rods(body, ROD_RADIUS * size)
@@ -238,7 +243,7 @@ class ShownPlant:
         shapes = self._shapes[body.index()]
         for stop, joints in self._leads(body):
             first = stop is self._stops[body.index()][0]
-            ends = ([] if shapes or not first else self._end_of(body)) + joints
+            ends = ([] if shapes or not first else self._ends_of(body)) + joints
             start = stop.point(stop.place)
             seen = [start]
             for end in map(stop.point, ends):
@@ -285,6 +290,10 @@ class ShownPlant:
             if frame.name() == place_name(body.name(), "end")
             and frame.body().index() == body.index()
         ]
+
+    def _ends_of(self, body: RigidBody) -> list[Array]:
+        """End of a body, or its centre of mass, p_B [m]."""
+        return self._end_of(body) or [np.nan_to_num(body.default_com())]
 
     def _choose_frames(self) -> list[Frame]:
         tables = sorted(
@@ -372,14 +381,19 @@ class ShownPlant:
         """Find the end of a body that carries no other: shown frame, and place on it [m]."""
         first, *_, last = 2 * self._stops[body.index()]
         tables = [last.place] if TABLE_FRAME.fullmatch(self.frames[last.frame].name()) else []
-        ends = self._end_of(body) + tables or [np.nan_to_num(body.default_com())]
+        ends = [first.point(end) for end in self._end_of(body) + tables]
+        if not ends:
+            ends = [end for part in self._shapes[body.index()] for end in part.ends()]
         # The last frame may be inside the body, as the pendulum's centre of gravity is, or beyond
         # its end, as a tool is.
-        farthest = max(ends, key=lambda end: float(np.linalg.norm(end - first.place)))
-        return first.frame, first.point(farthest)
+        start = first.point(first.place)
+        return first.frame, max(
+            ends or [first.point(self._ends_of(body)[0])],
+            key=lambda end: float(np.linalg.norm(end - start)),
+        )
 
 
-Showable = ShownPlant | Robot | MultibodyPlant | Diagram | Path | str
+Showable: TypeAlias = ShownPlant | Robot | MultibodyPlant | Diagram | Path | str
 
 
 def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()) -> ShownPlant:

@@ -9,7 +9,6 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
@@ -31,35 +30,27 @@ MOST_ELEMENTS = 1_000_000
 _END_OF_DIRECTORY = struct.Struct("<4s4H2LH")
 _SMALL = 1 << 20
 _TEXT_MODEL = re.compile(rb"\s*(#[^\n]*\n\s*)*(Model|Library|Subsystem)\s*\{")
+_DAMAGES = (
+    *(zipfile.BadZipFile, zlib.error, OSError, EOFError),
+    *(NotImplementedError, RuntimeError, ValueError, struct.error),
+)
 _DAMAGED = "it is cut short or damaged: copy the file again or save the model again"
 
 
 class Parts:
-    """The parts of one file; a context manager."""
+    """The parts of one file, held in memory."""
 
     def __init__(self, path: Path) -> None:
         content = _content(path)
         try:
             self._archive = zipfile.ZipFile(io.BytesIO(content))
             self._entries = _checked(self._archive.infolist())
-        except (zipfile.BadZipFile, ValueError, struct.error, EOFError, OverflowError) as error:
-            if isinstance(error, InvalidValueError):
-                self._archive.close()
-                raise
+        except InvalidValueError:
+            raise
+        except (zipfile.BadZipFile, ValueError, struct.error, EOFError, OverflowError):
             raise InvalidValueError(_DAMAGED) from None
         except (NotImplementedError, OSError) as error:
             raise InvalidValueError(f"it cannot be opened ({error})") from None
-
-    def __enter__(self) -> Parts:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._archive.close()
 
     def names(self) -> tuple[str, ...]:
         """Return the names of all parts."""
@@ -73,16 +64,7 @@ class Parts:
         try:
             with self._archive.open(entry) as part:
                 content = part.read(entry.file_size + 1)
-        except (
-            zipfile.BadZipFile,
-            zlib.error,
-            OSError,
-            EOFError,
-            NotImplementedError,
-            RuntimeError,
-            ValueError,
-            struct.error,
-        ):
+        except _DAMAGES:
             raise InvalidValueError(
                 f"its part {name} is damaged: save the model again or copy the file again"
             ) from None

@@ -15,6 +15,11 @@ from drake_leg.simulink.model import Block, Model, Value
 from drake_leg.simulink.parameters import values_of
 from drake_leg.simulink.wiring import nodes_of, wires_of
 
+_ROOT = "simulink/systems/system_root.xml"
+_WHOLE = "simulink/blockdiagram.xml"  # in older files the diagram, too
+_CONFIGURATION = "simulink/configSet0.xml"
+_STATEFLOW = re.compile(r"simulink/stateflow(\.xml|/(machine|chart_\w+)\.xml)")
+_SYSTEM = re.compile(r"\w{1,80}")
 _DEFAULTS = {
     "StartTime": "0.0",
     "StopTime": "10.0",
@@ -27,42 +32,6 @@ _DEFAULTS = {
 }
 _UNBOUNDED = ("StopTime", "MaxStep")
 _FIXED = re.compile(r"FixedStep\w*|ode(1|2|3|4|5|8|14x|1be|1b)")
-
-
-def solver_of(configuration: Element | None) -> dict[str, Value]:
-    """Read the first configuration's times [s] and tolerances, defaults where they are absent."""
-    texts = _texts(configuration)
-    solver = texts.get("SolverName") or texts.get("Solver") or "VariableStepAuto"
-    kind = "Fixed-step" if _FIXED.fullmatch(solver) else "Variable-step"
-    found: dict[str, Value] = {"Solver": solver, "SolverType": texts.get("SolverType", kind)}
-    for name, default in _DEFAULTS.items():
-        try:
-            text = texts.get(name, default)
-            found[name] = evaluate(text, "", "")
-            require_finite(found[name], text, unbounded=name in _UNBOUNDED)
-        except InvalidValueError as error:
-            raise InvalidValueError(f"solver setting {name} {error}") from None
-    return found
-
-
-def _texts(configuration: Element | None) -> dict[str, str]:
-    if configuration is None:
-        return {}
-    for component in configuration.iter("Object"):
-        if component.get("ClassName", "").endswith("SolverCC"):
-            return parameters(component)
-    for component in configuration.iter():
-        texts = parameters(component)
-        if "StopTime" in texts:
-            return texts
-    return {}
-
-
-_ROOT = "simulink/systems/system_root.xml"
-_WHOLE = "simulink/blockdiagram.xml"  # in older files the diagram, too
-_CONFIGURATION = "simulink/configSet0.xml"
-_STATEFLOW = re.compile(r"simulink/stateflow(\.xml|/(machine|chart_\w+)\.xml)")
-_SYSTEM = re.compile(r"\w{1,80}")
 
 
 def read_model(path: Path) -> Model:
@@ -83,8 +52,7 @@ def read_model(path: Path) -> Model:
     """
     path = Path(path)
     try:
-        with Parts(path) as parts:
-            return _File(parts).model(path.stem)
+        return _File(Parts(path)).model(path.stem)
     except InvalidValueError as error:
         raise InvalidValueError(f"{path}: {error}") from None
 
@@ -118,7 +86,7 @@ class _File:
             wires=wires_of(diagram),
             nodes=nodes_of(diagram),
             functions=functions_of(diagram, charts),
-            solver=solver_of(self._configuration()),
+            solver=_solver(self._configuration()),
         )
 
     def _tree(self, part: str) -> Element | None:
@@ -159,3 +127,32 @@ class _File:
     def _configuration(self) -> Element | None:
         own = self._tree(_CONFIGURATION)
         return self._tree(_WHOLE) if own is None else own
+
+
+def _solver(configuration: Element | None) -> dict[str, Value]:
+    """Read the first configuration's times [s] and tolerances, defaults where they are absent."""
+    texts = _texts(configuration)
+    solver = texts.get("SolverName") or texts.get("Solver") or "VariableStepAuto"
+    kind = "Fixed-step" if _FIXED.fullmatch(solver) else "Variable-step"
+    found: dict[str, Value] = {"Solver": solver, "SolverType": texts.get("SolverType", kind)}
+    for name, default in _DEFAULTS.items():
+        try:
+            text = texts.get(name, default)
+            found[name] = evaluate(text, "", "")
+            require_finite(found[name], text, unbounded=name in _UNBOUNDED)
+        except InvalidValueError as error:
+            raise InvalidValueError(f"solver setting {name} {error}") from None
+    return found
+
+
+def _texts(configuration: Element | None) -> dict[str, str]:
+    if configuration is None:
+        return {}
+    for component in configuration.iter("Object"):
+        if component.get("ClassName", "").endswith("SolverCC"):
+            return parameters(component)
+    for component in configuration.iter():
+        texts = parameters(component)
+        if "StopTime" in texts:
+            return texts
+    return {}

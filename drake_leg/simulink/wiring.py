@@ -6,8 +6,8 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine, split_port
-from drake_leg.simulink.model import Wire
+from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine
+from drake_leg.simulink.model import Wire, split_port
 
 
 def wires_of(diagram: Diagram) -> tuple[Wire, ...]:

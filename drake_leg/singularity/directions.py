@@ -21,18 +21,7 @@ OUTSIDE = 1e-5  # of a direction's length, outside of what the foot can do, that
 def first_direction(
     robot: Robot, moved: Movable, q0: Sequence[float]
 ) -> tuple[float, float, float]:
-    """Return x, or the first of y and z that a foot can go along, or some direction else.
-
-    Parameters
-    ----------
-    q0 : (n,) sequence of float
-        Where it starts [rad or m].
-
-    Returns
-    -------
-    (3,) tuple of float
-        Unit vector, base frame.
-    """
+    """Unit vector along x, or else y or z, if the foot can go along it from q0, or another."""
     U, _, _ = np.linalg.svd(moved.twists[3:])
     commanded = (one for one in np.eye(3) if _is_commanded(moved, one))
     ways = (one for one in commanded if _straight(robot, moved, q0, one))
@@ -43,14 +32,7 @@ def first_direction(
 def require_direction(
     robot: Robot, moved: Movable, q0: Sequence[float], direction: Sequence[float]
 ) -> None:
-    """Refuse a direction in which a robot's foot cannot be moved.
-
-    Parameters
-    ----------
-    q0 : (n,) sequence of float
-        Where it starts [rad or m].
-    direction : (3,) sequence of float
-        Unit vector, base frame.
+    """Refuse a direction (unit vector) along which the foot cannot be moved straight from q0.
 
     Raises
     ------
@@ -75,7 +57,7 @@ def require_direction(
 def _straight(
     robot: Robot, moved: Movable, q0: Sequence[float], direction: Sequence[float] | Array
 ) -> bool:
-    """Tell whether a foot that can go along a direction stays on the line."""
+    """Tell whether a foot that starts along a direction stays on the line."""
     if not moved.varies:
         return True
     enough = STRAIGHT * size_of(robot.rows)
@@ -90,13 +72,7 @@ def _is_commanded(moved: Movable, direction: Array) -> bool:
 
 
 def motion_in_words(moved: Movable) -> str:
-    """Say which translations a robot can be commanded.
-
-    Returns
-    -------
-    str
-        Such as "moves in the plane at right angles to (0, 0, 1)".
-    """
+    """Say which translations can be commanded, such as "moves along (0, 0, 1) only"."""
     U, sigma, _ = np.linalg.svd(moved.twists[3:])
     rank = int((sigma > RANK_TOLERANCE).sum())
     if rank == 1:

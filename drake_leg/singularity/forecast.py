@@ -12,6 +12,7 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import MovableChain
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
 from drake_leg.quantities import joint_entries
 from drake_leg.singularity.edges import Approach, Family, Path, approaches, line
@@ -100,47 +101,12 @@ class Forecast:
     graze: Graze | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class SineStep:
-    """The command ``v = A sin(w t) d``: a line of length ``2 A / w`` and back."""
-
-    amplitude: float  # A, of either sign [m/s]
-    frequency: float  # w [rad/s]
-    direction: tuple[float, float, float]  # d, unit vector
-
-    @property
-    def heading(self) -> Array:
-        """Where the foot goes first, (3,)."""
-        return math.copysign(1.0, self.amplitude) * np.array(self.direction)
-
-    @property
-    def length(self) -> float:
-        """Of the line [m]."""
-        return 2.0 * abs(self.amplitude) / self.frequency
-
-    def way(self, time: float) -> float:
-        """Return how far the foot has got when it first goes forward [m]."""
-        half = min(self.frequency * time, math.pi) / 2.0
-        return self.length * math.sin(half) ** 2
-
-    def time(self, way: float) -> float:
-        """Return when the foot first gets somewhere on the line [s]."""
-        return 2.0 / self.frequency * math.asin(min(math.sqrt(way / self.length), 1.0))
-
-
 def encounter_at(
     robot: Movable, q: Sequence[float], time: float, greatest_amplitude: float | None = None
 ) -> Encounter:
-    """Describe a singular posture that a run has come to.
+    """Describe a singular posture that a run has come to at a time [s].
 
-    Parameters
-    ----------
-    q : (n,) sequence of float
-        [rad or m].
-    time : float
-        [s].
-    greatest_amplitude : float, optional
-        What would have stayed inside [m/s].
+    ``greatest_amplitude`` [m/s] is what would have stayed inside, where it is known.
     """
     posture = tuple(float(value) for value in q)
     families = families_of(robot.geometry)
@@ -161,16 +127,10 @@ def _listed(values: Sequence[float], digits: int) -> str:
 
 
 def forecast_step(robot: Movable, q0: Sequence[float], step: SineStep, duration: float) -> Forecast:
-    """Say what a straight step meets: in closed form, for a chain numerically.
+    """Say what a straight step from q0 meets in a run's duration [s].
 
-    ``s = (2 A / w) sin^2(w t / 2)`` is the way, so that the way to the edge gives the instant.
-
-    Parameters
-    ----------
-    q0 : (3,) sequence of float
-        Where it starts [rad or m], not singular.
-    duration : float
-        Of the run [s].
+    ``s = (2 A / w) sin^2(w t / 2)`` is the way, so that the way to the edge tells the instant: in
+    closed form, for a chain numerically.
     """
     end = step.way(duration)
     if end == 0.0:

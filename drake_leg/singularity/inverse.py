@@ -57,14 +57,8 @@ class Inverse:
     def of(self, exact: Movable, joints: tuple[Segment, ...], lag: float = 0.0) -> Movable:
         """Invert a robot's Jacobian this way.
 
-        Parameters
-        ----------
-        exact : Movable
-            The robot with its exact inverse.
-        joints : tuple of Segment
-            The moving ones, with their limits.
-        lag : float
-            Time constant of two lags in series that the joints are behind their rates [s].
+        ``joints`` are the moving ones, with their limits; ``lag`` is the time constant [s] of two
+        lags in series that the joints are behind their rates.
         """
         if self.is_exact:
             return exact

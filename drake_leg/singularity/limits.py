@@ -1,4 +1,4 @@
-"""How fast joints and the foot may go: greatest rates, braking before a limit, greatest speed."""
+"""Limits of joint rates and of the foot's speed."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from drake_leg.kinematics.movable import Floats
 
-# A joint comes to rest so far before its limit: at a kink of its rate the step of an integrator
-# errs by some 1e-5 rad, and a limit that is approached to the last digit would be crossed.
+# A joint stops this far before its limit: where its rate has a kink, an integration step errs by
+# about 1e-5 rad, which would carry a joint that stopped exactly at its limit across it.
 MARGIN = 5e-4  # [rad or m], at most
-PART = 0.1  # of the way between the limits, at most
-RETREAT = 2.0  # [s] in which a joint that starts nearer than that goes back
-HEADROOM = 0.02  # part of the greatest rate that is kept for the same errors
+PART = 0.1  # of the distance between the limits, at most
+RETREAT = 2.0  # [s] in which a joint that starts nearer than that moves back
+HEADROOM = 0.02  # part of the greatest rate that is left for the same errors
 
 FREE, FASTEST, BRAKING = range(3)  # what bounds a rate
 
@@ -24,7 +24,7 @@ class _Joint(NamedTuple):
     settling: float  # [s]
 
     def allowed(self, room: float) -> float:
-        """Return the greatest rate towards a limit, with that room before it."""
+        """Return the greatest rate towards a limit that is ``room`` away."""
         rate = room / (self.settling if room >= 0.0 else RETREAT)
         return min(max(rate, -self.most), self.most)
 
@@ -33,16 +33,16 @@ class _Joint(NamedTuple):
         return min(-self.allowed(q - self.low), up - 1e-9 * self.most), up
 
     def kind(self, bound: float) -> int:
-        """Say what makes a bound of the rate what it is."""
+        """Tell which kind of bound limits the rate."""
         return FASTEST if bound >= self.most else BRAKING
 
 
 class RateBox:
-    """Bounds of the joints' rates at every posture.
+    """Bounds of the joint rates at every posture.
 
-    With the room that is left, ``room = upper - margin - q``, a rate is at most ``room / settling``
-    where there is room, and ``room / RETREAT`` where there is none: a joint comes to rest
-    exponentially, a little before its limit, and does not cross it. The lower limit is its mirror.
+    With ``room = upper - margin - q``, a rate is at most ``room / settling`` if the room is
+    positive, and ``room / RETREAT`` if it is not: a joint approaches a point just before its limit
+    exponentially, and does not cross it. The lower limit is treated alike.
 
     Parameters
     ----------
@@ -62,44 +62,19 @@ class RateBox:
             self._joints.append(joint)
 
     def bounds(self, q: Floats) -> tuple[list[float], list[float]]:
-        """Return the lowest and the highest rates of a posture.
-
-        Parameters
-        ----------
-        q : (n,) sequence of float
-            Joint positions [rad or m].
-
-        Returns
-        -------
-        (n,) list of float, (n,) list of float
-            [rad/s or m/s]; the first ones are less.
-        """
+        """Lowest and highest rates (n,) in a posture [rad/s or m/s]; the first ones are less."""
         pairs = [joint.bounds(position) for joint, position in zip(self._joints, q, strict=True)]
         return [low for low, _ in pairs], [high for _, high in pairs]
 
     def holds(self, q: Floats, qdot: Floats) -> bool:
-        """Tell whether rates are within their bounds.
-
-        Parameters
-        ----------
-        q, qdot : (n,) sequence of float
-            Joint positions [rad or m] and their rates.
-        """
+        """Tell whether rates (n,) in a posture are within their bounds."""
         low, high = self.bounds(q)
         return all(a <= rate <= b for a, rate, b in zip(low, qdot, high, strict=True))
 
     def regime(self, q: Floats, qdot: Floats) -> tuple[int, ...]:
         """Tell what bounds each joint's rate: where that changes, the rates have a kink.
 
-        Parameters
-        ----------
-        q, qdot : (n,) sequence of float
-            Joint positions [rad or m] and their rates, within the bounds.
-
-        Returns
-        -------
-        (n,) tuple of int
-            FREE, FASTEST or BRAKING, negative at a lower bound.
+        FREE, FASTEST or BRAKING, negative at a lower bound, (n,), for rates within the bounds.
         """
         bounds = zip(self._joints, qdot, *self.bounds(q), strict=True)
         return tuple(
@@ -111,24 +86,11 @@ class RateBox:
 def limited_speed(
     v: Floats, a: Floats, top: float, lengths: Floats
 ) -> tuple[list[float], list[float]]:
-    """Shorten a velocity to a greatest speed, its direction kept.
+    """Shorten a velocity v and its derivative a to a greatest speed [m/s], the direction kept.
 
     Where ``|v| > top``, the velocity is ``top v / |v|`` and its derivative
     ``(top / |v|) (a - n (n . a))`` with ``n = v / |v|``; elsewhere both are what they were.
-
-    Parameters
-    ----------
-    v, a : (n,) sequence of float
-        Velocity [m/s] and its derivative [m/s^2].
-    top : float
-        Greatest speed [m/s].
-    lengths : (n,) sequence of float
-        What makes each part a length; 1 where it is one [m/unit].
-
-    Returns
-    -------
-    list of float, list of float
-        In the units of ``v`` and ``a``.
+    ``lengths`` make each part of the velocity a length [m/unit].
     """
     weights = [length * length for length in lengths]
     square = sum(w * part * part for w, part in zip(weights, v, strict=True))

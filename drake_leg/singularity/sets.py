@@ -16,29 +16,16 @@ from drake_leg.kinematics.leg import LegGeometry, foot_position
 
 
 def hip_axis_arcs(leg: LegGeometry, samples: int = 181) -> tuple[Array, ...]:
-    """Knee and ankle angles with which the foot is on the hip axis.
+    """Knee and ankle angles with which the foot is on the hip axis, as arcs (samples, 2) [rad].
 
-    ``l1 + l2 cos q2 + l3 cos(q2 + q3) == 0`` for each of them.
-
-    Parameters
-    ----------
-    samples : int
-        Points of an arc, at least 2.
-
-    Returns
-    -------
-    tuple of (samples, 2) ndarray
-        q2 and q3 [rad], continuous along an arc and not wrapped: both signs of q2, both of
-        q2 + q3; empty where the leg is too short to reach its hip axis.
+    ``l1 + l2 cos q2 + l3 cos(q2 + q3) == 0`` for each of them. They are continuous along an arc and
+    not wrapped: both signs of q2, both of q2 + q3. There are none where the leg is too short to
+    reach its hip axis. MATLAB lists them as solutions after the first (report A, appendix).
 
     Raises
     ------
     InvalidValueError
         If there are fewer than 2 samples.
-
-    References
-    ----------
-    Report A, appendix: the solutions that MATLAB lists after the first.
     """
     if samples < 2:
         raise InvalidValueError(f"there are {samples} samples of an arc; it takes at least 2")
@@ -55,36 +42,13 @@ def hip_axis_arcs(leg: LegGeometry, samples: int = 181) -> tuple[Array, ...]:
 def stretched_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
     """Feet of the stretched leg: a torus about the hip axis, of radii l1 and l2 + l3.
 
-    Parameters
-    ----------
-    turns : (m,) ndarray
-        Hip angles [rad].
-    lean : (n,) ndarray
-        Knee angles [rad].
-
-    Returns
-    -------
-    p_BF : (n, m, 3) ndarray
-        Foot positions in the base frame [m].
+    Hip angles (m,) and knee angles (n,) [rad] make positions p_BF (n, m, 3) [m].
     """
     return _feet(leg, turns, lean, 0.0)
 
 
 def folded_feet(leg: LegGeometry, turns: Array, lean: Array) -> Array:
-    """Feet of the folded leg: a torus of radii l1 and ``|l2 - l3|``, a circle where that is 0.
-
-    Parameters
-    ----------
-    turns : (m,) ndarray
-        Hip angles [rad].
-    lean : (n,) ndarray
-        Knee angles [rad].
-
-    Returns
-    -------
-    p_BF : (n, m, 3) ndarray
-        Foot positions in the base frame [m].
-    """
+    """Feet of the folded leg: as ``stretched_feet``, with radii l1 and ``|l2 - l3|``."""
     return _feet(leg, turns, lean, math.pi)
 
 
@@ -94,24 +58,18 @@ def _feet(leg: LegGeometry, turns: Array, lean: Array, ankle: float) -> Array:
 
 
 def leaning_over(leg: LegGeometry) -> float:
-    """Greatest knee angle at which the stretched leg has its foot in front of the hip.
+    """Greatest knee angle [rad] at which the stretched leg has its foot in front of the hip.
 
-    Returns
-    -------
-    float
-        [rad]; there both families meet, and the rank is 1. pi where the foot never is behind.
+    There both families meet, and the rank is 1. pi where the foot never is behind.
     """
     return math.acos(max(-leg.l1 / (leg.l2 + leg.l3), -1.0))
 
 
 def axis_reach(leg: LegGeometry) -> tuple[float, float]:
-    """From where to where the foot reaches the hip axis, above the hip and below alike.
+    """From where to where the foot reaches the hip axis [m], above the hip and below alike.
 
-    Returns
-    -------
-    tuple of float
-        Least and greatest distance from the hip [m]; the least is 0 but for legs whose foot cannot
-        come near the knee, both are where the leg is too short to reach its hip axis.
+    Least and greatest distance from the hip; the least is 0 except for legs whose foot cannot come
+    near the knee, and both are 0 where the leg is too short to reach its hip axis.
     """
     reaches = (abs(leg.l2 - leg.l3), leg.l2 + leg.l3)
     near, far = (math.sqrt(max(reach**2 - leg.l1**2, 0.0)) for reach in reaches)

@@ -58,7 +58,7 @@ def test_latex_is_one_equation_a_line_under_a_comment(capsys):
     assert all(equation.isascii() for equation in equations)
 
 
-DESK = str(Path(__file__).parents[1] / "check" / "robots" / "desk_arm.toml")
+DESK = str(Path(__file__).parents[1] / "lab" / "grader" / "robots" / "desk_arm.toml")
 
 
 def test_a_robot_of_ones_own_is_derived_from_its_table(capsys):

@@ -12,7 +12,7 @@ from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.run_options import kind_of
 from drake_leg.files import LIST, ResultsFolder
 from drake_leg.recording import read_csv
-from drake_leg.robot_file import robot_toml
+from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import hexabot_leg
 from drake_leg.runs import files
 from drake_leg.runs.catalogue import RUNS
@@ -260,23 +260,23 @@ def test_results_whose_place_was_taken_meanwhile_are_beside_it(no_figures, monke
     assert status == 2
     assert out.startswith("wrote out-2: 6 rows")
     assert err == [
-        "drake-leg: out came to exist meanwhile, and was left alone: the results are in out-2"
+        "drake-leg: out appeared in the meantime and was left alone: the results are in out-2"
     ]
     whole("out-2")
     assert inside("out") == {"thesis.tex"}
 
 
 def taking_the_place(monkeypatch):
-    from drake_leg.runs import leg
+    from drake_leg.runs import tip
 
-    simulate = leg.simulate
+    simulate = tip.simulate
 
     def simulated(*arguments, **keywords):
         Path("out").mkdir()
         Path("out/thesis.tex").touch()
         return simulate(*arguments, **keywords)
 
-    monkeypatch.setattr(leg, "simulate", simulated)
+    monkeypatch.setattr(tip, "simulate", simulated)
     return kind_of
 
 

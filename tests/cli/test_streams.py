@@ -131,8 +131,8 @@ def test_an_error_that_nobody_foresaw_is_one_sentence(unforeseen, capsys):
     out, err = capsys.readouterr()
     assert (out, err) == (
         "",
-        "drake-leg: an unexpected error (KeyError: 'a\\nb'): please report it, with the "
-        "command that you gave; DRAKE_LEG_TRACEBACK=1 before it shows where it came from\n",
+        "drake-leg: an unexpected error (KeyError: 'a\\nb'): please report it, with the command "
+        "that you gave; DRAKE_LEG_TRACEBACK=1 in front of the command shows where it comes from\n",
     )
 
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydrake.multibody.tree import JacobianWrtVariable
+from witnesses import tool_rotation
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics import khalil
@@ -20,7 +21,6 @@ from drake_leg.kinematics.scara import (
     lift_position,
     task_jacobian,
     tool_position,
-    tool_rotation,
 )
 from drake_leg.robots import LEG_B, PENDULUM, SCARA, SCARA_HEIGHT, SCARA_LOWEST, scara
 

@@ -2,8 +2,9 @@
 // with ⊙ (towards the reader) or ⊗ (away) where it is seen from its end. They keep off each other
 // and off the axes; one for which there is no room is left out. The rules and their numbers are
 // those of Placement in lettering.py, with lengths in sizes of the letters.
-const makeNames = ({ axes, triads, placement: rules }, pane) => {
+const makeNames = (data, pane) => {
   "use strict";
+  const { axes, triads, placement: rules } = data;
   const { THREE } = MeshCat;
   const turns = rules.turns.map((turn) => turn * Math.PI / 180);
   const bearings = Array.from({ length: rules.bearings },

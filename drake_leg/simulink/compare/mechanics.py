@@ -83,9 +83,7 @@ def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
     if joints and not network.grounded:
         where = "not at the chain", "at the chain's base"
         yield different("", "(model)", "World Frame", *where)
-    for sid in network.loose:
-        yield missing(sides.block(sid), "it is connected to nothing that leads to the World Frame")
-    for sid, why in network.unknown.items():
+    for sid, why in network.unplaced.items():
         yield missing(sides.block(sid), why)
 
 

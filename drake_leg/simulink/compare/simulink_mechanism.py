@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,28 +41,20 @@ class Network:
     mechanism: Mechanism
     joints: dict[str, int]  # SID -> number in the chain
     grounded: bool  # whether the World Frame carries the chain; if not, it is read from its base
-    sensor: str | None  # SID of the 6-DOF joint that senses the foot
+    sensor: str | None  # SID of the block that senses the foot
     sensor_turned: bool  # whether it senses the world from the foot
     turned: tuple[int, ...]  # joints whose follower is towards the world
     exchanged: tuple[int, ...]  # those of them that are read as if they were not
-    loose: tuple[str, ...]  # SIDs of mechanical blocks that hang on nothing
-    unknown: dict[str, str]  # SID -> why this mechanical block has no place in a serial chain
+    unplaced: dict[str, str]  # SID -> why this mechanical block has no place in a serial chain
     frames: dict[int, tuple[int, Array]]  # node -> body, and pose in that body's frame M
 
 
-@dataclass
-class _Walk:
-    """What is found on the way from the world outwards."""
+class Found(NamedTuple):
+    """Where a node is: its body, its pose in that body's frame M, and the way to it."""
 
-    blocks: dict[str, Block]
-    node_of: dict[str, int]  # physical port -> node
-    found: dict[int, tuple[int, Array, tuple[PassedTransform, ...]]] = field(default_factory=dict)
-    used: set[str] = field(default_factory=set)
-
-    def end(self, block: Block, port: str) -> int:
-        """Node at a block's port; a port that hangs in the air is a node of its own."""
-        name = f"{block.sid}#{port}"
-        return self.node_of.setdefault(name, len(self.node_of) + 1_000_000)
+    body: int
+    X_M: Array
+    way: tuple[PassedTransform, ...]
 
 
 def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network:
@@ -70,170 +63,178 @@ def read_network(model: Model, *, taken_as_drawn: Sequence[int] = ()) -> Network
     Joints with the numbers ``taken_as_drawn`` have base and follower exchanged by mistake: their
     frames are read as if they had not.
     """
-    blocks = {block.sid: block for block in model.blocks}
-    node_of = {port: index for index, node in enumerate(model.nodes) for port in node}
-    walk = _Walk(blocks, node_of)
-    sensors = [block for block in model.blocks if block.kind in SENSORS]
+    walk = _Walk(model)
+    roots = [walk.node(block, FOLLOWER) for block in model.blocks if block.kind == "World Frame"]
+    walk.spread(roots, np.eye(4), body=0)
+    grounded = walk.next_joint() is not None
+    if not grounded:
+        walk.spread(walk.outermost_base(), np.eye(4), body=0)
     joints: list[ChainJoint] = []
     turned_joints: list[int] = []
-    bases: dict[int, tuple[int, Array, tuple[PassedTransform, ...], ChainJoint]] = {}
-
-    roots = [walk.end(block, FOLLOWER) for block in model.blocks if block.kind == "World Frame"]
-    _spread(walk, [(root, np.eye(4)) for root in roots], body=0)
-    grounded = _next_joint(walk) is not None
-    if not grounded:
-        _spread(walk, [(base, np.eye(4)) for base in _outermost_base(walk)], body=0)
-    while True:
-        found = _next_joint(walk)
-        if found is None:
-            break
+    branches: dict[str, str] = {}
+    places: list[list[Place]] = [[]]
+    while (found := walk.next_joint()) is not None:
         block, near, far, turned = found
-        number = len(joints) + 1
-        body, X, way = walk.found[near]
-        joint = ChainJoint(
-            number=number,
-            name=block.name,
-            sid=block.sid,
-            type=MOVING[block.kind],
-            parameters=_joint_parameters(block),
-            priorities={
-                name: str(block.parameters.get(name, "High"))
-                for name in ("PositionTargetPriority", "VelocityTargetPriority")
-            },
-        )
-        joints.append(joint)
-        if turned:
-            turned_joints.append(number)
+        number, at = len(joints) + 1, walk.found[near]
+        joints.append(_joint(block, number))
+        turned_joints += [number] * turned
+        if at.body != number - 1:
+            branches[block.sid] = "it branches off: only serial chains are compared"
         flip = about("x", math.pi) if turned and number not in taken_as_drawn else np.eye(4)
-        bases[number] = (body, X @ flip, way, joint)
+        joint_at = at._replace(X_M=at.X_M @ flip)
+        places[at.body].append(_place("joint", block, joint_at, number=number))
+        places.append([])
         walk.used.add(block.sid)
-        _spread(walk, [(far, inverse(flip))], body=number)
-
-    places: list[list[Place]] = [[] for _ in range(len(joints) + 1)]
-    for number, (body, X, way, joint) in bases.items():
-        places[body].append(
-            Place(role="joint", name=joint.name, sid=joint.sid, X_M=X, way=way, number=number)
-        )
-    _add_solids(walk, places)
-    sensor, sensor_turned = _add_sensor(walk, sensors, places)
-    mechanism = Mechanism(
-        joints=tuple(joints),
-        bodies=tuple(tuple(body) for body in places),
-    )
+        walk.spread([far], inverse(flip), body=number)
+    for body, place in walk.solids():
+        places[body].append(place)
+    sensor, sensor_turned = walk.sensor()
+    for body, place in sensor:
+        places[body].append(place)
+    loose = [
+        block.sid
+        for block in model.blocks
+        if block.kind in (*MOVING, *RIGID, *SOLIDS) and block.sid not in walk.used
+    ]
+    unconnected = "it is connected to nothing that leads to the World Frame"
     return Network(
-        mechanism=mechanism,
+        mechanism=Mechanism(joints=tuple(joints), bodies=tuple(map(tuple, places))),
         joints={joint.sid: joint.number for joint in joints},
         grounded=grounded,
-        sensor=sensor,
+        sensor=next((place.sid for _, place in sensor), None),
         sensor_turned=sensor_turned,
         turned=tuple(turned_joints),
         exchanged=tuple(taken_as_drawn),
-        loose=tuple(
-            block.sid
-            for block in model.blocks
-            if block.kind in (*MOVING, *RIGID, *SOLIDS) and block.sid not in walk.used
-        ),
-        unknown={
-            joint.sid: "it branches off: only serial chains are compared"
-            for number, (body, _, _, joint) in bases.items()
-            if body != number - 1
-        },
-        frames={node: (body, X) for node, (body, X, _) in walk.found.items()},
+        unplaced=dict.fromkeys(loose, unconnected) | branches,
+        frames={node: (at.body, at.X_M) for node, at in walk.found.items()},
     )
 
 
-def _outermost_base(walk: _Walk) -> list[int]:
-    """Find the base of a joint that is no other joint's follower, in a model without a world."""
-    joints = [block for block in walk.blocks.values() if block.kind in MOVING]
-    followers = {walk.end(block, FOLLOWER) for block in joints}
-    bases = [walk.end(block, BASE) for block in joints]
-    rigid = {
-        walk.end(block, port)
-        for block in walk.blocks.values()
-        if block.kind in RIGID
-        for port in (BASE, FOLLOWER)
-    }
-    return [base for base in bases if base not in followers | rigid][:1] or bases[:1]
+class _Walk:
+    """A walk from the world outwards, over the nodes ``found`` and the blocks ``used`` so far."""
+
+    def __init__(self, model: Model) -> None:
+        self._blocks = model.blocks
+        self._rigid = [block for block in model.blocks if block.kind in RIGID]
+        self._joints = [block for block in model.blocks if block.kind in MOVING]
+        self._node_of = {port: index for index, node in enumerate(model.nodes) for port in node}
+        self.found: dict[int, Found] = {}
+        self.used: set[str] = set()
+
+    def node(self, block: Block, port: str) -> int:
+        """Node at a block's port; a port that is not connected is a node of its own."""
+        return self._node_of.setdefault(f"{block.sid}#{port}", len(self._node_of) + 1_000_000)
+
+    def ends(self, block: Block) -> tuple[int, int]:
+        """Nodes at a block's base and follower."""
+        return self.node(block, BASE), self.node(block, FOLLOWER)
+
+    def outermost_base(self) -> list[int]:
+        """Find the base of a joint that is no other joint's follower, without a world."""
+        ends = [self.ends(block) for block in self._joints]
+        inner = {follower for _, follower in ends}
+        inner |= {node for block in self._rigid for node in self.ends(block)}
+        bases = [base for base, _ in ends]
+        return [base for base in bases if base not in inner][:1] or bases[:1]
+
+    def spread(self, starts: list[int], X_M: Array, body: int) -> None:
+        """Follow the rigid connections of one body from its first frames."""
+        queue = deque(starts)
+        for node in starts:
+            self.found.setdefault(node, Found(body, X_M, ()))
+        while queue:
+            node = queue.popleft()
+            at = self.found[node]
+            for block in self._rigid:
+                base, follower = self.ends(block)
+                if node not in (base, follower) or block.sid in self.used:
+                    continue
+                self.used.add(block.sid)
+                back = node == follower
+                X_BF = rigid_transform(block) if block.kind == "Rigid Transform" else np.eye(4)
+                passed = PassedTransform(
+                    sid=block.sid,
+                    name=block.name,
+                    back=back,
+                    X_before=at.X_M,
+                    X_BF=X_BF,
+                    method=str(block.parameters.get("TranslationMethod", "")),
+                )
+                other = base if back else follower
+                if other not in self.found:
+                    X_next = at.X_M @ (inverse(X_BF) if back else X_BF)
+                    self.found[other] = Found(body, X_next, (*at.way, passed))
+                    queue.append(other)
+
+    def next_joint(self) -> tuple[Block, int, int, bool] | None:
+        """Find the innermost joint with one end on what is known and the other beyond.
+
+        Returns the joint, its near and far node, and whether its follower is the near one.
+        """
+        reached = [
+            (self.found[near].body, block, near, far, turned)
+            for block in self._joints
+            if block.sid not in self.used
+            for turned, (near, far) in enumerate((self.ends(block), self.ends(block)[::-1]))
+            if near in self.found and far not in self.found
+        ]
+        if not reached:
+            return None
+        _, block, near, far, turned = min(reached, key=lambda one: one[0])
+        return block, near, far, bool(turned)
+
+    def solids(self) -> Iterator[tuple[int, Place]]:
+        """List the solids, each with its body."""
+        for block in self._blocks:
+            if block.kind in SOLIDS:
+                ports = (n for p, n in self._node_of.items() if p.startswith(f"{block.sid}#"))
+                at = self.found.get(next(ports, -1))
+                if at is not None:
+                    self.used.add(block.sid)
+                    yield at.body, _place("solid", block, at, _solid(block))
+
+    def sensor(self) -> tuple[list[tuple[int, Place]], bool]:
+        """Find the sensor between the world and the outermost body, and whether it is turned."""
+        reached = [
+            (self.found[far], block, bool(turned))
+            for block in self._blocks
+            if block.kind in SENSORS
+            for turned, (near, far) in enumerate((self.ends(block), self.ends(block)[::-1]))
+            if near in self.found and far in self.found and self.found[near].body == 0
+        ]
+        if not reached:
+            return [], False
+        at, block, turned = max(reached, key=lambda one: one[0].body)
+        self.used.add(block.sid)
+        return [(at.body, _place("foot", block, at))], turned
 
 
-def _spread(walk: _Walk, starts: list[tuple[int, Array]], body: int) -> None:
-    """Follow the rigid connections of one body from its first frames."""
-    queue = deque(starts)
-    for node, X in starts:
-        walk.found.setdefault(node, (body, X, ()))
-    rigid = [block for block in walk.blocks.values() if block.kind in RIGID]
-    while queue:
-        node, _ = queue.popleft()
-        _, X, way = walk.found[node]
-        for block in rigid:
-            base, follower = walk.end(block, BASE), walk.end(block, FOLLOWER)
-            if node not in (base, follower) or block.sid in walk.used:
-                continue
-            walk.used.add(block.sid)
-            back = node == follower
-            X_BF = rigid_transform(block) if block.kind == "Rigid Transform" else np.eye(4)
-            X_next = X @ (inverse(X_BF) if back else X_BF)
-            other = base if back else follower
-            passed = PassedTransform(
-                sid=block.sid,
-                name=block.name,
-                back=back,
-                X_before=X,
-                X_BF=X_BF,
-                method=str(block.parameters.get("TranslationMethod", "")),
-            )
-            if other not in walk.found:
-                walk.found[other] = (body, X_next, (*way, passed))
-                queue.append((other, X_next))
+def _place(
+    role: str, block: Block, at: Found, solid: SolidProperties | None = None, number: int = 0
+) -> Place:
+    return Place(
+        role=role,
+        name=block.name,
+        sid=block.sid,
+        X_M=at.X_M,
+        way=at.way,
+        solid=solid,
+        number=number,
+    )
 
 
-def _next_joint(walk: _Walk) -> tuple[Block, int, int, bool] | None:
-    """Find a joint with one end on what is known and the other beyond."""
-    for body in range(len(walk.used) + 1):
-        for block in walk.blocks.values():
-            if block.kind not in MOVING or block.sid in walk.used:
-                continue
-            base, follower = walk.end(block, BASE), walk.end(block, FOLLOWER)
-            for near, far, turned in ((base, follower, False), (follower, base, True)):
-                if near in walk.found and walk.found[near][0] == body and far not in walk.found:
-                    return block, near, far, turned
-    return None
-
-
-def _add_solids(walk: _Walk, places: list[list[Place]]) -> None:
-    for block in walk.blocks.values():
-        if block.kind not in SOLIDS:
-            continue
-        node = next((n for p, n in walk.node_of.items() if p.startswith(f"{block.sid}#")), None)
-        if node not in walk.found:
-            continue
-        body, X, way = walk.found[node]
-        walk.used.add(block.sid)
-        places[body].append(
-            Place(role="solid", name=block.name, sid=block.sid, X_M=X, way=way, solid=_solid(block))
-        )
-
-
-def _add_sensor(
-    walk: _Walk, sensors: list[Block], places: list[list[Place]]
-) -> tuple[str | None, bool]:
-    """Find the sensor between the world and the outermost body that one reaches, and its sense."""
-    best: tuple[int, bool, Block, int] | None = None
-    for block in sensors:
-        ends = (walk.end(block, BASE), walk.end(block, FOLLOWER))
-        for (base, follower), turned in ((ends, False), (ends[::-1], True)):
-            if base not in walk.found or follower not in walk.found or walk.found[base][0] != 0:
-                continue
-            body = walk.found[follower][0]
-            if best is None or body > best[0]:
-                best = (body, turned, block, follower)
-    if best is None:
-        return None, False
-    body, turned, block, follower = best
-    _, X, way = walk.found[follower]
-    walk.used.add(block.sid)
-    places[body].append(Place(role="foot", name=block.name, sid=block.sid, X_M=X, way=way))
-    return block.sid, turned
+def _joint(block: Block, number: int) -> ChainJoint:
+    return ChainJoint(
+        number=number,
+        name=block.name,
+        sid=block.sid,
+        type=MOVING[block.kind],
+        parameters=_joint_parameters(block),
+        priorities={
+            name: str(block.parameters.get(name, "High"))
+            for name in ("PositionTargetPriority", "VelocityTargetPriority")
+        },
+    )
 
 
 def _joint_parameters(block: Block) -> dict[str, Parameter]:

@@ -119,25 +119,19 @@ def elementwise(ufunc: Callable[[Any, Any], Any], left: Value, right: Value) -> 
     return settle(np.asarray(ufunc(a, b)))
 
 
-def plus(left: Value, right: Value) -> Value:
-    """``left + right``."""
-    if type(left) is float and type(right) is float:
-        return left + right
-    return elementwise(np.add, left, right)
+def _combined(ufunc: Callable[[Any, Any], Any], scalars: Callable[[Any, Any], Any]) -> Operator:
+    """Make an operator that is fast on two numbers."""
+
+    def combine(left: Value, right: Value) -> Value:
+        if type(left) is float and type(right) is float:
+            result: float | bool = scalars(left, right)
+            return result
+        return elementwise(ufunc, left, right)
+
+    return combine
 
 
-def minus(left: Value, right: Value) -> Value:
-    """``left - right``."""
-    if type(left) is float and type(right) is float:
-        return left - right
-    return elementwise(np.subtract, left, right)
-
-
-def times(left: Value, right: Value) -> Value:
-    """``left .* right``."""
-    if type(left) is float and type(right) is float:
-        return left * right
-    return elementwise(np.multiply, left, right)
+times = _combined(np.multiply, operator.mul)
 
 
 def over(left: Value, right: Value) -> Value:
@@ -145,11 +139,6 @@ def over(left: Value, right: Value) -> Value:
     if type(left) is float and type(right) is float and right:
         return left / right
     return elementwise(np.divide, left, right)
-
-
-def under(left: Value, right: Value) -> Value:
-    r"""``left .\ right``."""
-    return over(right, left)
 
 
 def to_the(left: Value, right: Value) -> Value:
@@ -187,7 +176,7 @@ def matrix_over(left: Value, right: Value) -> Value:
 def matrix_under(left: Value, right: Value) -> Value:
     r"""``left \ right``: the x of ``left x = right``."""
     if not isinstance(left, np.ndarray):
-        return under(left, right)
+        return over(right, left)
     return settle(solve(np.asarray(number(left)), np.atleast_2d(number(right))))
 
 
@@ -216,15 +205,6 @@ def inverted(value: Value) -> Value:
     return settle(array == 0)
 
 
-def _compared(ufunc: Callable[[Any, Any], Any], scalars: Callable[[Any, Any], bool]) -> Operator:
-    def compare(left: Value, right: Value) -> Value:
-        if type(left) is float and type(right) is float:
-            return scalars(left, right)
-        return elementwise(ufunc, left, right)
-
-    return compare
-
-
 def _logical(ufunc: Callable[[Any, Any], Any]) -> Operator:
     def combine(left: Value, right: Value) -> Value:
         return elementwise(lambda a, b: ufunc(a != 0, b != 0), left, right)
@@ -233,22 +213,22 @@ def _logical(ufunc: Callable[[Any, Any], Any]) -> Operator:
 
 
 OPERATORS: dict[str, Operator] = {
-    "+": plus,
-    "-": minus,
+    "+": _combined(np.add, operator.add),
+    "-": _combined(np.subtract, operator.sub),
     ".*": times,
     "./": over,
-    ".\\": under,
+    ".\\": lambda left, right: over(right, left),
     ".^": to_the,
     "*": matrix_times,
     "/": matrix_over,
     "\\": matrix_under,
     "^": matrix_to_the,
-    "==": _compared(np.equal, operator.eq),
-    "~=": _compared(np.not_equal, operator.ne),
-    "<": _compared(np.less, operator.lt),
-    "<=": _compared(np.less_equal, operator.le),
-    ">": _compared(np.greater, operator.gt),
-    ">=": _compared(np.greater_equal, operator.ge),
+    "==": _combined(np.equal, operator.eq),
+    "~=": _combined(np.not_equal, operator.ne),
+    "<": _combined(np.less, operator.lt),
+    "<=": _combined(np.less_equal, operator.le),
+    ">": _combined(np.greater, operator.gt),
+    ">=": _combined(np.greater_equal, operator.ge),
     "&": _logical(np.logical_and),
     "|": _logical(np.logical_or),
 }
