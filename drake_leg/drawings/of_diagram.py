@@ -18,10 +18,8 @@ from pydrake.systems.primitives import (
     VectorLogSink,
 )
 
-from drake_leg.colours import Background
 from drake_leg.diagrams.wiring import Wire, wires
 from drake_leg.drawings.captions import SIGNAL_WIDTH, values_text
-from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Block, Net, Picture
 from drake_leg.drawings.signals import pretty, signal_names
 from drake_leg.drawings.text import spaced, wrapped
@@ -50,34 +48,6 @@ _INSIDE = {
 
 # Blocks of the mechanical side, drawn as Simscape's are.
 _PHYSICAL = ("MultibodyPlant", "PrescribedMotion", "FrameSensor", "EnergySensor")
-
-
-def block_diagram(
-    diagram: Diagram,
-    *,
-    title: str,
-    scopes: bool = True,
-    accelerations: bool = True,
-    background: Background = "auto",
-) -> Drawing:
-    """Draw a diagram's own blocks and wires, from left to right.
-
-    Parameters
-    ----------
-    scopes : bool
-        Whether the logs are drawn.
-    accelerations : bool
-        Whether the wires to inputs ``a`` and ``qddot`` are drawn, and what only they need.
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    Drawing
-        With every wire of ``diagram.connection_map()`` that was not left out.
-    """
-    picture = diagram_picture(diagram, title=title, scopes=scopes, accelerations=accelerations)
-    return draw(picture, background=background)
 
 
 def diagram_picture(
