@@ -20,7 +20,7 @@ from pydrake.systems.primitives import (
 
 from drake_leg.diagrams.wiring import Wire, wires
 from drake_leg.drawings.captions import SIGNAL_WIDTH, values_text
-from drake_leg.drawings.picture import Block, Net, Picture
+from drake_leg.drawings.picture import DrawnBlock, Net, Picture
 from drake_leg.drawings.signals import pretty, signal_names
 from drake_leg.drawings.text import spaced, wrapped
 
@@ -94,14 +94,14 @@ def _ports(system: System, name: str, shown: Sequence[Wire]) -> tuple[list[str],
     return [p for p in inputs if p in used_inputs], [p for p in outputs if p in used_outputs]
 
 
-def _block(system: System, inputs: list[str], outputs: list[str]) -> Block:
+def _block(system: System, inputs: list[str], outputs: list[str]) -> DrawnBlock:
     name = system.get_name()
     glyph = next((g for kind, g in _GLYPHS.items() if isinstance(system, kind)), "box")
     converter = name.startswith((TO_PHYSICAL, TO_SIGNAL))
     kind = type(system).__name__.partition("_")[0]
     boxed = glyph in ("box", "plant") and not converter
     sign = "+" if isinstance(system, Adder) else ""
-    return Block(
+    return DrawnBlock(
         name=name,
         caption=wrapped(name, SIGNAL_WIDTH) + _start(system, glyph),
         glyph=glyph,
@@ -150,7 +150,7 @@ def _response(system: Gain) -> Sequence[float]:
 
 def _nets(
     systems: dict[str, System],
-    blocks: Sequence[Block],
+    blocks: Sequence[DrawnBlock],
     ports: dict[str, tuple[list[str], list[str]]],
     shown: Sequence[Wire],
 ) -> tuple[Net, ...]:
@@ -178,7 +178,7 @@ def _nets(
     )
 
 
-def _is_physical(blocks: Sequence[Block], index: dict[str, int], net: Sequence[Wire]) -> bool:
+def _is_physical(blocks: Sequence[DrawnBlock], index: dict[str, int], net: Sequence[Wire]) -> bool:
     """Tell whether all ends of a net are mechanical; scopes beside them do not matter."""
     ends = [blocks[index[w.target]] for w in net]
     inner = [block for block in ends if block.glyph != "scope"]
