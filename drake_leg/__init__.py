@@ -80,7 +80,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
 
-    from drake_leg.check.proof import prove
     from drake_leg.diagrams.ellipse import EllipseConfig
     from drake_leg.diagrams.ellipse import build as build_ellipse
     from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
@@ -95,6 +94,7 @@ if TYPE_CHECKING:
     from drake_leg.kinematics.of_robot import movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
+    from drake_leg.models.proof import prove
     from drake_leg.pictures.block_diagram import block_diagram
     from drake_leg.recording import Recording
     from drake_leg.robot import Robot
@@ -148,7 +148,7 @@ _HOMES = {
     "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
     "load_robot": ("drake_leg.robot_file.read", "load_robot"),
     "movable": ("drake_leg.kinematics.of_robot", "movable"),
-    "prove": ("drake_leg.check.proof", "prove"),
+    "prove": ("drake_leg.models.proof", "prove"),
     "replay": ("drake_leg.scene.replay", "replay"),
     "report": ("drake_leg.lab.shown", "report"),
     "run": ("drake_leg.runs.named", "run"),

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.files import ResultsFolder
 from drake_leg.html_table import html_table
 from drake_leg.kinematics.batches import Array
-from drake_leg.output import ResultsFolder
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
 from drake_leg.runs.catalogue import OwnRobot, run_kind

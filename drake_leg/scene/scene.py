@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +33,7 @@ LARGEST_MISS = 1e-6  # [m], of a recorded tip from the tip of the robot that is 
 MOST_POSTURES = 400  # of a motion that are examined to find out how much room it takes
 
 # A plant's motion: as it was recorded, as Drake logged it, or as time (rows,) and q (rows, q).
-Record = "PlantMotion | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
+Record: TypeAlias = "PlantMotion | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
 
 
 class OtherRobotError(InvalidValueError):
@@ -252,7 +252,7 @@ def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = N
     parts = (
         *plant.parts(size),
         *triad_parts(len(plant.frames), size),
-        *trace_parts(np.moveaxis(plant.traced(poses), -2, 0), size),
+        *trace_parts(list(np.moveaxis(plant.traced(poses), -2, 0)), size),
         *floor_parts(points, square),
     )
     return Scene(

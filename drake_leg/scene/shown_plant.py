@@ -12,6 +12,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -392,7 +393,7 @@ class ShownPlant:
         )
 
 
-Showable = ShownPlant | Robot | MultibodyPlant | Diagram | Path | str
+Showable: TypeAlias = ShownPlant | Robot | MultibodyPlant | Diagram | Path | str
 
 
 def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()) -> ShownPlant:

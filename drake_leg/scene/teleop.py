@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.leg import is_hexabot_leg
 from drake_leg.robot import Robot
+from drake_leg.scene.driven_foot import DrivenFoot, Step
 from drake_leg.scene.live import (
     Command,
     Feed,
@@ -26,7 +27,6 @@ from drake_leg.scene.live import (
 )
 from drake_leg.scene.server import Server
 from drake_leg.scene.shown_plant import shown
-from drake_leg.scene.teleop_control import Drive, Step, at_rest, control_step, drive_of
 from drake_leg.scene.teleop_page import FASTEST, teleop_page, teleop_scene
 from drake_leg.scene.web_page import pose_rows
 
@@ -160,8 +160,8 @@ def drive_robot(
     SingularConfigurationError
         If the robot is singular where it starts.
     """
-    drive = drive_of(robot, keep)
-    start = step = at_rest(drive, q)
+    drive = DrivenFoot(robot, keep)
+    start = step = drive.at_rest(q)
     scene = teleop_scene(drive, start.q)
     trace = Trace(scene.size)
     commands, feed = VelocityCommands(clock), Feed(trace)
@@ -179,7 +179,7 @@ def drive_robot(
             if orders.start or orders.clear:
                 trace.clear()
             velocity = 1e-3 * np.array(orders.velocity)
-            step = control_step(drive, step.q, velocity, min(now - before, LONGEST_STEP))
+            step = drive.step(step.q, velocity, min(now - before, LONGEST_STEP))
             trace.add(step.foot)
             if step.sentence != said:
                 said = step.sentence
@@ -193,7 +193,7 @@ def drive_robot(
     return step
 
 
-def _state(drive: Drive, step: Step, orders: Orders) -> dict[str, Any]:
+def _state(drive: DrivenFoot, step: Step, orders: Orders) -> dict[str, Any]:
     poses = shown(drive.robot).poses(step.q)[1:]
     if is_hexabot_leg(drive.robot):
         poses = np.concatenate([poses, _hip(step.q[0])])

@@ -11,11 +11,11 @@ from drake_leg.colours import BLUE, GREEN, ORANGE, VERMILLION, rgb
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
 from drake_leg.robot import Robot
+from drake_leg.scene.driven_foot import DrivenFoot
 from drake_leg.scene.live import AXES, Entry, live_data
 from drake_leg.scene.parts import TRACE
 from drake_leg.scene.scene import Scene, at_rest, scene_of
 from drake_leg.scene.shown_plant import ShownPlant, shown
-from drake_leg.scene.teleop_control import Drive
 from drake_leg.scene.viewer import slider_range
 from drake_leg.scene.views import VIEWS
 from drake_leg.scene.web_page import drake_path, web_page
@@ -40,7 +40,7 @@ TRIED = 400  # postures that tell how much room a robot takes whose reach is not
 CORNERS = 96  # of a circle
 
 
-def teleop_scene(drive: Drive, q: Array) -> Scene:
+def teleop_scene(drive: DrivenFoot, q: Array) -> Scene:
     """Make a scene that holds everything that the foot reaches.
 
     Parameters
@@ -72,7 +72,7 @@ def _postures(plant: ShownPlant) -> Array:
     return np.asarray(low + (high - low) * np.random.default_rng(0).random((TRIED, len(low))))
 
 
-def teleop_page(drive: Drive, scene: Scene, session: str) -> str:
+def teleop_page(drive: DrivenFoot, scene: Scene, session: str) -> str:
     """Make the page.
 
     Parameters
@@ -110,7 +110,7 @@ def _legend(leg: LegGeometry | None) -> tuple[Entry, ...]:
     return (*AXES, ("trace", (TRACE,)), *shown, ("foot: free, slowed, stopped", states))
 
 
-def _note(drive: Drive) -> str:
+def _note(drive: DrivenFoot) -> str:
     """Say what of a command acts."""
     if drive.moved.varies:
         return "The foot goes along a curve or a surface: what of a command lies in it acts."
@@ -122,13 +122,13 @@ def _note(drive: Drive) -> str:
     return " ".join(said)
 
 
-def _movable(drive: Drive) -> list[bool]:
+def _movable(drive: DrivenFoot) -> list[bool]:
     """Tell of x, y, z along which of them the foot can be driven."""
     moved = np.linalg.norm(drive.moved.twists[3:], axis=1) > 1e-6
     return [True] * 3 if drive.moved.varies else moved.tolist()
 
 
-def _data(drive: Drive, scene: Scene) -> dict[str, Any]:
+def _data(drive: DrivenFoot, scene: Scene) -> dict[str, Any]:
     count = len(drive.robot.rows)
     region = ["/drake/region"] if is_hexabot_leg(drive.robot) else []
     lines = [

@@ -22,7 +22,7 @@ from drake_leg.runs.options import StraightOptions
 
 ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "notebooks" / "leg.slx")
-PRINTED = ROOT / "tests" / "check" / "printed"
+PRINTED = ROOT / "tests" / "lab" / "grader" / "printed"
 
 # --- options that mean something whatever else is given, and those that may not --------------
 
