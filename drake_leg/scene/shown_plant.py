@@ -12,6 +12,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from threading import Lock
 from typing import TypeAlias
 
 import numpy as np
@@ -67,7 +68,7 @@ class ShownPlant:
     Frame 0 is the world. Then come the frames of Khalil tables, ``frame_1`` and so on, where the
     plant has them, and the frames of all other bodies that move.
 
-    The context is scratch: two threads must not use one ``ShownPlant``.
+    Its context is scratch, and locked while it is used: pages are served from several threads.
 
     Parameters
     ----------
@@ -101,7 +102,7 @@ class ShownPlant:
         self.plant, self.name = plant, _name_of(plant)
         self.title = title or self.name
         self.coordinates = _coordinates_of(plant)
-        self._context = plant.CreateDefaultContext()
+        self._context, self._lock = plant.CreateDefaultContext(), Lock()
         self.default: Array = plant.GetPositions(self._context)  # where it is shown first
         self._anchored = {body.index() for body in plant.GetBodiesWeldedTo(plant.world_body())}
         self._all_frames = [
@@ -145,10 +146,11 @@ class ShownPlant:
         positions = self.positions(q)
         rows = positions.reshape(-1, positions.shape[-1])
         X_WF = np.empty((len(rows), len(self.frames), 4, 4))
-        for row, X in zip(rows, X_WF, strict=True):
-            self.plant.SetPositions(self._context, row)
-            for index, frame in enumerate(self.frames):
-                X[index] = frame.CalcPoseInWorld(self._context).GetAsMatrix4()
+        with self._lock:
+            for row, X in zip(rows, X_WF, strict=True):
+                self.plant.SetPositions(self._context, row)
+                for index, frame in enumerate(self.frames):
+                    X[index] = frame.CalcPoseInWorld(self._context).GetAsMatrix4()
         return X_WF.reshape(*positions.shape[:-1], *X_WF.shape[1:])
 
     def traced(self, X_WF: Array) -> Array:

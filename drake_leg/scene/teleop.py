@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import is_hexabot_leg
 from drake_leg.robot import Robot
 from drake_leg.scene.driven_foot import DrivenFoot, Step
 from drake_leg.scene.live import (
@@ -195,7 +194,7 @@ def drive_robot(
 
 def _state(drive: DrivenFoot, step: Step, orders: Orders) -> dict[str, Any]:
     poses = shown(drive.robot).poses(step.q)[1:]
-    if is_hexabot_leg(drive.robot):
+    if drive.leg is not None:
         poses = np.concatenate([poses, _hip(step.q[0])])
     return {
         "poses": np.round(pose_rows(poses), 7).tolist(),
