@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_leg.check.findings import errors
-from drake_leg.check.proof import prove
-from drake_leg.check.rows import table_of_document
-from drake_leg.check.table import lint_table
 from drake_leg.errors import InvalidValueError
 from drake_leg.joint_mechanics import HardStop, StateTarget
+from drake_leg.lab.grader.findings import errors
+from drake_leg.lab.grader.table_linter import lint_table
+from drake_leg.lab.grader.tables import table_of_document
+from drake_leg.models.proof import prove
 from drake_leg.robot import (
     LINK_COLOURS,
     Brick,

@@ -26,10 +26,9 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
 
 
 def _sdf(chosen: argparse.Namespace) -> int:
-    from drake_leg.check.rows import table_of_document
-    from drake_leg.check.sizes import lint_sizes
-    from drake_leg.check.table import lint_table
     from drake_leg.files import write_text
+    from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
+    from drake_leg.lab.grader.tables import table_of_document
     from drake_leg.models.sdf import sdf_text
     from drake_leg.robot_file.write import robot_toml
 

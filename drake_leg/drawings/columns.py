@@ -1,4 +1,4 @@
-"""Which column every block stands in, and which columns a net passes: layers and lanes.
+"""Which column every block is in, and which columns a net passes: layers and lanes.
 
 After Sugiyama, Tagawa and Toda, "Methods for visual understanding of hierarchical system
 structures", 1981, with nets instead of single edges. A wire that runs against the flow passes

@@ -16,7 +16,7 @@ from drake_leg.drawings.picture import Block, Picture
 from drake_leg.drawings.sizes import LABELLED
 from drake_leg.drawings.svg import SMALL, Point, document, element, text_at
 from drake_leg.drawings.text import text_width
-from drake_leg.text_file import write_text
+from drake_leg.files import write_text
 
 MARGIN = 18.0  # [px]
 HEADING = 15.0  # [px], size of a title

@@ -1,4 +1,4 @@
-"""What is drawn inside of every kind of block."""
+"""What is drawn inside every kind of block."""
 
 from __future__ import annotations
 

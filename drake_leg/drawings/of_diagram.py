@@ -152,7 +152,7 @@ def _start(system: System, glyph: str) -> tuple[str, ...]:
 
 
 def _text(system: System, glyph: str, kind: str) -> tuple[str, ...]:
-    """What stands inside: a value, or what the block computes."""
+    """The text inside: a value, or what the block computes."""
     if glyph == "constant":
         context = system.CreateDefaultContext()
         return (values_text(system.get_source_value(context).value()),)

@@ -43,7 +43,7 @@ def mechanism_picture(
 
 
 class _Mechanism:
-    """The tree of a plant's bodies, hung on the world."""
+    """The tree of a plant's bodies, from the world outwards."""
 
     def __init__(
         self, plant: MultibodyPlant, shapes: Mapping[str, str], sensed: str | None
@@ -74,7 +74,7 @@ class _Mechanism:
         return self.chain.picture(title)
 
     def _body(self, body: RigidBody, frame: Output, X_BF: RigidTransform, *, fixed: bool) -> None:
-        """Hang on a frame of a body its solid, and everything that its joints carry."""
+        """Attach to a frame of a body its solid, and everything that its joints carry."""
         chain = self.chain
         self._label(body, frame, X_BF)
         X_BS = self._sensed_place(body)

@@ -34,7 +34,7 @@ GLYPHS = JOINT_GLYPHS | {
     TO_SIGNAL: "converter",
 }
 
-# Parameters that stand inside, and what stands inside of other blocks.
+# Parameters that are written inside, and the text inside other blocks.
 _VALUES = {
     "Constant": "Value",
     "Fcn": "Expr",
@@ -109,7 +109,7 @@ def _label(port: str, labels: Sequence[str]) -> str:
 
 
 def _text(block: Block, glyph: str, function: Program | None) -> tuple[str, ...]:
-    """What stands inside: a value, or what the block computes."""
+    """The text inside: a value, or what the block computes."""
     if block.kind in _VALUES:
         return (value_text(block.parameters.get(_VALUES[block.kind])),)
     if function is not None:

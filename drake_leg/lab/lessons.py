@@ -10,8 +10,6 @@ import numpy as np
 import sympy as sp
 from pydrake.systems.framework import Diagram
 
-from drake_leg.check.printed import grade
-from drake_leg.check.printed_file import Printed, PrintedMatrix
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errata.printed import (
     PrintedMatrices,
@@ -24,6 +22,8 @@ from drake_leg.errata.printed import (
 from drake_leg.errors import DrakeLegError
 from drake_leg.figures.of_postures import maps_of_posture
 from drake_leg.integrator import IntegratorSettings
+from drake_leg.lab.grader.grade import grade
+from drake_leg.lab.grader.printed import Printed, PrintedMatrix
 from drake_leg.robot import Robot
 from drake_leg.simulink.compare.compare import LiveModel
 

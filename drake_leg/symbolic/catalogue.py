@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Subject:
-    """A robot that is derived, and what of it a report makes its Jacobian of."""
+    """A robot that is derived, and the velocities of a report's Jacobian."""
 
     robot: Robot
-    numbering: str  # what stands before an equation's number
+    numbering: str  # what is written before an equation's number
     task: tuple[int, ...]  # rows of the spatial Jacobian
 
 

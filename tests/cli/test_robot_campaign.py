@@ -15,10 +15,10 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from random_robots import random_robot
 
-from drake_leg.check.sampling import chain_size, random_configurations
-from drake_leg.check.witness import DrakeWitness
 from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError
+from drake_leg.kinematics.configurations import greatest_reach, random_configurations
+from drake_leg.models.proof import DrakeWitness
 from drake_leg.recording import read_csv
 from drake_leg.robot_file.read import load_robot
 from drake_leg.scene.driven_foot import DrivenFoot
@@ -49,7 +49,7 @@ class Subject:
         (folder / self.file).write_text(text, encoding="utf-8")
         self.robot = load_robot(folder / self.file)
         self.witness = DrakeWitness(self.robot)
-        self.size = chain_size(self.robot)
+        self.size = greatest_reach(self.robot)
         self.q = random_configurations(self.robot, 1, rng)[0]
         turning = [segment.row.joint == "revolute" for segment in self.robot.moving]
         typed = np.where(turning, np.degrees(self.q), self.q)

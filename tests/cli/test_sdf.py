@@ -11,7 +11,7 @@ from drake_leg.models.files import sdf_folder
 from drake_leg.robot_file.read import load_robot
 from drake_leg.robots import LEG_B
 
-ROBOTS = Path(__file__).parents[1] / "check" / "robots"
+ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 ARM = """
 name = "arm"
 title = "An arm -- of one's own"

@@ -17,7 +17,7 @@ from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.singularity.doctor import examine_posture
 
-ROBOTS = Path(__file__).parents[1] / "check" / "robots"
+ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 PUMA, DESK = str(ROBOTS / "puma560_modified.toml"), str(ROBOTS / "desk_arm.toml")
 
 KEYS = {

@@ -13,7 +13,7 @@ from drake_leg.robot_file.read import load_robot
 from drake_leg.robots import LEG_B, SCARA
 from drake_leg.singularity.rank import examine, examine_whole
 
-ROBOTS = Path(__file__).parents[1] / "check" / "robots"
+ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 
 LEG = LegGeometry.from_robot(LEG_B)
 
