@@ -221,7 +221,7 @@ class ShownPlant:
             start = stop.point(stop.place)
             if stop.frame == 0 and ends:
                 yield Part(
-                    path=f"block/{body.name()}",
+                    path=f"block/{_label(body)}",
                     frame=0,
                     shape=Box(edge, edge, edge / 2.0),
                     X_FP=self._stops[body.index()][0].X_NB,
@@ -232,7 +232,7 @@ class ShownPlant:
                 if np.linalg.norm(end - stop.place) > edge:
                     shape, pose = rod(start, stop.point(end), edge / 4.0)
                     yield Part(
-                        path=f"post/{body.name()}_{number}",
+                        path=f"post/{_label(body)}_{number}",
                         frame=stop.frame,
                         shape=shape,
                         X_FP=pose,
@@ -255,7 +255,7 @@ class ShownPlant:
                     continue
                 shape, pose = rod(start, end, radius)
                 yield Part(
-                    path=f"rod/{body.name()}_{len(seen)}",
+                    path=f"rod/{_label(body)}_{len(seen)}",
                     frame=stop.frame,
                     shape=shape,
                     X_FP=pose,
@@ -341,7 +341,7 @@ class ShownPlant:
                 clear = 1.0 if isinstance(shape, Sphere) else SOLID_OPACITY
                 shapes.append(
                     Part(
-                        path=f"solid/{body.name()}_{number}",
+                        path=f"solid/{_label(body)}_{number}",
                         frame=stop.frame,
                         shape=shape,
                         X_FP=stop.X_NB @ inspector.GetPoseInFrame(geometry).GetAsMatrix4(),
@@ -463,6 +463,11 @@ def _systems(diagram: Diagram, kind: type) -> Iterator[System]:
             yield system
         elif isinstance(system, Diagram):
             yield from _systems(system, kind)
+
+
+def _label(body: RigidBody) -> str:
+    """Name a body, as no other body of the plant is named."""
+    return str(body.scoped_name()).replace("::", ".")
 
 
 def _coordinates_of(plant: MultibodyPlant) -> tuple[Coordinate, ...]:
