@@ -1,4 +1,4 @@
-"""Pages, their states and their commands over HTTP, on this machine unless told otherwise."""
+"""Pages, their states and their commands over HTTP, for this machine unless others are let in."""
 
 from __future__ import annotations
 

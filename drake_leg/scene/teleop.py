@@ -1,4 +1,4 @@
-"""A foot driven by hand from a page: what it commands in, posture and guard out."""
+"""A foot driven by hand from a page: the page's commands in, posture and guard out."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ from drake_leg.scene.teleop_page import FASTEST, teleop_page, teleop_scene
 from drake_leg.scene.web_page import pose_rows
 
 PERIOD = 1.0 / 30.0  # [s] of a step
-LONGEST_STEP = 0.1  # [s]: what a late look at the commands may move
-FREED = "nothing is in the way: the foot goes as it is told"
+LONGEST_STEP = 0.1  # [s], however late the commands are read
+FREED = "nothing is in the way: the foot follows its command"
 AT_REST = "the foot is at rest, and nothing is near"
-LAPSED = "nothing is heard from the page that drives: the foot halts"
-SILENCE = 1.0  # [s] without a word of the driving page, after which the foot halts
+LAPSED = "the page that drives is silent: the foot halts"
+SILENCE = 1.0  # [s] of the driving page, after which the foot halts
 ACTIONS = ("drive", "alive", "halt", "start", "clear", "quit")
 REST = [0.0, 0.0, 0.0]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Orders:
-    """What has been commanded since one last asked."""
+    """What the pages have commanded since they were last read."""
 
     velocity: list[float]  # (3,) [mm/s]
     tab: str  # of the page that drives; empty at rest
-    halts: int  # how often the foot was halted, and what pages held let go
+    halts: int  # how often the foot was halted; pages then release what they hold
     lapsed: bool  # whether the driving page has fallen silent just now
     start: bool
     clear: bool
@@ -135,7 +135,7 @@ def drive_robot(
     wait: Callable[[float], None] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
 ) -> Step:
-    """Let somebody drive a robot's foot, until that somebody quits or interrupts.
+    """Let a person drive a robot's foot, until the page quits or Ctrl-C.
 
     Parameters
     ----------

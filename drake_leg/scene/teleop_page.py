@@ -13,10 +13,9 @@ from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.scene.driven_foot import DrivenFoot
 from drake_leg.scene.live import AXES, Entry, live_data
 from drake_leg.scene.parts import TRACE
-from drake_leg.scene.scene import Scene, at_rest, scene_of
+from drake_leg.scene.scene import VIEWS, Scene, at_rest, scene_of
 from drake_leg.scene.shown_plant import ShownPlant, shown
 from drake_leg.scene.viewer import slider_range
-from drake_leg.scene.views import VIEWS
 from drake_leg.scene.web_page import drake_path, web_page
 from drake_leg.singularity.directions import motion_in_words
 
