@@ -73,32 +73,12 @@ class Parts:
         return content
 
 
-class _LimitedBuilder(TreeBuilder):
-    """A tree builder that refuses trees that no model has."""
-
-    def __init__(self, part: str) -> None:
-        super().__init__()
-        self._part = part
-        self._depth = self._count = 0
-
-    def start(self, tag: str, attributes: dict[str, str]) -> Element:
-        self._depth += 1
-        self._count += 1
-        if self._depth > DEEPEST or self._count > MOST_ELEMENTS:
-            raise InvalidValueError(
-                f"its part {self._part} is deeper than {DEEPEST} levels or longer than "
-                f"{MOST_ELEMENTS} elements, which no model is"
-            )
-        return super().start(tag, attributes)
-
-    def end(self, tag: str) -> Element:
-        self._depth -= 1
-        return super().end(tag)
-
-
 def parse_markup(content: bytes, part: str) -> Element:
     """Parse one part, which must have no document type and no entities."""
-    parser = XMLParser(target=_LimitedBuilder(part), forbid_dtd=True)
+    tree = TreeBuilder()
+    parser = XMLParser(target=tree, forbid_dtd=True)
+    if content.count(b"<") - content.count(b"</") > MOST_ELEMENTS:
+        raise _too_large(part)
     try:
         parser.feed(content)
         root: Element = parser.close()
@@ -108,6 +88,7 @@ def parse_markup(content: bytes, part: str) -> Element:
             "save the model again in Simulink"
         ) from None
     except ParseError as error:
+        _require_shallow(tree.close(), part)
         raise InvalidValueError(
             f"its part {part} is no XML ({expat.ErrorString(error.code)}, line "
             f"{error.position[0]}): save the model again in Simulink"
@@ -117,7 +98,23 @@ def parse_markup(content: bytes, part: str) -> Element:
             f"its part {part} is in an encoding that is not known here ({error}): save the model "
             "again in Simulink"
         ) from None
+    _require_shallow(root, part)
     return root
+
+
+def _require_shallow(root: Element | None, part: str) -> None:
+    level = [] if root is None else [root]
+    for _ in range(DEEPEST):
+        level = [child for element in level for child in element]
+    if level:
+        raise _too_large(part)
+
+
+def _too_large(part: str) -> InvalidValueError:
+    return InvalidValueError(
+        f"its part {part} is deeper than {DEEPEST} levels or longer than {MOST_ELEMENTS} elements, "
+        "which no model is"
+    )
 
 
 def parameters(element: Element) -> dict[str, str]:
