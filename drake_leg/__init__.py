@@ -8,10 +8,10 @@ has its own help with an example: ``help(drake_leg.simulate)``.
 A step of the leg, its foot 140 mm forward and back, in ten lines::
 
     from math import radians
-    from drake_leg import LEG_B, HexabotLegConfig, block_diagram, build_hexabot_leg, simulate
+    from drake_leg import HexabotLegConfig, SineStep, block_diagram, build_hexabot_leg, simulate
 
     q0 = (radians(90), radians(-50), radians(-90))  # hip, knee, ankle
-    config = HexabotLegConfig(robot=LEG_B, q0=q0, amplitude=0.070)
+    config = HexabotLegConfig(q0=q0, motion=SineStep(amplitude=0.070))  # of leg B
     diagram = build_hexabot_leg(config)  # a Drake Diagram
     block_diagram(diagram).write("step.svg")  # its picture, as Simulink would draw it
     result = simulate(diagram, duration=20.0)
@@ -35,11 +35,12 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 - ``build_hexabot_leg``, ``HexabotLegConfig``: a straight step of the leg, or of any chain.
 - ``build_ellipse``, ``EllipseConfig``: the leg's foot on an ellipse.
 - ``build_scara``, ``ScaraConfig``: the SCARA's tool on a straight line.
+- ``SineStep``, ``EllipticStep``: the motion of a foot or a tool.
 
 **Blocks**, for diagrams of your own
 
 - ``InverseJacobian``: joint velocities for a commanded velocity of the foot.
-- ``foot_task``: what of a robot's foot is commanded; an ``InverseJacobian`` inverts it.
+- ``movable``: a robot whose foot can be commanded; what an ``InverseJacobian`` inverts.
 - ``PrescribedMotion``: the torques that make joints follow a motion.
 - ``FrameSensor``: where a frame is and how it moves.
 - ``DriftCorrection``: a commanded velocity, pulled back to where it should have led.
@@ -58,8 +59,8 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 - ``block_diagram``: any Drake diagram as an SVG block diagram.
 - ``frames_drawing``: a robot with its frames, lengths and forces.
-- ``still``: a robot in 3D, as a picture.
-- ``replay``: a recording in 3D, as a page that plays it.
+- ``still``: a robot, or any plant, in 3D, as a picture.
+- ``replay``: a recorded motion in 3D, as a page that plays it.
 
 **The two reports**
 
@@ -79,7 +80,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
 
-    from drake_leg.check.proof import prove
     from drake_leg.diagrams.ellipse import EllipseConfig
     from drake_leg.diagrams.ellipse import build as build_ellipse
     from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
@@ -89,19 +89,22 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.pendulum import build as build_pendulum
     from drake_leg.diagrams.scara import ScaraConfig
     from drake_leg.diagrams.scara import build as build_scara
-    from drake_leg.doctor import examine_posture
     from drake_leg.figures.free_body import free_body as frames_drawing
-    from drake_leg.kinematics.foot_task import foot_task
+    from drake_leg.kinematics.motions import EllipticStep, SineStep
+    from drake_leg.kinematics.of_robot import movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
+    from drake_leg.models.proof import prove
     from drake_leg.pictures.block_diagram import block_diagram
     from drake_leg.recording import Recording
     from drake_leg.robot import Robot
     from drake_leg.robot_file.read import load_robot
     from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
     from drake_leg.runs.named import run
-    from drake_leg.scene.shown import replay, still
+    from drake_leg.scene.images import still
+    from drake_leg.scene.replay import replay
     from drake_leg.simulation.run import simulate
+    from drake_leg.singularity.doctor import examine_posture
     from drake_leg.symbolic.by_robot import derive
     from drake_leg.systems.drift_correction import DriftCorrection
     from drake_leg.systems.energy_sensor import EnergySensor
@@ -115,6 +118,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "DriftCorrection": ("drake_leg.systems.drift_correction", "DriftCorrection"),
     "EllipseConfig": ("drake_leg.diagrams.ellipse", "EllipseConfig"),
+    "EllipticStep": ("drake_leg.kinematics.motions", "EllipticStep"),
     "EnergySensor": ("drake_leg.systems.energy_sensor", "EnergySensor"),
     "FrameSensor": ("drake_leg.systems.frame_sensor", "FrameSensor"),
     "HexabotLegConfig": ("drake_leg.diagrams.hexabot_leg", "HexabotLegConfig"),
@@ -130,6 +134,7 @@ _HOMES = {
     "Robot": ("drake_leg.robot", "Robot"),
     "SCARA": ("drake_leg.robots", "SCARA"),
     "ScaraConfig": ("drake_leg.diagrams.scara", "ScaraConfig"),
+    "SineStep": ("drake_leg.kinematics.motions", "SineStep"),
     "add_scope": ("drake_leg.diagrams.mechanism", "add_scope"),
     "block_diagram": ("drake_leg.pictures.block_diagram", "block_diagram"),
     "build_ellipse": ("drake_leg.diagrams.ellipse", "build"),
@@ -139,16 +144,16 @@ _HOMES = {
     "build_scara": ("drake_leg.diagrams.scara", "build"),
     "derive": ("drake_leg.symbolic.by_robot", "derive"),
     "errata": ("drake_leg.lab.shown", "errata"),
-    "examine_posture": ("drake_leg.doctor", "examine_posture"),
-    "foot_task": ("drake_leg.kinematics.foot_task", "foot_task"),
+    "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
     "load_robot": ("drake_leg.robot_file.read", "load_robot"),
-    "prove": ("drake_leg.check.proof", "prove"),
-    "replay": ("drake_leg.scene.shown", "replay"),
+    "movable": ("drake_leg.kinematics.of_robot", "movable"),
+    "prove": ("drake_leg.models.proof", "prove"),
+    "replay": ("drake_leg.scene.replay", "replay"),
     "report": ("drake_leg.lab.shown", "report"),
     "run": ("drake_leg.runs.named", "run"),
     "simulate": ("drake_leg.simulation.run", "simulate"),
-    "still": ("drake_leg.scene.shown", "still"),
+    "still": ("drake_leg.scene.images", "still"),
 }
 
 __all__ = [
@@ -158,6 +163,7 @@ __all__ = [
     "SCARA",
     "DriftCorrection",
     "EllipseConfig",
+    "EllipticStep",
     "EnergySensor",
     "FrameSensor",
     "HexabotLegConfig",
@@ -169,6 +175,7 @@ __all__ = [
     "Recording",
     "Robot",
     "ScaraConfig",
+    "SineStep",
     "add_scope",
     "block_diagram",
     "build_ellipse",
@@ -179,9 +186,9 @@ __all__ = [
     "derive",
     "errata",
     "examine_posture",
-    "foot_task",
     "frames_drawing",
     "load_robot",
+    "movable",
     "prove",
     "replay",
     "report",

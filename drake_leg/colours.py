@@ -17,12 +17,6 @@ PURPLE = "#9B4F96"  # darker than theirs, to be read on white
 
 
 def rgb(code: str) -> Colour:
-    """Write a colour as three numbers.
-
-    Returns
-    -------
-    (3,) tuple of float
-        Red, green, blue in 0...1, to three digits.
-    """
+    """Write a colour such as ``#0072B2`` as red, green, blue in 0...1, to three digits."""
     red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(code.removeprefix("#")))
     return red, green, blue

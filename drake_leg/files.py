@@ -85,7 +85,7 @@ def read_text(path: Path, *, most: int = LARGEST_TEXT) -> str:
     except UnicodeDecodeError as error:
         byte = error.object[error.start]
         raise UnreadableFileError(
-            path, f"it is no text in UTF-8 (byte {error.start} is 0x{byte:02x}); save it as UTF-8"
+            path, f"it is not text in UTF-8 (byte {error.start} is 0x{byte:02x}); save it as UTF-8"
         ) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
@@ -97,7 +97,7 @@ def _reason(error: Exception) -> str:
 def _kind(mode: int) -> str:
     if stat.S_ISDIR(mode):
         return "a folder"
-    return "a pipe" if stat.S_ISFIFO(mode) else "no regular file"
+    return "a pipe" if stat.S_ISFIFO(mode) else "not a regular file"
 
 
 def _too_large(size: int, most: int) -> str:
@@ -127,7 +127,7 @@ def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> It
         another file has taken the place in the meantime, it names the one that was written beside.
     """
     check_file(target, endings=endings, overwrite=overwrite)
-    with _write_errors(target), scratch_beside(target) as folder:
+    with _write_errors(target), _scratch_beside(target) as folder:
         scratch = folder / target.name
         yield scratch
         if overwrite:
@@ -137,7 +137,7 @@ def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> It
             place = _place(scratch, target, _add_file, ending=target.suffix)
     if place != target:
         raise OutputError(
-            f"{target} came to exist meanwhile, and was left alone: what was made is {place}"
+            f"{target} appeared in the meantime and was left alone: the new file is {place}"
         )
 
 
@@ -192,7 +192,7 @@ class ResultsFolder:
         OutputError
             If something cannot be written.
         """
-        with _write_errors(self.path), scratch_beside(self.path) as scratch:
+        with _write_errors(self.path), _scratch_beside(self.path) as scratch:
             new = scratch / "results"
             new.mkdir()
             yield new
@@ -213,7 +213,7 @@ class ResultsFolder:
             If something cannot be written, a file of that name exists, or the folder has been
             moved.
         """
-        with _write_errors(self.path), scratch_beside(self.path) as scratch:
+        with _write_errors(self.path), _scratch_beside(self.path) as scratch:
             yield scratch
             with _open_folder(self.path) as folder:
                 if _identity(os.fstat(folder)) != self._own:
@@ -235,7 +235,7 @@ class ResultsFolder:
             raise
         if self.path != wanted:
             self.remark = (
-                f"{wanted} came to exist meanwhile, and was left alone: the results are in "
+                f"{wanted} appeared in the meantime and was left alone: the results are in "
                 f"{self.path}"
             )
         if old is not None:
@@ -250,7 +250,7 @@ class ResultsFolder:
             old.rmdir()
         except OSError:
             kept = _place(old, wanted, _add_folder)
-            self.remark = f"what had come into {wanted} meanwhile is now in {kept}"
+            self.remark = f"what appeared in {wanted} in the meantime is now in {kept}"
         with suppress(OSError):
             old.parent.rmdir()
 
@@ -260,7 +260,7 @@ class ResultsFolder:
                 _add_file(file, file.name, folder)
             except FileExistsError:
                 raise OutputError(
-                    f"{self.path / file.name} came to exist meanwhile, and was left alone"
+                    f"{self.path / file.name} appeared in the meantime and was left alone"
                 ) from None
             listed = os.open(LIST, os.O_WRONLY | os.O_APPEND | os.O_CLOEXEC, dir_fd=folder)
             with os.fdopen(listed, "a", encoding="utf-8") as names:
@@ -392,7 +392,7 @@ def _scratch_prefix(target: Path) -> str:
 
 
 @contextmanager
-def scratch_beside(target: Path) -> Iterator[Path]:
+def _scratch_beside(target: Path) -> Iterator[Path]:
     """Lend a folder beside a target; missing folders above the target are made first.
 
     If something fails, what was made is removed.

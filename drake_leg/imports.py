@@ -1,4 +1,4 @@
-"""Packages that may be missing or broken, tried before any work is done for what needs them."""
+"""Packages that may be missing or broken, tried before any work is done that needs them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from drake_leg.errors import DrakeLegError
 
 
 class BrokenPackageError(DrakeLegError):
-    """A package is wanted that is not installed, or that fails when it is imported.
+    """A package that is needed is not installed, or fails when it is imported.
 
     Attributes
     ----------
@@ -19,28 +19,17 @@ class BrokenPackageError(DrakeLegError):
     def __init__(self, purpose: str, package: str, reason: str, remedy: str) -> None:
         self.reason = reason
         super().__init__(
-            f"{purpose} needs {package}, which cannot be imported ({reason}): {remedy}"
+            f"{purpose} needs {package}, which cannot be imported ({reason})", advice=remedy
         )
 
 
 def require_import(module: str, *, purpose: str, package: str, remedy: str) -> None:
-    """Refuse to go on without a package.
-
-    Parameters
-    ----------
-    module : str
-        What is imported of it: ``PIL.Image``.
-    purpose : str
-        What wants it, the subject of the error's sentence.
-    package : str
-        Its name for a person: ``Pillow``.
-    remedy : str
-        What a person can do.
+    """Refuse to go on without a package, of which this module is needed for a purpose.
 
     Raises
     ------
     BrokenPackageError
-        With the reason, if it cannot be imported for whatever reason.
+        With the reason, whatever it is.
     """
     try:
         import_module(module)
@@ -50,13 +39,7 @@ def require_import(module: str, *, purpose: str, package: str, remedy: str) -> N
 
 
 def require_matplotlib() -> None:
-    """Refuse to go on without matplotlib, and Pillow, which all figures are made with.
-
-    Raises
-    ------
-    BrokenPackageError
-        If one of them cannot be imported.
-    """
+    """Refuse to go on without matplotlib and Pillow, which figures need."""
     require_pillow()
     require_import(
         "matplotlib",
@@ -68,13 +51,7 @@ def require_matplotlib() -> None:
 
 
 def require_pillow() -> None:
-    """Refuse to go on without Pillow, which all pictures and figures are written with.
-
-    Raises
-    ------
-    BrokenPackageError
-        If it cannot be imported.
-    """
+    """Refuse to go on without Pillow, which all pictures need."""
     require_import(
         "PIL.Image",
         purpose="a picture",

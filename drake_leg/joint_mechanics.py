@@ -24,10 +24,10 @@ _PER_DEGREE, _PER_DEGREE_PER_SECOND = SPRING_UNITS["N*m/deg"], DAMPING_UNITS["N*
 
 @dataclass(frozen=True, kw_only=True)
 class StateTarget:
-    """Where a joint starts, or how fast; it attracts nothing afterwards."""
+    """Where a joint starts, or how fast; it has no effect afterwards."""
 
     value: float  # [rad or m], or [rad/s or m/s]
-    priority: Priority = "high"  # low gives way without a word where the joint cannot start there
+    priority: Priority = "high"  # a low one is not met where the joint cannot start there
 
     def __post_init__(self) -> None:
         require_angle("the state target", self.value)
@@ -55,16 +55,9 @@ class HardStop:
     def rotational(
         cls, stiffness: float = 1e4, damping: float = 10.0, transition_width: float = 0.1
     ) -> Self:
-        """Make the stop of a revolute joint, in Simscape's units and by default with its values.
+        """Make the stop of a revolute joint, by default with Simscape's values.
 
-        Parameters
-        ----------
-        stiffness : float
-            [N*m/deg].
-        damping : float
-            [N*m/(deg/s)].
-        transition_width : float
-            [deg].
+        The units are Simscape's: N*m/deg, N*m/(deg/s), deg.
         """
         return cls(
             stiffness=stiffness * _PER_DEGREE,
@@ -78,14 +71,7 @@ class HardStop:
     ) -> Self:
         """Make the stop of a prismatic joint, by default with Simscape's values.
 
-        Parameters
-        ----------
-        stiffness : float
-            [N/m].
-        damping : float
-            [N*s/m].
-        transition_width : float
-            [m].
+        The units are N/m, N*s/m, m.
         """
         return cls(stiffness=stiffness, damping=damping, transition_width=transition_width)
 
@@ -182,27 +168,8 @@ class JointMechanics:
     ) -> Self:
         """Make the mechanics of a revolute joint from its settings in Simscape, in their units.
 
-        Parameters
-        ----------
-        equilibrium_position : float
-            [deg].
-        spring_stiffness : float
-            [N*m/deg].
-        damping_coefficient : float
-            [N*m/(deg/s)].
-        position_target, velocity_target : float, optional
-            [deg], [deg/s].
-        lower, upper : float, optional
-            Bounds of the limits [deg].
-        lower_stop, upper_stop : HardStop, optional
-            Of the limits; ``HardStop.rotational()`` where there is a bound.
-        actuated : bool
-            Whether a torque or a motion acts by an actuator.
-
-        Raises
-        ------
-        InvalidValueError
-            If a value makes no sense.
+        Angles are in deg, speeds in deg/s, the stiffness in N*m/deg, the damping in N*m/(deg/s).
+        A limit without a stop of its own gets ``HardStop.rotational()``.
         """
         position, velocity = (
             None if value is None else StateTarget(value=math.radians(value), priority=priority)

@@ -1,4 +1,4 @@
-"""Names in a robot's model: which ones SDF takes, and those that are made here."""
+"""Names in a robot's model: which ones SDF accepts, and those that are made here."""
 
 from __future__ import annotations
 
@@ -13,43 +13,19 @@ PLACES = ("base", "cog", "end")  # of every link: a frame each
 
 
 def frame_name(index: int) -> str:
-    """Name the frame of a row.
-
-    Parameters
-    ----------
-    index : int
-        Of the row, counted from 1; 0 is the base.
-    """
+    """Name the frame of a row, counted from 1; 0 is the base."""
     return f"frame_{index}"
 
 
 def place_name(link: str, place: str) -> str:
-    """Name a frame on a link.
-
-    Parameters
-    ----------
-    link : str
-        Name of the link.
-    place : {"base", "cog", "end"}
-        Where on the link.
-    """
+    """Name a frame on a link: its base, its centre of gravity or its end."""
     return f"{link}_{place}"
 
 
 def require_name(what: str, name: str) -> None:
-    """Refuse a name that SDF reserves or that other programs stumble over.
+    """Refuse a name that SDF reserves or that other programs cannot read.
 
-    Parameters
-    ----------
-    what : str
-        What is named, for the error's sentence.
-    name : str
-        Letters, digits, _ and -, a letter or _ first.
-
-    Raises
-    ------
-    InvalidValueError
-        With the name and the reason.
+    Allowed are letters, digits, _ and -, beginning with a letter or _.
     """
     if not name:
         raise InvalidValueError(f"{what} is empty; it must be a name")
@@ -67,37 +43,13 @@ def require_name(what: str, name: str) -> None:
 
 
 def require_line(what: str, text: str) -> None:
-    """Refuse text that cannot stand on one line of a file.
-
-    Parameters
-    ----------
-    what : str
-        What the text is, for the error's sentence.
-    text : str
-        Printable characters, or none.
-
-    Raises
-    ------
-    InvalidValueError
-        With the text.
-    """
+    """Refuse text that is not printable on one line."""
     if not text.isprintable():
         raise InvalidValueError(f"{what} is {text!r}; it must be printable text on one line")
 
 
 def require_unique(names: Iterable[tuple[str, str]]) -> None:
-    """Refuse a name that is given twice.
-
-    Parameters
-    ----------
-    names : iterable of (str, str)
-        Every name with what it names.
-
-    Raises
-    ------
-    InvalidValueError
-        With the name and the two things.
-    """
+    """Refuse a name that is used twice, from pairs of a name and what it names."""
     owners: dict[str, str] = {}
     for name, what in names:
         if name in owners:

@@ -34,7 +34,7 @@ from drake_leg.names import (
 )
 from drake_leg.quantities import LEAST, require_positive
 
-# What describes a robot is found here, whichever file it stands in.
+# What describes a robot can be imported from here.
 __all__ = [
     "Brick",
     "Cylinder",
@@ -149,7 +149,7 @@ class Solid:
 
 @dataclass(frozen=True, kw_only=True)
 class Inertial:
-    """Mass properties said outright, where they do not follow from a homogeneous solid.
+    """Explicit mass properties, where they do not follow from a homogeneous solid.
 
     The inertia matrix is about the centre of mass, along the axes of the link's frame; its
     products are the entries of the matrix, as in SDF.
@@ -180,13 +180,7 @@ class Inertial:
             )
 
     def principal_moments(self) -> tuple[float, float, float]:
-        """Moments about the principal axes of inertia.
-
-        Returns
-        -------
-        (3,) tuple of float
-            The smallest first [kg*m^2].
-        """
+        """Moments about the principal axes of inertia, the smallest first [kg*m^2]."""
         (xx, yy, zz), (xy, xz, yz) = self.moments, self.products
         if not any(self.products):
             small, middle, great = sorted(self.moments)
@@ -202,8 +196,8 @@ class Inertial:
 class Link:
     """A rigid body whose frame is the DH frame of its row.
 
-    Its mass follows from ``solid``; where ``inertial`` is given, that acts, and the solid is only
-    seen. With neither it is a body without mass, allowed between two joints.
+    Its mass follows from ``solid``, unless there is an ``inertial``: then the solid is only drawn.
+    With neither, it is a body without mass, which is allowed between two joints.
     """
 
     name: str
@@ -241,17 +235,9 @@ class Segment:
 
 
 def link_colour(row: int) -> Colour:
-    """Colour of a link that has none of its own.
+    """Colour of a link that has none of its own, by its row in the table, from 1.
 
-    Parameters
-    ----------
-    row : int
-        Of the link in the table, from 1.
-
-    Returns
-    -------
-    (3,) tuple of float
-        Red, green, blue in 0...1; they come again after ``len(LINK_COLOURS)`` rows.
+    Colours repeat after ``len(LINK_COLOURS)`` rows.
     """
     return LINK_COLOURS[(row - 1) % len(LINK_COLOURS)]
 
@@ -354,21 +340,27 @@ class Robot:
         return tuple(s for s in self.segments if s.row.joint != "fixed")
 
     def _repr_html_(self) -> str:
-        headings = ("row", "σ", "d [m]", "α [°]", "r [m]", "θ [°]", "joint", "link")
+        headings = ("row", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]", "joint", "link")
         rows = []
         variables = (f"q{number}" for number in itertools.count(1))
         for index, segment in enumerate(self.segments, start=1):
             row = segment.row
-            r, theta = f"{row.r:g}", f"{math.degrees(row.theta):g}"
+            r, theta = f"{row.r:g}", _angle(row.theta)
             if row.joint == "revolute":
                 theta = _sum(next(variables), row.theta, theta)
             elif row.joint == "prismatic":
                 r = _sum(next(variables), row.r, r)
             sigma = "~" if row.sigma is None else row.sigma
             link = segment.link.name if segment.link else ""
-            alpha = f"{math.degrees(row.alpha):g}"
-            rows.append((index, sigma, f"{row.d:g}", alpha, r, theta, segment.joint or "", link))
+            cells = (index, sigma, f"{row.d:g}", _angle(row.alpha), r, theta)
+            rows.append((*cells, segment.joint or "", link))
         return html_table(headings, rows, title=f"{self.title} ({self.source})")
+
+
+def _angle(angle: float) -> str:
+    """Write an angle [rad], as a part of π where it is one."""
+    named = {0.0: "0", math.pi / 2: "π/2", -math.pi / 2: "−π/2", math.pi: "π"}
+    return named.get(angle, f"{angle:.4g}")
 
 
 def _sum(variable: str, offset: float, text: str) -> str:

@@ -14,7 +14,7 @@ from hypothesis import settings
 
 from drake_leg import progress
 from drake_leg.models.plant import build_plant
-from drake_leg.scene.live.server import Server
+from drake_leg.scene.server import Server
 
 settings.register_profile("drake_leg", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("drake_leg")

@@ -139,7 +139,7 @@ def test_no_name_is_written_twice_and_none_is_read_before_it_is_there(page):
 
 STATUS = {
     "drake-leg run leg-b --out far --amplitude 0.1 --force": 3,
-    "drake-leg check leg-b --printed tests/check/printed/report_b_leg.toml": 1,
+    "drake-leg check leg-b --printed tests/lab/grader/printed/report_b_leg.toml": 1,
 }
 SERVERS = ("drake-leg view leg-b", "drake-leg teleop leg-b")  # until they are interrupted
 VIDEOS = (".gif", ".mp4")  # drawn picture by picture

@@ -173,3 +173,12 @@ def test_a_notebook_has_few_imports(path):
     code = "\n".join("".join(c["source"]) for c in cells if c["cell_type"] == "code")
     lines = re.findall(r"^\s*(?:from|import) drake_leg.*", code, flags=re.MULTILINE)
     assert len(lines) <= MOST_IMPORTS, "\n".join(lines)
+
+
+@pytest.mark.slow
+def test_the_report_is_made_in_one_call(tmp_path):
+    made = load("report")(tmp_path / "report")
+    assert made.failures == ()
+    assert made.page == tmp_path / "report" / "report.html"
+    assert made.page.stat().st_size > 1e6
+    assert str(made.page) in made._repr_html_()

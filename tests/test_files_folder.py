@@ -307,7 +307,7 @@ def test_what_came_to_the_place_meanwhile_stays_and_the_results_are_beside_it(
         anothers(out, kind)
     assert folder.path == tmp_path / "out-2"
     assert folder.remark == (
-        f"{out} came to exist meanwhile, and was left alone: the results are in {out}-2"
+        f"{out} appeared in the meantime and was left alone: the results are in {out}-2"
     )
     whole(tmp_path / "out-2", "new")
     assert names(tmp_path) == ["out", "out-2"]
@@ -340,7 +340,7 @@ def test_a_file_that_came_into_old_results_at_the_last_moment_is_kept_beside(tmp
     monkeypatch.setattr("drake_leg.files._place", late_note(out.parent))
     folder = write_into(out)
     whole(out, "new")
-    assert folder.remark == f"what had come into {out} meanwhile is now in {out}-2"
+    assert folder.remark == f"what appeared in {out} in the meantime is now in {out}-2"
     assert names(tmp_path / "out-2") == ["notes.txt"]
     assert names(tmp_path) == ["out", "out-2"]
 
@@ -444,7 +444,7 @@ def test_a_failure_while_adding_leaves_the_data_alone(tmp_path, error):
 def test_a_file_that_is_there_already_is_anothers(tmp_path):
     folder = write_into(tmp_path / "out")
     (tmp_path / "out" / "step.png").write_text("mine", encoding="utf-8")
-    with pytest.raises(OutputError, match=r"step\.png came to exist meanwhile, and was left alone"):
+    with pytest.raises(OutputError, match=r"step\.png appeared in the meantime and was left alone"):
         add(folder, "step.png")
     assert (tmp_path / "out" / "step.png").read_text(encoding="utf-8") == "mine"
     with pytest.raises(OutputError, match=r"step\.png"):

@@ -72,7 +72,7 @@ def test_what_came_to_the_place_meanwhile_stays_and_the_new_file_is_beside_it(tm
             scratch.write_text("new")
             path.write_text("mine")
 
-    with pytest.raises(OutputError, match=r"left alone: what was made is .*arm-2\.sdf"):
+    with pytest.raises(OutputError, match=r"left alone: the new file is .*arm-2\.sdf"):
         make()
     assert path.read_text() == "mine"
     assert (tmp_path / "arm-2.sdf").read_text() == "new"

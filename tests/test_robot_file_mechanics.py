@@ -5,9 +5,10 @@ import math
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import HardStop, StateTarget
+from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.robot_file.read import read_robot
 from drake_leg.robot_file.write import robot_toml
+from drake_leg.robots import pendulum
 
 ARM = """
 name = "arm"
@@ -97,3 +98,17 @@ def test_every_fault_is_one_sentence_with_file_key_and_value(old, new, said):
         read_robot(ARM.replace(old, new), "arm.toml")
     assert str(raised.value).startswith("arm.toml")
     assert said in str(raised.value)
+
+
+def test_a_spring_at_rest_somewhere_needs_a_stiffness():
+    text = robot_toml(pendulum()).replace(
+        "[row.mechanics]", "[row.mechanics]\nequilibrium_position = 20"
+    )
+    with pytest.raises(InvalidValueError) as caught:
+        read_robot(text, "arm.toml")
+    assert str(caught.value) == (
+        "arm.toml: row 1, mechanics: equilibrium_position is 20 deg, but there is no "
+        "spring_stiffness; give both"
+    )
+    soft = pendulum(mechanics=JointMechanics(equilibrium_position=0.5))
+    assert read_robot(robot_toml(soft), "arm.toml") == soft

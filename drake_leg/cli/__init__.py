@@ -1,10 +1,9 @@
 """The command line ``drake-leg``: the only place that prints.
 
-Exit status: 0 when all went well, 1 when ``check`` found something wrong, a run's error can be seen
-in its figures, or a picture could not be made (the data are saved), 2 for bad input or a place that
-cannot be written, 3 when a run stopped before its end (what it recorded until then is saved), or a
-proof or derivation at its time budget, 70 for an error that nobody foresaw, 130 on Ctrl-C,
-128 + n on another signal n. A reader of the output that goes away changes nothing.
+Exit status: 0 all well; 1 ``check`` found something wrong, a run's error can be seen in its
+figures, or a picture could not be made (the data are saved); 2 bad input, or a place that cannot
+be written; 3 a run stopped before its end (what it recorded is saved), or a proof or derivation at
+its time limit; 70 an unexpected error; 130 Ctrl-C; 128 + n another signal n.
 """
 
 from __future__ import annotations
@@ -17,57 +16,54 @@ from drake_leg.progress import Interrupts, interruptible
 
 __all__ = ["main"]
 
-UNFORESEEN, INTERRUPTED = 70, 130
+UNEXPECTED, INTERRUPTED = 70, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; whatever goes wrong, while it loads, too, is one sentence.
+    """Run the command line, by default with the process's arguments.
 
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Without the program's name; by default the process's own.
+    Whatever goes wrong, also while modules load, becomes one sentence.
     """
     with interruptible() as interrupts:
-        return _of_signal(interrupts, _carried_out(arguments))
+        return _of_signal(interrupts, _result(arguments))
 
 
-def _carried_out(arguments: Sequence[str] | None) -> int:
-    from drake_leg.cli.streams import patient_streams
+def _result(arguments: Sequence[str] | None) -> int:
+    from drake_leg.cli.streams import tolerant_streams
 
-    with patient_streams():
+    with tolerant_streams():
         try:
             from drake_leg.cli import entry
 
             return entry.main(arguments)
         except KeyboardInterrupt:
-            return _said("interrupted", INTERRUPTED)
+            return _print_error("interrupted", INTERRUPTED)
         except Exception as error:
             if isinstance(error, ImportError) and _is_interrupt(error):
-                return _said("interrupted", INTERRUPTED)
-            return _unforeseen(error)
+                return _print_error("interrupted", INTERRUPTED)
+            return _unexpected(error)
 
 
 def _of_signal(interrupts: Interrupts, status: int) -> int:
-    """Return what a process returns that a signal has ended; Ctrl-C is the commands' own."""
+    """Return the exit status, or that of a process that a signal ended; commands handle Ctrl-C."""
     if interrupts.received in (None, signal.SIGINT):
         return status
     return 128 + interrupts.received
 
 
-def _unforeseen(error: Exception) -> int:
+def _unexpected(error: Exception) -> int:
     from drake_leg.cli.pictures import PLACES, show_place
     from drake_leg.errors import in_a_line
 
     show_place()
-    return _said(
-        f"an error that nobody foresaw ({in_a_line(error)}): please report it, with the command "
-        f"that you gave; {PLACES}=1 before it shows where it came from",
-        UNFORESEEN,
+    return _print_error(
+        f"an unexpected error ({in_a_line(error)}): please report it, with the command "
+        f"that you gave; {PLACES}=1 in front of the command shows where it comes from",
+        UNEXPECTED,
     )
 
 
-def _said(sentence: str, status: int) -> int:
+def _print_error(sentence: str, status: int) -> int:
     try:
         print(f"drake-leg: {sentence}", file=sys.stderr)
     except OSError:  # the terminal has gone
@@ -76,7 +72,7 @@ def _said(sentence: str, status: int) -> int:
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Tell whether an import failed by Ctrl-C, as that of a compiled module does."""
+    """Tell whether Ctrl-C made an import fail, as it does for a compiled module."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None

@@ -14,7 +14,6 @@ from drake_leg.cli.advice import as_options
 from drake_leg.cli.common import (
     BAD_INPUT,
     STOPPED_EARLY,
-    Commands,
     add_budget,
     budget_of,
     refuse_ignored,
@@ -24,26 +23,26 @@ from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
 
 if TYPE_CHECKING:
-    from drake_leg.check.findings import Finding
-    from drake_leg.check.proof import Comparison, Proof
+    from drake_leg.lab.grader.findings import Finding
+    from drake_leg.models.proof import Comparison, Proof
 
 FOUND = 1  # exit status where something is wrong with what was checked
 SAMPLES, SEED = 32, 0
 TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "check",
-        help="prove a robot, or grade a print against it",
-        description="Read a robot's table for slips, then compare its chain with SymPy's "
-        "derivation, with Drake's plant on its SDF and with exact differences, at random "
+def configure_check(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Look for slips in a robot's table, then compare its chain with SymPy's "
+        "derivation, with Drake's plant of its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
-        "the robot instead. A printed table alone (CSV or TOML) is only read for slips.",
-        epilog="Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
-        "wrong and something is not understood, 3 nothing is wrong so far, but not all was "
-        "compared.",
+        "the robot instead. In a printed table alone (CSV or TOML) only slips are looked for."
+    )
+    parser.epilog = (
+        "Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "
+        "wrong but something was not understood, 3 nothing is wrong so far, but not everything "
+        "was compared."
     )
     add_robot_source(parser)
     parser.add_argument(
@@ -70,7 +69,7 @@ def _check(chosen: argparse.Namespace) -> int:
     if Path(chosen.robot).suffix.lower() in TABLES:
         return _check_table(Path(chosen.robot), chosen)
     source = robot_source(chosen.robot)
-    from drake_leg.check.printed_file import is_print
+    from drake_leg.lab.grader.printed import is_print
 
     if is_print(source.document()):
         return _check_table(Path(chosen.robot), chosen)
@@ -78,11 +77,10 @@ def _check(chosen: argparse.Namespace) -> int:
 
 
 def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
-    from drake_leg.check.findings import errors, not_understood
-    from drake_leg.check.proof import prove
-    from drake_leg.check.rows import table_of_document
-    from drake_leg.check.sizes import lint_sizes
-    from drake_leg.check.table import lint_table
+    from drake_leg.lab.grader.findings import errors, not_understood
+    from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
+    from drake_leg.lab.grader.tables import table_of_document
+    from drake_leg.models.proof import prove
 
     findings = lint_table(table_of_document(source.document()))
     if errors(findings) or not_understood(findings):
@@ -118,9 +116,9 @@ def _check_table(path: Path, chosen: argparse.Namespace) -> int:
         },
         "means nothing to a printed table alone, which is only read for slips",
     )
-    from drake_leg.check.printed_file import read_printed
-    from drake_leg.check.table import lint_table
     from drake_leg.errors import InvalidValueError
+    from drake_leg.lab.grader.printed import read_printed
+    from drake_leg.lab.grader.table_linter import lint_table
 
     table = read_printed(path).table
     if table is None:
@@ -132,15 +130,18 @@ def _check_table(path: Path, chosen: argparse.Namespace) -> int:
 
 
 def _check_print(robot: Robot, chosen: argparse.Namespace) -> int:
-    from drake_leg.check.printed import grade
-    from drake_leg.check.printed_file import read_printed
+    from drake_leg.symbolic.optional import require_sympy
+
+    require_sympy("grading a print")
+    from drake_leg.lab.grader.grade import grade
+    from drake_leg.lab.grader.printed import read_printed
 
     findings = grade(robot, read_printed(chosen.printed), seed=_seed(chosen))
     return _report(f"{chosen.printed} against {chosen.robot}", findings, chosen)
 
 
 def _report(what: str, findings: Sequence[Finding], chosen: argparse.Namespace) -> int:
-    from drake_leg.check.findings import errors, not_understood
+    from drake_leg.lab.grader.findings import errors, not_understood
 
     if chosen.json:
         _print_json(what, findings, None)
@@ -158,8 +159,8 @@ def _print_findings(what: str, findings: Sequence[Finding], praise: str) -> None
 
 
 def _summary(findings: Sequence[Finding], praise: str) -> str:
-    """Count what is wrong, what is doubtful and what is not understood, each apart."""
-    from drake_leg.check.findings import errors, not_understood
+    """Count what is wrong, what is doubtful and what is not understood."""
+    from drake_leg.lab.grader.findings import errors, not_understood
 
     wrong, unread = len(errors(findings)), len(not_understood(findings))
     guesses = len(findings) - wrong - unread
@@ -172,7 +173,7 @@ def _summary(findings: Sequence[Finding], praise: str) -> str:
 
 
 def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> None:
-    from drake_leg.check.findings import errors, not_understood
+    from drake_leg.lab.grader.findings import errors, not_understood
 
     unread = not_understood(findings)
     content = {
@@ -205,7 +206,7 @@ def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
 
 
 def _verdict(proof: Proof) -> str:
-    from drake_leg.check.proof import TOLERANCE
+    from drake_leg.models.proof import TOLERANCE
 
     if not proof.comparisons:
         return "NOT proved: nothing was compared within the budget"

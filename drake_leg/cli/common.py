@@ -7,58 +7,30 @@ import math
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from drake_leg.cli.advice import as_options
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import BUDGET
 from drake_leg.quantities import require_positive
-from drake_leg.robots import ROBOTS
 
 FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 
-ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
-
-Commands = Any  # what argparse's add_subparsers returns; its type has no public name
-
 
 def fail(error: object, status: int) -> int:
-    """Say on the standard error what went wrong.
-
-    Parameters
-    ----------
-    error : object
-        Its text is one sentence.
-    """
+    """Print what went wrong on the standard error, and return the exit status."""
     remark(error)
     return status
 
 
 def remark(sentence: object) -> None:
-    """Say something on the standard error.
-
-    Parameters
-    ----------
-    sentence : object
-        Its text is one sentence.
-    """
+    """Print a sentence on the standard error, with settings as options."""
     print(f"drake-leg: {as_options(sentence)}", file=sys.stderr)
 
 
 def refuse_ignored(options: Mapping[str, bool], why: str) -> None:
-    """Refuse options that would be ignored.
+    """Refuse an option that would be ignored, from options and whether they were given.
 
-    Parameters
-    ----------
-    options : mapping of str to bool
-        Option, as ``--samples``, to whether it was given.
-    why : str
-        The end of the sentence: ``means nothing with --printed``.
-
-    Raises
-    ------
-    InvalidValueError
-        With the first that was given.
+    The reason ends the sentence: ``means nothing with --printed``.
     """
     for option, given in options.items():
         if given:
@@ -74,34 +46,17 @@ def add_output(parser: argparse.ArgumentParser) -> None:
 
 
 def add_budget(parser: argparse.ArgumentParser, what: str) -> None:
-    """Add the option that bounds how long a derivation may take.
-
-    Parameters
-    ----------
-    what : str
-        Whose time it is.
-    """
+    """Add the option that limits the time of something."""
     parser.add_argument(
         "--budget",
         metavar="SECONDS",
-        help=f"time {what}; what is not done by then is said, and the exit status is 3 (default "
-        f"{BUDGET:g})",
+        help=f"time limit {what}; what is not done by then is listed, and the exit status is 3 "
+        f"(default {BUDGET:g})",
     )
 
 
 def budget_of(chosen: argparse.Namespace) -> float:
-    """Read ``--budget``.
-
-    Returns
-    -------
-    float
-        [s].
-
-    Raises
-    ------
-    InvalidValueError
-        If it is no positive number.
-    """
+    """Read ``--budget`` [s]."""
     if chosen.budget is None:
         return BUDGET
     (seconds,) = numbers("--budget", chosen.budget, 1)
@@ -110,27 +65,14 @@ def budget_of(chosen: argparse.Namespace) -> float:
 
 
 def numbers(option: str, text: str, count: int | None = None) -> list[float]:
-    """Read numbers with commas between them.
-
-    Parameters
-    ----------
-    option : str
-        Where they were given, for the error's sentence.
-    count : int, optional
-        How many there must be.
-
-    Raises
-    ------
-    InvalidValueError
-        If a part is no finite number, or the count is another.
-    """
+    """Read numbers with commas between them, of which there may have to be a given count."""
     values = []
     for part in text.split(","):
         try:
             values.append(float(part))
         except ValueError:
             raise InvalidValueError(
-                f"{option} is {text!r}, in which {part!r} is no number"
+                f"{option} is {text!r}, in which {part!r} is not a number"
             ) from None
     if not all(map(math.isfinite, values)):
         raise InvalidValueError(f"{option} is {text!r}; its numbers must be finite")

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import Commands, refuse_ignored, remark
+from drake_leg.cli.common import refuse_ignored, remark
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, RunKind
@@ -22,30 +22,30 @@ DIFFERENT = 1  # exit status
 ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "compare",
-        help="compare a Simulink model with a run's diagram",
-        description="Find for every block, wire and parameter of a Simulink model what stands "
-        "for it in the live diagram of a run: matched, missing, extra or different. Exit status "
-        "0 when everything in the model has its counterpart and the values agree, 1 otherwise; "
-        "what the diagram has besides does not count.",
-        epilog="The run's options make its diagram match a model with other numbers: "
+def configure_compare(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Find the counterpart of every block, wire and parameter of a Simulink model "
+        "in the diagram of a run: matched, missing, extra or different. The exit status is 0 if "
+        "everything in the model has a counterpart and the values agree, otherwise 1; what only "
+        "the diagram has does not count."
+    )
+    parser.epilog = (
+        "The run's options make its diagram match a model with other numbers: "
         "--amplitude 0.05. Signals are compared by what they are, not by how they are muxed, "
-        "scaled and summed; a source's amplitude is that behind its gains.",
+        "scaled and summed; a source's amplitude is taken after its gains."
     )
     parser.add_argument("model", type=Path, metavar="MODEL.slx", help="Simulink model")
     parser.add_argument(
         "name",
         metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot of your own",
+        help=f"one of {', '.join(RUNS)}, or a TOML file with a robot of your own",
     )
     parser.add_argument("--json", action="store_true", help="write the whole comparison as JSON")
     parser.add_argument(
         "--strict",
         action="store_true",
-        help="count cross sections, colours and the converters' input filters, too",
+        help="also count cross sections, colours and the converters' input filters",
     )
     add_run_options(parser)
     parser.set_defaults(command=_compare)
@@ -54,7 +54,7 @@ def add(commands: Commands) -> None:
 def _compare(chosen: argparse.Namespace) -> int:
     kind = kind_of(chosen.name)
     options = options_of(kind, chosen)
-    _refuse_what_only_a_run_heeds(kind, options, chosen)
+    _refuse_options_of_runs(kind, options, chosen)
     from drake_leg.simulink.listing import plain, printable
     from drake_leg.simulink.reader import read_model
 
@@ -83,16 +83,16 @@ def _compare(chosen: argparse.Namespace) -> int:
     return 0 if found.agrees else DIFFERENT
 
 
-def _refuse_what_only_a_run_heeds(
-    kind: RunKind, options: RunOptions, chosen: argparse.Namespace
-) -> None:
-    """Refuse an option that no diagram has; of a file, which may be a run's, only say so."""
+def _refuse_options_of_runs(kind: RunKind, options: RunOptions, chosen: argparse.Namespace) -> None:
+    """Refuse an option that changes no diagram; in a file, which may be a run's, only say so."""
     defaults = kind.options()
     for name in ONLY_OF_RUNS:
         option = f"--{name.replace('_', '-')}"
-        refuse_ignored({option: name in chosen}, "means nothing to compare, which runs nothing")
+        refuse_ignored(
+            {option: name in chosen}, "means nothing to compare, which simulates nothing"
+        )
         if getattr(options, name, None) != getattr(defaults, name, None):
-            remark(f"{name} of {chosen.config} means nothing to compare, which runs nothing")
+            remark(f"{name} of {chosen.config} means nothing to compare, which simulates nothing")
 
 
 def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
@@ -101,7 +101,7 @@ def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
         ("matched", found.matched, _matched),
         ("missing in the Drake diagram", found.missing, _missing),
         ("different", found.different, partial(_different, name=chosen.name)),
-        ("different, but of no account without --strict", found.tolerated, _different),
+        ("different, but not counted without --strict", found.tolerated, _different),
         ("extra in the Drake diagram", found.extra, _extra),
     ):
         if items:

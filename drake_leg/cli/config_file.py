@@ -4,37 +4,62 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import reprlib
 import typing
 from contextlib import suppress
 from pathlib import Path
 from types import UnionType
-from typing import Any
+from typing import Any, ClassVar
+
+from yaml import MappingNode, SafeLoader, ScalarNode, YAMLError
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
 from drake_leg.files import read_text
 from drake_leg.runs.options import RunOptions
 
+# --- YAML 1.2: 010 is ten, 1:30 and yes are texts, 1e-6 is a number -------------------------
+
+NULL, BOOL, INT, FLOAT = (f"tag:yaml.org,2002:{name}" for name in ("null", "bool", "int", "float"))
+
+# The core schema of YAML 1.2, section 10.3.2: tag, pattern, first characters.
+SCHEMA = (
+    (NULL, r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+    (BOOL, r"true|True|TRUE|false|False|FALSE", list("tTfF")),
+    (INT, r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+", list("-+0123456789")),
+    (
+        FLOAT,
+        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+        list("-+.0123456789"),
+    ),
+)
+
+
+class CoreLoader(SafeLoader):  # type: ignore[misc] # PyYAML has no types
+    """Reads YAML 1.2; PyYAML's own loaders read YAML 1.1."""
+
+    yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}
+
+    def construct_whole(self, node: ScalarNode) -> int:
+        """Read 10, 010, 0o10 and 0x10."""
+        text = str(self.construct_scalar(node))
+        base = {"0o": 8, "0x": 16}.get(text[:2], 10)
+        return int(text[2:] if base != 10 else text, base)
+
+
+for _tag, _pattern, _first in SCHEMA:
+    CoreLoader.add_implicit_resolver(_tag, re.compile(f"^(?:{_pattern})$"), _first)
+CoreLoader.add_constructor(INT, CoreLoader.construct_whole)
+
+
+# --- options ---------------------------------------------------------------------------------
+
 
 def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptions:
-    """Read options from a file.
+    """Read the options of a run from a YAML file; what it leaves out keeps its default.
 
-    Parameters
-    ----------
-    kind : type
-        Dataclass of the run's options.
-    name : str
-        Of the run, for the error's sentence.
-    path : Path
-        YAML file: keys are names of options, what is left out keeps its default.
-
-    Raises
-    ------
-    InvalidValueError
-        If the file cannot be read, or a key or a value makes no sense.
+    Keys are names of options; ``name`` is the run's, for errors.
     """
-    from yaml import YAMLError
-
     keys = ", ".join(field.name for field in dataclasses.fields(kind))
     try:
         content = _content(read_text(path))
@@ -48,42 +73,38 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
     except UnreadableFileError as error:
         raise UnreadableFileError(f"the config {path}", error.reason) from None
     except RecursionError:
-        raise InvalidValueError(f"the config {path} is no good: it is nested too deep") from None
+        raise InvalidValueError(f"the config {path} is nested too deep") from None
     except (ValueError, YAMLError) as error:
         if isinstance(error, InvalidValueError):
             raise
         reason = " ".join(str(error).split())
         raise InvalidValueError(
-            f"the config {path} is no good: {reason}; the keys of {name} are {keys}"
+            f"the config {path} is wrong: {reason}; the keys of {name} are {keys}"
         ) from None
     return kind(**values)
 
 
 def _content(text: str) -> dict[str, Any]:
-    """Parse the text once; a key that stands there twice is refused."""
-    from yaml import MappingNode
-
-    from drake_leg.cli.yaml_core import CoreLoader
-
+    """Parse the text; a key that appears twice is refused."""
     loader = CoreLoader(text)
     try:
         root = loader.get_single_node()
         if root is None:
-            raise ValueError("it holds nothing; leave --config out, or write at least one key")
+            raise ValueError("it is empty; leave --config out, or write at least one key")
         content = loader.construct_document(root)
     finally:
         loader.dispose()
     if content is None:
-        raise ValueError("it holds nothing; leave --config out, or write at least one key")
+        raise ValueError("it is empty; leave --config out, or write at least one key")
     if not isinstance(root, MappingNode):
-        raise ValueError("it is no list of keys and values, as duration: 10")
+        raise ValueError("it is not a list of keys and values, as duration: 10")
     for key in content:
         if not isinstance(key, str):
-            raise ValueError(f"the key {key!r} is no name of an option")
+            raise ValueError(f"the key {key!r} is not the name of an option")
     keys = [node.value for node, _ in root.value]
     for key in keys:
         if keys.count(key) > 1:
-            raise ValueError(f"{key} stands there {keys.count(key)} times")
+            raise ValueError(f"{key} appears {keys.count(key)} times")
     return dict(content)
 
 

@@ -8,15 +8,13 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.common import (
-    ROBOT_NAMES,
     STOPPED_EARLY,
-    Commands,
     add_budget,
     budget_of,
     fail,
     remark,
 )
-from drake_leg.cli.robot_source import robot_source
+from drake_leg.cli.robot_source import ROBOT_NAMES, robot_source
 from drake_leg.errors import TimeBudgetError
 from drake_leg.progress import ProgressBar, TimeBudget
 from drake_leg.symbolic.catalogue import SUBJECTS, Subject, derived_equations, require_subject
@@ -30,20 +28,20 @@ SHORTHAND = "c1 = cos(q1), s1 = sin(q1), c23 = cos(q2 + q3) and so on"
 MOST_NAMED = 6  # pieces that a sentence names
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "derive",
-        help="derive a robot's matrices and equations with SymPy",
-        description="Derive a report's transforms, its Jacobian by two methods, its determinant "
+def configure_derive(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Derive a report's transforms, its Jacobian by two methods, its determinant "
         "and its singularities from the Khalil rows, in symbols; or those of a robot of your own. "
-        "Needs SymPy: pip install 'drake-leg[symbolic]'.",
-        epilog="Exit status: 0 all was derived, 2 bad input, 3 not all was derived in time.",
+        "Needs SymPy: pip install 'drake-leg[symbolic]'."
+    )
+    parser.epilog = (
+        "Exit status: 0 everything was derived, 2 bad input, 3 something was not derived in time."
     )
     parser.add_argument(
         "name",
         metavar="NAME|FILE.toml",
-        help=f"one of {', '.join(SUBJECTS)}, with the equations' numbers in the report; or a "
+        help=f"one of {', '.join(SUBJECTS)}, with the numbers of the report's equations; or a "
         "robot of your own",
     )
     parser.add_argument("--latex", action="store_true", help="print lines of LaTeX")
@@ -77,7 +75,7 @@ def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -
 
 
 def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
-    """Derive what follows from a table, each piece printed when it is there."""
+    """Derive what follows from a table, and print each piece when it is done."""
     robot = robot_source(chosen.name).robot()
     require_sympy(f"the derivation of {chosen.name}")
     from drake_leg.symbolic.derivation import Derivation

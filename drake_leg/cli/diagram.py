@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
-from drake_leg.cli.common import Commands
 from drake_leg.cli.pictures import picture
 from drake_leg.cli.run_options import kind_of
 from drake_leg.colours import Background
@@ -19,15 +18,13 @@ if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "diagram",
-        help="draw a run's block diagram, its mechanism, its robot's frames; or a Simulink model",
-        description="Draw what a run simulates as an SVG picture, read from the live diagram: "
-        "the signal blocks and the mechanism inside the plant, as in Simulink and Simscape; one "
-        "link with its frames; or the robot with the frames of its table. A Simulink model is "
-        "drawn in the same style, its subsystems opened, without MATLAB.",
+def configure_diagram(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Draw what a run simulates as SVG, from its diagram: the signal blocks and "
+        "the mechanism in the plant, as in Simulink and Simscape; one link with its frames; or "
+        "the robot with the frames of its table. A Simulink model is drawn in the same style, "
+        "with its subsystems opened, without MATLAB."
     )
     parser.add_argument(
         "name",
@@ -44,7 +41,7 @@ def add(commands: Commands) -> None:
         "Simulink model signals, mechanism or all (default all)",
     )
     parser.add_argument(
-        "--without-scopes", action="store_true", help="leave the scopes of a run out"
+        "--without-scopes", action="store_true", help="leave out the scopes of a run"
     )
     parser.add_argument(
         "--without-accelerations",
@@ -55,7 +52,7 @@ def add(commands: Commands) -> None:
         "--background",
         default="auto",
         choices=get_args(Background),
-        help="auto is white or dark, as the reader's system is; none is for light places "
+        help="auto is light or dark, as the reader's system is; none is for light places "
         "(default auto)",
     )
     parser.add_argument(
@@ -147,7 +144,7 @@ def _refuse_signal_options(chosen: argparse.Namespace, why: str) -> None:
 
 
 def _subject(name: str) -> tuple[str, Diagram, Robot]:
-    """Find a run's title, its diagram as it is by default, and its robot."""
+    """Return a run's title, its diagram with default options, and its robot."""
     kind = kind_of(name)
     options = kind.options()
     diagram, _ = kind.diagram(options)

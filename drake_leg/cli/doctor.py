@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.advice import as_options
-from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, fail, numbers
+from drake_leg.cli.common import BAD_INPUT, FAILED, fail, numbers
 from drake_leg.cli.pictures import Pictures
+from drake_leg.cli.posture import joint_positions
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
@@ -21,34 +22,30 @@ from drake_leg.progress import ProgressBar
 from drake_leg.robot import Robot
 
 if TYPE_CHECKING:
-    from drake_leg.doctor import Diagnosis
-    from drake_leg.feet import Feet
     from drake_leg.figures.of_postures import Maps
-    from drake_leg.kinematics.singularity import LostTwist
-    from drake_leg.kinematics.stroke import Stroke
+    from drake_leg.kinematics.feet import Feet
+    from drake_leg.singularity.doctor import Diagnosis
+    from drake_leg.singularity.rank import LostTwist
+    from drake_leg.singularity.stroke import Stroke
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "doctor",
-        help="examine a posture before simulating it",
-        description="Say of a posture: the foot's pose, rank and smallest singular value of its "
+def configure_doctor(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Describe a posture: the foot's pose, rank and smallest singular value of its "
         "Jacobian, manipulability, the singular family that is near, what motion is lost, the "
         "stroke along a direction to the first singularity or joint limit, and the greatest "
-        "amplitude that stays inside. With --foot: the joint positions that put the foot there.",
+        "amplitude that stays inside. With --foot: the joint positions that put the foot there."
     )
     add_robot_source(parser)
     parser.add_argument(
         "--q",
         metavar="X,Y,Z",
-        help="joint angles [deg]; a lift or another sliding joint [m]; needed for all but --foot",
+        help="joint angles [deg]; a lift or another sliding joint [m]; only --foot works without",
     )
     parser.add_argument("--direction", metavar="X,Y,Z", help="of the stroke (default 1,0,0)")
     parser.add_argument("--frequency", metavar="X", help="of the sine [rad/s] (default 1)")
-    parser.add_argument(
-        "--foot", metavar="X,Y,Z", help="point whose inverse kinematics is wanted [m]"
-    )
+    parser.add_argument("--foot", metavar="X,Y,Z", help="point to find joint positions for [m]")
     parser.add_argument(
         "--rpy",
         metavar="R,P,Y",
@@ -75,14 +72,17 @@ def add(commands: Commands) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
-    from drake_leg.doctor import examine_posture
+    from drake_leg.kinematics.scara import is_scara
+    from drake_leg.singularity.doctor import examine_posture
 
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
     robot, place = robot_source(chosen.robot).robot(), _place(chosen)
     if chosen.q is None:
         return _foot_alone(chosen, robot, place)
-    q = _positions(robot, numbers("--q", chosen.q))
+    values = numbers("--q", chosen.q)
+    lift_left_out = len(values) == 3 and is_scara(robot)
+    q = joint_positions(robot, values, moving=robot.moving[:3] if lift_left_out else ())
     folder, maps = _maps(chosen, robot, q) if chosen.out else (None, {})
     motion: dict[str, Any] = {}
     if chosen.direction is not None:
@@ -109,7 +109,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
 
 def _place(chosen: argparse.Namespace) -> dict[str, Any]:
-    """Read where the foot is wanted, and how turned."""
+    """Read where the foot is wanted, and in which orientation."""
     turned: dict[str, Any] = {}
     if chosen.yaw is not None:
         turned["yaw"] = math.radians(numbers("--yaw", chosen.yaw, 1)[0])
@@ -123,16 +123,16 @@ def _place(chosen: argparse.Namespace) -> dict[str, Any]:
 
 
 def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any]) -> int:
-    """Tell the inverse kinematics, without a posture."""
+    """Print the inverse kinematics, without a posture."""
     for option in ("direction", "frequency", "out"):
         if getattr(chosen, option) is not None:
-            raise InvalidValueError(f"--{option} is of a posture: give --q, too")
+            raise InvalidValueError(f"--{option} needs a posture: give --q, too")
     if not place:
         raise InvalidValueError(
             "there is nothing to examine: give a posture by --q, or a point for the foot by --foot"
         )
-    from drake_leg.doctor import feet_json
-    from drake_leg.feet import feet
+    from drake_leg.kinematics.feet import feet
+    from drake_leg.singularity.doctor import feet_json
 
     with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
         bar.turn_to("postures for the foot")
@@ -162,24 +162,6 @@ def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> Pict
         with pictures.trying(f"the map {name}"), folder.more() as scratch:
             save(draw(), scratch, name)
     return pictures
-
-
-def _positions(robot: Robot, values: list[float]) -> list[float]:
-    """Convert degrees where a joint turns; the SCARA's lift may be left out."""
-    from drake_leg.feet import units_of
-    from drake_leg.kinematics.scara import is_scara
-
-    units = units_of(robot)
-    if len(values) == 3 and is_scara(robot):
-        units = units[:3]
-    if len(values) != len(units):
-        raise InvalidValueError(
-            f"--q has {len(values)} numbers; {robot.name} has {len(units)} joint positions"
-        )
-    return [
-        math.radians(value) if unit == "deg" else value
-        for value, unit in zip(values, units, strict=True)
-    ]
 
 
 def _lines(diagnosis: Diagnosis) -> list[str]:

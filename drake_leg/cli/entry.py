@@ -7,24 +7,10 @@ import os
 import re
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from typing import NoReturn
 
-from drake_leg.cli import (
-    check,
-    compare,
-    derive,
-    diagram,
-    doctor,
-    errata,
-    inspect,
-    listing,
-    replay,
-    report,
-    run,
-    sdf,
-    teleop,
-    view,
-)
+from drake_leg.cli.advice import place_given_by
 from drake_leg.cli.common import BAD_INPUT, FAILED, STOPPED_EARLY, fail
 from drake_leg.errors import (
     DrakeLegError,
@@ -34,22 +20,30 @@ from drake_leg.errors import (
     SingularConfigurationError,
 )
 
-COMMANDS = (
-    listing,
-    run,
-    replay,
-    view,
-    teleop,
-    report,
-    derive,
-    errata,
-    doctor,
-    sdf,
-    check,
-    inspect,
-    compare,
-    diagram,
-)
+# Name -> module, whose function configure_NAME describes the command, and its line of help. Only
+# the module of the command that is asked for is imported.
+COMMANDS = {
+    "list": ("drake_leg.cli.listing", "list the runs"),
+    "run": ("drake_leg.cli.run", "carry out one run"),
+    "replay": ("drake_leg.cli.replay", "show a run again, as a page or as video"),
+    "view": ("drake_leg.cli.view", "look at a robot in 3D, its joints on sliders"),
+    "teleop": ("drake_leg.cli.teleop", "drive a leg's foot by hand, in real time"),
+    "report": (
+        "drake_leg.cli.report",
+        "reproduce the figures and tables of both reports on one page",
+    ),
+    "derive": ("drake_leg.cli.derive", "derive a robot's matrices and equations with SymPy"),
+    "errata": ("drake_leg.cli.errata", "list what the reports print wrongly"),
+    "doctor": ("drake_leg.cli.doctor", "examine a posture before simulating it"),
+    "sdf": ("drake_leg.cli.sdf", "write a robot as SDF, or as TOML"),
+    "check": ("drake_leg.cli.check", "prove a robot, or grade a print against it"),
+    "inspect": ("drake_leg.cli.inspect", "list what a Simulink model holds"),
+    "compare": ("drake_leg.cli.compare", "compare a Simulink model with a run's diagram"),
+    "diagram": (
+        "drake_leg.cli.diagram",
+        "draw a run's block diagram, its mechanism, its robot's frames; or a Simulink model",
+    ),
+}
 
 
 class _Version(argparse.Action):
@@ -71,20 +65,17 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Without the program's name; by default the process's own.
-    """
+    """Run the command line; by default the process's own arguments."""
     words = sys.argv[1:] if arguments is None else list(arguments)
-    parser = _build_parser()
+    name = next((word for word in words if word in COMMANDS), None)
+    parser = _build_parser(only=name or "")
     chosen = parser.parse_args(_join_negative_values(words))
     try:
-        _require_here()
-        status: int = chosen.command(chosen)
-        _require_said()
+        _require_working_folder()
+        with place_given_by("--out"):
+            status: int = chosen.command(chosen)
+        if sys.stdout is not None:
+            sys.stdout.flush()  # now, so that a failure to write is an error
     except (JointLimitError, SingularConfigurationError) as error:
         return fail(error, STOPPED_EARLY)
     except PictureError as error:
@@ -96,7 +87,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def _require_here() -> None:
+def _require_working_folder() -> None:
     """Refuse to work in a folder that has been removed, where neither we nor Drake can."""
     try:
         os.getcwd()  # noqa: PTH109 - no path is wanted
@@ -104,12 +95,6 @@ def _require_here() -> None:
         raise OutputError(
             "the folder that you are in has been removed: go to another one, with cd"
         ) from None
-
-
-def _require_said() -> None:
-    """Find out now whether what was printed can be written."""
-    if sys.stdout is not None:
-        sys.stdout.flush()
 
 
 def _join_negative_values(words: Sequence[str]) -> list[str]:
@@ -124,18 +109,21 @@ def _join_negative_values(words: Sequence[str]) -> list[str]:
     return joined
 
 
-def _build_parser() -> argparse.ArgumentParser:
+def _build_parser(only: str | None = None) -> argparse.ArgumentParser:
+    """Build the parser, with the options of all commands or of only one."""
     parser = _Parser(
         prog="drake-leg",
         description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
         "from their Khalil tables to simulated, compared and plotted runs.",
-        epilog="COMMAND --help tells every option with its unit and its default. Exit status: "
+        epilog="COMMAND --help explains each option with its unit and default. Exit status: "
         "0 all well, 1 a check found something wrong, a run's error shows or a picture could not "
-        "be made, 2 bad input, 3 a run stopped before its end or a proof or derivation before its "
-        "own, 70 an error that nobody foresaw, 130 interrupted, 128 + n ended by signal n.",
+        "be made, 2 bad input, 3 a run, proof or derivation stopped before its end, 70 an "
+        "unexpected error, 130 interrupted, 128 + n ended by signal n.",
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
-    for command in COMMANDS:
-        command.add(commands)
+    for name, (module, line) in COMMANDS.items():
+        command = commands.add_parser(name, help=line)
+        if only in (None, name):
+            getattr(import_module(module), f"configure_{name}")(command)
     return parser

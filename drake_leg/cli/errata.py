@@ -9,8 +9,6 @@ import shutil
 import textwrap
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import Commands
-
 if TYPE_CHECKING:
     from drake_leg.errata import Erratum
 
@@ -18,13 +16,11 @@ WIDEST = 100  # columns
 INDENT = 13  # columns before the text
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "errata",
-        help="list what the reports print wrongly",
-        description="List the reports' errors: what is printed, what is right, and what the error "
-        "does, in numbers computed now.",
+def configure_errata(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "List the reports' errors: what is printed, what is right, and what the error "
+        "does, in numbers computed now."
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(command=_errata)

@@ -6,19 +6,15 @@ import argparse
 import json
 from pathlib import Path
 
-from drake_leg.cli.common import Commands
 
-
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "inspect",
-        help="list what a Simulink model holds",
-        description="List the blocks of a Simulink model with their settings in SI, its wires, "
+def configure_inspect(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "List the blocks of a Simulink model with their settings in SI, its wires, "
         "physical connections, MATLAB functions and solver. No MATLAB is needed, and nothing in "
-        "the file is executed.",
+        "the file is executed."
     )
-    parser.add_argument("model", type=Path, metavar="MODEL.slx", help="file that Simulink saved")
+    parser.add_argument("model", type=Path, metavar="MODEL.slx", help="file saved by Simulink")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(command=_inspect)
 

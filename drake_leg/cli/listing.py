@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from drake_leg.cli.common import Commands
 from drake_leg.runs.catalogue import RUNS
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser("list", help="list the runs", description="List the runs.")
+def configure_list(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = "List the runs."
     parser.set_defaults(command=_list)
 
 

@@ -1,4 +1,4 @@
-"""Pictures: each is tried on its own, and one that fails costs nothing but itself."""
+"""Pictures: each is tried on its own, and if one fails, nothing else is lost."""
 
 from __future__ import annotations
 
@@ -10,18 +10,12 @@ from contextlib import contextmanager
 from drake_leg.cli.common import remark
 from drake_leg.errors import DrakeLegError, PictureError
 
-PLACES = "DRAKE_LEG_TRACEBACK"  # environment variable: show where an unforeseen error came from
+PLACES = "DRAKE_LEG_TRACEBACK"  # environment variable: print the traceback of unexpected errors
 
 
 @contextmanager
 def picture(what: str) -> Iterator[None]:
-    """Make one sentence of whatever keeps a picture from being made.
-
-    Raises
-    ------
-    PictureError
-        In place of an error that nobody foresaw.
-    """
+    """Make one sentence of whatever goes wrong with a picture."""
     try:
         yield
     except DrakeLegError:
@@ -32,20 +26,14 @@ def picture(what: str) -> Iterator[None]:
 
 
 class Pictures:
-    """Pictures tried one after the other.
-
-    Attributes
-    ----------
-    failures : list of PictureError
-        What kept some of them from being made.
-    """
+    """Pictures that are tried one after the other; ``failures`` has the errors."""
 
     def __init__(self) -> None:
         self.failures: list[PictureError] = []
 
     @contextmanager
     def trying(self, what: str) -> Iterator[None]:
-        """Try one, and remember what keeps it from being made."""
+        """Try to make one, and keep the error if it fails."""
         try:
             yield
         except Exception as error:
@@ -53,12 +41,12 @@ class Pictures:
             self.failures.append(PictureError(what, error))
 
     def say_failures(self) -> None:
-        """Say in a sentence each what kept pictures from being made."""
+        """Print the errors."""
         for failure in self.failures:
             remark(failure)
 
 
 def show_place() -> None:
-    """Show where the error being handled came from, to who asks for it."""
+    """Print where the error comes from, if the environment asks for it."""
     if PLACES in os.environ:
         traceback.print_exc()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Sequence
 
 from drake_leg.cli.common import numbers
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.state_targets import starting_posture
-from drake_leg.robot import Robot
+from drake_leg.robot import Robot, Segment
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import PendulumOptions, ScaraOptions, StepOptions
 
@@ -21,47 +22,33 @@ def add_posture(parser: argparse.ArgumentParser) -> None:
 
 
 def posture(name: str, robot: Robot, text: str | None) -> list[float]:
-    """Read the posture that was asked for, or choose one.
+    """Read the posture that was asked for, or choose one [rad or m].
 
-    Parameters
-    ----------
-    name : str
-        Of the robot, as on the command line.
-    text : str or None
-        ``90,-50,-90``.
-
-    Returns
-    -------
-    (m,) list of float
-        [rad or m].
-
-    Raises
-    ------
-    InvalidValueError
-        If there is another count of numbers, or one is not finite.
+    ``name`` is the robot's on the command line, ``text`` as in ``90,-50,-90``.
     """
     if text is None:
         reports = _reports_posture(name)
         return list(starting_posture(robot)) if reports is None else reports
-    values = numbers("--q", text)
-    if len(values) != len(robot.moving):
+    return joint_positions(robot, numbers("--q", text))
+
+
+def joint_positions(
+    robot: Robot, values: Sequence[float], *, moving: Sequence[Segment] = ()
+) -> list[float]:
+    """Convert degrees where a joint turns, of all joints or of these [rad or m]."""
+    moving = moving or robot.moving
+    if len(values) != len(moving):
         raise InvalidValueError(
             f"--q has {len(values)} numbers; {robot.name} has {len(robot.moving)} joint positions"
         )
     return [
         math.radians(value) if segment.row.joint == "revolute" else value
-        for value, segment in zip(values, robot.moving, strict=True)
+        for value, segment in zip(values, moving, strict=True)
     ]
 
 
 def as_option(robot: Robot, q: list[float]) -> str:
-    """Write a posture as the option takes it.
-
-    Parameters
-    ----------
-    q : (m,) list of float
-        [rad or m].
-    """
+    """Write a posture [rad or m] as the option takes it."""
     return ",".join(
         f"{math.degrees(value) if segment.row.joint == 'revolute' else value:.6g}"
         for value, segment in zip(q, robot.moving, strict=True)
@@ -69,7 +56,7 @@ def as_option(robot: Robot, q: list[float]) -> str:
 
 
 def _reports_posture(name: str) -> list[float] | None:
-    """Return where the runs of the reports' robots start."""
+    """Return where the run of a report's robot starts [rad or m]."""
     if name not in RUNS:
         return None
     options = RUNS[name].options()

@@ -5,21 +5,19 @@ from __future__ import annotations
 import argparse
 import sys
 
-from drake_leg.cli.common import BAD_INPUT, FAILED, Commands, add_output, fail, remark
+from drake_leg.cli.common import BAD_INPUT, FAILED, add_output, fail, remark
 from drake_leg.cli.shows import say_if_sketched
 from drake_leg.files import ResultsFolder
 from drake_leg.imports import require_matplotlib
 from drake_leg.progress import ProgressBar
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "report",
-        help="reproduce the figures and tables of both reports on one page",
-        description="Reproduce every figure, table and equation of both reports: report.html "
-        "with everything on one page, the errata where they belong, and beside it the figures as "
-        "PNG, SVG and PDF, named after the reports, and the motions in 3D, which the page plays.",
+def configure_report(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Reproduce every figure, table and equation of both reports: report.html "
+        "has everything on one page, with the errata where they belong; beside it are the figures "
+        "as PNG, SVG and PDF, named as in the reports, and the 3D replays that the page plays."
     )
     add_output(parser)
     parser.set_defaults(command=_report)

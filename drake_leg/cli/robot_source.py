@@ -7,21 +7,24 @@ import difflib
 from dataclasses import dataclass
 from pathlib import Path
 
-from drake_leg.cli.common import ROBOT_NAMES
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.robot import Robot
-from drake_leg.robot_file import read_robot, robot_toml
 from drake_leg.robot_file.document import Document, parse_document
+from drake_leg.robot_file.read import read_robot
+from drake_leg.robot_file.write import robot_toml
+from drake_leg.robots import ROBOTS
+
+ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
 
 
 @dataclass(frozen=True, kw_only=True)
 class RobotSource:
-    """A robot as text, not yet read."""
+    """The text of a robot, not yet read."""
 
     text: str  # TOML
-    origin: str  # what an SDF says that it is generated from
-    where: str  # beginning of every sentence about it
+    origin: str  # what an SDF file of it says that it was generated from
+    where: str  # how errors about it begin
 
     def document(self) -> Document:
         """Return its nested tables."""
@@ -44,18 +47,7 @@ def add_robot_source(parser: argparse.ArgumentParser) -> None:
 
 
 def robot_source(name: str) -> RobotSource:
-    """Find a robot's text.
-
-    Parameters
-    ----------
-    name : str
-        As on the command line.
-
-    Raises
-    ------
-    InvalidValueError
-        If it is neither a robot's name nor a file that can be read.
-    """
+    """Find the text of a robot by its name, or in its file."""
     if name in ROBOT_NAMES:
         text = robot_toml(ROBOT_NAMES[name])
         return RobotSource(text=text, origin="drake_leg.robots", where=name)

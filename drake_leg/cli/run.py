@@ -12,7 +12,6 @@ from drake_leg.cli.common import (
     FAILED,
     INTERRUPTED,
     STOPPED_EARLY,
-    Commands,
     add_output,
     fail,
     remark,
@@ -30,15 +29,15 @@ if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "run",
-        help="carry out one run",
-        description="Carry out one run and write recording.csv (its rows are the integrator's "
-        "own steps, at most 40 ms apart), summary.json and figures (PNG, SVG and PDF) into DIR.",
-        epilog="Lists are written with commas: --q0 -90,50,90. An option that a run does not "
-        "have is refused.",
+def configure_run(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Carry out one run and write recording.csv (its rows are the integrator's "
+        "own steps, at most 40 ms apart), summary.json and figures (PNG, SVG and PDF) into DIR."
+    )
+    parser.epilog = (
+        "Lists are written with commas: --q0 -90,50,90. An option that a run does not "
+        "have is refused."
     )
     parser.add_argument(
         "name",

@@ -1,4 +1,4 @@
-"""What a run can be told on the command line: its name, its options, a file of them."""
+"""A run on the command line: its name, its options, a file of them."""
 
 from __future__ import annotations
 
@@ -8,17 +8,12 @@ import typing
 from pathlib import Path
 from typing import Any
 
+from drake_leg.cli.advice import as_options
 from drake_leg.cli.common import numbers
-from drake_leg.cli.config_file import options_from_file
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import InvalidValueError
-from drake_leg.runs.catalogue import RUNS, STEP, Progress, RunKind, Start, run_kind
-from drake_leg.runs.options import RunOptions, StraightOptions
-
-if typing.TYPE_CHECKING:
-    from pydrake.systems.framework import Diagram
-
-    from drake_leg.runs.outcome import Outcome
+from drake_leg.runs.catalogue import RUNS, OwnRobot, RunKind, run_kind
+from drake_leg.runs.options import RunOptions
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -28,9 +23,9 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="YAML file whose keys are these options, with underscores and in the same units; "
-        "options on the command line win over it",
+        "options on the command line override it",
     )
-    group = parser.add_argument_group("what a run can be told")
+    group = parser.add_argument_group("options of runs")
     for option, fields in _fields_by_name().items():
         first = next(iter(fields.values()))
         unit = first.metadata["unit"]
@@ -40,63 +35,28 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         group.add_argument(
             f"--{option.replace('_', '-')}",
             default=argparse.SUPPRESS,
-            help=f"{first.metadata['help']}{f' [{unit}]' if unit else ''} "
-            f"({_defaults_text(fields)})".replace("%", "%%"),
+            help=as_options(
+                f"{first.metadata['help']}{f' [{unit}]' if unit else ''} ({_defaults_text(fields)})"
+            ).replace("%", "%%"),
             **takes,
         )
 
 
 def kind_of(name: str) -> RunKind:
-    """Look a run up; a robot from a file makes the straight step.
-
-    Parameters
-    ----------
-    name : str
-        As on the command line.
-
-    Raises
-    ------
-    InvalidValueError
-        If there is no such run, or the file describes no robot.
-    """
+    """Look up a run by its name; a robot from a file makes the straight step."""
     if not name.lower().endswith(".toml"):
         return run_kind(name)
     robot = robot_source(name).robot()
-
-    def step(options: StraightOptions, progress: Progress | None = None) -> Outcome:
-        from drake_leg.runs.leg import run_robot
-
-        return run_robot(robot, options, progress)
-
-    def diagram(options: StraightOptions) -> tuple[Diagram, Start]:
-        from drake_leg.runs.leg_setup import straight_diagram
-
-        return straight_diagram(robot, options)
-
-    return RunKind(
-        title=robot.title,
-        motion=STEP,
-        shows="",
-        options=StraightOptions,
-        run=step,
-        diagram=diagram,
-        robot=lambda _options: robot,
-    )
+    return OwnRobot(title=robot.title, own=robot)
 
 
 def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
-    """Put the options together: defaults, then the file's, then the command line's.
+    """Combine the options: defaults, then the file's, then the command line's."""
+    options = kind.options()
+    if chosen.config:
+        from drake_leg.cli.config_file import options_from_file
 
-    Raises
-    ------
-    InvalidValueError
-        If an option means nothing to the run, or its value makes no sense.
-    """
-    options = (
-        options_from_file(kind.options, chosen.name, chosen.config)
-        if chosen.config
-        else kind.options()
-    )
+        options = options_from_file(kind.options, chosen.name, chosen.config)
     known = {field.name: field for field in dataclasses.fields(kind.options)}
     given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
     for name in given:
@@ -134,7 +94,7 @@ def _shown(value: object) -> str:
 
 
 def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
-    """Say the default, for each run where they differ, and which runs have the option."""
+    """Write the default, for each run if they differ, and which runs have the option."""
     runs_of: dict[str, list[str]] = {}
     for name, field in fields.items():
         text = field.metadata["shown"] or _shown(_default_of(field))

@@ -6,20 +6,18 @@ import argparse
 import sys
 from pathlib import Path
 
-from drake_leg.cli.common import Commands, refuse_ignored
+from drake_leg.cli.common import refuse_ignored
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "sdf",
-        help="write a robot as SDF, or as TOML",
-        description="Print a robot's SDF for Drake or Gazebo, or write it to a file. With --toml "
-        "the robot as TOML instead: a beginning for one of your own.",
+def configure_sdf(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Print a robot's SDF for Drake or Gazebo, or write it to a file. With --toml, "
+        "write the robot as TOML instead, to start one of your own."
     )
     add_robot_source(parser)
-    parser.add_argument("--toml", action="store_true", help="TOML instead of SDF")
+    parser.add_argument("--toml", action="store_true", help="write TOML instead of SDF")
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="file to write, .sdf or .toml (default: print)"
     )
@@ -28,15 +26,14 @@ def add(commands: Commands) -> None:
 
 
 def _sdf(chosen: argparse.Namespace) -> int:
-    from drake_leg.check.rows import table_of_document
-    from drake_leg.check.sizes import lint_sizes
-    from drake_leg.check.table import lint_table
     from drake_leg.files import write_text
+    from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
+    from drake_leg.lab.grader.tables import table_of_document
     from drake_leg.models.sdf import sdf_text
-    from drake_leg.robot_file import robot_toml
+    from drake_leg.robot_file.write import robot_toml
 
     if chosen.out is None:
-        refuse_ignored({"--overwrite": chosen.overwrite}, "goes with --out")
+        refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --out")
     source = robot_source(chosen.robot)
     robot = source.robot()
     for finding in (*lint_table(table_of_document(source.document())), *lint_sizes(robot)):

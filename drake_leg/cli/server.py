@@ -1,4 +1,4 @@
-"""What the commands share that open a page in a browser."""
+"""What commands share that open a page in a browser."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drake_leg.cli.common import numbers
 from drake_leg.errors import InvalidValueError
 
 if TYPE_CHECKING:
-    from drake_leg.scene.live.server import Server
+    from drake_leg.scene.server import Server
 
 
 HOST = "localhost"
@@ -27,18 +27,12 @@ def add_server(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--no-browser", action="store_true", help="do not open a browser")
     parser.add_argument(
-        "--once", action="store_true", help="end at once, without a browser: a trial"
+        "--once", action="store_true", help="end at once, without a browser, to try it"
     )
 
 
 def server_options(chosen: argparse.Namespace) -> dict[str, bool]:
-    """Tell which of the options were given.
-
-    Parameters
-    ----------
-    chosen : Namespace
-        With the options of ``add_server``.
-    """
+    """Tell which of the options were given."""
     return {
         "--host": chosen.host is not None,
         "--port": chosen.port is not None,
@@ -48,39 +42,18 @@ def server_options(chosen: argparse.Namespace) -> dict[str, bool]:
 
 
 LEAVING = (
-    "Escape in the page, or Ctrl-C here, ends it: the posture is printed as --q takes it, and "
+    "Escape in the page, or Ctrl-C here, ends it. Then the posture is printed, as for --q, and "
     "the exit status is 0."
 )
 
 
 def start_server(chosen: argparse.Namespace, shows: str) -> Server:
-    """Begin to listen, say where, and open a browser.
-
-    Parameters
-    ----------
-    chosen : Namespace
-        With the options of ``add_server``.
-    shows : str
-        What is to be seen.
-
-    Returns
-    -------
-    Server
-        Which does not yet serve.
-
-    Raises
-    ------
-    InvalidValueError
-        If the port is no whole number.
-    ServerError
-        If it cannot listen there.
-    """
-    from drake_leg.scene.live.browser import open_browser
-    from drake_leg.scene.live.server import Server
+    """Listen, print where, and open a browser; the server does not serve yet."""
+    from drake_leg.scene.server import Server, open_browser
 
     server = Server(HOST if chosen.host is None else chosen.host, _port(chosen.port))
     print(f"{shows}: {server.url}", flush=True)
-    print("Escape in the page or Ctrl-C here ends", flush=True)
+    print("Press Escape in the page or Ctrl-C here to end", flush=True)
     if not (chosen.once or chosen.no_browser or open_browser(server.url)):
         print(
             f"drake-leg: no browser was found; open {server.url} in one",

@@ -1,4 +1,4 @@
-"""What shows a run's motion: a page that replays it, a video, still pictures."""
+"""What shows a run's motion: a page that replays it, a video, stills."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from drake_leg.cli.advice import place_given_by
+from drake_leg.cli.advice import as_options, place_given_by
 from drake_leg.cli.common import remark
 from drake_leg.cli.pictures import Pictures
 from drake_leg.errors import OutputError
@@ -17,27 +17,17 @@ from drake_leg.files import ResultsFolder
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
-    from drake_leg.scene.motion import Motion
+    from drake_leg.scene.scene import PlantMotion
 
 ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}
 
 
 def stop_note(summary: Mapping[str, Any]) -> str | None:
-    """Say why a run stopped before its end.
-
-    Parameters
-    ----------
-    summary : mapping
-        As in ``summary.json``, or less.
-
-    Returns
-    -------
-    str or None
-        None where it did not, or nothing is known of it.
-    """
+    """Say why a run stopped before its end, from what ``summary.json`` says, if it did."""
     reason, at = summary.get("stop_reason"), summary.get("stopped_at_s")
     if not isinstance(reason, str):
         return None
+    reason = as_options(reason)
     return f"stopped at {at:.4g} s: {reason}" if isinstance(at, float) else f"stopped: {reason}"
 
 
@@ -55,8 +45,8 @@ def add_shows(parser: argparse.ArgumentParser) -> None:
 
 
 def say_if_sketched() -> None:
-    """Say on the standard error why matplotlib drew what VTK could not render."""
-    from drake_leg.scene.stills import sketching
+    """Print why matplotlib drew what VTK could not render, if it did."""
+    from drake_leg.scene.images import sketching
 
     sentence = sketching()
     if sentence is not None:
@@ -65,7 +55,7 @@ def say_if_sketched() -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Shows:
-    """What was asked for beside the folder of results."""
+    """What was asked for besides the folder of results."""
 
     replay: Path | None
     video: Path | None
@@ -74,7 +64,7 @@ class Shows:
 
     @classmethod
     def of(cls, chosen: argparse.Namespace) -> Self:
-        """Read it off the command line."""
+        """Read it from the command line."""
         return cls(
             replay=chosen.replay,
             video=chosen.video,
@@ -83,15 +73,9 @@ class Shows:
         )
 
     def check(self) -> None:
-        """Refuse files that cannot be made, before any work is done for them.
-
-        Raises
-        ------
-        DrakeLegError
-            As ``scene.files.check_show`` does.
-        """
+        """Refuse files that cannot be made, before any work is done for them."""
         for option, path in self._files().items():
-            from drake_leg.scene.files import check_show
+            from drake_leg.scene.replay import check_show
 
             if path.suffix.lower() not in ENDINGS[option]:
                 endings = " or ".join(ENDINGS[option])
@@ -104,24 +88,21 @@ class Shows:
     ) -> list[Path]:
         """Write stills into the folder of results, page and video beside it.
 
-        Returns
-        -------
-        list of Path
-            Of page and video, as far as they could be made.
+        Returns the paths of those of the page and the video that could be made.
         """
         made = []
 
         @cache
-        def motion() -> Motion:
-            from drake_leg.scene.motion import recorded_motion
+        def motion() -> PlantMotion:
+            from drake_leg.scene.scene import motion_of
 
-            return recorded_motion(outcome.robot, outcome.recording)
+            return motion_of(outcome.robot, outcome.recording)
 
         if self.stills:
             self._write_stills(motion, folder, pictures)
         for option, path in self._files().items():
             with pictures.trying(f"the {option} {path}"), place_given_by(f"--{option}"):
-                from drake_leg.scene.files import write_show
+                from drake_leg.scene.replay import write_show
 
                 write_show(
                     path,
@@ -134,16 +115,15 @@ class Shows:
         return made
 
     def _write_stills(
-        self, motion: Callable[[], Motion], folder: ResultsFolder, pictures: Pictures
+        self, motion: Callable[[], PlantMotion], folder: ResultsFolder, pictures: Pictures
     ) -> None:
         from drake_leg.scene.views import VIEWS
 
         for view in VIEWS.values():
             with pictures.trying(f"the still {view.name}"), folder.more() as scratch:
-                from drake_leg.scene.stills import write_stills
+                from drake_leg.scene.images import write_stills
 
-                shown = motion()
-                write_stills(scratch, shown.robot, shown.q[0], views=[view], motion=shown)
+                write_stills(scratch, motion(), views=[view])
 
     def _files(self) -> dict[str, Path]:
         given = {"replay": self.replay, "video": self.video}

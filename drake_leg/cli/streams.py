@@ -1,4 +1,4 @@
-"""The terminal's streams: a reader that has gone away changes nothing."""
+"""The terminal's streams: if its reader has gone, the program goes on."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
 
-class _Patient(io.FileIO):
-    """Writes; goes on in silence when nobody reads any longer, and after it has failed once."""
+class _Tolerant(io.FileIO):
+    """Writes, and stops writing without an error when the reader has gone."""
 
-    _deaf = False
+    _closed_pipe = False
 
     def write(self, data: ReadableBuffer) -> int:
-        """Write, or let the rest of what is said be lost."""
-        if self._deaf:
+        """Write, or drop the rest of the output."""
+        if self._closed_pipe:
             return memoryview(data).nbytes
         try:
             return super().write(data)
         except BrokenPipeError:
-            self._deaf = True
+            self._closed_pipe = True
             return memoryview(data).nbytes
         except OSError:
-            self._deaf = True
+            self._closed_pipe = True
             raise
 
 
 @contextmanager
-def patient_streams() -> Iterator[None]:
-    """Let a closed pipe be no error, and write what the terminal cannot show as escapes."""
+def tolerant_streams() -> Iterator[None]:
+    """Tolerate a closed pipe, and write what the terminal cannot show as escapes."""
     before = sys.stdout, sys.stderr
-    sys.stdout, sys.stderr = _patient(sys.stdout), _patient(sys.stderr)
+    sys.stdout, sys.stderr = _tolerant(sys.stdout), _tolerant(sys.stderr)
     try:
         yield
     finally:
@@ -46,8 +46,8 @@ def patient_streams() -> Iterator[None]:
         sys.stdout, sys.stderr = before
 
 
-def _patient(stream: TextIO) -> TextIO:
-    """Replace a stream that ends in a file, a pipe or a terminal."""
+def _tolerant(stream: TextIO) -> TextIO:
+    """Replace a stream that writes to a file, a pipe or a terminal."""
     if not isinstance(stream, io.TextIOWrapper):
         return stream
     stream.reconfigure(errors="backslashreplace")
@@ -56,7 +56,7 @@ def _patient(stream: TextIO) -> TextIO:
         return stream
     with suppress(OSError):
         stream.flush()
-    end = _Patient(stream.fileno(), "w", closefd=False)
+    end = _Tolerant(stream.fileno(), "w", closefd=False)
     return io.TextIOWrapper(
         io.BufferedWriter(end) if buffered else end,
         encoding=stream.encoding,

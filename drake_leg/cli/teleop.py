@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.common import Commands
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.cli.server import LEAVING, add_server, start_server
@@ -14,7 +13,7 @@ from drake_leg.robot import Robot
 from drake_leg.runs.options import TASK
 
 if TYPE_CHECKING:
-    from drake_leg.teleop.control import Step
+    from drake_leg.scene.driven_foot import Step
 
 KEYS = (
     "keys in the page, held: A D along x, S W along y, F R along z; space halts, "
@@ -23,33 +22,31 @@ KEYS = (
 IDLE = "the guard is idle"
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "teleop",
-        help="drive a leg's foot by hand, in real time",
-        description="Open a robot in the browser, in Meshcat, and drive its foot: "
-        "sliders set its velocity along x, y, z, buttons or the keys A D, S W, F R drive it while "
-        "they are held, the space bar halts. It halts, too, when the page is left or not heard. "
-        "A leg's section of reach is shown, the smallest singular value too; near a singularity a "
-        "guard slows the foot and stops it (green, orange, red), and lets it go back. What it does "
-        "is said in the terminal, too. A robot with fewer joints goes where they let it; the "
-        "page says along what.",
-        epilog=LEAVING,
+def configure_teleop(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Open a robot in the browser, in Meshcat, and drive its foot: "
+        "sliders set its velocity along x, y, z; buttons or the keys A D, S W, F R drive it while "
+        "they are held; the space bar halts. It also halts when the page is left or loses its "
+        "connection. The page shows a section of a leg's workspace and the smallest singular "
+        "value; near a singularity a guard slows the foot and stops it (green, orange, red), and "
+        "lets it go back. The terminal also shows what the guard does. A foot with fewer than "
+        "three joints moves only along some directions, which the page names."
     )
+    parser.epilog = LEAVING
     add_robot_source(parser)
     add_posture(parser)
     parser.add_argument(
         "--task",
         metavar="TEXT",
-        help=f"{TASK} (default pose where the joints can keep it, otherwise position)",
+        help=f"{TASK} (default pose if the joints can hold it, otherwise position)",
     )
     add_server(parser)
     parser.set_defaults(command=_teleop)
 
 
 def _teleop(chosen: argparse.Namespace) -> int:
-    from drake_leg.teleop.session import drive_robot
+    from drake_leg.scene.teleop import drive_robot
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
@@ -66,19 +63,21 @@ def _teleop(chosen: argparse.Namespace) -> int:
 
 def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
     """Describe where the robot starts, or refuse a singular posture."""
-    from drake_leg.teleop.control import at_rest, drive_of, singular_words
+    from drake_leg.scene.driven_foot import DrivenFoot
+    from drake_leg.singularity.families import singular_words
 
-    drive = drive_of(robot, keep)
+    drive = DrivenFoot(robot, keep)
     try:
-        return at_rest(drive, q)
+        return drive.at_rest(q)
     except SingularConfigurationError as error:
+        where = singular_words(drive.moved.geometry, q, "")
         raise SingularConfigurationError(
             q=error.q,
             sigma_min=error.sigma_min,
-            problem=f"at --q {as_option(robot, q)} {singular_words(drive, q, '')}: from this "
+            problem=f"at --q {as_option(robot, q)} {where}: from this "
             "singular posture the foot cannot be driven",
             advice="choose another `q`"
-            + (", or `task='position'`" if drive.task.keeps_orientation else ""),
+            + (", or `task='position'`" if drive.moved.keeps_orientation else ""),
         ) from None
 
 

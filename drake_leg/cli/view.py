@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from drake_leg.cli.advice import place_given_by
-from drake_leg.cli.common import Commands, refuse_ignored
+from drake_leg.cli.common import refuse_ignored
 from drake_leg.cli.pictures import picture
 from drake_leg.cli.posture import add_posture, as_option, posture
 from drake_leg.cli.robot_source import add_robot_source, robot_source
@@ -15,16 +15,14 @@ from drake_leg.cli.shows import say_if_sketched
 from drake_leg.imports import require_pillow
 
 
-def add(commands: Commands) -> None:
-    """Add the command."""
-    parser = commands.add_parser(
-        "view",
-        help="look at a robot in 3D, its joints on sliders",
-        description="Open a robot in the browser, in Meshcat: the frames of its table (x red, y "
+def configure_view(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Open a robot in the browser, in Meshcat: the frames of its table (x red, y "
         "green, z blue), a slider and a box for every joint, the trace of its tip, and the "
-        "reports' views. Or write one picture, without a browser, with --still.",
-        epilog=LEAVING,
+        "reports' views. Or write one picture, without a browser, with --still."
     )
+    parser.epilog = LEAVING
     add_robot_source(parser)
     add_posture(parser)
     add_server(parser)
@@ -51,16 +49,16 @@ def _view(chosen: argparse.Namespace) -> int:
     if chosen.still is not None:
         refuse_ignored(server_options(chosen), "means nothing with --still, which opens no page")
         return _still(chosen)
-    refuse_ignored({"--overwrite": chosen.overwrite}, "goes with --still")
+    refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --still")
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
-    from drake_leg.scene.viewer import view_robot
-    from drake_leg.scene.views import view_named
+    from drake_leg.scene.viewer import view_served
+    from drake_leg.scene.views import as_view
 
-    view = view_named(chosen.view)
+    view = as_view(chosen.view)
     try:
         with start_server(chosen, robot.title) as server:
-            left_at = view_robot(robot, q, server, view=view, once=chosen.once)
+            left_at = view_served(robot, q, server, view=view, once=chosen.once)
     except KeyboardInterrupt:
         return 0
     print(f"the sliders were left at --q {as_option(robot, left_at.tolist())}")
@@ -69,19 +67,19 @@ def _view(chosen: argparse.Namespace) -> int:
 
 def _still(chosen: argparse.Namespace) -> int:
     from drake_leg.files import whole_file
-    from drake_leg.scene.stills import still_png
-    from drake_leg.scene.views import view_named
+    from drake_leg.scene.images import still
+    from drake_leg.scene.views import as_view
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
-    view = view_named(chosen.view)
+    view = as_view(chosen.view)
     require_pillow()
     with (
         picture(f"the still {chosen.still}"),
         place_given_by("--still"),
         whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch,
     ):
-        scratch.write_bytes(still_png(robot, q, view=view))
+        scratch.write_bytes(still(robot, q, view=view).png)
     print(f"wrote {chosen.still}")
     say_if_sketched()
     return 0

@@ -15,94 +15,37 @@ SAME = 1e-12  # [m], and of a rotation matrix: what is nearer coincides
 
 
 def number_text(value: float) -> str:
-    """Write a number with four digits.
-
-    Returns
-    -------
-    str
-        With a true minus sign.
-    """
+    """Write a number with four digits and a true minus sign."""
     return f"{value:.4g}".replace("-", "−")
 
 
 def values_text(values: Iterable[float]) -> str:
-    """Write one number; many different ones only by how many they are.
-
-    Returns
-    -------
-    str
-        ``0.5``, ``[3]``.
-    """
+    """Write one number, or how many different ones there are: ``0.5``, ``[3]``."""
     shown = [number_text(value) for value in values]
     return shown[0] if len(set(shown)) == 1 else f"[{len(shown)}]"
 
 
 def gravity_words(gravity: Sequence[float]) -> tuple[str, ...]:
-    """Write a vector of gravity.
-
-    Parameters
-    ----------
-    gravity : (3,)
-        [m/s^2].
-    """
+    """Write a vector of gravity (3,) [m/s^2]."""
     gx, gy, gz = gravity
     text = f"gravity {gx:g}, {gy:g}, {gz:.7g} m/s²".replace("-", "−")
     return wrapped(text, CAPTION_WIDTH + 10.0)
 
 
 def mass_words(mass: float) -> str:
-    """Write a mass.
-
-    Parameters
-    ----------
-    mass : float
-        [kg].
-
-    Returns
-    -------
-    str
-        In grams, from 1 kg on in kilograms.
-    """
+    """Write a mass [kg] in grams, from 1 kg on in kilograms."""
     return f"{mass:.4g} kg" if mass >= 1.0 else f"{1e3 * mass:.4g} g"
 
 
 def damping_words(damping: float, *, turning: bool) -> tuple[str, ...]:
-    """Say how a joint is damped.
-
-    Parameters
-    ----------
-    damping : float
-        [N*m*s/rad] of a turning joint, [N*s/m] of a sliding one.
-    turning : bool
-        Which of them it is.
-
-    Returns
-    -------
-    tuple of str
-        Line by line; none without damping.
-    """
+    """Say how a joint is damped, turning [N*m*s/rad] or sliding [N*s/m]; no lines without."""
     if damping <= 0.0:
         return ()
     return f"damping {damping:.4g}", "N·m·s/rad" if turning else "N·s/m"
 
 
 def spring_words(stiffness: float, rest: float, *, turning: bool) -> tuple[str, ...]:
-    """Say what spring a joint has.
-
-    Parameters
-    ----------
-    stiffness : float
-        [N*m/rad] of a turning joint, [N/m] of a sliding one.
-    rest : float
-        Where it does not pull: [rad] or [m].
-    turning : bool
-        Which of them it is.
-
-    Returns
-    -------
-    tuple of str
-        Line by line; none without a spring.
-    """
+    """Say what spring a joint has, [N*m/rad] and [rad] or [N/m] and [m]; no lines without."""
     if stiffness <= 0.0:
         return ()
     if turning:
@@ -111,18 +54,7 @@ def spring_words(stiffness: float, rest: float, *, turning: bool) -> tuple[str, 
 
 
 def transform_words(X_AB: RigidTransform) -> list[str]:
-    """Say what a transform does: translation in the old axes, then rotation.
-
-    Parameters
-    ----------
-    X_AB : RigidTransform
-        From the new frame B to the old frame A.
-
-    Returns
-    -------
-    list of str
-        Line by line; empty where it does nothing.
-    """
+    """Say what a transform does: translation in the old axes, then rotation; none, no lines."""
     words: list[str] = []
     for axis, value in zip("xyz", X_AB.translation(), strict=True):
         if abs(value) > SAME:

@@ -1,4 +1,4 @@
-"""Which column every block stands in, and which columns a net passes: layers and lanes.
+"""Which column every block is in, and which columns a net passes: layers and lanes.
 
 After Sugiyama, Tagawa and Toda, "Methods for visual understanding of hierarchical system
 structures", 1981, with nets instead of single edges. A wire that runs against the flow passes
@@ -52,15 +52,7 @@ class Columns:
 def columns_of(picture: Picture) -> Columns:
     """Put every block into a column and lay lanes for the nets that pass columns.
 
-    Parameters
-    ----------
-    picture : Picture
-        What is to be drawn.
-
-    Returns
-    -------
-    Columns
-        Every wire goes from left to right, but for those that close a loop.
+    Every wire goes from left to right, except those that close a loop.
     """
     column = _layers(picture)
     spots = [Spot(column=c, block=block) for block, c in enumerate(column)]

@@ -16,7 +16,7 @@ from drake_leg.drawings.picture import Block, Picture
 from drake_leg.drawings.sizes import LABELLED
 from drake_leg.drawings.svg import SMALL, Point, document, element, text_at
 from drake_leg.drawings.text import text_width
-from drake_leg.text_file import write_text
+from drake_leg.files import write_text
 
 MARGIN = 18.0  # [px]
 HEADING = 15.0  # [px], size of a title
@@ -47,17 +47,9 @@ class Drawing:
 
 
 def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
-    """Lay pictures out and draw them, one below the other.
+    """Lay pictures out and draw them, one below the other; the same bytes for the same pictures.
 
-    Parameters
-    ----------
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    Drawing
-        The same bytes for the same pictures.
+    ``background`` is white or dark as the reader's system is, always white, or none.
     """
     layouts = tuple(map(lay_out_parts, pictures))
     parts = []

@@ -1,4 +1,4 @@
-"""What is drawn inside of every kind of block."""
+"""What is drawn inside every kind of block."""
 
 from __future__ import annotations
 
@@ -14,13 +14,7 @@ Glyph = Callable[[Block, Box], str]
 
 
 def draw_block(block: Block, box: Box) -> str:
-    """Draw a block without its caption and its wires.
-
-    Parameters
-    ----------
-    block : Block
-        With a known glyph.
-    """
+    """Draw a block without its caption and its wires."""
     return GLYPHS[block.glyph](block, box)
 
 

@@ -1,4 +1,4 @@
-"""How high everything stands: the least bent wires, by a linear programme.
+"""How high everything is: the least bent wires, by a linear programme.
 
 After Gansner, Koutsofios, North and Vo, "A technique for drawing directed graphs", 1993,
 section 4: bends are charged by their height, so that most wires become straight. Ports of bars
@@ -57,14 +57,7 @@ def heights_of(
 ) -> Heights:
     """Place blocks, lanes and ports.
 
-    Parameters
-    ----------
-    columns : Columns
-        Of the same picture.
-    order : Order
-        From the top to the bottom.
-    apart : iterable of (End, End, float)
-        Ends of which the first must be lower than the second by so much [px].
+    Of each pair of ends in ``apart`` the first must be lower by so much than the second [px].
     """
     return _Programme(picture, columns, order).solve(apart)
 

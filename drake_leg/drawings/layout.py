@@ -56,13 +56,7 @@ class Layout:
 
 
 def lay_out(picture: Picture) -> Layout:
-    """Lay a picture out, from left to right.
-
-    Returns
-    -------
-    Layout
-        The same for the same picture.
-    """
+    """Lay a picture out, from left to right; the same for the same picture."""
     columns = columns_of(picture)
     order = order_of(picture, columns)
     heights, lanes = _without_overlaps(picture, columns, order)

@@ -83,12 +83,10 @@ def block_diagram(
 def diagram_picture(
     diagram: Diagram, *, title: str, scopes: bool = True, accelerations: bool = True
 ) -> Picture:
-    """Read a diagram's own blocks and wires.
+    """Read a diagram's own blocks and wires, not yet laid out.
 
-    Returns
-    -------
-    Picture
-        Not yet laid out.
+    Without ``scopes`` the logs are left out; without ``accelerations`` the wires to inputs ``a``
+    and ``qddot``, and what only they need.
     """
     systems = {system.get_name(): system for system in diagram.GetSystems()}
     shown = wires(diagram)
@@ -154,7 +152,7 @@ def _start(system: System, glyph: str) -> tuple[str, ...]:
 
 
 def _text(system: System, glyph: str, kind: str) -> tuple[str, ...]:
-    """Return what stands inside: a value, or what the block computes."""
+    """The text inside: a value, or what the block computes."""
     if glyph == "constant":
         context = system.CreateDefaultContext()
         return (values_text(system.get_source_value(context).value()),)
@@ -172,7 +170,7 @@ def _text(system: System, glyph: str, kind: str) -> tuple[str, ...]:
 
 
 def _response(system: Gain) -> Sequence[float]:
-    """Return a gain's output where its inputs are 1."""
+    """A gain's output for inputs of 1."""
     context = system.CreateDefaultContext()
     port = system.get_input_port()
     port.FixValue(context, [1.0] * port.size())

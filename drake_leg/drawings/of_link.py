@@ -5,52 +5,21 @@ from __future__ import annotations
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
-from drake_leg.colours import Background
 from drake_leg.drawings.chain import Chain, connection_of, solid_of
-from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Picture
 from drake_leg.errors import InvalidValueError
 from drake_leg.names import PLACES, place_name
 
 
-def link_diagram(
-    plant: MultibodyPlant,
-    link: str,
-    *,
-    title: str,
-    shape: str = "solid",
-    background: Background = "auto",
-) -> Drawing:
-    """Draw one link: its frames at its base, its centre of gravity and its end, and its solid.
-
-    Parameters
-    ----------
-    plant : MultibodyPlant
-        Finalised, with the frames that ``models.sdf`` writes.
-    link : str
-        Name of its body.
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
-
-    References
-    ----------
-    Report B, figure 5: the thigh subsystem.
-    """
-    return draw(link_picture(plant, link, title=title, shape=shape), background=background)
-
-
 def link_picture(plant: MultibodyPlant, link: str, *, title: str, shape: str = "solid") -> Picture:
-    """Read one link of a plant.
+    """Read one link of a plant with the frames that ``models.sdf`` writes; not yet laid out.
 
-    Returns
-    -------
-    Picture
-        Not yet laid out.
+    Its frames are at its base, its centre of gravity and its end: report B, figure 5, the thigh.
 
     Raises
     ------
     InvalidValueError
-        If the plant has no such link, or the link has no frames at its base, centre and end.
+        If the plant has no such link, or the link has no such frames.
     """
     names = [place_name(link, place) for place in PLACES]
     if not plant.HasBodyNamed(link) or not all(map(plant.HasFrameNamed, names)):

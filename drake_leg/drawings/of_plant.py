@@ -14,7 +14,6 @@ from pydrake.multibody.tree import (
     RigidBody,
 )
 
-from drake_leg.colours import Background
 from drake_leg.drawings.captions import (
     CAPTION_WIDTH,
     SAME,
@@ -23,33 +22,9 @@ from drake_leg.drawings.captions import (
     spring_words,
 )
 from drake_leg.drawings.chain import Chain, Output, solid_of
-from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.picture import Block, Picture
 from drake_leg.drawings.text import wrapped
 from drake_leg.names import frame_name
-
-
-def mechanism_diagram(
-    plant: MultibodyPlant,
-    *,
-    title: str,
-    shapes: Mapping[str, str] | None = None,
-    sensed: str | None = None,
-    background: Background = "auto",
-) -> Drawing:
-    """Draw the bodies and joints of a plant, from the world outwards.
-
-    Parameters
-    ----------
-    shapes : mapping, optional
-        Body to "brick", "cylinder" or "sphere"; other solids are boxes.
-    sensed : str, optional
-        A frame that a 6-DOF joint watches from the world.
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
-    """
-    picture = mechanism_picture(plant, title=title, shapes=shapes, sensed=sensed)
-    return draw(picture, background=background)
 
 
 def mechanism_picture(
@@ -59,18 +34,16 @@ def mechanism_picture(
     shapes: Mapping[str, str] | None = None,
     sensed: str | None = None,
 ) -> Picture:
-    """Read the bodies and joints of a plant.
+    """Read the bodies and joints of a plant, from the world outwards; not yet laid out.
 
-    Returns
-    -------
-    Picture
-        Not yet laid out.
+    ``shapes`` has the bodies' shapes: brick, cylinder or sphere; other solids are boxes.
+    ``sensed`` is a frame that a 6-DOF joint watches from the world.
     """
     return _Mechanism(plant, shapes or {}, sensed).picture(title)
 
 
 class _Mechanism:
-    """The tree of a plant's bodies, hung on the world."""
+    """The tree of a plant's bodies, from the world outwards."""
 
     def __init__(
         self, plant: MultibodyPlant, shapes: Mapping[str, str], sensed: str | None
@@ -101,7 +74,7 @@ class _Mechanism:
         return self.chain.picture(title)
 
     def _body(self, body: RigidBody, frame: Output, X_BF: RigidTransform, *, fixed: bool) -> None:
-        """Hang on a frame of a body its solid, and everything that its joints carry."""
+        """Attach to a frame of a body its solid, and everything that its joints carry."""
         chain = self.chain
         self._label(body, frame, X_BF)
         X_BS = self._sensed_place(body)
@@ -138,7 +111,7 @@ class _Mechanism:
             index += 1
 
     def _sensed_place(self, body: RigidBody) -> RigidTransform | None:
-        """Return the pose of the sensed frame in its body; None in others."""
+        """The pose of the sensed frame in its body; None in other bodies."""
         if self.sensed is None or self.sensed.body().index() != body.index():
             return None
         return self.sensed.GetFixedPoseInBodyFrame()

@@ -25,16 +25,10 @@ def run_pictures(
     scopes: bool = True,
     accelerations: bool = True,
 ) -> tuple[Picture, ...]:
-    """Read the pictures of what a run simulates.
+    """Read the pictures of what a run simulates: signals, mechanism, all (both), or a link's.
 
-    Parameters
-    ----------
-    robot : Robot, optional
-        What the plant was built from: it tells the shapes of the solids, boxes without it.
-    part : str
-        "signals", "mechanism", "all" (both), or the name of a link.
-    scopes, accelerations : bool
-        Whether the logs are drawn, and what only accelerations need.
+    ``robot`` is what the plant was built from: it tells the shapes of the solids, which are boxes
+    without it.
 
     Raises
     ------

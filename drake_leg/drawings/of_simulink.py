@@ -15,18 +15,10 @@ MOST_BLOCKS = 300  # in one picture; more take minutes to lay out, and nobody ca
 
 
 def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Picture, ...]:
-    """Read the pictures of a Simulink model.
+    """Read the pictures of a Simulink model; subsystems are opened, Goto and From become wires.
 
-    Parameters
-    ----------
-    model : Model
-        As read from its file; subsystems are opened, Goto and From become wires.
-
-    Returns
-    -------
-    tuple of Picture
-        For ``drawing.draw``; those of the two parts that the model has. A joint or a sensor that
-        signals reach or leave is in both, every other block in one.
+    There is one for each part that the model has. A joint or a sensor that signals reach or leave
+    is in both, every other block in one.
 
     Raises
     ------
@@ -60,6 +52,6 @@ def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Pictur
 def _require_drawable(picture: Picture, part: str) -> None:
     if len(picture.blocks) > MOST_BLOCKS:
         raise InvalidValueError(
-            f"its {part} would be a picture of {len(picture.blocks)} blocks, of which at most "
+            f"the picture of its {part} would have {len(picture.blocks)} blocks; at most "
             f"{MOST_BLOCKS} can be drawn: save one of its subsystems as a model and draw that"
         )

@@ -9,7 +9,7 @@ from typing import TypeVar
 from drake_leg.drawings.columns import Columns, End, Track
 from drake_leg.drawings.picture import Picture
 
-# In crossings. A loop's lane stands below the blocks where that costs nothing.
+# In crossings. A loop's lane is below the blocks where that costs nothing.
 ABOVE_A_BLOCK = 0.15
 DISORDER = 0.01  # of blocks against the order in which the diagram lists them
 SWEEPS = 8
@@ -33,15 +33,8 @@ class Order:
 def order_of(picture: Picture, columns: Columns) -> Order:
     """Order blocks, lanes and loose ports so that few wires cross.
 
-    Barycentres first, then every spot is tried at every other place of its column, until nothing
+    Barycentres first; then every spot is tried at every other place of its column, until nothing
     gets better.
-
-    Parameters
-    ----------
-    picture : Picture
-        Its blocks say which ports are loose.
-    columns : Columns
-        Of the same picture.
     """
     sides = [
         (range(len(picture.blocks[s.block].inputs)), range(len(picture.blocks[s.block].outputs)))

@@ -1,4 +1,4 @@
-"""A picture whose parts no wire joins: each is laid out by itself, and they stand in rows."""
+"""A picture of parts that no wire joins: each is laid out by itself, and they form rows."""
 
 from __future__ import annotations
 
@@ -15,13 +15,7 @@ BETWEEN = 36.0  # [px], two parts
 
 
 def lay_out_parts(picture: Picture) -> Layout:
-    """Lay a picture out part by part, and put the parts into rows, in their order.
-
-    Returns
-    -------
-    Layout
-        That of ``lay_out`` where wires join everything.
-    """
+    """Lay a picture out part by part, and put the parts into rows, in their order."""
     parts = _parts(picture)
     if len(parts) < 2:
         return lay_out(picture)
@@ -43,7 +37,7 @@ def _parts(picture: Picture) -> list[list[int]]:
 
 
 def _part(picture: Picture, blocks: Sequence[int]) -> Picture:
-    """Return a part as a picture of its own."""
+    """Make a part a picture of its own."""
     place = {block: index for index, block in enumerate(blocks)}
     return Picture(
         title=picture.title,

@@ -12,17 +12,7 @@ RADIUS = 5.0  # [px], of a corner
 
 
 def simplified(points: Sequence[Point]) -> tuple[Point, ...]:
-    """Leave out the points in the middle of straight pieces.
-
-    Parameters
-    ----------
-    points : sequence of (x, y)
-        Corners, and points between them.
-
-    Returns
-    -------
-    tuple of (x, y)
-    """
+    """Leave out the points in the middle of straight pieces."""
     kept: list[Point] = []
     for point in points:
         if kept and math.dist(kept[-1], point) < 1e-6:
@@ -40,26 +30,16 @@ def _turn(a: Point, b: Point, c: Point) -> float:
 def divergence(
     points: tuple[Point, ...], earlier: Sequence[tuple[Point, ...]]
 ) -> tuple[Point, ...]:
-    """Return the part of a line that none of the earlier lines has; all begin at one point.
+    """The part of a line that none of the earlier lines has, from the branch to the end.
 
-    Parameters
-    ----------
-    points : tuple of (x, y)
-        Simplified.
-    earlier : sequence of tuples of (x, y)
-        Simplified.
-
-    Returns
-    -------
-    tuple of (x, y)
-        From the branch to the end.
+    All lines are simplified and begin at one point.
     """
     rests = [_rest(points, other) for other in earlier]
     return min(rests, key=length, default=points)
 
 
 def length(points: Sequence[Point]) -> float:
-    """Return the length of a line [px]."""
+    """Length of a line [px]."""
     return sum(math.dist(a, b) for a, b in pairwise(points))
 
 
@@ -83,14 +63,9 @@ def _step(start: Point, end: Point) -> tuple[int, int, float]:
 
 
 def rounded(points: Sequence[Point], sharp: Collection[Point] = ()) -> str:
-    """Write a line as the data of an SVG path.
+    """Write a simplified line as the data of an SVG path.
 
-    Parameters
-    ----------
-    points : sequence of (x, y)
-        Simplified.
-    sharp : collection of (x, y)
-        Corners that are not rounded, because another line begins there.
+    ``sharp`` corners are not rounded, because another line begins there.
     """
     parts = [f"M{_at(points[0])}"]
     for before, corner, after in zip(points, points[1:], points[2:], strict=False):

@@ -20,7 +20,7 @@ class Block:
     inputs: tuple[str, ...] = ()  # labels of the ports, "" for a port without one
     outputs: tuple[str, ...] = ()
     physical: bool = False  # drawn as Simscape's blocks are
-    loose: bool = False  # whether its ports may stand in any order: they are labelled
+    loose: bool = False  # whether its ports may be in any order: they are labelled
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""In which order the nets' vertical lines stand in a channel between two columns."""
+"""The order of the nets' vertical lines in a channel between two columns."""
 
 from __future__ import annotations
 
@@ -48,14 +48,10 @@ def trunks_of(tracks: Sequence[Track], heights: Mapping[End, float]) -> list[Tru
 
 
 def lanes_of(trunks: Sequence[Trunk]) -> tuple[dict[int, int], list[tuple[Trunk, Trunk]]]:
-    """Give every vertical line of a channel its lane.
+    """Find the lane of every vertical line of a channel, and pairs that cannot be kept apart.
 
-    Returns
-    -------
-    dict
-        Net to lane, counted from the left; straight nets have none.
-    list of (Trunk, Trunk)
-        Pairs of which the first would lie on the second, whichever way they are ordered.
+    Lanes, by net, are counted from the left; straight nets have none. Of a pair, the first would
+    lie on the second whichever way they are ordered.
     """
     bent = sorted((t for t in trunks if not t.straight), key=lambda t: t.track.net)
     order = _ordered(bent)
@@ -97,7 +93,7 @@ def _cost(order: Sequence[Trunk]) -> float:
 
 
 def _crossings(a: Trunk, b: Trunk) -> int:
-    """Count crossings where ``a`` stands left of ``b``."""
+    """Count crossings where ``a`` is left of ``b``."""
     return sum(a.low < y < a.high for y in b.left) + sum(b.low < y < b.high for y in a.right)
 
 

@@ -24,33 +24,17 @@ _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 def pretty(name: str) -> str:
-    """Write a port's name as a person does.
-
-    Parameters
-    ----------
-    name : str
-        Of a port: ``qdot``.
-
-    Returns
-    -------
-    str
-        Empty for a port that has only a number.
-    """
+    """Write a port's name as a person does; empty for a port that has only a number."""
     if _NAMELESS.fullmatch(name):
         return ""
     return _PRETTY.get(name, name.replace("_", " "))
 
 
 def signal_names(systems: Mapping[str, System], shown: Sequence[Wire]) -> dict[End, str]:
-    """Name the signals that leave nameless ports.
+    """Name the signals that leave nameless ports: output to name.
 
-    A signal is called as the input that it feeds; one that a Mux joins, or a Demux takes apart,
-    as the whole, with a number.
-
-    Returns
-    -------
-    dict
-        Output to name; without the outputs whose own name is written in their block.
+    A signal is called after the input that it feeds; one that a Mux joins, or a Demux takes apart,
+    after the whole, with a number.
     """
     named: dict[End, str] = {}
     for wire in shown:

@@ -34,7 +34,7 @@ GLYPHS = JOINT_GLYPHS | {
     TO_SIGNAL: "converter",
 }
 
-# Parameters that stand inside, and what stands inside of other blocks.
+# Parameters that are written inside, and the text inside other blocks.
 _VALUES = {
     "Constant": "Value",
     "Fcn": "Expr",
@@ -56,21 +56,10 @@ _SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 def signal_block(
     block: Block, *, name: str, inputs: Sequence[str], outputs: Sequence[str], script: str
 ) -> Drawn:
-    """Draw a block of the signals.
+    """Draw a block of the signals, with the parameters that tell most.
 
-    Parameters
-    ----------
-    name : str
-        Unique in its picture.
-    inputs, outputs : sequence of str
-        Its ports that are wired, as ``SID#in:1``.
-    script : str
-        Code of a MATLAB Function block; "" of another one.
-
-    Returns
-    -------
-    Block
-        With the parameters that tell most.
+    ``inputs`` and ``outputs`` are its ports that are wired, as ``SID#in:1``; ``script`` is the code
+    of a MATLAB Function block.
     """
     glyph = GLYPHS.get(block.kind, "box")
     function = _function(script)
@@ -120,7 +109,7 @@ def _label(port: str, labels: Sequence[str]) -> str:
 
 
 def _text(block: Block, glyph: str, function: Program | None) -> tuple[str, ...]:
-    """Return what stands inside: a value, or what the block computes."""
+    """The text inside: a value, or what the block computes."""
     if block.kind in _VALUES:
         return (value_text(block.parameters.get(_VALUES[block.kind])),)
     if function is not None:

@@ -40,21 +40,10 @@ _INSIDE = {"Mechanism Configuration": ("g ↓",), "Solver Configuration": ("f(x)
 
 
 def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> Drawn:
-    """Draw a mechanical block.
+    """Draw a mechanical block: its name, its kind where nothing else tells it, its parameters.
 
-    Parameters
-    ----------
-    name : str
-        Unique in its picture.
-    turned : bool
-        Whether its follower is on the left, towards the world.
-    senses : bool
-        Whether signals leave or reach it.
-
-    Returns
-    -------
-    Block
-        With its name, its kind where nothing else tells it, and its parameters.
+    ``turned`` tells whether its follower is on the left, towards the world; ``senses`` whether
+    signals leave or reach it.
 
     Raises
     ------

@@ -13,33 +13,14 @@ _MOST_LINES = 3
 
 
 def unique_names(model: Model) -> dict[str, str]:
-    """Name every block otherwise than all others.
-
-    Returns
-    -------
-    dict
-        SID to the block's path; with the SID where two blocks have the same path.
-    """
+    """Name every block, by its SID, after its path; with the SID if two paths are the same."""
     paths = block_paths(model)
     count = Counter(paths.values())
     return {sid: path if count[path] == 1 else f"{path} (SID {sid})" for sid, path in paths.items()}
 
 
 def name_lines(name: str, width: float) -> tuple[str, ...]:
-    """Write a block's own name in a few lines.
-
-    Parameters
-    ----------
-    name : str
-        As the file has it.
-    width : float
-        That a line should not exceed [px].
-
-    Returns
-    -------
-    tuple of str
-        What does not fit is cut off.
-    """
+    """Write a block's own name in at most three lines; what does not fit is cut off."""
     lines = wrapped(printable(name), width)
     if len(lines) > _MOST_LINES:
         lines = (*lines[: _MOST_LINES - 1], f"{lines[_MOST_LINES - 1]} …")
@@ -47,12 +28,6 @@ def name_lines(name: str, width: float) -> tuple[str, ...]:
 
 
 def cut(text: str) -> str:
-    """Cut a long line of text off.
-
-    Returns
-    -------
-    str
-        At most 24 characters, all of which can be printed.
-    """
+    """Cut a line of text off after 24 characters, and leave out what cannot be printed."""
     text = printable(text)
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"

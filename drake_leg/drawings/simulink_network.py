@@ -50,13 +50,7 @@ def network_of(model: Model) -> Network:
 
 
 def ports_by_block(ports: Iterable[str]) -> dict[str, list[str]]:
-    """Gather ports by their blocks.
-
-    Returns
-    -------
-    dict
-        SID to its ports, by their sides and their numbers.
-    """
+    """Gather ports by the SIDs of their blocks, in the order of sides and numbers."""
     found: dict[str, list[str]] = {}
     for port in sorted(ports, key=lambda port: split_port(port)[1:]):
         found.setdefault(split_port(port)[0], []).append(port)
@@ -79,7 +73,7 @@ def _has_signal(port: str, blocks: Mapping[str, Block]) -> bool:
 
 
 def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
-    """Whether a signal comes out of a port: right ports do so, but for converters."""
+    """Whether a signal comes out of a port: right ports do so, except a converter's."""
     sid, side, _ = split_port(port)
     kind = blocks[sid].kind
     return kind == TO_PHYSICAL or (side == "rconn" and kind != TO_SIGNAL)

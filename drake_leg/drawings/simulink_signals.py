@@ -27,15 +27,7 @@ def signals_picture(
 ) -> Picture:
     """Draw the signals of a model, and the joints and sensors that they drive or come from.
 
-    Parameters
-    ----------
-    names : mapping
-        SID to unique name.
-
-    Returns
-    -------
-    Picture
-        Not yet laid out; without blocks where the model has no signals.
+    A model without signals has a picture without blocks.
     """
     lines = _lines(model, network)
     inputs = ports_by_block(port for line in lines for port in line.targets)
@@ -45,7 +37,7 @@ def signals_picture(
         for block in model.blocks
         if block.sid not in network.mechanical or block.sid in network.sensed
     ]
-    blocks.sort(key=lambda block: block.sid not in outputs)  # so that scopes stand below
+    blocks.sort(key=lambda block: block.sid not in outputs)  # so that scopes are below
     scripts = {function.sid: function.script for function in model.functions}
     drawn = (
         signal_block(

@@ -9,7 +9,7 @@ from drake_leg.drawings.svg import SMALL
 from drake_leg.drawings.text import LINE, text_width
 
 PORT_PITCH = 17.0  # [px], between ports of one side
-LABELLED = ("box", "plant", "sum")  # whose ports' labels stand inside
+LABELLED = ("box", "plant", "sum")  # whose ports' labels are inside
 PORT_PAD = 12.0  # [px], from the first and last port to the block's edge
 
 
@@ -49,21 +49,6 @@ class Box:
         """The centre."""
         return self.x + self.width / 2, self.y + self.height / 2
 
-    def overlaps(self, other: Box, margin: float = 0.0) -> bool:
-        """Tell whether two rectangles have more than an edge in common.
-
-        Parameters
-        ----------
-        margin : float
-            How near is near enough [px].
-        """
-        return (
-            self.x < other.right + margin
-            and other.x < self.right + margin
-            and self.y < other.bottom + margin
-            and other.y < self.bottom + margin
-        )
-
 
 @dataclass(frozen=True)
 class Size:
@@ -72,17 +57,11 @@ class Size:
     width: float  # [px]
     height: float  # [px], at least
     elastic: bool = False  # whether it may be higher
-    centred: bool = True  # whether a lone port stands at half its height
+    centred: bool = True  # whether a single port is at half its height
 
 
 def size_of(block: Block) -> Size:
-    """Return the size of a block.
-
-    Parameters
-    ----------
-    block : Block
-        With a known glyph.
-    """
+    """How much room a block needs."""
     sides = [ports for ports in (block.inputs, block.outputs) if ports]
     ports = 2 * PORT_PAD + PORT_PITCH * (max(map(len, sides), default=1) - 1)
     if block.glyph in ("mux", "demux"):

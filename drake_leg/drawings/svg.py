@@ -15,7 +15,7 @@ Point = tuple[float, float]
 
 _FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
 
-# Blue against black and grey is told apart by every kind of colour-blind eyes; the mechanical
+# Every kind of colour-blind eyes can tell blue from black and grey; the mechanical
 # blocks' lines are thicker, too.
 _LIGHT = {
     "paper": "#ffffff",
@@ -42,14 +42,9 @@ _DARK = {
 def element(
     tag: str, content: str | None = None, *, classes: str = "", **attributes: object
 ) -> str:
-    """Write one element.
+    """Write one element; ``content`` is SVG already.
 
-    Parameters
-    ----------
-    content : str, optional
-        What is inside, already SVG.
-    **attributes : object
-        Numbers are rounded to a tenth; an underscore stands for a hyphen.
+    Numbers are rounded to a tenth; an underscore in an attribute's name stands for a hyphen.
     """
     words = [tag, f"class={quoteattr(classes)}"] if classes else [tag]
     for name, value in attributes.items():
@@ -84,19 +79,7 @@ def text_at(
     anchor: Literal["start", "middle", "end"] = "middle",
     classes: str = "",
 ) -> str:
-    """Write one line of text.
-
-    Parameters
-    ----------
-    x, y : float
-        Where [px].
-    baseline : float
-        How far below y the text stands [px].
-    size : float
-        Of the font [px].
-    anchor : {"start", "middle", "end"}
-        Which part of the text is at x.
-    """
+    """Write one line of text, ``baseline`` below y [px]; ``anchor`` tells which part is at x."""
     sized = {"font_size": size} if size != SIZE else {}
     return element(
         "text", escape(text), classes=classes, x=x, y=y + baseline, text_anchor=anchor, **sized
@@ -112,16 +95,9 @@ def document(
     height: float,
     background: Background,
 ) -> str:
-    """Wrap drawn elements into a document of its own.
+    """Wrap drawn elements into a document; title and description are for those who do not see.
 
-    Parameters
-    ----------
-    title, description : str
-        For those who read and do not see.
-    width, height : float
-        [px].
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
+    ``background`` is white or dark as the reader's system is, always white, or none.
     """
     root = "drake-leg-drawing" if background == "auto" else "drake-leg-drawing-light"
     paper = element("rect", classes="paper", width=width, height=height)

@@ -5,25 +5,14 @@ from __future__ import annotations
 import re
 import unicodedata
 
-SIZE = 11.0  # [px], of captions, labels, and what stands inside blocks
+SIZE = 11.0  # [px], of captions, labels, and texts inside blocks
 LINE = 13.0  # [px], from line to line
 
 _NARROW, _WIDE = set("fijlrtI.,:;'|!()[]/- ·"), set("mwMW@%")
 
 
 def text_width(text: str, size: float = SIZE) -> float:
-    """Estimate the width of a line in a sans-serif font.
-
-    Parameters
-    ----------
-    size : float
-        Of the font [px].
-
-    Returns
-    -------
-    float
-        [px], rather too much than too little.
-    """
+    """Estimate the width of a line in a sans-serif font [px], rather too much than too little."""
     return sum(map(_advance, text)) * size
 
 
@@ -38,13 +27,7 @@ def _advance(character: str) -> float:
 
 
 def wrapped(text: str, width: float) -> tuple[str, ...]:
-    """Break text between words into lines.
-
-    Parameters
-    ----------
-    width : float
-        That a line should not exceed [px]; a longer word stands alone.
-    """
+    """Break text between words into lines of a width [px]; a longer word stands alone."""
     lines: list[str] = []
     for word in text.split():
         if lines and text_width(f"{lines[-1]} {word}") <= width:

@@ -1,27 +1,37 @@
-"""All errata, through both reports."""
+"""All errata, through both reports; SymPy is imported only when they are listed."""
 
 from __future__ import annotations
 
-from drake_leg.errata.erratum import Erratum
-from drake_leg.errata.headings import headings_errata
-from drake_leg.errata.leg_a import leg_a_errata
-from drake_leg.errata.leg_b import leg_b_errata
-from drake_leg.errata.pendulum import pendulum_errata
-from drake_leg.errata.scara import scara_errata
+import tomllib
+from importlib.resources import files
+
+from drake_leg.errata.erratum import Effects, Erratum, filled
+from drake_leg.symbolic.optional import require_sympy
 
 
 def errata() -> tuple[Erratum, ...]:
     """List what the reports print wrongly, by number.
 
-    Returns
-    -------
-    tuple of Erratum
-        Numbered from 1; their effects computed now, at the robots' and the runs' own numbers.
+    Their effects are computed now, at the robots' and the runs' own numbers.
 
-    References
-    ----------
-    Report A, chapters 1 and 2; report B, experiments 1 and 2.
+    Raises
+    ------
+    MissingSymPyError
+        If SymPy is not installed.
     """
-    subjects = (pendulum_errata, leg_a_errata, scara_errata, leg_b_errata, headings_errata)
-    found = (erratum for subject in subjects for erratum in subject())
-    return tuple(sorted(found, key=lambda erratum: erratum.number))
+    effects = _effects()
+    text = (files(__package__) / "errata.toml").read_text(encoding="utf-8")
+    found = []
+    for entry in tomllib.loads(text)["erratum"]:
+        values = effects[entry["number"]]() if entry["number"] in effects else {}
+        for part in ("printed", "right", "effect"):
+            entry[part] = filled(entry[part], values)
+        found.append(Erratum(**entry))
+    return tuple(found)
+
+
+def _effects() -> Effects:
+    require_sympy("the list of errata")
+    from drake_leg.errata import leg_a, leg_b, pendulum, scara
+
+    return {**pendulum.EFFECTS, **leg_a.EFFECTS, **scara.EFFECTS, **leg_b.EFFECTS}

@@ -1,13 +1,16 @@
-"""The errata of report B's leg, and of its simulation."""
+"""What the errata of report B's leg, and of its simulation, do."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import sympy as sp
 
-from drake_leg.errata.erratum import Erratum, angles, number, vector
+from drake_leg.errata.erratum import Effects, Values, angles
+from drake_leg.errata.postures import FORWARDS, MM, far_end, feet
 from drake_leg.errata.printed import (
     J12_PRINTED,
     J12_RIGHT,
@@ -20,156 +23,37 @@ from drake_leg.errata.printed import (
     rotation_defect,
     shown,
 )
-from drake_leg.errata.step import FORWARDS, MM, far_end
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, leg_task
-from drake_leg.kinematics.leg_inverse import inverse_kinematics
-from drake_leg.kinematics.paths import CommandedMotion, straight_path
-from drake_leg.kinematics.singularity import examine
+from drake_leg.kinematics.leg import (
+    LegGeometry,
+    MovableLeg,
+    foot_jacobian,
+    foot_position,
+    inverse_kinematics,
+)
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_B
 from drake_leg.runs.options import LegBOptions
+from drake_leg.singularity.rank import examine
 from drake_leg.symbolic.chain import evaluate
 from drake_leg.symbolic.notation import text
 
-SOURCE = "Report B"
 GEOMETRY = LegGeometry.from_robot(LEG_B)
 GAIN = 10.0  # "a constant factor of 10"
-
-
-def leg_b_errata() -> tuple[Erratum, ...]:
-    """List the errata of report B's leg.
-
-    Returns
-    -------
-    tuple of Erratum
-        Numbers 17 to 25, and 38.
-
-    References
-    ----------
-    Report B, experiment 2 and chapter 3.
-    """
-    return (*_of_the_matrices(), *_of_the_simulation())
-
-
-def _of_the_matrices() -> tuple[Erratum, ...]:
-    printed, right = leg_b_matrices().printed, leg_b_matrices().right
-    return (
-        Erratum(
-            number=17,
-            source=SOURCE,
-            where="table 2.2, rows 2–4",
-            printed=f"frame, σ, d, α, r, θ = {shown(LEG_B_TABLE_PRINTED[1:])}",
-            right=f"frame, σ, d, α, r, θ = {shown(LEG_B_TABLE_RIGHT[1:])}",
-            effect=_shifted_table(),
-        ),
-        Erratum(
-            number=18,
-            source=SOURCE,
-            where="section 2.3, T12",
-            printed=shown(printed["T12"]),
-            right=shown(right["T12"]),
-            effect=f"Classic and modified DH are mixed. {_no_rotation('T12')}",
-        ),
-        Erratum(
-            number=19,
-            source=SOURCE,
-            where="section 2.3, T34",
-            printed=shown(printed["T34"]),
-            right=shown(right["T34"]),
-            effect=_no_rotation("T34"),
-        ),
-        Erratum(
-            number=20,
-            source=SOURCE,
-            where="sections 2.4 and 2.5.1, T04",
-            printed=_rows(printed["T04"], SIGMAS_PRINTED),
-            right=_rows(right["T04"], SIGMAS_RIGHT),
-            effect=_wrong_pose(),
-        ),
-        Erratum(
-            number=21,
-            source=SOURCE,
-            where="section 2.5.2, J",
-            printed=f"in the list j12 = {text(J12_PRINTED)}; in the matrix "
-            + _rows(printed["J"], SIGMAS_PRINTED),
-            right=f"in the list j12 = {text(J12_RIGHT)}; in the matrix "
-            + _rows(right["J"], SIGMAS_RIGHT),
-            effect=_wrong_jacobian(),
-        ),
-        Erratum(
-            number=38,
-            source=SOURCE,
-            where="heading of section 2.4",
-            printed="“Homogeneous Transform Matrix for First Two DOF [0-3]”",
-            right="Three DOF [0–4], as the matrix under it, T04, says",
-            effect=_three_joints(),
-        ),
-    )
-
-
-def _of_the_simulation() -> tuple[Erratum, ...]:
-    return (
-        Erratum(
-            number=22,
-            source=SOURCE,
-            where="section 3.6, figure 10",
-            printed="“align with each other with the same amplitude”; “maintaining a constant "
-            "factor of 10”",
-            right="One of the two: J J⁻¹ = 1, so that a factor of 10 takes a gain block in the "
-            "diagram",
-            effect=_gain(),
-        ),
-        Erratum(
-            number=23,
-            source=SOURCE,
-            where="section 3.5, figure 9",
-            printed="“Figure 9: Foot Position”; “The graph demonstrates the path followed by the "
-            "foot”",
-            right="Figure 9: Foot velocity; the graph shows how fast the foot goes along each axis",
-            effect="No number is wrong; figures 8 and 9 have one caption and one description, and "
-            "a reader takes a velocity for a position.",
-        ),
-        Erratum(
-            number=24,
-            source=SOURCE,
-            where="section 3.6",
-            printed="“These commands has desired positions to control the leg's motion”",
-            right="The commands are velocities, which J⁻¹ turns into joint rates",
-            effect=_velocity_command(),
-        ),
-        Erratum(
-            number=25,
-            source=SOURCE,
-            where="section 3.8, against 3.7",
-            printed="“the input velocity and position are synchronized with the output velocity”",
-            right="Input and velocity are synchronised; the position is a quarter period behind "
-            "them, as section 3.7 says",
-            effect=_phase(),
-        ),
-    )
-
-
-def _rows(matrix: sp.Matrix, sigmas: dict[sp.Symbol, sp.Expr]) -> str:
-    """Show the rows in which a matrix is wrong, and the abbreviations in them."""
-    rows = matrix[:2, :]
-    used = {sigma: value for sigma, value in sigmas.items() if rows.has(sigma)}
-    where = ", ".join(f"{sigma} = {text(value)}" for sigma, value in used.items())
-    return f"first rows {shown(rows)} where {where}"
-
-
-def _values(q: Array) -> dict[str, float]:
-    """Return the values of the report's symbols [rad, mm]."""
-    lengths = {"L1": MM * GEOMETRY.l1, "L2": MM * GEOMETRY.l2, "L3": MM * GEOMETRY.l3}
-    return angle_values(q.tolist()) | lengths
 
 
 def _start() -> Array:
     return np.array(LegBOptions().posture())
 
 
-def _shifted_table() -> str:
+def _values(q: Array) -> dict[str, float]:
+    """The report's symbols [rad, mm]."""
+    lengths = {"L1": MM * GEOMETRY.l1, "L2": MM * GEOMETRY.l2, "L3": MM * GEOMETRY.l3}
+    return angle_values(q.tolist()) | lengths
+
+
+def _shifted_table() -> Values:
     """Read the printed table by its headings: lengths as joint types, an angle as a length."""
     literal = (
         Row(joint="revolute"),
@@ -177,113 +61,131 @@ def _shifted_table() -> str:
         Row(joint="revolute"),
         Row(joint="fixed"),
     )
-    ranks = [examine(jacobian(rows, _start())[3:]).rank for rows in (literal, LEG_B.rows)]
-    return (
-        "Read by its headings, a length is a joint's type and 90° a length, and all α are 0: the "
-        f"three axes are parallel, two of them go through the foot, and the rank is {ranks[0]} "
-        f"instead of {ranks[1]}."
-    )
+    wrong, true = (examine(jacobian(rows, _start())[3:]).rank for rows in (literal, LEG_B.rows))
+    return {
+        "printed": shown(LEG_B_TABLE_PRINTED[1:]),
+        "right": shown(LEG_B_TABLE_RIGHT[1:]),
+        "wrong": wrong,
+        "true": true,
+    }
 
 
-def _no_rotation(name: str) -> str:
-    q = _start()
-    determinant, deviation = rotation_defect(leg_b_matrices().value(name, _values(q)))
-    foot = leg_b_matrices().product(_values(q), name)[:3, 3]
-    away = math.dist(foot, MM * foot_position(GEOMETRY, q))
-    return (
-        f"It is no rotation: its determinant is {number(determinant)}, and R'R differs from 1 by "
-        f"up to {number(deviation)}. At θ = {angles(q)} it puts the foot {number(away)} mm "
-        "from its place."
-    )
+def _no_rotation(name: str) -> Values:
+    q, matrices = _start(), leg_b_matrices()
+    determinant, deviation = rotation_defect(matrices.value(name, _values(q)))
+    foot = matrices.product(_values(q), name)[:3, 3]
+    return {
+        "printed": shown(matrices.printed[name]),
+        "right": shown(matrices.right[name]),
+        "determinant": determinant,
+        "deviation": deviation,
+        "q": angles(q),
+        "away": math.dist(foot, MM * foot_position(GEOMETRY, q)),
+    }
 
 
-def _wrong_pose() -> str:
+def _first_rows(name: str) -> Values:
+    """Show the rows in which a matrix is wrong, and the abbreviations in them."""
+    matrices, found = leg_b_matrices(), {}
+    for kind, sigmas in (("printed", SIGMAS_PRINTED), ("right", SIGMAS_RIGHT)):
+        rows = getattr(matrices, kind)[name][:2, :]
+        used = (f"{sigma} = {text(value)}" for sigma, value in sigmas.items() if rows.has(sigma))
+        found |= {kind: shown(rows), f"{kind}_sigmas": ", ".join(used)}
+    return found
+
+
+def _wrong_pose() -> Values:
     q = _start()
     printed = leg_b_matrices().value("T04", _values(q))
-    determinant, _ = rotation_defect(printed)
-    return (
-        f"At θ = {angles(q)} it has the foot at {vector(printed[:3, 3])} mm instead of "
-        f"{vector(MM * foot_position(GEOMETRY, q))} mm, and its upper left is no rotation: its "
-        f"determinant is {number(determinant, 2)}."
-    )
+    return {
+        **_first_rows("T04"),
+        "q": angles(q),
+        "wrong": printed[:3, 3],
+        "true": MM * foot_position(GEOMETRY, q),
+        "determinant": rotation_defect(printed)[0],
+    }
 
 
-def _wrong_jacobian() -> str:
+def _wrong_jacobian() -> Values:
     start, end = _start(), far_end(GEOMETRY, LegBOptions())
     printed = leg_b_matrices().printed["J"].subs(SIGMAS_PRINTED)
     listed = sp.Matrix(printed)
     listed[0, 1] = J12_PRINTED
-    first, second, third = (
-        f"{vector(_sent(J, q), 2)} mm/s"
-        for J, q in ((printed, start), (printed, end), (listed, end))
-    )
-    return (
-        f"Told to go (1, 0, 0) mm/s through this matrix, the foot goes {first} at "
-        f"θ = {angles(start)} and {second} at θ = {angles(end)}; there, with the j12 of the list, "
-        f"{third}."
-    )
+
+    def sent(J_printed: sp.Matrix, q: Array) -> Array:
+        """Velocity of a foot that is told to go forwards through a printed Jacobian."""
+        rates = np.linalg.solve(evaluate(J_printed, _values(q)), FORWARDS)
+        return MM * foot_jacobian(GEOMETRY, q) @ rates
+
+    return {
+        **_first_rows("J"),
+        "printed_j12": text(J12_PRINTED),
+        "right_j12": text(J12_RIGHT),
+        "start": angles(start),
+        "end": angles(end),
+        "first": sent(printed, start),
+        "second": sent(printed, end),
+        "third": sent(listed, end),
+    }
 
 
-def _sent(printed: sp.Matrix, q: Array) -> Array:
-    """Return the velocity of a foot that is told to go forwards through a printed Jacobian."""
-    rates = np.linalg.solve(evaluate(printed, _values(q)), FORWARDS)
-    return MM * foot_jacobian(GEOMETRY, q) @ rates
+def _headings() -> Values:
+    """Take every d of the table along the x axis that its θ has turned already."""
+    q = LegBOptions().posture()
+    before = [0.0, *(row.d for row in LEG_B.rows)]
+    literal = [replace(row, d=d) for row, d in zip(LEG_B.rows, before, strict=False)]
+    literal.append(Row(joint="fixed", d=before[-1]))
+    return {"q": angles(q), **feet(literal, LEG_B.rows, q)}
 
 
-def _three_joints() -> str:
+def _three_joints() -> Values:
     rank = examine(foot_jacobian(GEOMETRY, _start())).rank
-    return (
-        "The heading is that of section 1.4. This matrix leads from the base through all three "
-        f"joints to the foot, whose Jacobian has rank {rank} at θ = {angles(_start())}."
-    )
+    return {"rank": rank, "q": angles(_start())}
 
 
-def _path() -> tuple[Array, CommandedMotion]:
-    """The default step: phases of one period [rad], and the exact motion."""
-    options = LegBOptions()
+def _path() -> tuple[Array, Array, Array]:
+    """The default step over a period: phases [rad], displacement [m] and velocity [m/s]."""
+    motion = LegBOptions().motion()
     phase = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
-    motion = straight_path(
-        phase / options.frequency,
-        amplitude=options.amplitude,
-        frequency=options.frequency,
-        direction=options.unit_direction(),
-    )
-    return phase, motion
+    time = phase / motion.frequency
+    return phase, motion.displacement(time), motion.velocity(time)
 
 
-def _gain() -> str:
-    motion, task = _path()[1], leg_task(GEOMETRY)
+def _gain() -> Values:
+    (_, displacement, velocity), leg = _path(), MovableLeg(GEOMETRY)
     q = inverse_kinematics(
-        GEOMETRY, foot_position(GEOMETRY, _start()) + motion.displacement, like=_start()
+        GEOMETRY, foot_position(GEOMETRY, _start()) + displacement, like=_start()
     )
-    rates = np.array([task.rates(*pair) for pair in zip(q, motion.velocity, strict=True)])
+    rates = np.array([leg.rates(*pair) for pair in zip(q, velocity, strict=True)])
     went = (foot_jacobian(GEOMETRY, q) @ rates[:, :, np.newaxis])[:, :, 0]
-    factor = np.abs(went).max() / np.abs(motion.velocity).max()
+    factor = np.abs(went).max() / np.abs(velocity).max()
     peak = MM * LegBOptions().amplitude
-    return (
-        f"Along the default step J J⁻¹ makes the foot's velocity {number(factor, 6)} times the "
-        f"command. A sine of {number(peak / GAIN, 0)} mm/s gives {number(peak, 0)} mm/s only "
-        f"behind a gain of {number(GAIN, 0)}."
-    )
+    return {"factor": factor, "low": peak / GAIN, "peak": peak, "gain": GAIN}
 
 
-def _velocity_command() -> str:
-    motion = _path()[1]
-    x = MM * motion.displacement[:, 0]
-    swing = MM * motion.velocity[:, 0]
-    return (
-        f"A sine of {number(swing.max(), 0)} moves the foot from {number(x.min(), 0)} to "
-        f"{number(x.max(), 0)} mm as a velocity in mm/s; as a position in mm it would move it from "
-        f"{number(swing.min(), 0)} to {number(swing.max(), 0)} mm."
-    )
+def _velocity_command() -> Values:
+    _, displacement, velocity = _path()
+    x, v = MM * displacement[:, 0], MM * velocity[:, 0]
+    return {"swing": v.max(), "start": x.min(), "end": x.max(), "low": v.min()}
 
 
-def _phase() -> str:
-    phase, motion = _path()
-    x, v = motion.displacement[:, 0], motion.velocity[:, 0]
+def _phase() -> Values:
+    phase, displacement, velocity = _path()
+    x, v = displacement[:, 0], velocity[:, 0]
     turning = np.exp(-1j * phase)
     lag = np.angle((v @ turning) / (x @ turning), deg=True)
-    return (
-        f"The position lags by {number(lag)}°; its correlation with the velocity over a period is "
-        f"{number(np.corrcoef(x, v)[0, 1], 2)}, not 1."
-    )
+    return {"lag": lag, "correlation": np.corrcoef(x, v)[0, 1]}
+
+
+EFFECTS: Effects = {
+    17: _shifted_table,
+    18: partial(_no_rotation, "T12"),
+    19: partial(_no_rotation, "T34"),
+    20: _wrong_pose,
+    21: _wrong_jacobian,
+    22: _gain,
+    24: _velocity_command,
+    25: _phase,
+    37: _headings,
+    38: _three_joints,
+}

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 import sympy as sp
 
-from drake_leg.errata.step import MM
+from drake_leg.errata.postures import MM
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.robots import SCARA

@@ -1,4 +1,4 @@
-"""Any chain with the frames of its table, its bodies and the forces on them, seen askew."""
+"""Any chain with the frames of its table, its bodies and the forces on them, seen at an angle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drake_leg.figures.labels import Labels, Line
 from drake_leg.figures.sketch import AXES, COLOURS, Sketch
 from drake_leg.figures.style import GREY, INK, new_figure
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain_task import size_of
+from drake_leg.kinematics.chain import size_of
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.robot import Robot, Segment
 
@@ -24,7 +24,7 @@ AZIMUTHS = (-65.0, -25.0, 25.0, 65.0)  # [deg], from where it is looked at
 ELEVATION = 22.0  # [deg]
 SAME = 1e-6  # of the robot's size: points that are no farther apart are one
 WIDTH, HIGHEST, LOWEST = 6.8, 5.2, 1.6  # [inch] of a view, or of two
-BESIDE = 0.8  # higher than this part of their width, views stand side by side
+BESIDE = 0.8  # higher than this part of their width, views are side by side
 LINE = 0.2  # [inch] of the table
 COLUMNS = (("row", 0.0), ("σ", 0.08), ("d [mm]", 0.16), ("α [deg]", 0.31), ("r [mm]", 0.46),
            ("θ [deg]", 0.64), ("drawn at", 0.84))  # fmt: skip
@@ -39,7 +39,7 @@ class _Seen(NamedTuple):
     up: Array
 
     def corners(self) -> Array:
-        """Return where each row's way bends, from x of the frame before to its own z, (n, 3)."""
+        """Where each row's way bends, from x of the frame before to its own z, (n, 3) [m]."""
         start, end, x = self.X_B[:-1, :3, 3], self.X_B[1:, :3, 3], self.X_B[:-1, :3, 0]
         found: Array = start + x * ((end - start) * x).sum(axis=1, keepdims=True)
         return found
@@ -53,10 +53,7 @@ class _Seen(NamedTuple):
 def chain(robot: Robot, title: str) -> Figure:
     """Draw a chain twice, with its frames and with its bodies, above its table.
 
-    Returns
-    -------
-    Figure
-        In a posture and from a side from which most is seen.
+    Posture and side are those, among many that are tried, in which most is seen.
     """
     seen = _best_seen(robot)
     unit = _unit_of(seen)
@@ -109,7 +106,7 @@ def _best_seen(robot: Robot) -> _Seen:
 
 
 def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
-    """Where a joint may be drawn [rad or m]."""
+    """Range in which a joint may be drawn [rad or m]."""
     mechanics, size = segment.mechanics, size_of(robot.rows)
     turns = segment.row.joint == "revolute"
     low, high = (-WIDEST, WIDEST) if turns else (0.2 * size, 0.5 * size)
@@ -124,7 +121,7 @@ def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
 
 
 def _clearness(seen: _Seen, size: float) -> float:
-    """Say how well places can be told apart, and axes seen."""
+    """Rate how well places can be told apart, and how well axes are seen."""
     origins = seen.X_B[:, :3, 3]
     flat = seen.on_paper(origins)
     first, second = np.triu_indices(len(origins), 1)

@@ -16,12 +16,17 @@ from drake_leg.figures.singularities import MARKED, MM, ON_AXIS, STAR
 from drake_leg.figures.style import INK, LEGEND_BELOW, new_figure
 from drake_leg.kinematics import scara
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
-from drake_leg.kinematics.leg_inverse import BRANCHES, branch_angles
-from drake_leg.kinematics.rates import smallest_singular_value
+from drake_leg.kinematics.leg import (
+    BRANCHES,
+    LegGeometry,
+    branch_angles,
+    foot_jacobian,
+    foot_position,
+)
+from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.kinematics.scara import ScaraGeometry, task_jacobian, tool_position
-from drake_leg.kinematics.singular_sets import axis_reach
-from drake_leg.kinematics.stroke import facing
+from drake_leg.singularity.families import facing
+from drake_leg.singularity.sets import axis_reach
 
 SIDES = (1, -1)  # the foot in front of the hip, and behind it
 
@@ -29,10 +34,7 @@ SIDES = (1, -1)  # the foot in front of the hip, and behind it
 def dexterity(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     """Draw the smallest singular value over the leg's own plane, for both ways of facing the foot.
 
-    Parameters
-    ----------
-    start : (3,) array_like
-        A posture to be marked [rad].
+    The posture ``start`` (3,) [rad] is marked.
     """
     reach, far = leg.l2 + leg.l3, leg.l1 + leg.l2 + leg.l3
     x, z = np.meshgrid(np.linspace(0.0, 1.02 * far, 221), np.linspace(-reach, reach, 361))
@@ -67,14 +69,7 @@ def dexterity(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 def arm_dexterity(arm: ScaraGeometry, start: ArrayLike, title: str) -> Figure:
     """Draw the smallest singular value of the tool's (x, y) from above, and both singular circles.
 
-    Parameters
-    ----------
-    start : (4,) array_like
-        The posture of the arm that is drawn [rad, the last one m].
-
-    References
-    ----------
-    Report B, section 1.6.
+    The arm is drawn in the posture ``start`` (4,) [rad, the last one m]; report B, section 1.6.
     """
     far = arm.l1 + arm.l2
     side = np.linspace(-1.04 * far, 1.04 * far, 361)

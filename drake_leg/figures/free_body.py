@@ -17,9 +17,10 @@ from drake_leg.figures.sketch import Sketch, direction
 from drake_leg.figures.style import BODY, GREY, new_figure
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms
-from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
-from drake_leg.kinematics.scara import ScaraGeometry, is_scara, lift_position
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.kinematics.of_robot import geometry_of
+from drake_leg.kinematics.pendulum import PendulumModel
+from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.robot import Robot
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two
@@ -32,7 +33,8 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     Parameters
     ----------
     robot : Robot
-        Any: the reports' robots are drawn as there, another chain seen askew, beside its table.
+        Any: the reports' robots are drawn as in the reports, another chain at an angle, above its
+        table.
     title : str, optional
         By default the robot's.
 
@@ -48,27 +50,23 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     >>> figure.savefig("leg.png")  # doctest: +SKIP
     """
     heading = f"{title or robot.title}: bodies and frames"
-    if is_hexabot_leg(robot):
-        return leg(robot, heading)
-    if is_pendulum(robot):
-        return pendulum(robot, heading)
-    if is_scara(robot):
-        return scara(robot, heading)
+    match geometry_of(robot):
+        case LegGeometry():
+            return leg(robot, heading)
+        case PendulumModel():
+            return pendulum(robot, heading)
+        case ScaraGeometry():
+            return scara(robot, heading)
     return chain(robot, heading)
 
 
 def _frames(robot: Robot, q: list[float]) -> Array:
-    """Return the poses of frames 0 ... n in the base."""
+    """Poses of frames 0 ... n in the base, (n + 1, 4, 4)."""
     return np.concatenate([np.eye(4)[np.newaxis], base_transforms(robot.rows, q)])
 
 
 def pendulum(robot: Robot, title: str) -> Figure:
-    """Draw the pendulum with its weight and what its pivot takes.
-
-    References
-    ----------
-    Report A, figures 1 and 2.
-    """
+    """Draw the pendulum with its weight and the reaction in its pivot: A 1, A 2."""
     model = PendulumModel.from_robot(robot)
     figure, (axes,) = new_figure(title, height=4.2)
     length = 1e3 * model.length
@@ -102,12 +100,7 @@ def pendulum(robot: Robot, title: str) -> Figure:
 
 
 def leg(robot: Robot, title: str) -> Figure:
-    """Draw the leg with what acts on it in its own plane, and from above.
-
-    References
-    ----------
-    Report A, figure 9; report B, figure 3.
-    """
+    """Draw the leg with what acts on it in its own plane, and from above: A 9, B 3."""
     geometry = LegGeometry.from_robot(robot)
     figure, (side, top) = new_figure(title, rows=2, height=7.4)
     unit = 1e3 * (geometry.l1 + geometry.l2 + geometry.l3) / 9
@@ -175,12 +168,7 @@ def _leg_top(robot: Robot, sign: int, sketch: Sketch) -> None:
 
 
 def scara(robot: Robot, title: str) -> Figure:
-    """Draw the SCARA from the side and from above.
-
-    References
-    ----------
-    Report B, figure 2.
-    """
+    """Draw the SCARA from the side and from above: B 2."""
     arm = ScaraGeometry.from_robot(robot)
     unit = 1e3 * (arm.l1 + arm.l2) / 7
     figure, (side, top) = new_figure(title, columns=2, height=4.6)

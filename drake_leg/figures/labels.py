@@ -25,12 +25,7 @@ THIN = 4.0  # [pt], up to which a line has no sides
 class Labels:
     """Places labels on axes whose limits and layout are fixed.
 
-    Parameters
-    ----------
-    axes : Axes
-        To be written on.
-    lines : sequence of (start, end, width)
-        What labels should not lie on: places in the axes' data, and points.
+    They avoid ``lines``: (start, end, width), places in the axes' data, and points.
     """
 
     def __init__(self, axes: Axes, lines: Sequence[Line]) -> None:
@@ -47,17 +42,7 @@ class Labels:
         away: Point = (0.0, 0.0),
         size: float = 10.0,
     ) -> None:
-        """Write a label near a point.
-
-        Parameters
-        ----------
-        at : (x, y)
-            Data.
-        away : (x, y)
-            Direction in which it stands best, of any length.
-        size : float
-            Of the letters [pt].
-        """
+        """Write a label near a point of the data, in the direction ``away`` if there is room."""
         figure = self._axes.figure
         pixels = figure.dpi / 72.0
         label = self._axes.text(
@@ -85,7 +70,7 @@ class Labels:
             self._axes.plot(*zip(at, end, strict=True), color=GREY, linewidth=0.5, zorder=4)
 
     def _points(self, start: Point, end: Point, width: float) -> Array:
-        """Return pixels along a line, on both of its sides if it is thick."""
+        """Pixels along a line, on both of its sides if it is thick."""
         a, b = self._axes.transData.transform([start, end])
         count = 2 + int(np.linalg.norm(b - a) / SPACING)
         along: Array = a + np.linspace(0.0, 1.0, count)[:, np.newaxis] * (b - a)

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from drake_leg.figures import pendulum, tip
 from drake_leg.figures.readings import sine_frequency
 from drake_leg.figures.stroboscope import stroboscope
-from drake_leg.kinematics.leg import is_hexabot_leg
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.recording import Recording
 from drake_leg.robot import JointType, Robot
@@ -26,21 +27,10 @@ Named = Iterator[tuple[str, Callable[[], Figure]]]
 def figures_of_run(
     subject: Subject, title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]
 ) -> Named:
-    """Name the figures of a run and tell how each is drawn.
+    """Name the figures of a run, and the functions that draw them.
 
-    Parameters
-    ----------
-    subject : {"swing", "foot", "tool"}
-        What the run shows: a pendulum that swings, a foot or a tool that is moved.
-    title : str
-        Of the run, for the figures' titles.
-    summary : mapping
-        What it came to.
-
-    Yields
-    ------
-    tuple of str and callable
-        File name without ending, and a function that draws the figure.
+    ``subject`` is what the run shows: a pendulum that swings, a foot or a tool that is moved.
+    ``title`` begins the figures' titles; ``summary`` is the run's.
     """
     if subject == "swing":
         yield from _pendulum(title, robot, recording, summary)
@@ -72,7 +62,7 @@ def _leg(title: str, robot: Robot, recording: Recording) -> Named:
     yield "foot_velocity", lambda: tip.velocity(recording, f"{title}: foot velocity")
     if _goes_along_x(recording):
         yield from _along_x(title, recording)
-    if is_hexabot_leg(robot):
+    if isinstance(geometry_of(robot), LegGeometry):
         rotation = f"{title}: rotation of the foot"
         yield "foot_rotation", lambda: tip.rotation(robot, recording, rotation)
     yield from _joints(title, robot, recording)
@@ -93,7 +83,7 @@ def _joints(title: str, robot: Robot, recording: Recording) -> Named:
 
 
 def _numbers(robot: Robot, kind: JointType) -> dict[int, str]:
-    """Return the joints of a kind: number, from 1, to name."""
+    """The joints of a kind: number, from 1, to name."""
     return {
         number: str(segment.joint)
         for number, segment in enumerate(robot.moving, start=1)
@@ -124,7 +114,7 @@ def _along_x(title: str, recording: Recording) -> Named:
 
 
 def _goes_along_x(recording: Recording) -> bool:
-    """Tell whether the command has no component but along x."""
+    """Tell whether the command is along x alone."""
     return bool(np.any(recording["dx"]) and not np.any(recording.stack("dy", "dz")))
 
 

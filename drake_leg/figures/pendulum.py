@@ -45,14 +45,8 @@ def angle(
 ) -> Figure:
     """Draw the angle against time (A 5, 6): how it swings, or where it comes to rest.
 
-    Parameters
-    ----------
-    rest : float, optional
-        Rest angle [rad].
-    equilibrium : float, optional
-        Of a spring at the joint [rad].
-    span : (low, high), optional
-        Angles that the axis shows at least [rad], so that figures can be compared.
+    ``rest`` is the rest angle, ``equilibrium`` that of a spring at the joint [rad]; the axis
+    shows at least the angles ``span``, so that figures can be compared.
     """
     figure = time_plot(
         recording, {"q": "q"}, title=title, ylabel="joint angle q [rad]", degrees=True
@@ -82,12 +76,8 @@ def angle_and_rate(
 ) -> Figure:
     """Draw the angle and the rate, one above the other (A 7, 8).
 
-    Where the link is vertical, and where it turns back, is marked in both.
-
-    Parameters
-    ----------
-    span, rates : (low, high), optional
-        Angles [rad] and rates [rad/s] that the axes show at least.
+    Where the link is vertical, and where it turns back, is marked in both. The axes show at
+    least the angles ``span`` [rad] and the rates ``rates`` [rad/s].
     """
     figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.6)
     _curve(top, recording, "q")
@@ -113,13 +103,7 @@ def angle_and_rate(
 
 
 def energy(recording: Recording, title: str, scale: float) -> Figure:
-    """Draw the mechanical energy against time, on the scale of what the swing exchanges.
-
-    Parameters
-    ----------
-    scale : float
-        m g L / 2 [J].
-    """
+    """Draw the mechanical energy against time, on the scale m g L / 2 of the swing [J]."""
     figure = time_plot(
         recording, {"energy": "energy"}, title=title, ylabel="kinetic + potential energy [J]"
     )

@@ -1,4 +1,4 @@
-"""What is measured of a recording before a figure says it."""
+"""What is measured in a recording before a figure states it."""
 
 from __future__ import annotations
 
@@ -6,18 +6,17 @@ import numpy as np
 
 from drake_leg.recording import Recording
 
-LIKE_A_SINE = 0.02  # of the greatest value: how far a motion may be from a sine that is said of it
-NEAR_SINGULAR = 0.05  # of the greatest smallest singular value: where torques say nothing of a leg
+LIKE_A_SINE = 0.02  # of the greatest value: how far a motion may be from a sine to be called one
+NEAR_SINGULAR = (
+    0.05  # of the greatest smallest singular value: where torques say nothing about a leg
+)
 FAR_HIGHER = 3.0  # times the torques elsewhere: what would hide them
 
 
 def step_frequency(recording: Recording) -> float | None:
     """Find the frequency of a step that begins at rest: half a period is over where it turns.
 
-    Returns
-    -------
-    float or None
-        [rad/s]; None where the run ends before.
+    In rad/s; None if the run ends before that.
     """
     v, time = recording["vx"], recording["time"]
     turns = np.flatnonzero(v[1:-1] * v[2:] < 0.0) + 1
@@ -30,10 +29,7 @@ def step_frequency(recording: Recording) -> float | None:
 def sine_frequency(recording: Recording) -> float | None:
     """Find the frequency of a foot that moves as a sine, a quarter period behind its velocity.
 
-    Returns
-    -------
-    float or None
-        [rad/s]; None where velocity or position is no such sine: damped, limited, pushed, late.
+    In rad/s; None if velocity or position is no such sine: damped, limited, pushed, late.
     """
     frequency = step_frequency(recording)
     if frequency is None:
@@ -48,18 +44,9 @@ def sine_frequency(recording: Recording) -> float | None:
 
 
 def torques_away(recording: Recording, columns: list[str]) -> tuple[float, float] | None:
-    """Find the greatest torque away from a singularity, where those near it would hide it.
+    """Find the greatest torques away from a singularity and near it [N*m].
 
-    Parameters
-    ----------
-    recording : Recording
-        With sigma_min and these columns.
-
-    Returns
-    -------
-    (float, float) or None
-        Greatest absolute value away from the singularity and near it [N*m]; None where one axis
-        shows both.
+    None if one axis shows both well. The recording has sigma_min and these columns.
     """
     sigma = recording["sigma_min"]
     near = sigma < NEAR_SINGULAR * sigma.max()

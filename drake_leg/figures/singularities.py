@@ -18,7 +18,7 @@ from drake_leg.colours import BLUE, PURPLE, VERMILLION
 from drake_leg.figures.style import INK, LEGEND_BELOW, STYLE, TITLE, legend_above, new_figure
 from drake_leg.kinematics.batches import Array, finite_vectors
 from drake_leg.kinematics.leg import LegGeometry, determinant
-from drake_leg.kinematics.singular_sets import (
+from drake_leg.singularity.sets import (
     axis_reach,
     folded_feet,
     hip_axis_arcs,
@@ -43,14 +43,7 @@ MARKED = "this posture"
 def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     """Draw the determinant over knee and ankle, with both singular families as curves.
 
-    Parameters
-    ----------
-    start : (3,) array_like
-        A posture to be marked [rad].
-
-    References
-    ----------
-    Report A, eq. 17.
+    The posture ``start`` (3,) [rad] is marked; report A, eq. 17.
     """
     q = finite_vectors("start", start, 3).reshape(1, 3)
     angles = np.linspace(-180.0, 180.0, 181)
@@ -77,10 +70,7 @@ def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
     """Draw both singular families as surfaces over hip, knee and ankle.
 
-    Parameters
-    ----------
-    start : (3,) array_like
-        A posture to be marked [rad].
+    The posture ``start`` (3,) [rad] is marked.
     """
     q = finite_vectors("start", start, 3).reshape(1, 3)
     figure, axes = _space(title)
@@ -108,10 +98,7 @@ def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 def foot_space(leg: LegGeometry, title: str) -> Figure:
     """Draw where the foot is at the singular postures: torus, circle, piece of the hip axis.
 
-    Returns
-    -------
-    Figure
-        The torus is cut open.
+    The torus is cut open.
     """
     figure, axes = _space(title)
     turns, lean = np.radians(np.linspace(-40.0, 220.0, 66)), leaning_over(leg)
@@ -128,7 +115,7 @@ def foot_space(leg: LegGeometry, title: str) -> Figure:
     _legend(
         figure,
         axes,
-        (BLUE, "stretched, outer sheet: the edge of the reach"),
+        (BLUE, "stretched, outer sheet: the workspace boundary"),
         (PURPLE, "stretched, inner sheet: leaning back over the hip"),
         (INK, "folded"),
         (VERMILLION, f"{ON_AXIS}: on the hip axis"),

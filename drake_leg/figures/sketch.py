@@ -24,14 +24,9 @@ Point = tuple[float, float]
 class Sketch:
     """A view of a mechanism along one direction; lengths in mm.
 
-    Parameters
-    ----------
-    axes : Axes
-        To be drawn on.
-    right, up : (3,) sequence of float
-        Where the base frame's directions point on paper: unit vectors, at a right angle.
-    unit : float
-        Length of a frame's axes [mm]; everything else is drawn in proportion.
+    ``right`` and ``up`` (3,) are the base frame's directions to the right and upwards on paper:
+    unit vectors, at a right angle. ``unit`` is the length of a frame's axes [mm]; everything
+    else is drawn in proportion.
     """
 
     def __init__(
@@ -125,19 +120,10 @@ class Sketch:
     ) -> None:
         """Draw a frame: axes in the paper as arrows, those end on as a dot or a cross.
 
-        Parameters
-        ----------
-        X_B : (4, 4) ndarray
-            Pose of the frame in the base [-, m].
-        index : int
-            Of the frame, written at its axes.
-        names : str
-            The axes to be drawn.
-        scale : float
-            Length of the axes, in units.
-        moved : mapping
-            Axis to where its label stands, from the arrow's tip or, for an axis end on, from the
-            origin, in units; others stand beside x, beyond y and z, and opposite to both arrows.
+        ``X_B`` (4, 4) is the frame's pose in the base [-, m], ``names`` are the axes to be drawn,
+        ``scale`` is their length in units. ``moved`` places an axis's label from the arrow's tip
+        or, for an axis end on, from the origin, in units; others are beside x, beyond y and z,
+        and opposite to both arrows.
         """
         origin = self.at(X_B[:3, 3])
         seen = self.view @ X_B[:3, :3]
@@ -199,17 +185,7 @@ class Sketch:
         self.text((tip[0] + place[0] * self.unit, tip[1] + place[1] * self.unit), label, PURPLE)
 
     def dimension(self, start: Point, end: Point, label: str, off: float) -> None:
-        """Draw a length between two points, so far beside them, to the left of their direction.
-
-        Parameters
-        ----------
-        start, end : (x, y)
-            [mm].
-        label : str
-            In the middle of the line.
-        off : float
-            In units; negative: to the right.
-        """
+        """Draw a length between two points [mm], ``off`` units to the left of their direction."""
         dx, dy = end[0] - start[0], end[1] - start[1]
         size = math.hypot(dx, dy)
         nx, ny = -dy / size * off * self.unit, dx / size * off * self.unit
@@ -241,16 +217,7 @@ class Sketch:
     ) -> None:
         """Draw the arc from one direction to another [deg], with an arrow at its end.
 
-        Parameters
-        ----------
-        at : (x, y)
-            Centre [mm].
-        first, second : float
-            Directions on paper [deg], counter-clockwise from the right.
-        label : str
-            In the middle of the arc, outside.
-        colour : str
-            Of arc and label.
+        Directions are counted counter-clockwise from the right; ``size`` is the radius in units.
         """
         radius = size * self.unit
         low, high = sorted((first, second))
@@ -295,6 +262,6 @@ def _around(at: Point, radius: float, angle: float) -> Point:
 
 
 def direction(sketch: Sketch, X_B: Array, axis: int = 0) -> float:
-    """Return the direction of a frame's axis on paper [deg], in -180 ... 180."""
+    """Direction of a frame's axis on paper [deg], in -180 ... 180."""
     x, y, _ = sketch.view @ X_B[:3, axis]
     return math.degrees(math.atan2(y, x))

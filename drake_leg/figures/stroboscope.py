@@ -21,12 +21,7 @@ GHOSTS = 9  # postures
 def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
     """Draw the links at instants of the first stroke, from the side and from the top (B 6, 7).
 
-    Parameters
-    ----------
-    robot : Robot
-        Its table places the joints.
-    recording : Recording
-        With joint positions and x, y, z.
+    The recording has joint positions and x, y, z.
     """
     tip = recording.stack("x", "y", "z")
     distance = np.linalg.norm(tip - tip[0], axis=1)

@@ -63,7 +63,7 @@ LEGEND_ABOVE: dict[str, Any] = {
     "handlelength": 2.2,
 }
 LEGEND_BELOW: dict[str, Any] = {"loc": "outside lower left", "frameon": False, "fontsize": 9.5}
-CORNER, ABOVE = (0.0, 1.0), 5.0  # of axes, where a claim stands; and how far above [pt]
+CORNER, ABOVE = (0.0, 1.0), 5.0  # of axes, where a claim is written; and how far above [pt]
 
 LONGEST = 80  # letters that fit on a line of a legend
 
@@ -88,15 +88,7 @@ NO_DATE = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 def new_figure(
     title: str, *, rows: int = 1, columns: int = 1, width: float = 7.2, height: float = 3.6
 ) -> tuple[Figure, list[Axes]]:
-    """Make a figure with axes one above the other, or side by side.
-
-    Parameters
-    ----------
-    rows, columns : int
-        Of axes; those one above the other share their x axis.
-    width, height : float
-        Of the figure [inch].
-    """
+    """Make a figure with axes in rows, which share their x axis, and columns; sizes in inch."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
@@ -106,13 +98,7 @@ def new_figure(
 
 
 def claim(axes: Axes, text: str) -> None:
-    """Write what the curves show above the axes, left.
-
-    Parameters
-    ----------
-    axes : Axes
-        Of which it is said.
-    """
+    """Write what the curves show above the axes, on the left."""
     axes.annotate(
         text,
         CORNER,
@@ -125,13 +111,7 @@ def claim(axes: Axes, text: str) -> None:
 
 
 def inset(axes: Axes, bounds: tuple[float, float, float, float]) -> Axes:
-    """Make smaller axes inside others, for a part of what these show.
-
-    Parameters
-    ----------
-    bounds : (left, bottom, width, height)
-        Of the smaller ones, in shares of the larger.
-    """
+    """Make smaller axes inside others: left, bottom, width and height in shares of these."""
     with mpl.rc_context(STYLE):
         inner = axes.inset_axes(bounds)
         inner.tick_params(labelsize=8.5)
@@ -139,25 +119,14 @@ def inset(axes: Axes, bounds: tuple[float, float, float, float]) -> Axes:
 
 
 def whole_ticks(axes: Axes) -> None:
-    """Put the ticks of a time axis at 1, 2 or 5 times a power of ten.
-
-    Parameters
-    ----------
-    axes : Axes
-        Whose x axis it is.
-    """
+    """Put the ticks of a time axis (x) at 1, 2 or 5 times a power of ten."""
     axes.xaxis.set_major_locator(MaxNLocator(11, steps=[1, 2, 5, 10]))
 
 
 def legend_above(axes: Axes, *others: Axes) -> None:
     """Put the legend above the axes, right, where it hides nothing, in one line if it fits.
 
-    Parameters
-    ----------
-    axes : Axes
-        Whose legend it is.
-    *others : Axes
-        Twins whose lines it names, too.
+    It names the lines of ``others``, which are twins, too.
     """
     handles, labels = axes.get_legend_handles_labels()
     for other in others:
@@ -172,19 +141,9 @@ def legend_above(axes: Axes, *others: Axes) -> None:
 
 
 def save(figure: Figure, folder: Path, name: str) -> dict[str, Path]:
-    """Write a figure as PNG, SVG and PDF, the same bytes every time.
+    """Write a figure as PNG, SVG and PDF, the same bytes every time; return paths by format.
 
-    Parameters
-    ----------
-    figure : Figure
-        To be written; its layout is fixed from here on.
-    name : str
-        File name without ending.
-
-    Returns
-    -------
-    dict of str to Path
-        The files written, by format.
+    Its layout is fixed from here on.
     """
     paths = {ending: folder / f"{name}.{ending}" for ending in FORMATS}
     with mpl.rc_context(STYLE):
@@ -198,10 +157,7 @@ def save(figure: Figure, folder: Path, name: str) -> dict[str, Path]:
 def svg_text(figure: Figure, *, background: Background = "white") -> str:
     """Write a figure as SVG that shrinks to fit its place, the same bytes every time.
 
-    Parameters
-    ----------
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
+    ``background`` is white or dark as the reader's system is, always white, or none.
     """
     file = io.StringIO()
     paper = "none" if background == "none" else "auto"
@@ -212,18 +168,7 @@ def svg_text(figure: Figure, *, background: Background = "white") -> str:
 
 
 def for_light_and_dark(svg: str) -> str:
-    """Make a figure's SVG follow the reader's colour scheme.
-
-    Parameters
-    ----------
-    svg : str
-        As matplotlib writes it, in this module's colours.
-
-    Returns
-    -------
-    str
-        The same, with a style sheet of its own for the dark.
-    """
+    """Make a figure's SVG follow the reader's colour scheme, by a style sheet of its own."""
     rules = "".join(
         f'[style*="{paint}: {light.lower()}"] {{ {paint}: {dark} !important; }}\n'
         for light, dark in DARK.items()

@@ -23,19 +23,7 @@ MOST_TICKS = 5
 def time_plot(
     recording: Recording, columns: dict[str, str], *, title: str, ylabel: str, degrees: bool = False
 ) -> Figure:
-    """Plot columns of one unit against time.
-
-    Parameters
-    ----------
-    recording : Recording
-        With a column ``time``.
-    columns : dict
-        Column name to label.
-    title, ylabel : str
-        The label with its unit.
-    degrees : bool
-        Whether to add an axis in degrees for columns in rad.
-    """
+    """Plot columns (name to label) of one unit against time; ``degrees`` adds an axis of them."""
     return curves_plot(
         recording["time"],
         {label: recording[name] for name, label in columns.items()},
@@ -48,19 +36,7 @@ def time_plot(
 def curves_plot(
     time: Array, curves: dict[str, Array], *, title: str, ylabel: str, degrees: bool = False
 ) -> Figure:
-    """Plot curves of one unit against time.
-
-    Parameters
-    ----------
-    time : (n,) ndarray
-        [s].
-    curves : dict
-        Label to values (n,).
-    title, ylabel : str
-        The label with its unit.
-    degrees : bool
-        Whether to add an axis in degrees for curves in rad.
-    """
+    """Plot curves (label to values) of one unit against time [s]."""
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
     for (label, values), (colour, style) in zip(curves.items(), cycle(LINES), strict=False):
         axes.plot(time, values, linestyle=style, color=colour, label=label)
@@ -75,13 +51,7 @@ def curves_plot(
 
 
 def add_degrees(axes: Axes) -> None:
-    """Add an axis in degrees to the right of one in rad.
-
-    Parameters
-    ----------
-    axes : Axes
-        Whose y axis is in rad.
-    """
+    """Add an axis in degrees to the right of a y axis in rad."""
     right = axes.secondary_yaxis("right", functions=(np.degrees, np.radians))
     right.set_ylabel("[deg]")
     right.yaxis.set_major_locator(_DegreeLocator())
@@ -105,12 +75,7 @@ class _DegreeLocator(Locator):
 def widen_flat_axis(axes: Axes, least: float = 1e-6) -> None:
     """Keep rounding noise from filling the height of a constant curve's axis.
 
-    Parameters
-    ----------
-    axes : Axes
-        To be widened where its range is narrower than ``least``.
-    least : float
-        In the unit of its y axis.
+    ``least`` is the least range, in the unit of the y axis.
     """
     low, high = axes.get_ylim()
     if high - low < least:

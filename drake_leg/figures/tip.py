@@ -31,13 +31,7 @@ INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gap
 
 
 def position(recording: Recording, title: str, what: str = "foot") -> Figure:
-    """Draw the position of the foot against time (A 11, B 8).
-
-    Parameters
-    ----------
-    recording : Recording
-        With x, y, z.
-    """
+    """Draw the position of the foot against time (A 11, B 8)."""
     figure = time_plot(
         recording,
         {"x": "x", "y": "y", "z": "z"},
@@ -57,13 +51,7 @@ def position(recording: Recording, title: str, what: str = "foot") -> Figure:
 
 
 def velocity(recording: Recording, title: str, what: str = "foot") -> Figure:
-    """Draw the velocity of the foot against time (A 12, B 9).
-
-    Parameters
-    ----------
-    recording : Recording
-        With vx, vy, vz.
-    """
+    """Draw the velocity of the foot against time (A 12, B 9)."""
     figure = time_plot(
         recording,
         {"vx": "$v_x$", "vy": "$v_y$", "vz": "$v_z$"},
@@ -85,14 +73,9 @@ def velocity(recording: Recording, title: str, what: str = "foot") -> Figure:
 
 
 def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
-    """Draw joint angles against time, one above the other on the same scale (A 13, 14, 15).
+    """Draw joint angles against time, one above the other on one scale (A 13, 14, 15).
 
-    Parameters
-    ----------
-    recording : Recording
-        With q1, q2, ...
-    joints : dict
-        Number of the joint, from 1, to its name.
+    ``joints`` maps the number of a joint, from 1, to its name.
     """
     figure, panels = _joint_panels(recording, title, joints, "rad")
     for axes in panels:
@@ -101,15 +84,7 @@ def joint_angles(recording: Recording, title: str, joints: dict[int, str]) -> Fi
 
 
 def joint_strokes(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
-    """Draw the positions of sliding joints against time, as ``joint_angles`` draws angles.
-
-    Parameters
-    ----------
-    recording : Recording
-        With q1, q2, ...
-    joints : dict
-        Number of the joint, from 1, to its name.
-    """
+    """Draw the positions of sliding joints against time, as ``joint_angles`` draws angles."""
     return _joint_panels(recording, title, joints, "m")[0]
 
 
@@ -137,13 +112,7 @@ def _joint_panels(
 
 
 def rotation(robot: Robot, recording: Recording, title: str) -> Figure:
-    """Draw the rotation of the foot about its axes, in the leg's own Z-X-Z angles (A 16).
-
-    Parameters
-    ----------
-    recording : Recording
-        With the columns qw, qx, qy, qz.
-    """
+    """Draw the rotation of the foot about its axes, in the leg's own Z-X-Z angles (A 16)."""
     R_BF = rotation_matrices(recording.stack("qw", "qx", "qy", "qz"))
     angles = np.unwrap(foot_rotation_angles(LegGeometry.from_robot(robot), R_BF), axis=0)
     labels = ("about Z: $q_1$", "about X", "about Z: $q_2 + q_3$")
@@ -157,15 +126,7 @@ def rotation(robot: Robot, recording: Recording, title: str) -> Figure:
 
 
 def torques(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
-    """Draw the computed torques against time.
-
-    Parameters
-    ----------
-    recording : Recording
-        With tau1, tau2, ...
-    joints : dict
-        Number of the joint, from 1, to its name.
-    """
+    """Draw the computed torques against time."""
     columns = {f"tau{number}": name for number, name in joints.items()}
     figure = time_plot(recording, columns, title=title, ylabel="computed torque [N m]")
     hidden = torques_away(recording, list(columns))
@@ -177,15 +138,7 @@ def torques(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
 
 
 def forces(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
-    """Draw the computed forces of sliding joints against time.
-
-    Parameters
-    ----------
-    recording : Recording
-        With tau1, tau2, ...
-    joints : dict
-        Number of the joint, from 1, to its name.
-    """
+    """Draw the computed forces of sliding joints against time."""
     columns = {f"tau{number}": name for number, name in joints.items()}
     return time_plot(recording, columns, title=title, ylabel="computed force [N]")
 
@@ -193,10 +146,7 @@ def forces(recording: Recording, title: str, joints: dict[int, str]) -> Figure:
 def singularity(recording: Recording, title: str) -> Figure:
     """Draw the determinant and the smallest singular value of the Jacobian against time.
 
-    Parameters
-    ----------
-    recording : Recording
-        With det_j, or the manipulability of a redundant robot, and sigma_min.
+    A redundant robot has its manipulability in place of the determinant.
     """
     figure, (top, bottom) = new_figure(title, rows=2, width=PLOT_WIDTH, height=5.0)
     header = next(h for h in recording.columns if h.startswith(tuple(SINGULARITY)))
@@ -213,15 +163,7 @@ def singularity(recording: Recording, title: str) -> Figure:
 
 
 def input_and_velocity(recording: Recording, title: str, gain: float) -> Figure:
-    """Draw the sine's output and the velocity that it gives the foot (B 10).
-
-    Parameters
-    ----------
-    recording : Recording
-        With input, dx, dy, dz and the foot's velocity.
-    gain : float
-        Of the block between the two.
-    """
+    """Draw the sine's output and the foot's velocity behind a gain (B 10)."""
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
     time = recording["time"]
     axes.plot(time, recording["input"], color=GREY, linewidth=3.5, alpha=0.6, label="input (sine)")
@@ -248,14 +190,7 @@ def velocity_and_position(
 ) -> Figure:
     """Draw velocity and position along x together (B 11; with the input, B 12).
 
-    Parameters
-    ----------
-    recording : Recording
-        With x, vx, and input.
-    frequency : float, optional
-        Of the sine [rad/s]; where given, the quarter period between the maxima is marked.
-    with_input : bool
-        Whether to draw the sine's output, too.
+    With the ``frequency`` of the sine [rad/s] the quarter period between the maxima is marked.
     """
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH, height=4.0)
     time = recording["time"]

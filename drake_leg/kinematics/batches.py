@@ -28,21 +28,9 @@ FLAT = 4e-16  # of the longest side squared: rounding of a flat triangle's sides
 
 
 def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
-    """Return ``values`` as an array of shape (..., size), all finite.
+    """Values as a float64 array (..., size), all finite.
 
-    Parameters
-    ----------
-    what : str
-        Name of the quantity, for the error's sentence.
-    values : (..., size) array_like
-        In any unit.
-    size : int
-        Length that the last axis must have.
-
-    Returns
-    -------
-    (..., size) ndarray
-        The same numbers as float64.
+    ``what`` names the quantity in the error's sentence.
 
     Raises
     ------
@@ -61,25 +49,7 @@ def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
 
 
 def one_vector(what: str, values: ArrayLike, size: int) -> Array:
-    """Return ``values`` as a single finite vector.
-
-    Parameters
-    ----------
-    what : str
-        Name of the quantity, for the error's sentence.
-    values : (size,) array_like
-        In any unit.
-
-    Returns
-    -------
-    (size,) ndarray
-        The same numbers as float64.
-
-    Raises
-    ------
-    InvalidValueError
-        If it is a batch, has another length, or a value is not finite.
-    """
+    """Values as a single finite vector (size,), as ``finite_vectors``; a batch is refused."""
     vector = finite_vectors(what, values, size)
     if vector.ndim != 1:
         raise InvalidValueError(f"{what} has shape {vector.shape}; it must be one vector of {size}")
@@ -87,26 +57,9 @@ def one_vector(what: str, values: ArrayLike, size: int) -> Array:
 
 
 def split(what: str, values: ArrayLike, size: int) -> Components:
-    """Check vectors and take them apart.
+    """Vectors taken apart, with the cosine and sine for them, and checked as ``finite_vectors``.
 
-    Parameters
-    ----------
-    what : str
-        Name of the quantity, for the error's sentence.
-    values : (..., size) array_like
-        In any unit; angles in rad.
-    size : int
-        Length that the last axis must have.
-
-    Returns
-    -------
-    Components
-        ``size`` floats, or ``size`` arrays of the batch's shape.
-
-    Raises
-    ------
-    InvalidValueError
-        If the last axis is not ``size`` long, or a value is not finite.
+    The components are ``size`` floats, or ``size`` arrays of the batch's shape.
     """
     array = finite_vectors(what, values, size)
     if array.ndim == 1:
@@ -115,18 +68,9 @@ def split(what: str, values: ArrayLike, size: int) -> Components:
 
 
 def assemble(entries: Any) -> Array:  # noqa: ANN401 - nested tuples of floats or of arrays
-    """Put a vector or a matrix together from its entries.
+    """Put a vector (..., n) or a matrix (..., m, n) together from its entries, batch axes first.
 
-    Parameters
-    ----------
-    entries : tuple, or tuple of tuples, of float or (...) ndarray
-        The components of a vector, or the rows of a matrix. The first one has the batch's
-        shape; the others may be plain constants.
-
-    Returns
-    -------
-    (..., n) or (..., m, n) ndarray
-        The batch axes first.
+    The first entry has the batch's shape; the others may be plain constants.
     """
     rows = entries if isinstance(entries[0], tuple) else (entries,)
     if isinstance(rows[0][0], float):
@@ -140,23 +84,12 @@ def assemble(entries: Any) -> Array:  # noqa: ANN401 - nested tuples of floats o
 
 
 def triangle_angle(a: float, b: float, c: Array) -> Array:
-    """Outer angle between two sides of a triangle whose third side is given.
+    """Outer angle between sides a and b of triangles whose third side is c [m], in 0 ... pi [rad].
 
     ``tan^2(angle / 2) = ((a + b)^2 - c^2) / (c^2 - (a - b)^2)``, which keeps its digits where the
     triangle is nearly flat. It is the bend of a two-link arm whose tip is ``c`` away: 0 where the
-    arm is stretched, pi where it is folded.
-
-    Parameters
-    ----------
-    a, b : float
-        The two sides [m].
-    c : (...) ndarray
-        The third side [m].
-
-    Returns
-    -------
-    (...) ndarray
-        In 0 ... pi [rad]; NaN where there is no such triangle, by more than rounding.
+    arm is stretched, pi where it is folded. NaN where there is no such triangle, by more than
+    rounding.
     """
     longest, shortest = a + b, abs(a - b)
     outer, inner = (longest - c) * (longest + c), (c - shortest) * (c + shortest)
@@ -172,13 +105,7 @@ def triangle_angle(a: float, b: float, c: Array) -> Array:
 
 
 def within_turns(angle: float, low: float, high: float) -> bool:
-    """Tell whether an angle, or it and some whole turns, lies between two limits.
-
-    Parameters
-    ----------
-    angle, low, high : float
-        [rad]; a limit may be infinite.
-    """
+    """Tell whether an angle, or it and some whole turns, is between two limits, maybe infinite."""
     if math.isinf(low) or math.isinf(high):
         return True
     turn = 2.0 * math.pi
@@ -189,21 +116,10 @@ def within_turns(angle: float, low: float, high: float) -> bool:
 def in_blocks(
     function: Callable[[Array], Sequence[Array]], vectors: Array, *shapes: tuple[int, ...]
 ) -> tuple[Array, ...]:
-    """Evaluate a function of a batch block by block, so that what it computes stays in cache.
+    """Evaluate a function of a batch (..., n) block by block, so that it stays in the cache.
 
-    Parameters
-    ----------
-    function : callable
-        ``function(block)`` of (k, n) vectors gives one (k, *shape) array for each shape.
-    vectors : (..., n) ndarray
-        The batch.
-    *shapes : tuple of int
-        Of each result, for one vector.
-
-    Returns
-    -------
-    tuple of (..., *shape) ndarray
-        One for each shape.
+    ``function(block)`` of (k, n) vectors returns one (k, *shape) array for each of the shapes; the
+    results are (..., *shape).
     """
     flat = vectors.reshape(-1, vectors.shape[-1])
     results = [np.empty((len(flat), *shape)) for shape in shapes]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.chain_task import LEAST_LEVER, size_of
+from drake_leg.kinematics.chain import LEAST_LEVER, size_of
 from drake_leg.kinematics.khalil import foot_pose, jacobian, moving_rows
 from drake_leg.quantities import AT_LIMIT
 from drake_leg.robot import Row
@@ -44,19 +44,15 @@ def find_postures(
     *,
     limits: Limits,
 ) -> Postures:
-    """Search postures whose foot is at a point, or in a pose, by damped least squares.
+    """Search postures whose foot is at a point [m], or in a pose, by damped least squares.
 
     ``foot_pose(rows, q)`` is the goal to 1e-10 of the chain's length for every ``q`` found. All
-    branches of an ordinary chain are found, but nothing proves that there is no other. Turning
-    joints are given within their limits by whole turns where there is such a turn, otherwise in
+    branches of an ordinary chain are found, but nothing proves that there is no other. Positions
+    of turning joints are within their limits by whole turns where that can be, otherwise in
     (-pi, pi].
 
     Parameters
     ----------
-    rows : sequence of Row
-        The table, of which n rows move.
-    position : (3,) array_like
-        Of the foot, in the base frame [m].
     rotation : (3, 3) array_like, optional
         R_BF; without it any orientation will do.
     limits : sequence of n pairs of float

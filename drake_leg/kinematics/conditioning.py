@@ -11,25 +11,16 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.pendulum import PendulumModel, acceleration
 
 STEP = 1e-6  # [rad], [rad/s], of the differences
-MOST = 1e300  # a growth beyond it is given as this
+MOST = 1e300  # greatest growth that is reported
 GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)  # points of a step
 WEIGHTS = (0.25 - math.sqrt(3.0) / 6.0, 0.25 + math.sqrt(3.0) / 6.0)  # of the slopes there
 
 
 def instability(model: PendulumModel, q: Array, qdot: Array) -> float:
-    """Greatest rate at which neighbouring motions part, anywhere on a motion.
+    """Greatest rate at which neighbouring motions part, anywhere on a motion q, qdot (n,) [1/s].
 
-    Upright it is the positive root of ``s^2 + (c / I) s = m g (L/2) / I``.
-
-    Parameters
-    ----------
-    q, qdot : (n,) ndarray
-        The motion [rad], [rad/s].
-
-    Returns
-    -------
-    float
-        [1/s]; 0 where the motion is stable everywhere.
+    Upright it is the positive root of ``s^2 + (c / I) s = m g (L/2) / I``; it is 0 where the motion
+    is stable everywhere.
     """
     stiffness, damping = _slopes(model, q, qdot)
     roots = damping / 2.0 + np.sqrt(np.maximum(damping**2 / 4.0 + stiffness, 0.0))
@@ -37,22 +28,10 @@ def instability(model: PendulumModel, q: Array, qdot: Array) -> float:
 
 
 def error_growth(model: PendulumModel, time: Array, q: Array, qdot: Array) -> float:
-    """Greatest factor by which an error of the start becomes one of the angle.
+    """Greatest factor, from 1 to ``MOST``, by which an error of the start becomes one of the angle.
 
-    The linearized motion, by two exponentials from row to row (Magnus, fourth order); a rate counts
-    as the angle that it is at the frequency of small swings.
-
-    Parameters
-    ----------
-    time : (n,) ndarray
-        [s].
-    q, qdot : (n,) ndarray
-        The motion [rad], [rad/s].
-
-    Returns
-    -------
-    float
-        At least 1, at most ``MOST``.
+    The motion q, qdot (n,) at times (n,) [s] is linearized, by two exponentials from row to row
+    (Magnus, fourth order); a rate counts as the angle that it is at the frequency of small swings.
     """
     if len(time) < 2:
         return 1.0

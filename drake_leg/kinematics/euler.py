@@ -49,35 +49,12 @@ def _axes(sequence: str) -> _Axes:
 
 
 def require_sequence(sequence: str) -> None:
-    """Refuse what is not one of the twelve sequences.
-
-    Parameters
-    ----------
-    sequence : str
-        Three capital letters; no letter twice in a row.
-
-    Raises
-    ------
-    InvalidValueError
-        With the sequence and the twelve.
-    """
+    """Refuse, with an ``InvalidValueError``, what is not one of the twelve ``SEQUENCES``."""
     _axes(sequence)
 
 
 def euler_rotation(sequence: str, angles: ArrayLike) -> Array:
-    """Rotation matrices of Euler angles.
-
-    Parameters
-    ----------
-    sequence : str
-        One of ``SEQUENCES``, body-fixed.
-    angles : (..., 3) array_like
-        First, second, third [rad].
-
-    Returns
-    -------
-    (..., 3, 3) ndarray
-        R_BF: its columns are the follower's axes in the base frame.
+    """Rotation matrices R_BF (..., 3, 3) of body-fixed Euler angles (..., 3) [rad].
 
     Raises
     ------
@@ -91,25 +68,13 @@ def euler_rotation(sequence: str, angles: ArrayLike) -> Array:
 
 
 def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
-    """Euler angles of rotation matrices: principal values.
+    """Euler angles (..., 3) [rad] of rotation matrices R_BF (..., 3, 3): principal values.
 
     The first and third are in -pi ... pi; the second is in -pi/2 ... pi/2 for the six Tait-Bryan
-    sequences and in 0 ... pi for the six proper ones. They give the matrix back everywhere, to
+    sequences and in 0 ... pi for the six proper ones. They reproduce the matrix everywhere, to
     rounding. Within ``LOCK`` of gimbal lock only the sum or difference of the first and the third
-    is determined; the first is then 0.
-
-    Parameters
-    ----------
-    sequence : str
-        One of ``SEQUENCES``, body-fixed.
-    rotations : (..., 3, 3) array_like
-        R_BF.
-
-    Returns
-    -------
-    (..., 3) ndarray
-        First, second, third [rad]. A series of them jumps where a principal range ends;
-        ``continuous_angles`` mends that.
+    is determined; the first is then 0. A series of them jumps where a principal range ends:
+    ``continuous_angles`` removes the jumps.
 
     Raises
     ------
@@ -133,22 +98,9 @@ def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
 
 
 def gimbal_distance(sequence: str, angles: ArrayLike) -> Array:
-    """How far the second angle is from gimbal lock.
+    """How far the second of Euler angles (..., 3) is from gimbal lock, (...) [rad].
 
-    Parameters
-    ----------
-    angles : (..., 3) array_like
-        [rad].
-
-    Returns
-    -------
-    (...) ndarray
-        0 at gimbal lock, pi/2 where the first and the third axis are at right angles [rad].
-
-    Raises
-    ------
-    InvalidValueError
-        If the sequence is unknown, or the angles are not three finite numbers.
+    It is 0 at gimbal lock, and pi/2 where the first and the third axis are at right angles.
     """
     _, across = _third_axis(_axes(sequence), finite_vectors("the Euler angles", angles, 3))
     distance: Array = np.arcsin(np.abs(across))
@@ -156,28 +108,13 @@ def gimbal_distance(sequence: str, angles: ArrayLike) -> Array:
 
 
 def continuous_angles(sequence: str, series: ArrayLike) -> Array:
-    """Recorded Euler angles without jumps: each sample the one nearest to the sample before.
+    """Recorded Euler angles (n, 3) [rad] without jumps: each sample nearest to the one before.
 
     Every rotation has two triples of angles, up to whole turns: ``(a, b, c)`` and ``(a + pi,
     pi - b, c + pi)`` for Tait-Bryan sequences, ``(a + pi, -b, c + pi)`` for proper ones; at
-    gimbal lock it has a whole line of them. The result gives the same rotation at every sample
+    gimbal lock it has a whole line of them. The result is the same rotation at every sample
     and passes straight through gimbal lock. Two samples must be less than about a quarter turn
-    apart.
-
-    Parameters
-    ----------
-    series : (n, 3) array_like
-        Angles over time, such as principal values [rad].
-
-    Returns
-    -------
-    (n, 3) ndarray
-        [rad]; the first sample is as given.
-
-    Raises
-    ------
-    InvalidValueError
-        If the sequence is unknown, or the series is not n times three finite numbers.
+    apart. The first sample stays as it is.
     """
     axes = _axes(sequence)
     checked = finite_vectors("the Euler angles", series, 3)

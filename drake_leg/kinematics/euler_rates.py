@@ -15,25 +15,10 @@ from drake_leg.kinematics.euler import LOCK, euler_rotation
 
 
 def rate_matrix(sequence: str, angles: ArrayLike) -> Array:
-    """The matrix E of ``w_BF = E rates``: its columns are the three axes of rotation.
+    """The matrix E of ``w_BF = E rates`` at Euler angles (..., 3) [rad], (..., 3, 3).
 
-    Parameters
-    ----------
-    sequence : str
-        One of ``euler.SEQUENCES``, body-fixed.
-    angles : (..., 3) array_like
-        [rad].
-
-    Returns
-    -------
-    (..., 3, 3) ndarray
-        In the base frame; singular at gimbal lock. ``R_BF.T @ E`` is the one in the follower's
-        axes.
-
-    Raises
-    ------
-    InvalidValueError
-        If the sequence is unknown, or the angles are not three finite numbers.
+    Its columns are the three axes of rotation in the base frame; it is singular at gimbal lock.
+    ``R_BF.T @ E`` is the one in the follower's axes.
     """
     R_BF = euler_rotation(sequence, angles)
     first, second, third = ("XYZ".index(letter) for letter in sequence)
@@ -47,30 +32,12 @@ def rate_matrix(sequence: str, angles: ArrayLike) -> Array:
 
 
 def angle_rates(sequence: str, angles: ArrayLike, angular_velocity: ArrayLike) -> Array:
-    """Derivatives of the Euler angles: a Bushing or Gimbal joint's rates.
+    """Derivatives of the Euler angles (..., 3) [rad/s]: a Bushing or Gimbal joint's rates.
 
-    ``rates = E(angles)^-1 w_BF``. They grow without bound towards gimbal lock, as the angles do
-    truly turn ever faster there. Within ``euler.LOCK`` of it they are the smallest rates that
-    give the part of w_BF that any rates can give; never NaN or infinite.
-
-    Parameters
-    ----------
-    sequence : str
-        One of ``euler.SEQUENCES``, body-fixed.
-    angles : (..., 3) array_like
-        [rad].
-    angular_velocity : (..., 3) array_like
-        w_BF in the axes of the base frame [rad/s].
-
-    Returns
-    -------
-    (..., 3) ndarray
-        [rad/s].
-
-    Raises
-    ------
-    InvalidValueError
-        If the sequence is unknown, or a vector is not three finite numbers.
+    ``rates = E(angles)^-1 w_BF``, with w_BF (..., 3) in the axes of the base frame [rad/s]. They
+    grow without bound towards gimbal lock, as the angles truly turn ever faster there. Within
+    ``LOCK`` of it they are the smallest rates for the part of w_BF that any rates can make; they
+    are never NaN or infinite.
     """
     w = finite_vectors("the angular velocity", angular_velocity, 3)
     return _solve(rate_matrix(sequence, angles), w)
@@ -79,30 +46,10 @@ def angle_rates(sequence: str, angles: ArrayLike, angular_velocity: ArrayLike) -
 def angle_accelerations(
     sequence: str, angles: ArrayLike, rates: ArrayLike, angular_acceleration: ArrayLike
 ) -> Array:
-    """Second derivatives of the Euler angles: a Bushing or Gimbal joint's accelerations.
+    """Second derivatives of the Euler angles (..., 3): a Bushing or Gimbal joint's accelerations.
 
-    ``E^-1 (alpha_BF - dE/dt rates)``; near gimbal lock as ``angle_rates``.
-
-    Parameters
-    ----------
-    sequence : str
-        One of ``euler.SEQUENCES``, body-fixed.
-    angles : (..., 3) array_like
-        [rad].
-    rates : (..., 3) array_like
-        Their derivatives [rad/s].
-    angular_acceleration : (..., 3) array_like
-        alpha_BF, the derivative of w_BF in the base frame, in its axes [rad/s^2].
-
-    Returns
-    -------
-    (..., 3) ndarray
-        [rad/s^2].
-
-    Raises
-    ------
-    InvalidValueError
-        If the sequence is unknown, or a vector is not three finite numbers.
+    ``E^-1 (alpha_BF - dE/dt rates)`` [rad/s^2], with alpha_BF (..., 3) the derivative of w_BF in
+    the base frame [rad/s^2]; near gimbal lock as ``angle_rates``.
     """
     alpha = finite_vectors("the angular acceleration", angular_acceleration, 3)
     checked = finite_vectors("the rates", rates, 3)

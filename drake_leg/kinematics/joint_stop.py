@@ -16,17 +16,7 @@ def engagement(stop: HardStop, depth: ArrayLike) -> Array:
     """How much of spring and damper acts: ``3 s^2 - 2 s^3`` at ``s = depth / width`` in 0 ... 1.
 
     0 at the bound and 1 at the end of the transition region, level at both: the polynomial of
-    least degree that Simscape's description allows, which gives no formula.
-
-    Parameters
-    ----------
-    depth : (...) array_like
-        [rad or m].
-
-    Returns
-    -------
-    (...) ndarray
-        In 0 ... 1.
+    least degree that Simscape's description allows, which states no formula.
     """
     s = np.clip(np.asarray(depth, dtype=np.float64) / stop.transition_width, 0.0, 1.0)
     share: Array = s * s * (3.0 - 2.0 * s)
@@ -34,21 +24,9 @@ def engagement(stop: HardStop, depth: ArrayLike) -> Array:
 
 
 def stop_force(stop: HardStop, depth: ArrayLike, rate: ArrayLike) -> Array:
-    """Force that pushes the joint out of its stop; it never pulls.
+    """Force that pushes a joint out of its stop, (...) [N*m or N]; it never pulls.
 
-    ``engagement * max(0, k depth + d rate)``.
-
-    Parameters
-    ----------
-    stop : HardStop
-        Stiffness k, damping d, transition width.
-    depth, rate : (...) array_like
-        [rad or m], [rad/s or m/s].
-
-    Returns
-    -------
-    (...) ndarray
-        [N*m or N], not negative.
+    ``engagement * max(0, k depth + d rate)``, with the depth in rad or m.
     """
     x, v = np.asarray(depth, dtype=np.float64), np.asarray(rate, dtype=np.float64)
     push = np.maximum(0.0, stop.stiffness * x + stop.damping * v)
@@ -56,19 +34,9 @@ def stop_force(stop: HardStop, depth: ArrayLike, rate: ArrayLike) -> Array:
 
 
 def limit_force(mechanics: JointMechanics, q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Force of a joint's limits on it; 0 within them.
+    """Force of a joint's limits on it, along the joint, (...) [N*m or N]; 0 within them.
 
-    Parameters
-    ----------
-    mechanics : JointMechanics
-        Of the joint; limits without a stop do nothing here.
-    q, qdot : (...) array_like
-        Position [rad or m] and rate [rad/s or m/s].
-
-    Returns
-    -------
-    (...) ndarray
-        [N*m or N], along the joint.
+    Limits without a stop do nothing here.
     """
     at, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
     total: Array = np.zeros(np.broadcast_shapes(at.shape, rate.shape))
@@ -78,20 +46,7 @@ def limit_force(mechanics: JointMechanics, q: ArrayLike, qdot: ArrayLike) -> Arr
 
 
 def stored_energy(stop: HardStop, depth: ArrayLike) -> Array:
-    """Energy in the stop's spring, the integral of ``engagement * k depth``.
-
-    Parameters
-    ----------
-    stop : HardStop
-        Stiffness and transition width.
-    depth : (...) array_like
-        [rad or m].
-
-    Returns
-    -------
-    (...) ndarray
-        [J].
-    """
+    """Energy in the stop's spring at a depth (...) [J], the integral of ``engagement k depth``."""
     x, w = np.asarray(depth, dtype=np.float64), stop.transition_width
     s = np.clip(x / w, 0.0, 1.0)
     within = w**2 * s**4 * (0.75 - 0.4 * s)
@@ -101,47 +56,9 @@ def stored_energy(stop: HardStop, depth: ArrayLike) -> Array:
 
 
 def limit_energy(mechanics: JointMechanics, q: ArrayLike) -> Array:
-    """Energy in the springs of a joint's limits.
-
-    Parameters
-    ----------
-    q : (...) array_like
-        Position [rad or m].
-
-    Returns
-    -------
-    (...) ndarray
-        [J].
-    """
+    """Energy in the springs of a joint's limits at positions (...) [J]."""
     at = np.asarray(q, dtype=np.float64)
     total: Array = np.zeros(at.shape)
     for side, bound, stop in mechanics.stops:
         total = total + stored_energy(stop, np.maximum(0.0, side * (at - bound)))
     return total
-
-
-def rest_depth(stop: HardStop, load: float) -> float:
-    """Depth at which the stop carries a load at rest: ``engagement * k depth = load``.
-
-    Beyond the transition region it is ``load / k``; within, the root of a quartic.
-
-    Parameters
-    ----------
-    stop : HardStop
-        Stiffness and transition width.
-    load : float
-        Into the stop [N*m or N]; a load away from it leaves the joint at the bound.
-
-    Returns
-    -------
-    float
-        [rad or m].
-    """
-    w, k = stop.transition_width, stop.stiffness
-    if load <= 0.0:
-        return 0.0
-    if load >= k * w:
-        return load / k
-    roots = np.roots([-2.0, 3.0, 0.0, 0.0, -load / (k * w)])
-    real = roots[np.abs(roots.imag) < 1e-9].real
-    return float(w * real[(real >= 0.0) & (real <= 1.0)].min())

@@ -16,37 +16,15 @@ from drake_leg.robot import Row
 
 
 def moving_rows(rows: Sequence[Row]) -> list[int]:
-    """Return the indices of the rows that have a joint position, in order.
-
-    Returns
-    -------
-    list of int
-        As many as the chain has degrees of freedom.
-    """
+    """Indices of the rows that have a joint position, in order."""
     return [index for index, row in enumerate(rows) if row.joint != "fixed"]
 
 
 def row_transform(row: Row, q: ArrayLike = 0.0) -> Array:
-    """Transform from a row's frame to the frame before it.
+    """Transform X_PC from a row's frame C to the frame P before it, (..., 4, 4), report A, eq. 1.
 
-    ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``, with ``q`` added to ``theta``
-    (revolute) or to ``r`` (prismatic); a fixed row ignores ``q``.
-
-    Parameters
-    ----------
-    row : Row
-        One row of the table.
-    q : (...) array_like
-        Joint position [rad or m].
-
-    Returns
-    -------
-    (..., 4, 4) ndarray
-        Homogeneous transform X_PC, from the row's frame C to the frame before it P [-, m].
-
-    References
-    ----------
-    Report A, eq. 1.
+    ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``, with ``q`` (...) [rad or m] added to
+    ``theta`` (revolute) or to ``r`` (prismatic); a fixed row ignores ``q``.
     """
     position = np.asarray(q, dtype=np.float64)
     theta = row.theta + (position if row.joint == "revolute" else np.zeros_like(position))
@@ -67,20 +45,7 @@ def row_transform(row: Row, q: ArrayLike = 0.0) -> Array:
 
 
 def row_transform_rate(row: Row, q: ArrayLike = 0.0) -> Array:
-    """Derivative of ``row_transform`` by the joint position.
-
-    Parameters
-    ----------
-    row : Row
-        One row of the table; a fixed row gives zeros.
-    q : (...) array_like
-        Joint position [rad or m].
-
-    Returns
-    -------
-    (..., 4, 4) ndarray
-        dX_PC/dq.
-    """
+    """Derivative of ``row_transform`` by the joint position, (..., 4, 4); zero for a fixed row."""
     X_PC = row_transform(row, q)
     generator = np.zeros((4, 4))
     if row.joint == "revolute":
@@ -92,30 +57,15 @@ def row_transform_rate(row: Row, q: ArrayLike = 0.0) -> Array:
 
 
 def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
-    """Transforms from every row's frame to the base.
+    """Transforms from every row's frame to the base, (..., n, 4, 4); the last one is the foot's.
 
-    ``X_B[i] = X_B[i-1] @ row_transform(rows[i], q_i)``.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, n rows of which m move.
-    q : (..., m) array_like
-        Joint positions [rad or m].
-
-    Returns
-    -------
-    (..., n, 4, 4) ndarray
-        Homogeneous transforms in the base frame [-, m]; the last one is the foot's.
+    ``X_B[i] = X_B[i-1] @ row_transform(rows[i], q_i)`` for a table of n rows, of which m move, at q
+    (..., m) [rad or m] (report A, eq. 6-8; report B, 1.4 and 2.4).
 
     Raises
     ------
     InvalidValueError
         If ``q`` does not end in m, or is not finite.
-
-    References
-    ----------
-    Report A, eq. 6-8; report B, 1.4 and 2.4.
     """
     moving = moving_rows(rows)
     positions = finite_vectors("q", q, len(moving))
@@ -129,40 +79,15 @@ def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
 
 
 def foot_pose(rows: Sequence[Row], q: ArrayLike) -> Array:
-    """Pose of the last frame of the chain in the base.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, of which m rows move.
-    q : (..., m) array_like
-        Joint positions [rad or m].
-
-    Returns
-    -------
-    X_BF : (..., 4, 4) ndarray
-        Homogeneous transform [-, m].
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in m, or is not finite.
-    """
+    """Pose X_BF of the last frame in the base, (..., 4, 4), as the last of ``base_transforms``."""
     return base_transforms(rows, q)[..., -1, :, :]
 
 
 def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
     """Jacobian of the foot by the direct method (z x OE), rotation first as Drake has it.
 
-    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint gives ``[z; z x OF]``, a prismatic one
-    ``[0; z]``.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, of which m rows move.
-    q : (..., m) array_like
-        Joint positions [rad or m].
+    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint makes ``[z; z x OF]``, a prismatic one
+    ``[0; z]`` (report A, eq. 9-15; eq. 9-12 lack the joint rates in print).
 
     Returns
     -------
@@ -172,11 +97,7 @@ def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
     Raises
     ------
     InvalidValueError
-        If ``q`` does not end in m, or is not finite.
-
-    References
-    ----------
-    Report A, eq. 9-15 (eq. 9-12 lack the joint rates in print).
+        If ``q`` (..., m) does not end in m, or is not finite.
     """
     X_B = base_transforms(rows, q)
     p_BF = X_B[..., -1, :3, 3]
@@ -193,31 +114,10 @@ def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
 
 
 def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
-    """Jacobian of the foot by the indirect method: the derivative of its pose.
+    """Jacobian of the foot by the indirect method: the derivative of its pose (report A, appendix).
 
     ``v = dp/dq``, and the angular part from ``[w]x = dR/dq R^T``; no cross product is taken, so
-    that it is a witness of ``jacobian``.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, of which m rows move.
-    q : (..., m) array_like
-        Joint positions [rad or m].
-
-    Returns
-    -------
-    Jv_BF : (..., 6, m) ndarray
-        As ``jacobian``.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in m, or is not finite.
-
-    References
-    ----------
-    Report A, appendix (indirect method).
+    that it is a witness of ``jacobian``, whose shape it has.
     """
     moving = moving_rows(rows)
     positions = finite_vectors("q", q, len(moving))
@@ -234,51 +134,3 @@ def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
         Jv_BF[..., 2, column] = spin[..., 1, 0]
         Jv_BF[..., 3:, column] = rate[..., :3, 3]
     return Jv_BF
-
-
-def jacobian_rate_bias(rows: Sequence[Row], q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Foot acceleration that is there without joint acceleration: ``dJv_BF/dt @ qdot``.
-
-    An axis turns with the body before it, ``dz/dt = w x z``, and an origin moves with it.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table, of which m rows move.
-    q, qdot : (..., m) array_like
-        Joint positions [rad or m] and their rates.
-
-    Returns
-    -------
-    (..., 6) ndarray
-        Angular [rad/s^2], then translational [m/s^2], in the base frame.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` or ``qdot`` does not end in m, or is not finite.
-    """
-    moving = moving_rows(rows)
-    rates = finite_vectors("qdot", qdot, len(moving))[..., np.newaxis]
-    X_B = base_transforms(rows, q)
-    J = jacobian(rows, q)
-    p_BF = X_B[..., -1, :3, 3]
-    v_BF = (J[..., 3:, :] @ rates)[..., 0]
-    w = np.zeros_like(p_BF)
-    v_o, o_before = np.zeros_like(p_BF), np.zeros_like(p_BF)
-    bias = np.zeros((*p_BF.shape[:-1], 6))
-    for column, index in enumerate(moving):
-        z, o = X_B[..., index, :3, 2], X_B[..., index, :3, 3]
-        rate = rates[..., column, :]
-        v_o = v_o + np.cross(w, o - o_before)
-        z_dot = np.cross(w, z)
-        if rows[index].joint == "revolute":
-            bias[..., :3] += z_dot * rate
-            turning = np.cross(z_dot, p_BF - o) + np.cross(z, v_BF - v_o)
-            bias[..., 3:] += turning * rate
-            w = w + z * rate
-        else:
-            v_o = v_o + z * rate
-            bias[..., 3:] += z_dot * rate
-        o_before = o
-    return bias

@@ -6,28 +6,42 @@ With ci = cos qi, c23 = cos(q2 + q3) and the same for sines:
 - ``depth = l2 s2 + l3 s23`` is its height over the hip, up to the sign ``s`` of the variant.
 
 The Jacobian has two singular families: ``sin q3 = 0`` (leg stretched or folded) and
-``reach = 0`` (foot on the hip axis).
+``reach = 0`` (foot on the hip axis). The foot can reach a point in up to four ways: the leg may
+face it or turn its back (the sign of the reach), and the ankle may bend either way (the sign of
+sin q3).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, assemble, finite_vectors, in_blocks, split
-from drake_leg.kinematics.task import Floats, Task, singular_posture
-from drake_leg.quantities import require_positive
+from drake_leg.kinematics.batches import (
+    Array,
+    assemble,
+    finite_vectors,
+    in_blocks,
+    one_vector,
+    split,
+    triangle_angle,
+    within_turns,
+)
+from drake_leg.kinematics.movable import Floats, Movable
+from drake_leg.quantities import LEAST, MOST, require_positive
 from drake_leg.robot import Robot
 
 # sin(q3), or the reach over the leg's length, below which the closed form no longer divides.
 SINGULAR_BELOW = 1e-12
 AT_REST = (0.0, 0.0, 0.0)
+BRANCHES = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # facing, bend
+JOINTS = ("revolute", "revolute", "revolute", "fixed")  # of the reports' table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,89 +61,63 @@ class LegGeometry:
 
     @classmethod
     def from_robot(cls, robot: Robot) -> Self:
-        """Read the lengths and the sign off a leg's Khalil table.
-
-        Parameters
-        ----------
-        robot : Robot
-            A leg as ``robots.hexabot_leg`` makes it.
+        """Read the lengths and the sign off the Khalil table of a leg, as ``robots`` makes it.
 
         Raises
         ------
         InvalidValueError
             If the table is not that of the reports' leg.
         """
-        rows = robot.rows
-        alphas = tuple(row.alpha for row in rows)
-        if (
-            tuple(row.joint for row in rows) != ("revolute", "revolute", "revolute", "fixed")
-            or any(row.r or row.theta for row in rows)
-            or rows[0].d
-            or abs(alphas[1]) != math.pi / 2
-            or any(alphas[:1] + alphas[2:])
-        ):
+        if not is_hexabot_leg(robot):
             raise InvalidValueError(f"{robot.name!r} has not the table of the reports' leg")
-        sign = int(math.copysign(1, alphas[1]))
+        rows = robot.rows
+        sign = int(math.copysign(1, rows[1].alpha))
         return cls(l1=rows[1].d, l2=rows[2].d, l3=rows[3].d, sign=sign)
 
 
 def is_hexabot_leg(robot: Robot) -> bool:
     """Tell whether a robot has the table of the reports' leg, whatever its lengths."""
-    try:
-        LegGeometry.from_robot(robot)
-    except InvalidValueError:
-        return False
-    return True
+    rows = robot.rows
+    return (
+        tuple(row.joint for row in rows) == JOINTS
+        and not any(row.r or row.theta for row in rows)
+        and rows[0].d == 0.0
+        and all(LEAST <= row.d <= MOST for row in rows[1:])
+        and abs(rows[1].alpha) == math.pi / 2
+        and not any(row.alpha for row in (rows[0], *rows[2:]))
+    )
+
+
+class _Links(NamedTuple):
+    """The leg in the terms that all of its closed forms share; floats, or arrays of a batch."""
+
+    c1: Any  # of the plane in which femur and tibia move
+    s1: Any
+    x2: Any  # of the femur in that plane, outwards and across [m]
+    z2: Any
+    x3: Any  # of the tibia [m]
+    z3: Any
+    reach: Any  # of the foot from the hip axis [m]
+
+
+def _links(leg: LegGeometry, q: ArrayLike) -> _Links:
+    (q1, q2, q3), cos, sin = split("q", q, 3)
+    x2, z2 = leg.l2 * cos(q2), leg.l2 * sin(q2)
+    x3, z3 = leg.l3 * cos(q2 + q3), leg.l3 * sin(q2 + q3)
+    return _Links(cos(q1), sin(q1), x2, z2, x3, z3, leg.l1 + x2 + x3)
 
 
 def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:
-    """Position of the foot F in the base frame B.
+    """Position p_BF of the foot in the base frame, (..., 3) [m].
 
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    p_BF : (..., 3) ndarray
-        [m].
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
     Report A, eq. 8; report B, 2.5.1 (printed with q2 - q3 for q2 + q3).
     """
-    (q1, q2, q3), cos, sin = split("q", q, 3)
-    reach = leg.l1 + leg.l2 * cos(q2) + leg.l3 * cos(q2 + q3)
-    depth = leg.l2 * sin(q2) + leg.l3 * sin(q2 + q3)
-    return assemble((cos(q1) * reach, sin(q1) * reach, leg.sign * depth))
+    c1, s1, _, z2, _, z3, reach = _links(leg, q)
+    return assemble((c1 * reach, s1 * reach, leg.sign * (z2 + z3)))
 
 
 def foot_and_jacobian(leg: LegGeometry, q: ArrayLike) -> tuple[Array, Array]:
-    """Position of the foot and its translational Jacobian at once: they share most of the work.
-
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    p_BF : (..., 3) ndarray
-        [m], as ``foot_position``.
-    Jv_BF : (..., 3, 3) ndarray
-        [m/rad], as ``foot_jacobian``.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-    """
+    """``foot_position`` and ``foot_jacobian`` at once: they share most of the work."""
     angles = finite_vectors("q", q, 3)
     if angles.ndim == 1:
         return _foot_and_jacobian(leg, angles)
@@ -138,39 +126,20 @@ def foot_and_jacobian(leg: LegGeometry, q: ArrayLike) -> tuple[Array, Array]:
 
 
 def _foot_and_jacobian(leg: LegGeometry, q: Array) -> tuple[Array, Array]:
-    (q1, q2, q3), cos, sin = split("q", q, 3)
-    c1, s1, q23, s = cos(q1), sin(q1), q2 + q3, leg.sign
-    x3, z3 = leg.l3 * cos(q23), leg.l3 * sin(q23)
-    x2, depth = leg.l2 * cos(q2) + x3, leg.l2 * sin(q2) + z3
-    reach = leg.l1 + x2
-    x, y = c1 * reach, s1 * reach
-    rows = ((-y, -c1 * depth, -c1 * z3), (x, -s1 * depth, -s1 * z3), (0.0, s * x2, s * x3))
-    return assemble((x, y, s * depth)), assemble(rows)
+    c1, s1, x2, z2, x3, z3, reach = _links(leg, q)
+    x, y, depth, across = c1 * reach, s1 * reach, z2 + z3, x2 + x3
+    rows = (
+        (-y, -c1 * depth, -c1 * z3),
+        (x, -s1 * depth, -s1 * z3),
+        (0.0, leg.sign * across, leg.sign * x3),
+    )
+    return assemble((x, y, leg.sign * depth)), assemble(rows)
 
 
 def foot_rotation(leg: LegGeometry, q: ArrayLike) -> Array:
-    """Rotation of the foot frame F in the base frame B.
+    """Rotation R_BF of the foot frame in the base frame, (..., 3, 3).
 
-    ``R_BF = Rz(q1) Rx(s pi/2) Rz(q2 + q3)``.
-
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    R_BF : (..., 3, 3) ndarray
-        Rotation matrices.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
-    Report A, eq. 8; report B, 2.4.
+    ``R_BF = Rz(q1) Rx(s pi/2) Rz(q2 + q3)`` (report A, eq. 8; report B, 2.4).
     """
     (q1, q2, q3), cos, sin = split("q", q, 3)
     c1, s1, c23, s23 = cos(q1), sin(q1), cos(q2 + q3), sin(q2 + q3)
@@ -185,9 +154,7 @@ def foot_rotation(leg: LegGeometry, q: ArrayLike) -> Array:
 
 
 def foot_jacobian(leg: LegGeometry, q: ArrayLike) -> Array:
-    """Translational Jacobian of the foot F in the base frame B.
-
-    ``v_BF = Jv_BF @ qdot``.
+    """Translational Jacobian of the foot F in the base frame B: ``v_BF = Jv_BF @ qdot``.
 
     Parameters
     ----------
@@ -212,100 +179,80 @@ def foot_jacobian(leg: LegGeometry, q: ArrayLike) -> Array:
 
 
 def determinant(leg: LegGeometry, q: ArrayLike) -> Array:
-    """Determinant of the foot's translational Jacobian, factored.
+    """Determinant of the foot's translational Jacobian, factored, (...) [m^3/rad^3].
 
-    ``det J = -s l2 l3 sin(q3) (l1 + l2 c2 + l3 c23)``.
-
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    (...) ndarray
-        [m^3/rad^3]; zero on both singular families.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
-    Report A, eq. 17 (printed unfactored, the family on the hip axis left out).
+    ``det J = -s l2 l3 sin(q3) (l1 + l2 c2 + l3 c23)``: zero on both singular families (report A,
+    eq. 17, printed unfactored, the family on the hip axis left out).
     """
-    (_, q2, q3), cos, sin = split("q", q, 3)
-    reach = leg.l1 + leg.l2 * cos(q2) + leg.l3 * cos(q2 + q3)
-    return np.asarray(-leg.sign * leg.l2 * leg.l3 * sin(q3) * reach)
+    (_, _, q3), _, sin = split("q", q, 3)
+    return np.asarray(-leg.sign * leg.l2 * leg.l3 * sin(q3) * _links(leg, q).reach)
 
 
 def jacobian_rate_bias(leg: LegGeometry, q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Foot acceleration that is there without joint acceleration.
+    """Foot acceleration that is there without joint acceleration, (..., 3) [m/s^2].
 
     ``a_BF = Jv_BF @ qddot + bias`` with ``bias = dJv_BF/dt @ qdot``.
-
-    Parameters
-    ----------
-    q, qdot : (..., 3) array_like
-        Joint angles [rad] and rates [rad/s].
-
-    Returns
-    -------
-    (..., 3) ndarray
-        [m/s^2], in the base frame.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` or ``qdot`` does not end in 3, or is not finite.
     """
-    (q1, q2, q3), cos, sin = split("q", q, 3)
+    c1, s1, x2, z2, x3, z3, reach = _links(leg, q)
     (w1, w2, w3), _, _ = split("qdot", qdot, 3)
-    q23, w23 = q2 + q3, w2 + w3
-    c1, s1 = cos(q1), sin(q1)
-    c2, s2, c23, s23 = cos(q2), sin(q2), cos(q23), sin(q23)
-    reach = leg.l1 + leg.l2 * c2 + leg.l3 * c23
-    reach_rate = -leg.l2 * s2 * w2 - leg.l3 * s23 * w23
-    radial = -leg.l2 * c2 * w2**2 - leg.l3 * c23 * w23**2 - reach * w1**2
-    tangential = 2.0 * reach_rate * w1
-    vertical = -leg.sign * (leg.l2 * s2 * w2**2 + leg.l3 * s23 * w23**2)
+    w23 = w2 + w3
+    radial = -x2 * w2**2 - x3 * w23**2 - reach * w1**2
+    tangential = -2.0 * (z2 * w2 + z3 * w23) * w1
+    vertical = -leg.sign * (z2 * w2**2 + z3 * w23**2)
     return assemble((c1 * radial - s1 * tangential, s1 * radial + c1 * tangential, vertical))
 
 
-def leg_task(leg: LegGeometry) -> Task:
-    """Make the task of the foot's velocity, with the Jacobian inverted in closed form.
+class MovableLeg(Movable):
+    """The leg's foot in x, y and z, its Jacobian inverted in closed form (report A, eq. 19).
 
     In the leg's own plane the foot moves radially and vertically, across it tangentially:
     ``qdot1 = v_t / reach``, and the knee and the ankle solve the two-link arm,
     ``qdot2 = (c23 v_r + s23 v_z) / (l2 s3)`` and so on, with ``v_z`` signed by the variant.
-
-    Returns
-    -------
-    Task
-        Velocities in m/s, base frame; angles in rad.
-
-    References
-    ----------
-    Report A, eq. 19.
     """
-    l1, l2, l3, sign = leg.l1, leg.l2, leg.l3, leg.sign
-    nearest_reach = SINGULAR_BELOW * (l1 + l2 + l3)
-    factor = -sign * l2 * l3
-    jacobian = partial(foot_jacobian, leg)
 
-    def rates(q: Floats, v: Floats) -> Floats:
-        return solve(q, v, AT_REST, AT_REST)
+    geometry: LegGeometry
 
-    def accelerations(q: Floats, qdot: Floats, a: Floats, v: Floats = (), w: Floats = ()) -> Floats:
-        return solve(q, a, qdot, w or qdot)
+    def __init__(self, leg: LegGeometry) -> None:
+        self.geometry = leg
+        self.length = leg.l1 + leg.l2 + leg.l3
+        self.determinant_scale = leg.l2 * leg.l3 * self.length
+        self._numbers = leg.l1, leg.l2, leg.l3, leg.sign
 
-    def plain_determinant(q: Floats) -> float:
+    def foot(self, q: Floats) -> Array:
+        """Position of the foot in the base frame, (3,) [m]."""
+        return foot_position(self.geometry, q)
+
+    def jacobian(self, q: Floats) -> Array:
+        """Translational Jacobian, (3, 3) [m/rad]."""
+        return foot_jacobian(self.geometry, q)
+
+    def bias(self, q: Floats, qdot: Floats) -> Array:
+        """``dJ/dt qdot``, (3,) [m/s^2]."""
+        return jacobian_rate_bias(self.geometry, q, qdot)
+
+    def determinant(self, q: Floats) -> float:
+        """Det J, factored [m^3]."""
+        l1, l2, l3, sign = self._numbers
         _, q2, q3 = q
-        return factor * math.sin(q3) * (l1 + l2 * math.cos(q2) + l3 * math.cos(q2 + q3))
+        return -sign * l2 * l3 * math.sin(q3) * (l1 + l2 * math.cos(q2) + l3 * math.cos(q2 + q3))
 
-    def solve(q: Floats, a: Floats, qdot: Floats, w: Floats) -> Floats:
-        """Return ``J^-1 (a - dJ/dt qdot)`` with J changing along w."""
+    def rates(self, q: Floats, v: Floats) -> Floats:
+        """``J^-1 v``."""
+        return self._solve(q, v, AT_REST, AT_REST)
+
+    def accelerations(
+        self,
+        q: Floats,
+        qdot: Floats,
+        a: Floats,
+        v: Floats | None = None,
+        w: Floats | None = None,
+    ) -> Floats:
+        """``J^-1 (a - dJ/dt qdot)`` with J changing along w."""
+        return self._solve(q, a, qdot, qdot if w is None else w)
+
+    def _solve(self, q: Floats, a: Floats, qdot: Floats, w: Floats) -> Floats:
+        l1, l2, l3, sign = self._numbers
         q1, q2, q3 = q
         u1, u2, u3 = qdot
         w1, w2, w3 = w
@@ -315,8 +262,8 @@ def leg_task(leg: LegGeometry) -> Task:
         x2, z2 = l2 * math.cos(q2), l2 * math.sin(q2)
         x3, z3 = l3 * c23, l3 * s23
         reach = l1 + x2 + x3
-        if abs(s3) <= SINGULAR_BELOW or abs(reach) <= nearest_reach:
-            raise singular_posture(jacobian, q)
+        if abs(s3) <= SINGULAR_BELOW or abs(reach) <= SINGULAR_BELOW * self.length:
+            raise self.singular(q)
         w2_2, w23_2 = u2 * w2, u23 * w23
         radial = c1 * a[0] + s1 * a[1] + x2 * w2_2 + x3 * w23_2 + reach * u1 * w1
         tangential = c1 * a[1] - s1 * a[0] + (z2 * w2 + z3 * w23) * u1 + (z2 * u2 + z3 * u23) * w1
@@ -327,39 +274,13 @@ def leg_task(leg: LegGeometry) -> Task:
             -((x2 + x3) * radial + (z2 + z3) * vertical) / (l2 * l3 * s3),
         )
 
-    return Task(
-        jacobian=jacobian,
-        bias=partial(jacobian_rate_bias, leg),
-        determinant=plain_determinant,
-        rates=rates,
-        accelerations=accelerations,
-        determinant_scale=l2 * l3 * (l1 + l2 + l3),
-        length=l1 + l2 + l3,
-    )
-
 
 def foot_rotation_angles(leg: LegGeometry, R_BF: ArrayLike) -> Array:
-    """Angles of the foot's rotation in the leg's own Z-X-Z sequence.
+    """Angles a, b, c [rad] of foot rotations (..., 3, 3) in the leg's own Z-X-Z sequence, (..., 3).
 
     ``R_BF = Rz(a) Rx(b) Rz(c)``: for a foot rotated by the leg, a = q1, b = s pi/2 and
-    c = q2 + q3, so the sequence is regular wherever the leg goes.
-
-    Parameters
-    ----------
-    leg : LegGeometry
-        Lengths and variant; the sign chooses between the two solutions.
-    R_BF : (..., 3, 3) array_like
-        Rotation matrices.
-
-    Returns
-    -------
-    (..., 3) ndarray
-        a, b, c [rad], a and c in (-pi, pi].
-
-    Raises
-    ------
-    InvalidValueError
-        If the last axis is not 3 long, or a value is not finite.
+    c = q2 + q3, so the sequence is regular wherever the leg goes. a and c are in (-pi, pi]; the
+    leg's sign chooses between the two solutions.
     """
     R = finite_vectors("R_BF", R_BF, 3)
     if R.ndim < 2 or R.shape[-2] != 3:
@@ -369,3 +290,93 @@ def foot_rotation_angles(leg: LegGeometry, R_BF: ArrayLike) -> Array:
     b = s * np.arccos(np.clip(R[..., 2, 2], -1.0, 1.0))
     c = np.arctan2(s * R[..., 2, 0], s * R[..., 2, 1])
     return np.stack([a, b, c], axis=-1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Branch:
+    """One way of putting the foot at a point."""
+
+    facing: int  # +1: the foot is in front of the hip, -1: behind it
+    bend: int  # sign of sin q3
+    q: tuple[float, float, float] | None  # [rad]; None where the point is out of reach
+    within_limits: bool  # of the joints; True without limits
+
+    @property
+    def name(self) -> str:
+        """What the branch looks like, in words."""
+        front = "foot in front of the hip" if self.facing > 0 else "foot behind the hip"
+        return f"{front}, q3 {'positive' if self.bend > 0 else 'negative'}"
+
+
+def branch_angles(leg: LegGeometry, p_BF: ArrayLike) -> Array:
+    """Joint angles of all four branches for feet p_BF (..., 3) [m], (..., 4, 3) [rad].
+
+    ``foot_position(leg, branch_angles(leg, p)[..., b, :]) == p`` wherever it is not NaN, that is,
+    in reach; angles are in (-pi, pi], in the order of ``BRANCHES``. The ankle follows from the
+    triangle of femur, tibia and the distance from knee to foot. On the hip axis the hip angle is
+    arbitrary.
+    """
+    points = finite_vectors("p_BF", p_BF, 3)
+    x, y, w = points[..., 0], points[..., 1], leg.sign * points[..., 2]
+    solutions = [_solve(leg, x, y, w, facing, bend) for facing, bend in BRANCHES]
+    return np.stack(solutions, axis=-2)
+
+
+def _solve(leg: LegGeometry, x: Array, y: Array, w: Array, facing: int, bend: int) -> Array:
+    q1 = np.arctan2(facing * y, facing * x)
+    u = facing * np.hypot(x, y) - leg.l1
+    q3 = bend * triangle_angle(leg.l2, leg.l3, np.hypot(u, w))
+    q2 = np.arctan2(w, u) - np.arctan2(leg.l3 * np.sin(q3), leg.l2 + leg.l3 * np.cos(q3))
+    q = np.stack([np.where(np.isnan(q3), np.nan, q1), q2, q3], axis=-1)
+    wrapped: Array = math.pi - np.mod(math.pi - q, 2.0 * math.pi)
+    return wrapped
+
+
+def branches(
+    leg: LegGeometry,
+    p_BF: ArrayLike,
+    limits: Sequence[tuple[float, float]] | None = None,
+) -> tuple[Branch, ...]:
+    """All four ways of putting the foot at one point (3,) [m], those out of reach named as such.
+
+    ``limits`` are the lower and upper limit of each joint [rad].
+
+    Raises
+    ------
+    InvalidValueError
+        If ``p_BF`` has not three finite numbers, or there are not three pairs of limits.
+    """
+    if limits is not None and len(limits) != 3:
+        raise InvalidValueError(f"there are {len(limits)} pairs of limits; a leg has three joints")
+    found = []
+    for (facing, bend), q in zip(
+        BRANCHES, branch_angles(leg, one_vector("p_BF", p_BF, 3)), strict=True
+    ):
+        reached = bool(np.isfinite(q).all())
+        inside = limits is None or all(
+            within_turns(angle, low, high) for angle, (low, high) in zip(q, limits, strict=True)
+        )
+        found.append(
+            Branch(
+                facing=facing,
+                bend=bend,
+                q=(float(q[0]), float(q[1]), float(q[2])) if reached else None,
+                within_limits=reached and inside,
+            )
+        )
+    return tuple(found)
+
+
+def inverse_kinematics(leg: LegGeometry, p_BF: ArrayLike, like: ArrayLike) -> Array:
+    """Joint angles (..., 3) that put the foot at a point, on the branch of a given posture.
+
+    ``foot_position(leg, inverse_kinematics(leg, p_BF, like)) == p_BF``. Every angle is the one
+    nearest to that of ``like`` (3,) [rad], by whole turns; NaN where the point is out of reach.
+    """
+    near = one_vector("like", like, 3)
+    reach = leg.l1 + leg.l2 * math.cos(near[1]) + leg.l3 * math.cos(near[1] + near[2])
+    branch = (1 if reach >= 0.0 else -1, 1 if math.sin(near[2]) >= 0.0 else -1)
+    q = branch_angles(leg, p_BF)[..., BRANCHES.index(branch), :]
+    turn = 2.0 * math.pi
+    nearest: Array = q + turn * np.round((near - q) / turn)
+    return nearest

@@ -54,16 +54,9 @@ class PendulumModel:
 
     @classmethod
     def from_robot(cls, robot: Robot, gravity: float = STANDARD_GRAVITY) -> Self:
-        """Read the model off a pendulum's data.
+        """Read the model off the data of a pendulum, as ``robots.pendulum`` makes it.
 
-        ``I = m (L^2 + w^2) / 12 + m (L/2)^2``.
-
-        Parameters
-        ----------
-        robot : Robot
-            A pendulum as ``robots.pendulum`` makes it.
-        gravity : float
-            [m/s^2].
+        ``I = m (L^2 + w^2) / 12 + m (L/2)^2``; gravity in m/s^2.
 
         Raises
         ------
@@ -99,13 +92,7 @@ class PendulumModel:
 
 
 def is_pendulum(robot: Robot) -> bool:
-    """Tell whether a robot is the report's pendulum, whatever its size.
-
-    Returns
-    -------
-    bool
-        One brick turns about the base's y axis; the last frame is at its centre.
-    """
+    """Tell whether a robot is one brick that turns about the base's y axis, of whatever size."""
     return _body(robot) is not None
 
 
@@ -125,19 +112,9 @@ def _body(robot: Robot) -> tuple[Solid, Brick] | None:
 
 
 def energy(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Kinetic plus potential energy, gravity's counted from the pivot's height.
+    """Kinetic plus potential energy [J] at angles [rad] and rates [rad/s] (...).
 
-    ``I qdot^2 / 2 - m g (L/2) sin q + k (q - q_ref)^2 / 2``.
-
-    Parameters
-    ----------
-    q, qdot : (...) array_like
-        Angle [rad] and rate [rad/s].
-
-    Returns
-    -------
-    (...) ndarray
-        [J].
+    ``I qdot^2 / 2 - m g (L/2) sin q + k (q - q_ref)^2 / 2``, gravity from the pivot's height.
     """
     angle, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
     stretch = angle - model.equilibrium_position
@@ -150,18 +127,7 @@ def energy(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
 
 
 def acceleration(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Angular acceleration of the free, damped or sprung pendulum.
-
-    Parameters
-    ----------
-    q, qdot : (...) array_like
-        Angle [rad] and rate [rad/s].
-
-    Returns
-    -------
-    (...) ndarray
-        [rad/s^2].
-    """
+    """Angular acceleration [rad/s^2] of the free, damped or sprung pendulum at q, qdot (...)."""
     angle, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
     spring = model.spring_stiffness * (angle - model.equilibrium_position)
     torque = model.gravity_torque * np.cos(angle) - model.damping * rate - spring
@@ -188,17 +154,9 @@ def _oscillates(model: PendulumModel, q0: float) -> bool:
 
 
 def exact_period(model: PendulumModel, q0: float) -> float | None:
-    """Period of the free swing released at rest: ``4 K(sin(phi0/2)) / omega0``.
+    """Period [s] of the free swing released at rest at q0 [rad]: ``4 K(sin(phi0/2)) / omega0``.
 
-    Parameters
-    ----------
-    q0 : float
-        Angle of release [rad].
-
-    Returns
-    -------
-    float or None
-        [s]; None where there is no period: with damping, a spring or limits, hanging or upright.
+    None where there is no period: with damping, a spring or limits, hanging or upright.
     """
     if not _oscillates(model, q0):
         return None
@@ -209,27 +167,13 @@ def exact_period(model: PendulumModel, q0: float) -> float | None:
 def exact_motion(
     model: PendulumModel, q0: float, time: ArrayLike, qdot0: float = 0.0
 ) -> tuple[Array, Array]:
-    """Angle and rate of the pendulum released at rest, or at a rate.
+    """Angle and rate of the pendulum released at q0 [rad] at rest, or at a rate [rad/s].
 
     Released at rest without damping, spring and limits by Jacobi's elliptic functions,
     ``sin(phi/2) = k cd(omega0 t, k)``; otherwise, and where it starts so nearly upright that the
     elliptic functions lose their digits, by an eighth-order integration of the closed
     equation of motion at a relative tolerance of 1e-12 (of fifth order at 1e-9 where the damper
-    makes it stiff).
-
-    Parameters
-    ----------
-    q0 : float
-        Angle of release [rad].
-    time : (n,) array_like
-        Increasing instants from 0 [s].
-    qdot0 : float
-        Rate of release [rad/s].
-
-    Returns
-    -------
-    q, qdot : (n,) ndarray
-        [rad], [rad/s].
+    makes it stiff). The instants (n,) [s] increase from 0.
     """
     instants = np.asarray(time, dtype=np.float64)
     phi0 = _swing(q0)
@@ -297,20 +241,11 @@ def _solution(
 
 
 def rest_angle(model: PendulumModel, q_end: float) -> float | None:
-    """Angle at which the damped pendulum rests, the one nearest to where it ended.
+    """Angle [rad] at which the damped pendulum rests, the one nearest to where it ended.
 
-    It solves ``k (q - q_ref) = m g (L/2) cos q``; without a spring it is where the link hangs.
-
-    Parameters
-    ----------
-    q_end : float
-        Angle near the rest [rad].
-
-    Returns
-    -------
-    float or None
-        [rad]; None without damping and limits, for then it never rests, and where there is no rest
-        within half a turn of ``q_end``.
+    It solves ``k (q - q_ref) = m g (L/2) cos q``; without a spring it is where the link hangs. None
+    without damping and limits, for then it never rests, and where there is no rest within half a
+    turn of ``q_end``.
     """
     if model.damping == 0.0 and model.limits is None:
         return None

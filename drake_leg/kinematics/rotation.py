@@ -9,17 +9,7 @@ from drake_leg.kinematics.batches import Array, assemble, finite_vectors
 
 
 def rotation_matrices(quaternions: ArrayLike) -> Array:
-    """Rotation matrices of unit quaternions.
-
-    Parameters
-    ----------
-    quaternions : (..., 4) array_like
-        w, x, y, z; q and -q give the same matrix.
-
-    Returns
-    -------
-    (..., 3, 3) ndarray
-        Rotation matrices.
+    """Rotation matrices (..., 3, 3) of unit quaternions w, x, y, z (..., 4); q and -q have one.
 
     Raises
     ------

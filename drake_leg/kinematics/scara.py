@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Self
 
 import numpy as np
@@ -23,7 +22,7 @@ from drake_leg.kinematics.batches import (
     split,
     triangle_angle,
 )
-from drake_leg.kinematics.task import Task, task_from_jacobian
+from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.quantities import require_positive
 from drake_leg.robot import Robot
 from drake_leg.robots import SCARA_HEIGHT, SCARA_LOWEST
@@ -44,12 +43,7 @@ class ScaraGeometry:
 
     @classmethod
     def from_robot(cls, robot: Robot) -> Self:
-        """Read the lengths off a SCARA's Khalil table.
-
-        Parameters
-        ----------
-        robot : Robot
-            A SCARA as ``robots.scara`` makes it.
+        """Read the lengths off the Khalil table of a SCARA, as ``robots.scara`` makes it.
 
         Raises
         ------
@@ -75,28 +69,14 @@ def is_scara(robot: Robot) -> bool:
 
 
 def lift_position(arm: ScaraGeometry, R: float) -> float:
-    """Position of the fourth joint for a height of the tool.
+    """Position of the fourth joint for a height R of the tool above its lowest one [m].
 
-    ``q4 = height - lowest - R``.
-
-    Parameters
-    ----------
-    R : float
-        Height of the tool above its lowest position [m].
-
-    Returns
-    -------
-    float
-        q4 [m].
+    ``q4 = height - lowest - R`` (report B, table 1.2).
 
     Raises
     ------
     InvalidValueError
         If ``R`` is outside 0 ... height - lowest.
-
-    References
-    ----------
-    Report B, table 1.2.
     """
     stroke = arm.height - arm.lowest
     if not 0.0 <= R <= stroke:
@@ -105,25 +85,8 @@ def lift_position(arm: ScaraGeometry, R: float) -> float:
 
 
 def tool_position(arm: ScaraGeometry, q: ArrayLike) -> Array:
-    """Position of the tool F in the base frame B.
+    """Position p_BF of the tool, (..., 3) [m], at three angles and the lift, (..., 4).
 
-    Parameters
-    ----------
-    q : (..., 4) array_like
-        Three angles [rad] and the lift [m].
-
-    Returns
-    -------
-    p_BF : (..., 3) ndarray
-        [m].
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 4, or is not finite.
-
-    References
-    ----------
     Report B, 1.4 (printed without the height 452.4 mm).
     """
     (q1, q2, _, q4), cos, sin = split("q", q, 4)
@@ -132,54 +95,11 @@ def tool_position(arm: ScaraGeometry, q: ArrayLike) -> Array:
     return assemble((x, y, arm.height - q4))
 
 
-def tool_rotation(q: ArrayLike) -> Array:
-    """Rotation of the tool frame F in the base frame B: yawed, its z axis down.
-
-    ``R_BF = Rz(q1 + q2 + q3) Rx(pi)``.
-
-    Parameters
-    ----------
-    q : (..., 4) array_like
-        Three angles [rad] and the lift [m].
-
-    Returns
-    -------
-    R_BF : (..., 3, 3) ndarray
-        Rotation matrices.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 4, or is not finite.
-    """
-    (q1, q2, q3, _), cos, sin = split("q", q, 4)
-    c, s = cos(q1 + q2 + q3), sin(q1 + q2 + q3)
-    return assemble(((c, s, 0.0), (s, -c, 0.0), (0.0, 0.0, -1.0)))
-
-
 def task_jacobian(arm: ScaraGeometry, q: ArrayLike) -> Array:
-    """Jacobian of the task (x, y, yaw) against the three angles.
+    """Jacobian of the task (x, y, yaw) against the three angles (..., 3), (..., 3, 3).
 
-    ``[vx, vy, yaw rate] = J @ qdot[:3]``.
-
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        The three angles [rad].
-
-    Returns
-    -------
-    J : (..., 3, 3) ndarray
-        Rows 0 and 1 in m/rad, row 2 in rad/rad; singular where sin(q2) = 0.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
-    Report B, 1.5.
+    ``[vx, vy, yaw rate] = J @ qdot[:3]``. Rows 0 and 1 are in m/rad, row 2 in rad/rad; singular
+    where sin(q2) = 0 (report B, 1.5).
     """
     (q1, q2, _), cos, sin = split("q", q, 3)
     x2, y2 = arm.l2 * cos(q1 + q2), arm.l2 * sin(q1 + q2)
@@ -188,47 +108,17 @@ def task_jacobian(arm: ScaraGeometry, q: ArrayLike) -> Array:
 
 
 def determinant(arm: ScaraGeometry, q: ArrayLike) -> Array:
-    """Determinant of the task Jacobian: ``l1 l2 sin(q2)``, whatever q1 is.
+    """Determinant of the task Jacobian: ``l1 l2 sin(q2)`` [m^2], whatever q1 is.
 
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        The three angles [rad].
-
-    Returns
-    -------
-    (...) ndarray
-        [m^2].
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
-    Report B, 1.6 (which calls q1 = 0 singular; it is not).
+    Report B, 1.6, calls q1 = 0 singular; it is not.
     """
     return arm.l1 * arm.l2 * np.sin(finite_vectors("q", q, 3)[..., 1])
 
 
 def jacobian_rate_bias(arm: ScaraGeometry, q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Task acceleration that is there without joint acceleration: ``dJ/dt @ qdot``.
+    """Task acceleration that is there without joint acceleration: ``dJ/dt @ qdot``, (..., 3).
 
-    Parameters
-    ----------
-    q, qdot : (..., 3) array_like
-        The three angles [rad] and their rates [rad/s].
-
-    Returns
-    -------
-    (..., 3) ndarray
-        [m/s^2, m/s^2, rad/s^2].
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` or ``qdot`` does not end in 3, or is not finite.
+    In m/s^2, m/s^2 and rad/s^2.
     """
     (q1, q2, _), cos, sin = split("q", q, 3)
     (w1, w2, _), _, _ = split("qdot", qdot, 3)
@@ -238,45 +128,44 @@ def jacobian_rate_bias(arm: ScaraGeometry, q: ArrayLike, qdot: ArrayLike) -> Arr
     return assemble((x, y, 0.0))
 
 
-def scara_task(arm: ScaraGeometry) -> Task:
-    """Make the task (x, y, yaw) of the tool.
-
-    Returns
-    -------
-    Task
-        Velocities in m/s, m/s, rad/s; angles in rad.
-
-    References
-    ----------
-    Report B, 1.5.
-    """
-    return task_from_jacobian(
-        jacobian=partial(task_jacobian, arm),
-        bias=partial(jacobian_rate_bias, arm),
-        determinant_scale=arm.l1 * arm.l2,
-        length=arm.l1 + arm.l2,
-        row_lengths=(1.0, 1.0, arm.l1 + arm.l2),
-        twists=np.eye(6)[:, [3, 4, 2]],
-    )
-
-
-def branch_angles(arm: ScaraGeometry, task: ArrayLike) -> Array:
-    """Angles of both branches, elbow left (sin q2 > 0) and elbow right.
+class MovableScara(Movable):
+    """The tool's x, y and yaw, moved by the first three joints; the lift stays (report B, 1.5).
 
     Parameters
     ----------
-    task : (..., 3) array_like
-        x, y [m] and yaw [rad].
+    arm : ScaraGeometry
+        Lengths and height.
+    lift : float
+        Position of the fourth joint [m].
+    """
 
-    Returns
-    -------
-    q : (..., 2, 3) ndarray
-        The three angles [rad], elbow left first; NaN where the point is out of reach.
+    geometry: ScaraGeometry
+    twists = np.eye(6)[:, [3, 4, 2]]
 
-    Raises
-    ------
-    InvalidValueError
-        If ``task`` does not end in 3, or is not finite.
+    def __init__(self, arm: ScaraGeometry, lift: float = 0.0) -> None:
+        self.geometry = arm
+        self.length = arm.l1 + arm.l2
+        self.row_lengths = (1.0, 1.0, self.length)
+        self.determinant_scale = arm.l1 * arm.l2
+        self._lift = lift
+
+    def foot(self, q: Floats) -> Array:
+        """Position of the tool in the base frame, (3,) [m]."""
+        return tool_position(self.geometry, [*q[:3], self._lift])
+
+    def jacobian(self, q: Floats) -> Array:
+        """Jacobian of x and y [m/rad] and yaw, (3, 3)."""
+        return task_jacobian(self.geometry, q)
+
+    def bias(self, q: Floats, qdot: Floats) -> Array:
+        """``dJ/dt qdot``, (3,)."""
+        return jacobian_rate_bias(self.geometry, q, qdot)
+
+
+def branch_angles(arm: ScaraGeometry, task: ArrayLike) -> Array:
+    """Angles of both branches for x, y [m] and yaw [rad] (..., 3), (..., 2, 3) [rad].
+
+    Elbow left (sin q2 > 0) comes first; NaN where the point is out of reach.
     """
     goals = finite_vectors("task", task, 3)
     x, y, yaw = goals[..., 0], goals[..., 1], goals[..., 2]
@@ -289,24 +178,9 @@ def branch_angles(arm: ScaraGeometry, task: ArrayLike) -> Array:
 
 
 def inverse_kinematics(arm: ScaraGeometry, task: ArrayLike, like: ArrayLike) -> Array:
-    """Angles that put the tool at (x, y, yaw), with the elbow on the side of a posture.
+    """Angles (..., 3) that put the tool at (x, y, yaw), with the elbow on the side of a posture.
 
-    Parameters
-    ----------
-    task : (..., 3) array_like
-        x, y [m] and yaw [rad].
-    like : (3,) array_like
-        Angles [rad] whose elbow side (sign of sin q2) and turns are wanted.
-
-    Returns
-    -------
-    q : (..., 3) ndarray
-        The three angles [rad]; NaN where the point is out of reach.
-
-    Raises
-    ------
-    InvalidValueError
-        If a shape is wrong or a value is not finite.
+    The side and the turns are those of ``like`` (3,) [rad]; NaN where the point is out of reach.
     """
     near = one_vector("like", like, 3)
     q = branch_angles(arm, task)[..., 0 if np.sin(near[1]) >= 0.0 else 1, :]

@@ -10,7 +10,7 @@ from pathlib import Path
 from drake_leg.errata import Erratum
 from drake_leg.errata import errata as all_errata
 from drake_leg.errors import InvalidValueError, PictureError
-from drake_leg.output import ResultsFolder
+from drake_leg.files import ResultsFolder
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Errata:
     def _repr_html_(self) -> str:
         from drake_leg.report.errata import errata_entries
 
-        style = (files("drake_leg.lessons") / "shown.css").read_text(encoding="utf-8")
+        style = (files("drake_leg.lab") / "shown.css").read_text(encoding="utf-8")
         entries = errata_entries(erratum.number for erratum in self.chosen)
         return f'<style>\n{style}</style>\n<div class="drake-leg-shown">{entries}</div>'
 

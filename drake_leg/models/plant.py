@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
@@ -10,7 +11,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import sdf_text
 from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative
-from drake_leg.robot import Robot
+from drake_leg.robot import Robot, Segment
 
 
 def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
@@ -26,8 +27,8 @@ def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> Multibody
     Returns
     -------
     MultibodyPlant
-        Named like the robot, with one model instance. A limit that pushes back, which a
-        continuous plant does not do, is none of the plant's own: ``JointStops`` does it.
+        Named like the robot, with one model instance. Limits that push back are not the
+        plant's, because a continuous plant does not enforce them: ``JointStops`` does.
 
     Raises
     ------
@@ -45,27 +46,39 @@ def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> Multibody
     >>> foot.round(3).tolist()  # stretched along x [m]
     [0.25, 0.0, 0.0]
     """
+    return parsed_plant(sdf_text(robot), robot, gravity=gravity)
+
+
+def parsed_plant(
+    text: str, robot: Robot, *, gravity: float, package: Path | None = None
+) -> MultibodyPlant:
+    """Parse an SDF document of a robot, which may include files of a package.
+
+    Limits that push back are left to ``JointStops``.
+    """
     require_non_negative("gravity", gravity, "m/s^2")
     plant = MultibodyPlant(time_step=0.0)
     plant.set_name(robot.name)
     parser = Parser(plant)
     parser.SetStrictParsing()
+    if package is not None:
+        parser.package_map().AddPackageXml(str(package))
     try:
-        parser.AddModelsFromString(sdf_text(robot), "sdf")
+        parser.AddModelsFromString(text, "sdf")
         plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
-        _leave_limits_to_stops(plant, robot)
+        for segment in robot.moving:
+            _leave_limits_to_stops(plant, segment)
         plant.Finalize()
     except RuntimeError as error:
         reason = " ".join(str(error).split())
-        raise InvalidValueError(f"Drake does not take the model {robot.name!r}: {reason}") from None
+        raise InvalidValueError(f"Drake refuses the model {robot.name!r}: {reason}") from None
     return plant
 
 
-def _leave_limits_to_stops(plant: MultibodyPlant, robot: Robot) -> None:
-    for segment in robot.moving:
-        if segment.mechanics.stops:
-            joint = plant.GetJointByName(segment.joint)
-            lower, upper = joint.position_lower_limits(), joint.position_upper_limits()
-            for side, _, _ in segment.mechanics.stops:
-                (lower if side < 0 else upper)[0] = side * math.inf
-            joint.set_position_limits(lower, upper)
+def _leave_limits_to_stops(plant: MultibodyPlant, segment: Segment) -> None:
+    if segment.mechanics.stops:
+        joint = plant.GetJointByName(segment.joint)
+        lower, upper = joint.position_lower_limits(), joint.position_upper_limits()
+        for side, _, _ in segment.mechanics.stops:
+            (lower if side < 0 else upper)[0] = side * math.inf
+        joint.set_position_limits(lower, upper)

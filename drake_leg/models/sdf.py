@@ -1,6 +1,6 @@
-"""A robot as SDF text: what lies in ``sdf/``, readable by Drake and by Gazebo.
+"""A robot as SDF text, as in ``sdf/``, readable by Drake and by Gazebo.
 
-Every link's frame is the DH frame of its row. Beside it stand the frames ``frame_0`` ...
+Every link's frame is the DH frame of its row. Beside it are the frames ``frame_0`` ...
 ``frame_n`` of the table, and for every link ``NAME_base``, ``NAME_cog`` and ``NAME_end``.
 """
 
@@ -26,19 +26,9 @@ STEEP = 0.99  # sine of the pitch beyond which roll, pitch, yaw lose digits
 
 
 def sdf_text(robot: Robot, *, origin: str = "drake_leg.robots") -> str:
-    """Write a robot as an SDF document.
+    """Write a robot as an SDF 1.9 document with one model, its base welded to the world.
 
-    Parameters
-    ----------
-    robot : Robot
-        Rows, links, solids, joint mechanics.
-    origin : str
-        What the document says that it is generated from.
-
-    Returns
-    -------
-    str
-        An SDF 1.9 document with one model, its base welded to the world.
+    ``origin`` is what the document says that it was generated from.
     """
     sdf = ET.Element("sdf", version="1.9")
     about = f"{robot.title} ({robot.source}). Generated from {origin}."

@@ -18,13 +18,7 @@ class MassProperties:
 
 
 def volume(shape: Shape) -> float:
-    """Volume of a shape.
-
-    Returns
-    -------
-    float
-        [m^3].
-    """
+    """Volume of a shape [m^3]."""
     if isinstance(shape, Brick):
         return shape.length * shape.width * shape.height
     if isinstance(shape, Cylinder):
@@ -33,13 +27,7 @@ def volume(shape: Shape) -> float:
 
 
 def bounding_radius(shape: Shape) -> float:
-    """Distance of a shape's farthest point from its centre.
-
-    Returns
-    -------
-    float
-        [m].
-    """
+    """Distance of a shape's farthest point from its centre [m]."""
     if isinstance(shape, Brick):
         return math.hypot(shape.length, shape.width, shape.height) / 2
     if isinstance(shape, Cylinder):
@@ -51,17 +39,8 @@ def mass_properties(solid: Solid) -> MassProperties:
     """Mass and principal moments of a homogeneous solid.
 
     A brick has ``Ixx = m (w^2 + h^2) / 12`` and so on, a cylinder ``Izz = m r^2 / 2`` and
-    ``Ixx = m (3 r^2 + l^2) / 12``, a ball ``2/5 m r^2``.
-
-    Returns
-    -------
-    MassProperties
-        [kg], [kg*m^2].
-
-    Raises
-    ------
-    InvalidValueError
-        If the solid is so small or so large that its mass or a moment has no number.
+    ``Ixx = m (3 r^2 + l^2) / 12``, a ball ``2/5 m r^2``. A solid that is too small or too large
+    for its mass and moments to be numbers is refused.
     """
     shape = solid.shape
     mass = solid.density * volume(shape)

@@ -1,4 +1,4 @@
-"""Where a robot starts: its joints' state targets and motions, put together as Simscape does."""
+"""Where a robot starts, from its joints' state targets and motions, as in Simscape."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from drake_leg.joint_mechanics import JointMechanics, StateTarget
 from drake_leg.quantities import in_words
 from drake_leg.robot import Robot
 
-CLOSE = 1e-9  # relative and absolute difference of a target met
+CLOSE = 1e-9  # relative or absolute difference at which a target is met
 
 
 @dataclass(frozen=True, kw_only=True)
 class InitialState:
-    """Where the joints start, in the robot's order, and what they could not do."""
+    """Where the joints start, in the robot's order, and which targets were not met."""
 
     q: tuple[float, ...]  # [rad or m]
     qdot: tuple[float, ...]  # [rad/s or m/s]
-    unmet: tuple[str, ...] = ()  # a sentence for each target of low priority that gave way
+    unmet: tuple[str, ...] = ()  # a sentence for each low-priority target that was not met
 
 
 def initial_state(
@@ -27,22 +27,15 @@ def initial_state(
 ) -> InitialState:
     """Start every joint at its motion, at its state target, or at rest at 0.
 
-    A robot here is a chain without loops, whose joints are independent: every target can be met,
-    whatever its priority, but where a motion drives the joint. There the motion wins.
-
-    Parameters
-    ----------
-    robot : Robot
-        Its joints' mechanics hold the targets.
-    motion : mapping of str to (float, float), optional
-        Joint name to position [rad or m] and velocity [rad/s or m/s] at the start, of the joints
-        that a motion drives.
+    The joints of a chain are independent, so every target can be met, whatever its priority,
+    unless a motion drives the joint: then the motion wins. ``motion`` has, for the names of driven
+    joints, position [rad or m] and velocity [rad/s or m/s] at the start.
 
     Raises
     ------
     InvalidValueError
-        If a target of high priority is not where the motion starts, or the motion is of a joint
-        that the robot has not.
+        If a target of high priority is not where the motion starts, or the robot has no joint of
+        that name.
     """
     driven = dict(motion or {})
     positions: list[float] = []
@@ -67,7 +60,7 @@ def initial_state(
                 )
                 if target.priority == "high":
                     raise InvalidValueError(
-                        f"{sentence}: start the motion there, or give the target low priority"
+                        sentence, advice="start the motion there, or give the target low priority"
                     )
                 unmet.append(sentence)
     if driven:
@@ -79,18 +72,7 @@ def initial_state(
 
 
 def starting_posture(robot: Robot) -> tuple[float, ...]:
-    """Choose a posture where nobody gave one: state targets, else as near to 0 as limits allow.
-
-    Parameters
-    ----------
-    robot : Robot
-        With its joints' targets and limits.
-
-    Returns
-    -------
-    tuple of float
-        In the robot's order [rad or m].
-    """
+    """Choose a posture [rad or m]: state targets, or else as near to 0 as the limits allow."""
     return tuple(_beginning(segment.mechanics) for segment in robot.moving)
 
 

@@ -48,22 +48,12 @@ class ThighSubsystem:
 
 
 def thighs(robot: Robot) -> tuple[ThighSubsystem, ...]:
-    """Take a robot's links as thigh subsystems, one for each joint that moves.
-
-    Parameters
-    ----------
-    robot : Robot
-        Its moving links are bricks, and each ends where the next row begins.
-
-    Returns
-    -------
-    tuple of ThighSubsystem
-        From base to tip.
+    """Take a robot's moving links as thigh subsystems, from base to tip.
 
     Raises
     ------
     InvalidValueError
-        If a link is no brick, or does not end where the next row begins.
+        If a link is not a brick, or does not end where the next row begins.
     """
     nexts = [*(segment.row for segment in robot.segments[1:]), None]
     return tuple(
@@ -78,8 +68,8 @@ def _thigh(robot: Robot, segment: Segment, following: Row | None) -> ThighSubsys
     if link is None or link.solid is None or not isinstance(link.solid.shape, Brick):
         name = link.name if link else segment.joint
         raise InvalidValueError(
-            f"the link {name!r} of {robot.name!r} is no brick; only a leg of bricks is made of "
-            "thighs"
+            f"the link {name!r} of {robot.name!r} is not a brick; only a leg of bricks is made "
+            "of thighs"
         )
     row = following or Row(joint="fixed", d=link.end[0])
     cos, sin = math.cos(row.alpha), math.sin(row.alpha)

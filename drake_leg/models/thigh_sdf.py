@@ -35,13 +35,9 @@ class _Setting(NamedTuple):
 
 
 def thigh_text() -> str:
-    """Write the thigh as an SDF document of its own, with no joint to anything.
+    """Write the thigh as an SDF 1.9 document of its own, without joints.
 
-    Returns
-    -------
-    str
-        An SDF 1.9 document with the model ``thigh``: link ``link``; frames ``base``, ``cog``,
-        ``end``, ``solid``.
+    Its model ``thigh`` has the link ``link`` and the frames ``base``, ``cog``, ``end``, ``solid``.
     """
     sdf = ET.Element("sdf", version="1.9")
     about = f"Thigh subsystem (Report B, figure 5): the {_ORIGINAL} of {LEG_B.title}."
@@ -61,25 +57,16 @@ def thigh_text() -> str:
 
 
 def thigh_leg_text(robot: Robot) -> str:
-    """Write a leg that includes the thigh once for every joint.
+    """Write a leg as an SDF 1.9 document that includes the thigh once for every joint.
 
-    Parameters
-    ----------
-    robot : Robot
-        As for ``thigh.thighs``; what is fixed to its last thigh, the foot, is written out.
-
-    Returns
-    -------
-    str
-        An SDF 1.9 document with one model, its base welded to the world. Joints, base, foot and
-        the table's frames are named as in the robot's own document; the links are the nested
-        models ``coxa``, ``femur``, ``tibia``. The parser must know ``package.xml``, because
-        Drake looks for a bare file name in the working directory.
+    Joints, base, foot and the table's frames are named as in the robot's own document; the links
+    are the nested models ``coxa``, ``femur``, ``tibia``. The parser must know ``package.xml``,
+    because Drake looks for a bare file name in the working directory.
 
     Raises
     ------
     InvalidValueError
-        If a link is no brick, or does not end where the next row begins.
+        If a link is not a brick, or does not end where the next row begins.
     """
     ET.register_namespace("experimental", _EXPERIMENTAL)
     sdf = ET.Element("sdf", version="1.9")

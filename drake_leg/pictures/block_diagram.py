@@ -9,14 +9,17 @@ from drake_leg.colours import Background
 from drake_leg.drawings.drawing import Drawing, draw
 from drake_leg.drawings.of_diagram import diagram_picture
 from drake_leg.drawings.of_runs import run_pictures
-from drake_leg.drawings.picture import SIGNALS
+from drake_leg.drawings.of_simulink import model_pictures
+from drake_leg.drawings.picture import ALL, SIGNALS
 from drake_leg.robot import Robot
+from drake_leg.simulink.listing import printable
+from drake_leg.simulink.model import Model
 
 
 def block_diagram(
-    diagram: Diagram,
+    diagram: Diagram | Model,
     *,
-    part: str = SIGNALS,
+    part: str | None = None,
     title: str | None = None,
     robot: Robot | None = None,
     scopes: bool = True,
@@ -25,15 +28,17 @@ def block_diagram(
 ) -> Drawing:
     """Draw any Drake diagram as Simulink would: blocks with ports, wires at right angles.
 
-    The picture is read from the live diagram, so it shows what is simulated.
+    The picture is read from the live diagram, so it shows what is simulated. A Simulink model that
+    was read from its file is drawn in the same style.
 
     Parameters
     ----------
-    diagram : Diagram
-        Built.
-    part : str
+    diagram : Diagram or Model
+        Built; or from ``drake_leg.simulink.reader.read_model``.
+    part : str, optional
         "signals": the diagram's own blocks and wires. "mechanism": the bodies and joints inside
-        its plant, as Simscape draws them. "all": both. Or the name of a link, as "femur".
+        its plant, as Simscape draws them. "all": both. Or the name of a link, as "femur". By
+        default the signals of a diagram, and all of a Simulink model.
     title : str, optional
         By default the name of the diagram, or of its plant.
     robot : Robot, optional
@@ -64,8 +69,11 @@ def block_diagram(
     >>> drawing.svg.startswith("<svg")
     True
     """
+    if isinstance(diagram, Model):
+        drawn = model_pictures(diagram, title=title or printable(diagram.name), part=part or ALL)
+        return draw(*drawn, background=background)
     heading = title or diagram.get_name() or _plant_name(diagram) or "diagram"
-    if part == SIGNALS:
+    if part in (None, SIGNALS):
         picture = diagram_picture(
             diagram, title=heading, scopes=scopes, accelerations=accelerations
         )
@@ -74,7 +82,7 @@ def block_diagram(
         diagram,
         robot,
         title=heading,
-        part=part,
+        part=part or SIGNALS,
         scopes=scopes,
         accelerations=accelerations,
     )

@@ -35,14 +35,8 @@ class Chapter:
 
 @cache
 def chapters() -> tuple[Chapter, ...]:
-    """Read the page's contents.
-
-    Returns
-    -------
-    tuple of Chapter
-        In the reports' order.
-    """
-    text = (files("drake_leg.report") / "contents.toml").read_text(encoding="utf-8")
+    """Read the page's contents, in the reports' order."""
+    text = (files(__package__) / "contents.toml").read_text(encoding="utf-8")
     return tuple(
         Chapter(
             title=chapter["title"],

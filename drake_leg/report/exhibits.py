@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from drake_leg.drawings.drawing import draw
@@ -20,22 +20,19 @@ from drake_leg.figures.of_postures import maps_of_posture
 from drake_leg.figures.style import for_light_and_dark, save, svg_text
 from drake_leg.report import mathematics
 from drake_leg.report.contents import Item
-from drake_leg.report.markup import picture, power, prose
+from drake_leg.report.markup import picture, piece, power, prose
 from drake_leg.report.plots import PLOTS, deviation
 from drake_leg.report.runs import RUNS, command
 from drake_leg.report.subjects import SUBJECTS
 from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.outcome import Outcome
-from drake_leg.scene.motion import recorded_motion
-from drake_leg.scene.paper import DARK, LIGHT
-from drake_leg.scene.replay import replay_page
-from drake_leg.scene.stills import still_png
-from drake_leg.scene.views import VIEWS
+from drake_leg.scene.images import still
+from drake_leg.scene.lettering import DARK, LIGHT
+from drake_leg.scene.replay import replay
+from drake_leg.scene.scene import motion_of
 
-DRAWING = 'tabindex="0" role="region" aria-label="{}, a block diagram"'
-FULL_SIZE = (
-    ' <span class="hint">It scrolls sideways.</span> '
-    '<span class="full"><a href="{}">Open it at full size</a>.</span>'
+DRAWING = Markup(
+    'class="{}" tabindex="0" role="region" aria-label="{}, a block diagram" style="--width: {}px"'
 )
 NARROW = 600  # [px], a block diagram that need not be larger than the text is wide
 
@@ -44,10 +41,10 @@ NARROW = 600  # [px], a block diagram that need not be larger than the text is w
 class Exhibit:
     """One item, ready for the page."""
 
-    body: str  # HTML
+    body: Markup
     commands: tuple[str, ...]  # that reproduce it
     result: str = ""  # which file of theirs shows it
-    proof: str = ""  # HTML: how far it is from the exact answer
+    proof: Markup | str = ""  # how far it is from the exact answer
     files: tuple[str, ...] = ()  # beside the page
 
 
@@ -59,19 +56,13 @@ class Workshop:
     outcomes: Mapping[str, Outcome]  # of all ``RUNS``
 
     def make(self, item: Item) -> Exhibit:
-        """Make an item's exhibit, and write its files.
-
-        Raises
-        ------
-        OSError
-            If a file cannot be written.
-        """
+        """Make an item's exhibit, and write its files."""
         return KINDS[item.kind](item, self)
 
 
 def missing(error: PictureError) -> Exhibit:
     """Stand in for an item that could not be made."""
-    return Exhibit(body=f"<p>{escape(str(error))}</p>", commands=())
+    return Exhibit(body=Markup("<p>{}</p>").format(str(error)), commands=())
 
 
 def _plot(item: Item, workshop: Workshop) -> Exhibit:
@@ -82,7 +73,9 @@ def _plot(item: Item, workshop: Workshop) -> Exhibit:
         body=body,
         commands=(command(item.subject),),
         result=f"{item.subject}/{plot.file}.svg",
-        proof=f"From the exact answer: at most {power(deviation(plot, outcome))} {plot.unit}.",
+        proof=Markup("From the exact answer: at most {} {}.").format(
+            power(deviation(plot, outcome)), plot.unit
+        ),
         files=files,
     )
 
@@ -122,12 +115,10 @@ def _blocks(item: Item, workshop: Workshop) -> Exhibit:
     part = "" if item.show == ALL else f" --part {item.show}"
     found = re.search(r'width="([\d.]+)"', svg)
     width = round(float(found[1])) if found else 0
-    narrow = width < NARROW
-    named = DRAWING.format(escape(item.title))
-    place = f'class="drawing{"" if narrow else " large"}" {named}'
-    full = "" if narrow else FULL_SIZE.format(file.name)
+    large = width >= NARROW
+    place = DRAWING.format("drawing large" if large else "drawing", item.title, width)
     return Exhibit(
-        body=_figure(item, svg, f' {place} style="--width: {width}px"', full),
+        body=_figure(item, svg, place, file.name if large else ""),
         commands=(f"drake-leg diagram {item.subject}{part} --out {item.id}.svg",),
         files=(file.name,),
     )
@@ -137,13 +128,12 @@ def _still(item: Item, workshop: Workshop) -> Exhibit:
     subject = SUBJECTS[item.subject]
     file = workshop.folder / f"{item.id}.png"
     light, dark = (
-        still_png(subject.robot, subject.q, view=VIEWS[item.show], paper=paper)
-        for paper in (LIGHT, DARK)
+        still(subject.robot, subject.q, view=item.show, paper=paper).png for paper in (LIGHT, DARK)
     )
     file.write_bytes(light)
     image = picture(light, f"{item.title}. {item.caption}", dark=dark)
     return Exhibit(
-        body=f'<figure class="still">{image}{_caption(item)}</figure>',
+        body=piece("still", image, item),
         commands=(
             f"drake-leg view {subject.name} --q {subject.option} --from {item.show} "
             f"--still {item.id}.png",
@@ -154,21 +144,16 @@ def _still(item: Item, workshop: Workshop) -> Exhibit:
 
 def _replay(item: Item, workshop: Workshop) -> Exhibit:
     outcome = workshop.outcomes[item.subject]
-    motion = recorded_motion(outcome.robot, outcome.recording)
+    motion = motion_of(outcome.robot, outcome.recording)
     file = workshop.folder / f"{item.id}.html"
-    page = replay_page(motion, title=run_kind(RUNS[item.subject].name).heading)
+    page = replay(outcome.robot, motion, title=run_kind(RUNS[item.subject].name).heading).html
     file.write_text(page, encoding="utf-8")
     light, dark = (
-        still_png(outcome.robot, motion.q[0], motion=motion, paper=paper) for paper in (LIGHT, DARK)
+        still(outcome.robot, motion.q[0], motion=motion, paper=paper).png for paper in (LIGHT, DARK)
     )
     poster = picture(light, item.caption, dark=dark)
-    body = (
-        f'<figure class="still replay"><a href="{file.name}#play" title="{escape(item.title)}">'
-        f'{poster}<span class="play">Play in 3D</span></a>'
-        f"{_caption(item)}</figure>"
-    )
     return Exhibit(
-        body=body,
+        body=piece("still", poster, item, file.name),
         commands=(
             command(item.subject),
             f"drake-leg replay {item.subject} --out {item.id}.html",
@@ -177,31 +162,27 @@ def _replay(item: Item, workshop: Workshop) -> Exhibit:
     )
 
 
-def _saved(item: Item, workshop: Workshop, figure: Figure) -> tuple[str, tuple[str, ...]]:
+def _saved(item: Item, workshop: Workshop, figure: Figure) -> tuple[Markup, tuple[str, ...]]:
     """Write a figure beside the page; return its HTML and the names of its files."""
     paths = save(figure, workshop.folder, item.id)
     svg = for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))
     height = figure.get_figheight()
     narrow(figure)
     slim = svg_text(figure, background="auto")
-    attributes = ' class="tall"' if figure.get_figheight() > height else ""
+    attributes = Markup('class="tall"' if figure.get_figheight() > height else "")
     body = _figure(item, svg, attributes, slim=slim)
     return body, tuple(path.name for path in paths.values())
 
 
 def _figure(
-    item: Item, svg: str, attributes: str = "", more: str = "", *, slim: str | None = None
-) -> str:
+    item: Item, svg: str, attributes: Markup, full: str = "", *, slim: str | None = None
+) -> Markup:
     image = picture(svg, f"{item.title}. {item.caption}", narrow=slim)
-    return f"<figure><div{attributes}>{image}</div>{_caption(item, more)}</figure>"
+    return piece("figure", image, item, attributes, full)
 
 
-def _caption(item: Item, more: str = "") -> str:
-    return f"<figcaption>{prose(item.caption)}{more}</figcaption>"
-
-
-def _text(item: Item, body: str, *commands: str) -> Exhibit:
-    caption = f"<p>{prose(item.caption)}</p>\n" if item.caption else ""
+def _text(item: Item, body: Markup, *commands: str) -> Exhibit:
+    caption = Markup("<p>{}</p>\n").format(prose(item.caption)) if item.caption else ""
     return Exhibit(body=caption + body, commands=commands)
 
 

@@ -5,36 +5,31 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from markupsafe import Markup
+
 from drake_leg.errata import errata
 from drake_leg.errata.erratum import number
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.stroke import leg_stroke
 from drake_leg.report.markup import power, prose
 from drake_leg.report.runs import GAIN, RUNS
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
+from drake_leg.singularity.stroke import leg_stroke
 
 
-def highlights(outcomes: Mapping[str, Outcome]) -> str:
-    """Write questions, answers, and where on the page the answers are shown."""
-    rows = "".join(
-        f'<dt>{prose(question)}</dt><dd>{answer} <a href="#{place}">{prose(label)}</a></dd>\n'
-        for question, answer, place, label in _answers(outcomes)
-    )
-    return f"<dl>\n{rows}</dl>"
-
-
-def _answers(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, str, str, str]]:
-    """Question, answer, anchor and its label."""
+def highlights(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, Markup, str, str]]:
+    """Return questions, answers, and the anchors and labels of the items that show them."""
     step, options = outcomes["leg-b"], LegBOptions()
     room = leg_stroke(
         LegGeometry.from_robot(step.robot), options.posture(), options.unit_direction()
     )
     yield (
         "Can the leg make a strictly forward step?",
-        f"<b>Yes.</b> The foot goes {number(1e3 * step.summary['stroke_m'])}&nbsp;mm along x and "
-        f"leaves its line by at most {power(step.summary['max_off_axis_m'])}&nbsp;m; it could go "
-        f"{number(1e3 * room.length)}&nbsp;mm.",
+        Markup(
+            f"<b>Yes.</b> The foot goes {number(1e3 * step.summary['stroke_m'])}&nbsp;mm along x "
+            f"and leaves its line by at most {power(step.summary['max_off_axis_m'])}&nbsp;m; it "
+            f"could go {number(1e3 * room.length)}&nbsp;mm."
+        ),
         "a02_4",
         "A 2.4",
     )
@@ -57,27 +52,31 @@ def _answers(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, str, str, s
     )
     yield (
         "Does a state target attract the pendulum?",
-        f"<b>No.</b> It starts at {number(start)}° and comes to rest hanging, at "
-        f"{number(rest)}°. A spring holds it, at {number(held)}°.",
+        Markup(
+            f"<b>No.</b> It starts at {number(start)}° and comes to rest hanging, at "
+            f"{number(rest)}°. A spring holds it, at {number(held)}°."
+        ),
         "a06",
         "A 6",
     )
     yield (
         "Is the velocity ten times the input?",
-        f"<b>Only with a gain</b> of {number(GAIN, 0)} in the diagram: J J⁻¹ = 1.",
+        Markup(f"<b>Only with a gain</b> of {number(GAIN, 0)} in the diagram: J J⁻¹ = 1."),
         "b10",
         "B 10",
     )
     yield (
         "How far are the runs from the exact answer?",
-        f"At most {power(_worst(outcomes, 'max_position_error_m'))}&nbsp;m and "
-        f"{power(_worst(outcomes, 'max_angle_error_rad'))}&nbsp;rad.",
+        Markup(
+            f"At most {power(_worst(outcomes, 'max_position_error_m'))}&nbsp;m and "
+            f"{power(_worst(outcomes, 'max_angle_error_rad'))}&nbsp;rad."
+        ),
         "runs",
         "the runs",
     )
     yield (
         "What is wrong in print?",
-        f"{len(errata())} errata, each with its effect in numbers.",
+        Markup(f"{len(errata())} errata, each with its effect in numbers."),
         "errata",
         "errata",
     )

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec
 
 import numpy as np
+from markupsafe import Markup
 
-from drake_leg.doctor import examine_posture
+from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import base_transforms, jacobian
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
-from drake_leg.kinematics.singularity import examine
-from drake_leg.kinematics.stroke import greatest_amplitude, leg_stroke
 from drake_leg.report.contents import Item
-from drake_leg.report.markup import formula_grid, number, power, prose, table, value_grid
+from drake_leg.report.markup import number, piece, power, prose
 from drake_leg.report.matrices import POSTURES, Comparison, comparisons, methods
 from drake_leg.report.subjects import SUBJECTS, Subject, angles, option
 from drake_leg.robot import Robot
 from drake_leg.runs.options import LegBOptions
+from drake_leg.singularity.doctor import examine_posture
+from drake_leg.singularity.rank import examine
+from drake_leg.singularity.stroke import greatest_amplitude, leg_stroke
+from drake_leg.symbolic.catalogue import derived
+from drake_leg.symbolic.notation import html
 
 NAMES = {"det J expanded": "det J"}
 FAMILIES: dict[str | None, str] = {
@@ -34,7 +38,7 @@ def _compared(name: str) -> Mapping[str, Comparison]:
     return comparisons(SUBJECTS[name])
 
 
-def khalil_table(robot: Robot) -> str:
+def khalil_table(robot: Robot) -> Markup:
     """Write a robot's table."""
     rows = []
     position = 0
@@ -42,11 +46,11 @@ def khalil_table(robot: Robot) -> str:
         r, theta = f"{row.r:g}", f"{row.theta:g}"
         if row.joint != "fixed":
             position += 1
-            variable = f"<i>q</i><sub>{position}</sub>"
+            variable = Markup("<i>q</i><sub>{}</sub>").format(position)
             r, theta = (r, variable) if row.joint == "revolute" else (variable, theta)
         sigma = "~" if row.sigma is None else row.sigma
         rows.append((index, sigma, f"{row.d:g}", _turn(row.alpha), r, theta))
-    return table(("frame", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]"), rows)
+    return piece("table", ("frame", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]"), rows)
 
 
 def _turn(angle: float) -> str:
@@ -54,56 +58,70 @@ def _turn(angle: float) -> str:
     return named.get(angle, f"{angle:.4g}")
 
 
-_SCROLLING = '<div class="equation" tabindex="0" role="region" aria-label="equation">'
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """One equation of the page, or a statement; what it does not have is empty."""
+
+    name: str = ""
+    text: str = ""  # of a statement
+    formula: Sequence[Sequence[Markup]] = ()
+    value: Sequence[Sequence[str]] = ()
+    rate: str = ""  # what formula and value are multiplied by
+    unit: Markup | str = ""
+    label: str = ""  # number in the report
+    proof: Markup | str = ""
 
 
-def equations(item: Item) -> str:
-    """Write an item's equations; matrices with their values and how far the witnesses are.
-
-    Parameters
-    ----------
-    item : Item
-        Which equations, of which robot.
-    """
+def equations(item: Item) -> Markup:
+    """Write an item's equations; matrices with their values and how far the witnesses are."""
     found, subject = _compared(item.subject), SUBJECTS[item.subject]
     lines = [
-        _matrix(label, name, found[name], subject) if name in found else _statement(label, name)
+        _matrix(label, name, found[name], subject)
+        if name in found
+        else Line(text=name, label=label)
         for label, name in item.equations
     ]
     said = f"Evaluated at q = ({subject.posture}), lengths in m."
     if any(name in found for _, name in item.equations):
         said += (
-            " Below each, how far its entries are at most from the product of the table's "
-            "transforms, the chain, and from Drake's plant."
+            " Below each equation: the greatest difference of an entry from the product of the "
+            "table's transforms (the chain) and from Drake's plant."
         )
-    return f"<p>{said}</p>\n" + "\n".join(lines)
+    return _lines(said, lines)
 
 
-def _statement(label: str, text: str) -> str:
-    return f'<div class="equation"><span>{prose(text)}</span>{_label(label)}</div>'
+def _lines(said: str, lines: Iterable[Line]) -> Markup:
+    shown = Markup("\n").join(piece("equation", line) for line in lines)
+    return Markup("<p>{}</p>\n{}").format(said, shown)
 
 
-def _matrix(label: str, name: str, comparison: Comparison, subject: Subject) -> str:
-    rate = f"<span>{prose(RATES[name])}</span>" if name in RATES else ""
-    value = (
-        "" if comparison.value is None else f"<span>=</span> {value_grid(comparison.value)}{rate}"
+def _matrix(label: str, name: str, comparison: Comparison, subject: Subject) -> Line:
+    value = comparison.value
+    return Line(
+        name=NAMES.get(name, name),
+        formula=[[Markup(html(entry)) for entry in row] for row in comparison.formula.tolist()],
+        value=() if value is None else _numbers(value),
+        rate=RATES.get(name, ""),
+        unit=_unit(name, comparison, subject),
+        label=label,
+        proof=_product(name, subject)
+        + Markup("from the chain {}, from Drake {}").format(
+            power(comparison.from_chain), power(comparison.from_drake)
+        ),
     )
-    return (
-        f'{_SCROLLING}<span class="name">{prose(NAMES.get(name, name))}'
-        f"</span> <span>=</span> {formula_grid(comparison.formula)}{rate} {value}"
-        f"{_unit(name, comparison, subject)}{_label(label)}"
-        f'<span class="proof">{_product(name, subject)}from the chain '
-        f"{power(comparison.from_chain)}, from Drake {power(comparison.from_drake)}</span></div>"
-    )
 
 
-def _unit(name: str, comparison: Comparison, subject: Subject) -> str:
+def _numbers(value: Array) -> list[list[str]]:
+    return [[number(entry) for entry in row] for row in value]
+
+
+def _unit(name: str, comparison: Comparison, subject: Subject) -> Markup | str:
     """Write the unit of a determinant, and its value in the reports' millimetres."""
     if not name.startswith("det J") or comparison.value is None:
         return ""
     power = _length_power(subject)
-    in_mm = f"{comparison.value.item() * 1e3**power:,.0f}".replace(",", "&#8239;")
-    return f"<span>m<sup>{power}</sup> = {in_mm} mm<sup>{power}</sup></span>".replace("-", "−")
+    in_mm = f"{comparison.value.item() * 1e3**power:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    return Markup("m<sup>{0}</sup> = {1} mm<sup>{0}</sup>").format(power, in_mm.replace("-", "−"))
 
 
 def _length_power(subject: Subject) -> int:
@@ -111,10 +129,10 @@ def _length_power(subject: Subject) -> int:
     return sum(row >= 3 for row in subject.task)
 
 
-def _product(name: str, subject: Subject) -> str:
+def _product(name: str, subject: Subject) -> Markup:
     """Write what the direct method multiplies: the joint's axis and the way to the foot."""
     if name not in RATES:
-        return ""
+        return Markup("")
     joint = int(name[1:])
     X_B = base_transforms(subject.robot.rows, subject.q)
     axis, way = X_B[joint - 1][:3, 2], X_B[-1][:3, 3] - X_B[joint - 1][:3, 3]
@@ -122,29 +140,28 @@ def _product(name: str, subject: Subject) -> str:
     return prose(f"z_{joint} × O_{joint}O_E = {z} × {p} m; ")
 
 
-def _label(label: str) -> str:
-    return f'<span class="label">({label})</span>' if label else ""
-
-
-def both_methods(item: Item) -> str:
+def both_methods(item: Item) -> Markup:
     """Write the Jacobian by the direct and the indirect method, and their difference."""
     subject = SUBJECTS[item.subject]
     found = methods(subject)
-    lines = "".join(
-        f'{_SCROLLING}<span class="name">J {name}</span> <span>=</span> {value_grid(value)}</div>'
-        for name, value in (("direct", found.direct), ("indirect", found.indirect))
+    symbols = derived(item.subject).difference.is_zero_matrix
+    proof = Markup(
+        "at {} random postures no entry of the 6 × {} Jacobians differs by more than {}{}"
+    ).format(
+        POSTURES,
+        len(subject.q),
+        power(found.difference),
+        "; in symbols, by SymPy, for every q" if symbols else "",
     )
-    symbols = "; in symbols, by SymPy, for every q" if find_spec("sympy") else ""
-    return (
-        f"<p>Evaluated at q = ({subject.posture}), lengths in m:</p>\n{lines}\n"
-        '<div class="equation"><span class="name">J direct − J indirect</span> <span>=</span> '
-        f'<span>0</span> <span class="proof">at {POSTURES} random postures no entry of the 6 × '
-        f"{len(subject.q)} Jacobians differs by more than {power(found.difference)}"
-        f"{symbols}</span></div>"
+    lines = (
+        Line(name="J direct", value=_numbers(found.direct)),
+        Line(name="J indirect", value=_numbers(found.indirect)),
+        Line(name="J direct − J indirect", text="0", proof=proof),
     )
+    return _lines(f"Evaluated at q = ({subject.posture}), lengths in m:", lines)
 
 
-def singular_postures(item: Item) -> str:
+def singular_postures(item: Item) -> Markup:
     """Tabulate singular postures: determinant, rank, smallest singular value, lost directions."""
     subject = SUBJECTS[item.subject]
     rows = []
@@ -165,16 +182,15 @@ def singular_postures(item: Item) -> str:
                 lost,
             )
         )
-    unit = f"[m<sup>{_length_power(subject)}</sup>]"
     head = (
         "posture",
         "q",
-        f"|det J| {unit}",
+        Markup("|det J| [m<sup>{}</sup>]").format(_length_power(subject)),
         "rank",
-        "σ<sub>min</sub> [m]",
+        Markup("σ<sub>min</sub> [m]"),
         "lost: no motion along",
     )
-    return table(head, rows)
+    return piece("table", head, rows)
 
 
 def singular_commands(item: Item) -> list[str]:
@@ -191,7 +207,7 @@ def _determinant(subject: Subject, q: list[float]) -> float:
     return float(np.linalg.det(J))
 
 
-def stroke(item: Item) -> str:
+def stroke(item: Item) -> Markup:
     """Answer whether the default step fits between the singularities."""
     subject, options = SUBJECTS[item.subject], LegBOptions()
     leg = LegGeometry.from_robot(subject.robot)
@@ -199,11 +215,11 @@ def stroke(item: Item) -> str:
     sigma_min = examine(foot_jacobian(leg, subject.q)).sigma_min
     wanted = 2.0 * options.amplitude / options.frequency
     below = greatest_amplitude(room, options.frequency)
-    return (
-        f"<p><b>{'Yes' if wanted < room.length else 'No'}.</b> Commanded with A sin ωt along x the "
-        f"foot goes 2A/ω = {1e3 * wanted:.0f} mm to one side of where it starts. From q = "
-        f"({subject.posture}) it has {1e3 * room.length:.1f} mm to the first singular posture, "
-        f"{FAMILIES[room.family]}; at {options.frequency:g} rad/s every amplitude below "
-        f"{1e3 * below:.1f} mm/s stays inside. Where it starts the Jacobian's smallest singular "
-        f"value is {1e3 * sigma_min:.1f} mm.</p>"
+    return Markup("<p><b>{}.</b> {}</p>").format(
+        "Yes" if wanted < room.length else "No",
+        f"Commanded with A sin ωt along x, the foot goes 2A/ω = {1e3 * wanted:.0f} mm to one side "
+        f"of its start. From q = ({subject.posture}) it has {1e3 * room.length:.1f} mm to the "
+        f"first singular posture, {FAMILIES[room.family]}; at {options.frequency:g} rad/s every "
+        f"amplitude below {1e3 * below:.1f} mm/s stays inside. At the start the Jacobian's "
+        f"smallest singular value is {1e3 * sigma_min:.1f} mm.",
     )

@@ -1,6 +1,6 @@
-"""The reports' matrices, evaluated by three independent ways.
+"""The reports' matrices, evaluated in three independent ways.
 
-The corrected formulas in closed form, the chain of the Khalil table, and Drake's plant on the
+The formulas that SymPy derives, the chain of the Khalil table in numbers, and Drake's plant on the
 SDF: the first is compared with the other two.
 """
 
@@ -11,11 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import sympy as sp
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
-from drake_leg.errata.formulas import Formula, Values, evaluate
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import (
     base_transforms,
@@ -23,19 +23,12 @@ from drake_leg.kinematics.khalil import (
     jacobian_by_differentiation,
     row_transform,
 )
-from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.scara import ScaraGeometry, is_scara
 from drake_leg.models.plant import build_plant
-from drake_leg.report.formulas import (
-    LEG,
-    ROW_TRANSFORM,
-    SCARA,
-    leg_symbols,
-    of_variant,
-    scara_symbols,
-)
 from drake_leg.report.subjects import Subject
 from drake_leg.robot import Robot
+from drake_leg.symbolic.catalogue import derived
+from drake_leg.symbolic.chain import evaluate
+from drake_leg.symbolic.equations import general_transform, matrices
 
 POSTURES = 1000  # at which the two Jacobians are compared
 TRANSFORM, CONTRIBUTION = re.compile(r"T(\d)(\d)"), re.compile(r"V(\d)")
@@ -45,7 +38,7 @@ TRANSFORM, CONTRIBUTION = re.compile(r"T(\d)(\d)"), re.compile(r"V(\d)")
 class Comparison:
     """One matrix: its formula, its value, and how far the other two ways are from it."""
 
-    formula: Formula
+    formula: sp.Matrix
     value: Array | None  # None where it belongs to no posture
     from_chain: float  # greatest difference of an entry
     from_drake: float
@@ -61,23 +54,18 @@ class BothMethods:
 
 
 def comparisons(subject: Subject) -> Mapping[str, Comparison]:
-    """Compare all matrices of a robot at its posture.
+    """Compare all matrices of a leg or the SCARA at its posture, by their names.
 
-    Parameters
-    ----------
-    subject : Subject
-        A leg or the SCARA.
-
-    Returns
-    -------
-    mapping of str to Comparison
-        By name: T, T01 ..., V1 ..., P, J, J⁻¹, det J, det J expanded.
+    The names are T, T01 ..., V1 ..., P, J, J⁻¹, det J, det J expanded.
     """
-    robot, q = subject.robot, subject.q
-    formulas, values = _formulas(subject)
+    robot, q, chain = subject.robot, subject.q, derived(subject.name).chain
+    values = {symbol.name: value for symbol, value in chain.values.items()}
+    values |= {symbol.name: value for symbol, value in zip(chain.q, q, strict=True)}
     witness = _Witness(robot, q)
     found = {"T": _row_comparison(robot, witness)}
-    for name, formula in formulas.items():
+    for name, formula in matrices(derived(subject.name)).items():
+        if name == "T":
+            continue
         chain, drake = (side(name, subject.task) for side in (witness.by_chain, witness.by_drake))
         value = evaluate(formula, values)
         found[name] = Comparison(
@@ -90,13 +78,7 @@ def comparisons(subject: Subject) -> Mapping[str, Comparison]:
 
 
 def methods(subject: Subject) -> BothMethods:
-    """Compare the direct with the indirect method.
-
-    Parameters
-    ----------
-    subject : Subject
-        A leg or the SCARA.
-    """
+    """Compare the direct with the indirect method, for a leg or the SCARA."""
     rows = subject.robot.rows
     size = len(subject.task)
     random = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSTURES, len(subject.q)))
@@ -108,17 +90,9 @@ def methods(subject: Subject) -> BothMethods:
     return BothMethods(direct=direct, indirect=indirect, difference=float(np.abs(difference).max()))
 
 
-def _formulas(subject: Subject) -> tuple[dict[str, Formula], Values]:
-    if is_scara(subject.robot):
-        return SCARA, scara_symbols(ScaraGeometry.from_robot(subject.robot), subject.q)
-    leg = LegGeometry.from_robot(subject.robot)
-    formulas = {name: of_variant(formula, leg.sign) for name, formula in LEG.items()}
-    columns = {f"V{joint + 1}": tuple((row[joint],) for row in formulas["J"]) for joint in range(3)}
-    return formulas | columns, leg_symbols(leg, subject.q)
-
-
 def _row_comparison(robot: Robot, witness: _Witness) -> Comparison:
     """Compare the general transform, with the numbers of every row of the table."""
+    formula = general_transform()
     from_chain = from_drake = 0.0
     position = 0
     for number, row in enumerate(robot.rows, start=1):
@@ -127,16 +101,11 @@ def _row_comparison(robot: Robot, witness: _Witness) -> Comparison:
             q, position = witness.q[position], position + 1
         r = row.r + q * (row.joint == "prismatic")
         theta = row.theta + q * (row.joint == "revolute")
-        values = {"d": row.d, "r": r}
-        for name, angle in (("α", row.alpha), ("θ", theta)):
-            values |= {f"cos{name}": float(np.cos(angle)), f"sin{name}": float(np.sin(angle))}
-        value = evaluate(ROW_TRANSFORM, values)
+        value = evaluate(formula, {"d": row.d, "alpha": row.alpha, "r": r, "theta": theta})
         drake = witness.by_drake(f"T{number - 1}{number}", ())
         from_chain = max(from_chain, float(np.abs(value - row_transform(row, q)).max()))
         from_drake = max(from_drake, float(np.abs(value - drake).max()))
-    return Comparison(
-        formula=ROW_TRANSFORM, value=None, from_chain=from_chain, from_drake=from_drake
-    )
+    return Comparison(formula=formula, value=None, from_chain=from_chain, from_drake=from_drake)
 
 
 class _Witness:

@@ -34,18 +34,7 @@ class Plot:
 
 
 def deviation(plot: Plot, outcome: Outcome) -> float:
-    """Greatest distance of the plotted columns from the exact answer.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        Recording and exact answer.
-
-    Returns
-    -------
-    float
-        In the plot's unit.
-    """
+    """Greatest distance of the plotted columns from the exact answer, in the plot's unit."""
     recording, exact = outcome.recording, outcome.exact
     if plot.columns == ("rotation",):
         return _rotation_deviation(outcome)
@@ -86,73 +75,73 @@ def _swing(outcome: Outcome, title: str) -> Figure:
     return pendulum.angle(outcome.recording, title, rest, span=HALF_TURN)
 
 
-def _angle_and_rate(outcome: Outcome, title: str) -> Figure:
-    return pendulum.angle_and_rate(outcome.recording, title, span=HALF_TURN, rates=RATES)
-
-
-def _position(outcome: Outcome, title: str) -> Figure:
-    return tip.position(outcome.recording, title)
-
-
-def _velocity(outcome: Outcome, title: str) -> Figure:
-    return tip.velocity(outcome.recording, title)
-
-
-def _joints(outcome: Outcome, title: str) -> Figure:
-    return tip.joint_angles(outcome.recording, title, LEG_JOINTS)
-
-
-def _rotation(outcome: Outcome, title: str) -> Figure:
-    return tip.rotation(outcome.robot, outcome.recording, title)
-
-
-def _stroboscope(outcome: Outcome, title: str) -> Figure:
-    return stroboscope(outcome.robot, outcome.recording, title)
-
-
-def _input_and_velocity(outcome: Outcome, title: str) -> Figure:
-    return tip.input_and_velocity(outcome.recording, title, GAIN)
-
-
-def _velocity_and_position(outcome: Outcome, title: str) -> Figure:
-    return tip.velocity_and_position(outcome.recording, title, frequency=LegBOptions().frequency)
-
-
-def _input_velocity_and_position(outcome: Outcome, title: str) -> Figure:
-    return tip.velocity_and_position(outcome.recording, title, with_input=True)
-
-
-def _singularity(outcome: Outcome, title: str) -> Figure:
-    return tip.singularity(outcome.recording, title)
-
-
 PLOTS = {
     "angle": Plot(file="angle", columns=("q",), unit="rad", draw=_angle),
     "swing": Plot(file="angle", columns=("q",), unit="rad", draw=_swing),
     "angle_and_rate": Plot(
-        file="angle_and_rate", columns=("q", "qdot"), unit="rad, rad/s", draw=_angle_and_rate
+        file="angle_and_rate",
+        columns=("q", "qdot"),
+        unit="rad, rad/s",
+        draw=lambda outcome, title: pendulum.angle_and_rate(
+            outcome.recording, title, span=HALF_TURN, rates=RATES
+        ),
     ),
-    "position": Plot(file="foot_position", columns=("x", "y", "z"), unit="m", draw=_position),
-    "velocity": Plot(file="foot_velocity", columns=("vx", "vy", "vz"), unit="m/s", draw=_velocity),
-    "joints": Plot(file="joint_angles", columns=("q1", "q2", "q3"), unit="rad", draw=_joints),
-    "singularity": Plot(file="singularity", columns=("det_j",), unit="m³", draw=_singularity),
-    "rotation": Plot(file="foot_rotation", columns=("rotation",), unit="rad", draw=_rotation),
+    "position": Plot(
+        file="foot_position",
+        columns=("x", "y", "z"),
+        unit="m",
+        draw=lambda outcome, title: tip.position(outcome.recording, title),
+    ),
+    "velocity": Plot(
+        file="foot_velocity",
+        columns=("vx", "vy", "vz"),
+        unit="m/s",
+        draw=lambda outcome, title: tip.velocity(outcome.recording, title),
+    ),
+    "joints": Plot(
+        file="joint_angles",
+        columns=("q1", "q2", "q3"),
+        unit="rad",
+        draw=lambda outcome, title: tip.joint_angles(outcome.recording, title, LEG_JOINTS),
+    ),
+    "singularity": Plot(
+        file="singularity",
+        columns=("det_j",),
+        unit="m³",
+        draw=lambda outcome, title: tip.singularity(outcome.recording, title),
+    ),
+    "rotation": Plot(
+        file="foot_rotation",
+        columns=("rotation",),
+        unit="rad",
+        draw=lambda outcome, title: tip.rotation(outcome.robot, outcome.recording, title),
+    ),
     "stroboscope": Plot(
-        file="step", columns=("x", "y", "z", "yaw"), unit="m, rad", draw=_stroboscope
+        file="step",
+        columns=("x", "y", "z", "yaw"),
+        unit="m, rad",
+        draw=lambda outcome, title: stroboscope(outcome.robot, outcome.recording, title),
     ),
     "input_and_velocity": Plot(
-        file="input_and_velocity", columns=("vx",), unit="m/s", draw=_input_and_velocity
+        file="input_and_velocity",
+        columns=("vx",),
+        unit="m/s",
+        draw=lambda outcome, title: tip.input_and_velocity(outcome.recording, title, GAIN),
     ),
     "velocity_and_position": Plot(
         file="velocity_and_position",
         columns=("x", "vx"),
         unit="m, m/s",
-        draw=_velocity_and_position,
+        draw=lambda outcome, title: tip.velocity_and_position(
+            outcome.recording, title, frequency=LegBOptions().frequency
+        ),
     ),
     "input_velocity_and_position": Plot(
         file="input_velocity_and_position",
         columns=("x", "vx"),
         unit="m, m/s",
-        draw=_input_velocity_and_position,
+        draw=lambda outcome, title: tip.velocity_and_position(
+            outcome.recording, title, with_input=True
+        ),
     ),
 }

@@ -1,4 +1,4 @@
-"""The replays inside the page: their common viewer once, compressed, and the rest of each."""
+"""The replays inside the page, compressed: their common viewer once, and the rest of each."""
 
 from __future__ import annotations
 
@@ -14,22 +14,14 @@ VIEWER = re.compile(r'<script type="text/javascript">.*?</script>', re.DOTALL)
 
 
 class UnlikeReplaysError(DrakeLegError):
-    """Replays do not have one viewer, so that it cannot be kept once for all."""
+    """The replays have different viewers, so one copy cannot serve all."""
 
 
 def packed(pages: Mapping[str, str]) -> str:
-    """Pack pages that play motions with the same viewer; ``report.js`` puts them together again.
+    """Pack pages (name -> HTML) that play motions with the same viewer; ``report.js`` unpacks them.
 
-    Parameters
-    ----------
-    pages : mapping
-        Name -> HTML, as ``scene.replay.replay_page`` makes it.
-
-    Returns
-    -------
-    str
-        JSON: ``viewer``, and under ``pages`` what stands before and after it on each; both are
-        compressed by gzip and in base64.
+    The JSON has ``viewer`` and, under ``pages``, what is before and after it on each; both are
+    compressed by gzip and in base64.
 
     Raises
     ------

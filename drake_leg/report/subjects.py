@@ -10,6 +10,7 @@ from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.robot import Robot
 from drake_leg.robots import HEXABOT_LENGTHS, LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.runs.options import STATE_TARGET, LegAOptions, LegBOptions, ScaraOptions
+from drake_leg.symbolic.catalogue import SUBJECTS as DERIVED
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,29 +27,12 @@ class Subject:
 
 
 def angles(degrees: Sequence[float]) -> str:
-    """Write angles as a reader does.
-
-    Parameters
-    ----------
-    degrees : sequence of float
-        [deg].
-
-    Returns
-    -------
-    str
-        ``90°, −50°, −90°``.
-    """
+    """Write angles [deg] as a reader does: ``90°, −50°, −90°``."""
     return ", ".join(f"{angle:.5g}°".replace("-", "−") for angle in degrees)
 
 
 def option(degrees: Sequence[float]) -> str:
-    """Write angles as the command line takes them.
-
-    Parameters
-    ----------
-    degrees : sequence of float
-        [deg].
-    """
+    """Write angles [deg] as the command line takes them."""
     return ",".join(f"{angle:.17g}" for angle in degrees)
 
 
@@ -63,7 +47,7 @@ def _leg(name: str, robot: Robot, options: LegBOptions) -> Subject:
         q=options.posture(),
         posture=angles(options.q0),
         option=option(options.q0),
-        task=(3, 4, 5),
+        task=DERIVED[name].task,
         singular=(
             ("stretched", (90.0, knee, 0.0)),
             ("folded", (90.0, knee, 180.0)),
@@ -82,7 +66,7 @@ def _scara() -> Subject:
         q=(*options.posture(), lift),
         posture=f"{angles(options.q0)}, R = {1e3 * options.tool_height:g} mm",
         option=f"{option(options.q0)},{lift:g}",
-        task=(3, 4, 2),
+        task=DERIVED["scara"].task,
         singular=(("stretched", (30.0, 0.0, -120.0)), ("folded", (30.0, 180.0, -120.0))),
     )
 

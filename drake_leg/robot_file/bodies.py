@@ -19,7 +19,7 @@ ORIGIN = (0.0, 0.0, 0.0)
 _SOLID_KEYS = ("density", "centre", "colour")
 _INERTIAL_KEYS = ("mass", "centre", "moments", "products")
 _INSTEAD_OF_SOLID = {
-    "mass": "a mass stands with centre and moments under [row.inertial], beside the solid",
+    "mass": "a mass goes with centre and moments under [row.inertial], beside the solid",
     "color": "did you mean 'colour'?",
     "center": "did you mean 'centre'?",
     "inertia": "inertia is moments and products, under [row.inertial], beside the solid",
@@ -35,28 +35,15 @@ _INSTEAD_OF_INERTIAL = {
     "inertia": "write moments = [Ixx, Iyy, Izz] and products = [Ixy, Ixz, Iyz]",
     **dict.fromkeys(("Ixx", "Iyy", "Izz", "ixx", "iyy", "izz"), "write moments = [Ixx, Iyy, Izz]"),
     **dict.fromkeys(("Ixy", "Ixz", "Iyz", "ixy", "ixz", "iyz"), "write products = [Ixy, Ixz, Iyz]"),
-    "density": "mass, centre and moments stand here; a density makes them under [row.solid]",
+    "density": "mass, centre and moments are given here; a density goes under [row.solid]",
 }
 
 
 def read_solid(table: object, where: str, inertial: Inertial | None, row: int) -> Solid:
-    """Read the solid of a row.
+    """Read the solid of a row, from the value of its key.
 
-    Parameters
-    ----------
-    table : object
-        What stands behind the key ``solid``.
-    where : str
-        File and row, the beginning of every error's sentence.
-    inertial : Inertial, optional
-        The link's mass, where it is given: then the density may be left out.
-    row : int
-        Of the link in the table, from 1: it chooses a colour where none is given.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value.
+    ``where`` is the file and row, with which every error begins. With an ``inertial`` the density
+    may be left out; the row's number, from 1, chooses a colour if none is given.
     """
     every = {key for _, names in SHAPES.values() for key in names}
     shape_keys = Keys(table, where, ("shape", *sorted(every), *_SOLID_KEYS), _INSTEAD_OF_SOLID)
@@ -80,20 +67,7 @@ def read_solid(table: object, where: str, inertial: Inertial | None, row: int) -
 
 
 def read_inertial(table: object, where: str) -> Inertial:
-    """Read the explicit mass properties of a row.
-
-    Parameters
-    ----------
-    table : object
-        What stands behind the key ``inertial``.
-    where : str
-        File and row, the beginning of every error's sentence.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value.
-    """
+    """Read the explicit mass properties of a row, from the value of its key."""
     keys = Keys(table, where, _INERTIAL_KEYS, _INSTEAD_OF_INERTIAL)
     return keys.make(
         Inertial,

@@ -26,22 +26,11 @@ class ClassicRow:
 
 
 def khalil_rows(rows: Sequence[ClassicRow]) -> tuple[Row, ...]:
-    """Turn a classic table into a Khalil table with the same last frame.
+    """Turn a classic table of n rows into a Khalil table of n + 1 rows with the same last frame.
 
-    Parameters
-    ----------
-    rows : sequence of ClassicRow
-        The table, n rows.
-
-    Returns
-    -------
-    (n + 1,) tuple of Row
-        The last row is fixed and carries the last ``a`` and ``alpha``. Frame i of the result
-        lies on the axis of joint i, where the classic frame i - 1 has its z axis.
-
-    References
-    ----------
-    Craig, *Introduction to Robotics*, 3rd ed., section 3.4, names both conventions.
+    The last row is fixed and carries the last ``a`` and ``alpha``. Frame i of the result lies on
+    the axis of joint i, where the classic frame i - 1 has its z axis (Craig, *Introduction to
+    Robotics*, 3rd ed., section 3.4, names both conventions).
     """
     before = [(0.0, 0.0), *((row.a, row.alpha) for row in rows)]
     moved = [

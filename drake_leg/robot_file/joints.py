@@ -22,7 +22,7 @@ _MECHANICS_KEYS = (
 _LIMIT_KEYS = ("lower", "upper", "velocity", "effort", "lower_stop", "upper_stop")
 _STOP_KEYS = ("stiffness", "spring_unit", "damping", "damping_unit", "transition_width")
 _INSTEAD_OF_MECHANICS = {
-    **dict.fromkeys(("limits", *_LIMIT_KEYS), "limits stand under [row.limits]"),
+    **dict.fromkeys(("limits", *_LIMIT_KEYS), "limits go under [row.limits]"),
     "stiffness": "did you mean 'spring_stiffness'?",
     "mimic": "joints do not follow one another here, each row that moves has a position of its own",
     "friction": "friction that grows with speed is damping; there is no other",
@@ -43,21 +43,9 @@ _INSTEAD_OF_LIMITS = {
 def read_mechanics(
     mechanics: object, limits: object, where: str, units: JointUnits
 ) -> JointMechanics:
-    """Read what acts at the joint of a row.
+    """Read what acts at the joint of a row, from the values of these two keys.
 
-    Parameters
-    ----------
-    mechanics, limits : object
-        What stands behind these keys; an empty table where there is nothing.
-    where : str
-        File and row, the beginning of every error's sentence.
-    units : JointUnits
-        The file's units at this joint.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value.
+    ``where`` is the file and row, with which every error begins.
     """
     acting = Keys(mechanics, f"{where}, mechanics", _MECHANICS_KEYS, _INSTEAD_OF_MECHANICS)
     bounds = Keys(limits, f"{where}, limits", _LIMIT_KEYS, _INSTEAD_OF_LIMITS)
@@ -69,6 +57,11 @@ def read_mechanics(
         )
     velocity = bounds.optional("velocity", units.velocity, positive=True)
     equilibrium = acting.number("equilibrium_position", units.position, 0.0)
+    if acting.has("equilibrium_position") and not acting.has("spring_stiffness"):
+        raise acting.error(
+            f"equilibrium_position is {equilibrium:.9g} {units.position}, but there is no "
+            "spring_stiffness; give both"
+        )
     actuated = acting.flag("actuated", True)
     effort = bounds.optional("effort", units.effort, positive=True)
     if effort is not None and not actuated:

@@ -16,18 +16,7 @@ T = TypeVar("T")
 
 
 def shown(value: object) -> str:
-    """Show a value as it stands in the file.
-
-    Parameters
-    ----------
-    value : object
-        As ``tomllib`` gives it.
-
-    Returns
-    -------
-    str
-        Short enough for a sentence.
-    """
+    """Show a value as it is in the file, short enough for a sentence."""
     if isinstance(value, bool):
         return str(value).lower()
     text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else str(value)
@@ -37,25 +26,10 @@ def shown(value: object) -> str:
 class Keys:
     """A table of a file and the keys that it may have.
 
-    Every method reads one key and checks it: its type, that it is finite, its sign. Units are for
-    the sentences; a key without default must be there. What is wrong raises
-    ``InvalidValueError`` with file, key and value.
-
-    Parameters
-    ----------
-    table : object
-        What stands in the file; must be a table.
-    where : str
-        File and place, the beginning of every sentence.
-    known : collection of str
-        The keys that it may have.
-    instead : mapping, optional
-        What to say to a key that people write and that means nothing here.
-
-    Raises
-    ------
-    InvalidValueError
-        If it is no table, or has another key.
+    Every method reads one key and checks its type, that it is finite, and its sign. Units are for
+    the sentences; a key without a default is required. What is wrong raises an
+    ``InvalidValueError`` with file, key and value, and so does a key that is not ``known``;
+    ``instead`` has the advice for unknown keys that people write.
     """
 
     def __init__(
@@ -79,7 +53,7 @@ class Keys:
         return InvalidValueError(f"{self.where}: {sentence}")
 
     def make(self, kind: Callable[..., T], **values: object) -> T:
-        """Make something that checks itself; its sentence gets this table's place in front."""
+        """Make something that checks itself; its error begins with this table's place."""
         try:
             return kind(**values)
         except InvalidValueError as error:
@@ -90,13 +64,7 @@ class Keys:
         return key in self._table
 
     def value(self, key: str, default: Any = REQUIRED, *, remedy: str = "") -> Any:  # noqa: ANN401 - of any type until it is checked
-        """Whatever stands behind a key.
-
-        Raises
-        ------
-        InvalidValueError
-            If it is missing and has no default.
-        """
+        """Any value."""
         if key in self._table:
             return self._table[key]
         if default is REQUIRED:

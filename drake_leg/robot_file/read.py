@@ -23,11 +23,11 @@ SIGMAS: dict[int | str, JointType] = {0: "revolute", 1: "prismatic", "~": "fixed
 
 _INSTEAD_OF_ROBOT = {
     "lengths": "lengths are in m throughout",
-    "rows": "rows are tables of their own, each under [[row]]",
+    "rows": "every row is a table of its own, under [[row]]",
     "units": 'lengths are in m throughout, and angles = "deg" or "rad"',
-    "dh": "the table's rows stand under [[row]]",
-    "joints": "a joint stands with its link in a row, under [[row]]",
-    "links": "a link stands with its joint in a row, under [[row]]",
+    "dh": "the table's rows go under [[row]]",
+    "joints": "a joint goes with its link in a row, under [[row]]",
+    "links": "a link goes with its joint in a row, under [[row]]",
     "gravity": "gravity belongs to a run, as its option `gravity`",
     "q0": "where it starts belongs to a run, as its option `q0`, or to [row.mechanics], as "
     "position_target",
@@ -49,13 +49,13 @@ _INSTEAD_OF_ROW = {
     ),
     **dict.fromkeys(("min", "lower"), "write lower, under [row.limits]"),
     **dict.fromkeys(("max", "upper"), "write upper, under [row.limits]"),
-    "velocity": "the greatest speed stands under [row.limits]",
-    "effort": "the greatest torque or force stands under [row.limits]",
+    "velocity": "the greatest speed goes under [row.limits]",
+    "effort": "the greatest torque or force goes under [row.limits]",
     **dict.fromkeys(("q0", "home", "position"), "write position_target, under [row.mechanics]"),
     "inertia": "inertia is moments and products, with mass and centre, under [row.inertial]",
     **dict.fromkeys(
         ("length", "width", "height", "radius", "shape", "colour", "color"),
-        "what a link looks like stands under [row.solid]",
+        "what a link looks like goes under [row.solid]",
     ),
     "friction": "what grows with speed is damping, under [row.mechanics]; there is no other",
     **dict.fromkeys(
@@ -66,9 +66,9 @@ _INSTEAD_OF_ROW = {
     "child": _NO_PARENTS,
     "children": _NO_PARENTS,
     "a": 'it belongs to the classic convention: say convention = "classic", or give d and r',
-    "mass": "a mass stands with centre and moments under [row.inertial]",
-    "density": "a density stands under [row.solid]",
-    "damping": "damping stands under [row.mechanics]",
+    "mass": "a mass goes with centre and moments under [row.inertial]",
+    "density": "a density goes under [row.solid]",
+    "damping": "damping goes under [row.mechanics]",
     "r": 'it belongs to Khalil\'s convention: leave out convention = "classic", or give d and a',
 }
 
@@ -96,7 +96,7 @@ def load_robot(path: Path | str) -> Robot:
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from drake_leg import LEG_B, load_robot
-    >>> from drake_leg.robot_file import robot_toml
+    >>> from drake_leg.robot_file.write import robot_toml
     >>> with TemporaryDirectory() as folder:
     ...     path = Path(folder) / "leg_b.toml"
     ...     _ = path.write_text(robot_toml(LEG_B))
@@ -107,30 +107,16 @@ def load_robot(path: Path | str) -> Robot:
 
 
 def read_robot(text: str, where: str) -> Robot:
-    """Read a robot from TOML.
-
-    Parameters
-    ----------
-    where : str
-        Name of the file, the beginning of every error's sentence.
-
-    Returns
-    -------
-    Robot
-        In Khalil's convention, whatever the file has.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value, if something makes no sense.
-    """
+    """Read a robot from TOML, as ``load_robot`` does; errors begin with the file's name."""
     keys = Keys(parse_document(text, where), where, ROBOT_KEYS, _INSTEAD_OF_ROBOT)
     name = keys.text("name")
     convention = keys.choice("convention", tuple(TABLE_KEYS), "khalil")
     angles: AngleUnit = keys.choice("angles", ("deg", "rad"))
-    tables = keys.value("row", remedy="every row of the table stands under [[row]]")
+    tables = keys.value("row", remedy="every row of the table goes under [[row]]")
     if not isinstance(tables, list) or not tables:
-        raise keys.error("row is no list of tables; every row stands under [[row]], two brackets")
+        raise keys.error(
+            "row is not a list of tables; every row goes under [[row]], with two brackets"
+        )
     rows = [
         Keys(table, f"{where}: row {index}", (*TABLE_KEYS[convention], *BODY_KEYS), _INSTEAD_OF_ROW)
         for index, table in enumerate(tables, start=1)
@@ -180,7 +166,7 @@ def _classic_row(keys: Keys, angles: AngleUnit) -> ClassicRow:
 def _segment(keys: Keys, row: Row, index: int, angles: AngleUnit) -> Segment:
     acting = [key for key in ("mechanics", "limits") if keys.has(key)]
     if row.joint == "fixed" and acting:
-        raise keys.error(f'{acting[0]} stands at a fixed row (sigma = "~"), which cannot move')
+        raise keys.error(f'{acting[0]} is given at a fixed row (sigma = "~"), which cannot move')
     if row.joint == "fixed" and not any(keys.has(key) for key in BODY_KEYS):
         return Segment(row=row)
     link = keys.text("link", f"link_{index}")

@@ -16,16 +16,14 @@ HEAD = (
     "# Lengths are in m, masses in kg, angles in the unit below, speeds in that unit per second."
 )
 
+Entries = dict[str, tuple[object, str]]  # key to value and unit
+
 
 def robot_toml(robot: Robot) -> str:
     """Write a robot as TOML.
 
-    ``read_robot(robot_toml(robot), name) == robot``, to the last bit.
-
-    Returns
-    -------
-    str
-        Angles in degrees where all of them are read back exactly, otherwise in radians.
+    ``read_robot(robot_toml(robot), name) == robot``, to the last bit. Angles are in degrees if all
+    of them are read back exactly, otherwise in radians.
     """
     angles: AngleUnit = "deg"
     if any(exact_degrees(angle) is None for angle in _angles(robot)):
@@ -60,11 +58,14 @@ def _angles(robot: Robot) -> Iterator[float]:
 def _row_lines(segment: Segment, angles: AngleUnit) -> Iterator[str]:
     row, link = segment.row, segment.link
     sigma = "~" if row.sigma is None else row.sigma
+    alpha, theta = (
+        exact_degrees(angle) if angles == "deg" else angle for angle in (row.alpha, row.theta)
+    )
     yield _line("sigma", sigma, '0 revolute, 1 prismatic, "~" fixed')
     yield _line("d", row.d, "[m] along x of the frame before")
-    yield _line("alpha", _angle(row.alpha, angles), f"[{angles}] about x of the frame before")
+    yield _line("alpha", alpha, f"[{angles}] about x of the frame before")
     yield _line("r", row.r, "[m] along z")
-    yield _line("theta", _angle(row.theta, angles), f"[{angles}] about z")
+    yield _line("theta", theta, f"[{angles}] about z")
     if link is None:
         return
     yield _line("joint", segment.joint)
@@ -102,44 +103,40 @@ def _solid_lines(solid: Solid) -> Iterator[str]:
     yield _line("colour", solid.colour, "red, green, blue, 0 to 1")
 
 
-Entries = dict[str, tuple[object, str]]  # key to value and unit
-
-
 def _joint_lines(mechanics: JointMechanics, units: JointUnits) -> Iterator[str]:
+    """Write what differs from a joint at which nothing acts."""
     for header, entries in (("[row.mechanics]", _acting), ("[row.limits]", _bounds)):
-        unsaid = entries(JointMechanics(), units)
-        said = {
-            key: entry for key, entry in entries(mechanics, units).items() if entry != unsaid[key]
-        }
-        if said:
+        nothing, all_entries = entries(JointMechanics(), units), entries(mechanics, units)
+        keys = {key for key, entry in all_entries.items() if entry != nothing[key]}
+        if "equilibrium_position" in keys:
+            keys.add("spring_stiffness")  # the reader wants both
+        if keys:
             yield header
-        for key, (value, unit) in said.items():
-            yield _line(key, value, unit and f"[{unit}]")
+        for key, (value, unit) in all_entries.items():
+            if key in keys:
+                yield _line(key, value, unit and f"[{unit}]")
 
 
 def _acting(mechanics: JointMechanics, units: JointUnits) -> Entries:
     position, velocity = mechanics.position_target, mechanics.velocity_target
     return {
-        "damping": (mechanics.damping, _first(units.damping)),
-        "spring_stiffness": (mechanics.spring_stiffness, _first(units.stiffness)),
-        "equilibrium_position": (
-            _position(mechanics.equilibrium_position, units),
-            units.position,
-        ),
+        "damping": (mechanics.damping, next(iter(units.damping))),
+        "spring_stiffness": (mechanics.spring_stiffness, next(iter(units.stiffness))),
+        "equilibrium_position": (_shown_in(units, mechanics.equilibrium_position), units.position),
         "actuated": (mechanics.actuated, ""),
         "position_target": (_target(position, units), units.position),
-        "position_priority": (_low(position), ""),
+        "position_priority": (_low_priority(position), ""),
         "velocity_target": (_target(velocity, units), units.velocity),
-        "velocity_priority": (_low(velocity), ""),
+        "velocity_priority": (_low_priority(velocity), ""),
     }
 
 
 def _bounds(mechanics: JointMechanics, units: JointUnits) -> Entries:
-    inside = f"{_first(units.stiffness)}, {_first(units.damping)}, {units.position}"
+    inside = f"{next(iter(units.stiffness))}, {next(iter(units.damping))}, {units.position}"
     return {
-        "lower": (_position(mechanics.lower, units), units.position),
-        "upper": (_position(mechanics.upper, units), units.position),
-        "velocity": (_position(mechanics.velocity, units), units.velocity),
+        "lower": (_shown_in(units, mechanics.lower), units.position),
+        "upper": (_shown_in(units, mechanics.upper), units.position),
+        "velocity": (_shown_in(units, mechanics.velocity), units.velocity),
         "effort": (mechanics.effort, units.effort),
         "lower_stop": (_stop(mechanics.lower_stop, units), inside),
         "upper_stop": (_stop(mechanics.upper_stop, units), inside),
@@ -147,10 +144,10 @@ def _bounds(mechanics: JointMechanics, units: JointUnits) -> Entries:
 
 
 def _target(target: StateTarget | None, units: JointUnits) -> float | None:
-    return None if target is None else _position(target.value, units)
+    return None if target is None else _shown_in(units, target.value)
 
 
-def _low(target: StateTarget | None) -> str | None:
+def _low_priority(target: StateTarget | None) -> str | None:
     return "low" if target is not None and target.priority == "low" else None
 
 
@@ -160,34 +157,27 @@ def _stop(stop: HardStop | None, units: JointUnits) -> dict[str, float | None] |
     return {
         "stiffness": stop.stiffness,
         "damping": stop.damping,
-        "transition_width": _position(stop.transition_width, units),
+        "transition_width": _shown_in(units, stop.transition_width),
     }
 
 
-def _first(units: dict[str, float]) -> str:
-    return next(iter(units))
-
-
-def _position(value: float | None, units: JointUnits) -> float | None:
+def _shown_in(units: JointUnits, value: float | None) -> float | None:
+    """Convert a position or speed in SI to the file's unit."""
     return value if value is None or units.position != "deg" else exact_degrees(value)
 
 
-def _angle(value: float, angles: AngleUnit) -> float | None:
-    return exact_degrees(value) if angles == "deg" else value
-
-
 def _line(key: str, value: object, comment: str = "") -> str:
-    line = f"{key} = {_shown(value)}"
+    line = f"{key} = {_toml(value)}"
     return f"{line:<{COMMENT_COLUMN - 1}} # {comment}" if comment else line
 
 
-def _shown(value: object) -> str:
+def _toml(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {_shown(part)}' for key, part in value.items())} }}"
+        return f"{{ {', '.join(f'{key} = {_toml(part)}' for key, part in value.items())} }}"
     if isinstance(value, tuple):
-        return f"[{', '.join(map(_shown, value))}]"
+        return f"[{', '.join(map(_toml, value))}]"
     if isinstance(value, float | int):
         return repr(0.0 if value == 0.0 else float(value)).removesuffix(".0")
     return json.dumps(value, ensure_ascii=False)

@@ -5,29 +5,34 @@ annotations of the fields as types, so that they must not be postponed to string
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
 from drake_leg.joint_mechanics import HardStop
 from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
-from drake_leg.robot import Segment
 from drake_leg.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
     PENDULUM_SIZE,
     SCARA_LENGTHS,
     WATER,
+    LegVariant,
 )
+
+if TYPE_CHECKING:
+    from drake_leg.kinematics.motions import EllipticStep, SineStep
+
+Direction = tuple[float, float, float]  # unit vector
 
 STATE_TARGET = 30.0  # [deg], report A, section 1.2
 EXACT = "exact"  # the inverse that stops where the Jacobian is singular
 
 # One text for an option that several runs have.
 DURATION = "simulated time"
-DAMPING = "damping of every joint, in --damping-unit"
+DAMPING = "damping of every joint, in `damping_unit`"
 Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where it hangs"
 DIRECTION = "of the motion, in the base frame"
 AMPLITUDE = "greatest speed of the foot or of the tool"
@@ -61,37 +66,6 @@ def option(default: Any, help_text: str, unit: str = "", *, shown: str = "") -> 
     return field(default=default, metadata=metadata)
 
 
-def joint_values(name: str, values: Sequence[float], joints: Sequence[Segment]) -> list[float]:
-    """Take values in degrees where a joint turns, in m where it slides.
-
-    Parameters
-    ----------
-    values : (n,) sequence of float
-        As they were given.
-    joints : sequence of Segment
-        n of them, that move.
-
-    Returns
-    -------
-    (n,) list of float
-        [rad or m].
-
-    Raises
-    ------
-    InvalidValueError
-        If there are not n finite numbers.
-    """
-    if len(values) != len(joints) or not all(map(math.isfinite, values)):
-        raise InvalidValueError(
-            f"{name} is {list(values)}; it must be {len(joints)} finite numbers, one for each "
-            "joint: degrees where it turns, m where it slides"
-        )
-    return [
-        math.radians(value) if joint.row.joint == "revolute" else value
-        for value, joint in zip(values, joints, strict=True)
-    ]
-
-
 @dataclass(kw_only=True)
 class RunOptions:
     """What every run has."""
@@ -111,12 +85,7 @@ class RunOptions:
     )
 
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
-        """Return how time is stepped.
-
-        Parameters
-        ----------
-        default_step : float
-            Greatest step where none is asked for [s].
+        """Return how time is stepped: with ``default_step`` [s] at most where none is asked for.
 
         Raises
         ------
@@ -136,7 +105,7 @@ class DampingOptions(RunOptions):
 
     damping: float | None = option(None, DAMPING, shown="0")
     damping_unit: str | None = option(
-        None, f"unit of --damping: {' or '.join(DAMPING_UNITS)}", shown="N*m*s/rad"
+        None, f"unit of `damping`: {' or '.join(DAMPING_UNITS)}", shown="N*m*s/rad"
     )
 
     def si_damping(self) -> float:
@@ -152,7 +121,8 @@ class DampingOptions(RunOptions):
             return in_si("damping", self.damping, unit, DAMPING_UNITS)
         if self.damping_unit is not None:
             raise InvalidValueError(
-                f"the damping unit is {unit!r} and there is no damping: give it, as --damping 0.01"
+                f"the damping unit is {unit!r} and there is no damping",
+                advice="give it, as `damping=0.01`",
             )
         return 0.0
 
@@ -213,12 +183,24 @@ class StepOptions(RunOptions):
         shown="4; 2500 with a push, a mass error or a torque limit",
     )
 
-    def unit_direction(self) -> tuple[float, float, float]:
-        """Return the direction with length 1.
+    def motion(self, direction: Direction | None = None) -> "SineStep":
+        """Return the commanded motion, along a direction of the robot's if none was asked for.
 
-        Returns
-        -------
-        (3,) tuple of float
+        Raises
+        ------
+        InvalidValueError
+            If amplitude, frequency or direction make no sense.
+        """
+        from drake_leg.kinematics.motions import SineStep  # which needs NumPy, as help does not
+
+        return SineStep(
+            amplitude=self.amplitude,
+            frequency=self.frequency,
+            direction=direction or self.unit_direction(),
+        )
+
+    def unit_direction(self) -> Direction:
+        """Return the direction with length 1.
 
         Raises
         ------
@@ -237,40 +219,8 @@ class StepOptions(RunOptions):
         x, y, z = (value / length for value in self.direction)
         return x, y, z
 
-    def refuse_ignored(self) -> None:
-        """Refuse what would mean nothing beside the other options.
-
-        Raises
-        ------
-        InvalidValueError
-            With the option and what makes it meaningless.
-        """
-        if self.force and self.inverse != EXACT:
-            raise InvalidValueError(
-                f"--force means nothing with --inverse {self.inverse}, which goes on past a "
-                "singularity: leave one of the two out"
-            )
-        for name in self._idle():
-            value = getattr(self, name)
-            if value != _default(type(self), name):
-                raise InvalidValueError(
-                    f"{name} is {value!r}, which means nothing where the {self._still()}: leave it "
-                    "out"
-                )
-
-    def _idle(self) -> tuple[str, ...]:
-        """Name the options that mean nothing, for the tip stands still."""
-        return () if self.amplitude else ("frequency", "direction")
-
-    def _still(self) -> str:
-        return "amplitude is 0"
-
     def posture(self) -> tuple[float, float, float]:
         """Return q0 in rad.
-
-        Returns
-        -------
-        (3,) tuple of float
 
         Raises
         ------
@@ -284,6 +234,38 @@ class StepOptions(RunOptions):
         q1, q2, q3 = (math.radians(angle) for angle in self.q0)
         return q1, q2, q3
 
+    def refuse_ignored(self) -> None:
+        """Refuse what would mean nothing beside the other options.
+
+        Raises
+        ------
+        InvalidValueError
+            With the option and what makes it meaningless.
+        """
+        if self.force and self.inverse != EXACT:
+            raise InvalidValueError(
+                f"`force=True` means nothing with `inverse={self.inverse!r}`, which goes on past a "
+                "singularity",
+                advice="leave one of the two out",
+            )
+        if self.amplitude == 0.0:
+            self._refuse_at_rest()
+
+    def _refuse_at_rest(self) -> None:
+        """Refuse what means nothing without an amplitude."""
+        self._require_defaults("amplitude is 0", "frequency", "direction")
+
+    def _require_defaults(self, why: str, *names: str) -> None:
+        """Refuse options that were given, though they mean nothing."""
+        defaults = type(self)()
+        for name in names:
+            value = getattr(self, name)
+            if value != getattr(defaults, name):
+                raise InvalidValueError(
+                    f"{name} is {value!r}, which means nothing where the {why}",
+                    advice="leave it out",
+                )
+
 
 @dataclass(kw_only=True)
 class LegOptions(StepOptions, DampingOptions):
@@ -296,6 +278,11 @@ class LegOptions(StepOptions, DampingOptions):
     l2: float = option(HEXABOT_LENGTHS[1], L2, "m")
     l3: float = option(HEXABOT_LENGTHS[2], "length of the tibia", "m")
     density: float = option(WATER, "of the solids", "kg/m^3")
+
+    @property
+    def variant(self) -> LegVariant:
+        """Which of the reports' legs it is."""
+        return "B"
 
 
 @dataclass(kw_only=True)
@@ -314,8 +301,9 @@ class StraightOptions(StepOptions):
         None, TASK, shown="pose where the joints can keep it, otherwise position"
     )
 
-    def _idle(self) -> tuple[str, ...]:
-        return () if self.amplitude else (*super()._idle(), "gain")
+    def _refuse_at_rest(self) -> None:
+        super()._refuse_at_rest()
+        self._require_defaults("amplitude is 0", "gain")
 
 
 @dataclass(kw_only=True)
@@ -329,6 +317,11 @@ class LegAOptions(LegBOptions):
 
     q0: list[float] = option([90.0, 50.0, 90.0], Q0, "deg")
 
+    @property
+    def variant(self) -> LegVariant:
+        """Which of the reports' legs it is."""
+        return "A"
+
 
 @dataclass(kw_only=True)
 class EllipseOptions(LegOptions):
@@ -337,12 +330,27 @@ class EllipseOptions(LegOptions):
     lift: float = option(0.040, "height of the ellipse", "m")
     filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
 
-    def _idle(self) -> tuple[str, ...]:
-        idle = super()._idle()
-        return tuple(name for name in idle if name == "direction") if self.lift else idle
+    def motion(self, direction: Direction | None = None) -> "EllipticStep":
+        """Return the commanded motion.
 
-    def _still(self) -> str:
-        return "amplitude is 0" if self.lift else "amplitude and the lift are 0"
+        Raises
+        ------
+        InvalidValueError
+            If amplitude, frequency, direction or lift make no sense.
+        """
+        from drake_leg.kinematics.motions import EllipticStep
+
+        return EllipticStep(
+            amplitude=self.amplitude,
+            frequency=self.frequency,
+            direction=direction or self.unit_direction(),
+            lift=self.lift,
+        )
+
+    def _refuse_at_rest(self) -> None:
+        if self.lift == 0.0:
+            self._require_defaults("amplitude and the lift are 0", "frequency", "direction")
+        self._require_defaults("amplitude is 0", "direction")
 
 
 @dataclass(kw_only=True)
@@ -398,8 +406,8 @@ class PendulumOptions(DampingOptions):
         if stop and not given:
             name = next(iter(stop))
             raise InvalidValueError(
-                f"the limit's {name.replace('_', ' ')} is {stop[name]!r} and there is no limit: "
-                "give one, as --lower-limit 20"
+                f"the limit's {name.replace('_', ' ')} is {stop[name]!r} and there is no limit",
+                advice="give one, as `lower_limit=20`",
             )
         return {**given, **{f"{side}_stop": HardStop.rotational(**stop) for side in given}}
 
@@ -428,7 +436,7 @@ class DampedPendulumOptions(PendulumOptions):
     duration: float = option(30.0, DURATION, "s")
     damping: float = option(0.01, DAMPING)
     target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
-    q0: list[float] | None = option(None, Q0, "deg", shown="as --target")
+    q0: list[float] | None = option(None, Q0, "deg", shown="as `target`")
 
     def start(self) -> float:
         """Return the state target in rad, under either of its names.
@@ -445,7 +453,8 @@ class DampedPendulumOptions(PendulumOptions):
         if self.target not in (None, angle):
             raise InvalidValueError(
                 f"q0 is {angle:g} deg and the state target {self.target:g} deg, two names "
-                "of the angle where the simulation starts: give one of them"
+                "of the angle where the simulation starts",
+                advice="give one of them",
             )
         return math.radians(angle)
 
@@ -456,9 +465,9 @@ class SpringPendulumOptions(PendulumOptions):
 
     duration: float = option(30.0, DURATION, "s")
     damping: float = option(0.01, DAMPING)
-    spring_stiffness: float = option(5.0, "of the spring at the joint, in --spring-unit")
+    spring_stiffness: float = option(5.0, "of the spring at the joint, in `spring_unit`")
     spring_unit: str | None = option(
-        None, f"unit of --spring-stiffness: {' or '.join(SPRING_UNITS)}", shown="N*m/rad"
+        None, f"unit of `spring_stiffness`: {' or '.join(SPRING_UNITS)}", shown="N*m/rad"
     )
     target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
 
@@ -473,7 +482,8 @@ class SpringPendulumOptions(PendulumOptions):
         if self.target is not None and self.spring_stiffness == 0.0:
             raise InvalidValueError(
                 f"the target is {self.target:g} deg and the spring stiffness is 0, so that nothing "
-                "pulls there: give a --spring-stiffness, or leave the target out"
+                "pulls there",
+                advice="give a `spring_stiffness`, or leave the target out",
             )
         return math.radians(STATE_TARGET if self.target is None else self.target)
 
@@ -502,9 +512,3 @@ def _one_angle(q0: list[float]) -> float:
     if len(q0) != 1 or not math.isfinite(q0[0]):
         raise InvalidValueError(f"q0 is {q0}; it must be one finite angle in degrees")
     return q0[0]
-
-
-def _default(options: type[RunOptions], name: str) -> object:
-    """Return the default of an option."""
-    (found,) = (option for option in fields(options) if option.name == name)
-    return found.default_factory() if callable(found.default_factory) else found.default

@@ -1,220 +1,82 @@
-"""What is to be seen of a robot, as simple solids on the frames of its table.
+"""Everything that is drawn, as solids on the frames of a plant: links, axes, traces, a floor.
 
-Every way of showing a robot, in a browser, by VTK or by matplotlib, shows these parts.
+Every way of showing a plant, in a browser, by VTK or by matplotlib, shows these parts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from pydrake.geometry import Box, CalcObb, Cylinder, Shape, Sphere
 
-from drake_leg.colours import Colour
+from drake_leg.colours import PURPLE, Colour, rgb
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import row_transform
-from drake_leg.robot import Brick, Cylinder, Robot, Row, Shape, Solid, Sphere, link_colour
 
-PALE = (0.72, 0.73, 0.76)
+RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
+LINE = (0.66, 0.67, 0.70)
+TRACE = rgb(PURPLE)
 
-BASE_SIZE, ROD_RADIUS = 0.07, 0.009  # of the scene's size
 LEAST_SIZE = 1e-3  # [m], of a scene
-SOLID_OPACITY = 0.45  # so that the frames inside can be seen
+
+# Of the scene's size:
+TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
+TRACE_RADIUS, TRACE_SPACING = 0.011, 1.0 / 60.0
+FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
+
+SLACK = 1e-9  # of a square of the floor: what stands on its edge needs no other square
+
+WORLD_TRIAD = 1.5  # of the others: length of the world's axes
+DASH = 3  # pieces of a trace from one dash to the next; the last of them is the gap
+MOST_PIECES = 5000  # of a trace before those that lie on others are left out
 
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """One solid, fixed on a frame of the robot's table."""
+    """One solid, fixed on one of the shown frames."""
 
-    path: str  # "solid", "triad/x": where it stands among the frame's parts
-    frame: int  # 0: the base
+    path: str  # "solid", "triad/x": unique among the frame's parts
+    frame: int  # 0: the world
     shape: Shape
     X_FP: Array = field(default_factory=lambda: np.eye(4))  # (4, 4) pose on the frame [-, m]
     colour: Colour
     opacity: float = 1.0
 
+    def corners(self) -> Array:
+        """Corners of the box around it, on its frame, (8, 3) [m]; none of a half-space."""
+        signs = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
+        return self._on_box(signs)
+
+    def ends(self) -> Array:
+        """Where the axes of that box end, (6, 3) [m]; of a ball its centre, (1, 3)."""
+        ends = np.concatenate([np.eye(3), -np.eye(3)])
+        return self._on_box(np.zeros((1, 3)) if isinstance(self.shape, Sphere) else ends)
+
+    def _on_box(self, shares: Array) -> Array:
+        """Points of the box around it, -1 ... 1 along each of its axes, on its frame [m]."""
+        box = CalcObb(self.shape)
+        if box is None:
+            return np.zeros((0, 3))
+        X_FB = self.X_FP @ box.pose().GetAsMatrix4()
+        return np.asarray(shares * box.half_width() @ X_FB[:3, :3].T + X_FB[:3, 3])
+
 
 def size_of(points: Array) -> float:
-    """Greatest edge of the box around points, at least ``LEAST_SIZE``.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray
-        [m].
-
-    Returns
-    -------
-    float
-        [m].
-    """
+    """Greatest edge of the box around points (n, 3), at least ``LEAST_SIZE`` [m]."""
     return max(float(np.ptp(points, axis=0).max()), LEAST_SIZE)
 
 
-def solid_parts(robot: Robot, size: float) -> tuple[Part, ...]:
-    """Solids of the links, thin rods where no solid leads on, and a block where the base is.
-
-    Parameters
-    ----------
-    size : float
-        Of the scene [m].
-    """
-    return (*_base_parts(robot, size), *_link_solids(robot), *_link_rods(robot, size))
-
-
-def _base_parts(robot: Robot, size: float) -> Iterator[Part]:
-    """Make the base's block, and a post from there to a first joint that is somewhere else."""
-    edge = BASE_SIZE * size
-    block = Brick(length=edge, width=edge, height=edge / 2.0)
-    yield Part(path="block", frame=0, shape=block, colour=PALE, opacity=SOLID_OPACITY)
-    joint = _origin(robot.rows[0])
-    if np.linalg.norm(joint) > edge:
-        post, pose = rod(np.zeros(3), joint, edge / 4.0)
-        yield Part(path="post", frame=0, shape=post, X_FP=pose, colour=PALE, opacity=SOLID_OPACITY)
-
-
-def _link_solids(robot: Robot) -> Iterator[Part]:
-    for index, segment in enumerate(robot.segments, start=1):
-        if segment.link is not None and segment.link.solid is not None:
-            solid = segment.link.solid
-            ball = isinstance(solid.shape, Sphere)
-            yield Part(
-                path="solid",
-                frame=index,
-                shape=solid.shape,
-                X_FP=placed(*solid.centre),
-                colour=solid.colour,
-                opacity=1.0 if ball else SOLID_OPACITY,
-            )
-
-
-def _link_rods(robot: Robot, size: float) -> Iterator[Part]:
-    radius = ROD_RADIUS * size
-    for index, segment in enumerate(robot.segments, start=1):
-        solid = segment.link.solid if segment.link is not None else None
-        colour = link_colour(index) if solid is None else solid.colour
-        for number, end in enumerate(_bare_ends(robot, index, radius)):
-            shape, pose = rod(np.zeros(3), end, radius)
-            yield Part(
-                path=f"rod/{number}",
-                frame=index,
-                shape=shape,
-                X_FP=pose,
-                colour=colour,
-                opacity=SOLID_OPACITY,
-            )
-
-
-def _bare_ends(robot: Robot, index: int, near: float) -> Iterator[Array]:
-    """List where a frame's link goes without a solid: its end, and the origin of the next frame."""
-    link = robot.segments[index - 1].link
-    solid = link.solid if link is not None else None
-    ends = [np.array(link.end)] if link is not None and solid is None else []
-    ends += [_origin(row) for row in robot.rows[index : index + 1]]
-    seen = [np.zeros(3)]
-    for end in ends:
-        held = solid is not None and _holds(solid, end, near)
-        if not held and min(np.linalg.norm(end - other) for other in seen) > near:
-            seen.append(end)
-            yield end
-
-
-def _holds(solid: Solid, point: Array, near: float) -> bool:
-    """Tell whether a point of a link's frame lies in the box around its solid, or near it."""
-    half = _corners(solid.shape).max(axis=0) + near
-    return bool((np.abs(point - solid.centre) <= half).all())
-
-
-def _origin(row: Row) -> Array:
-    """Origin of a row's frame in the frame before, p_PC, where its joint stands at zero [m]."""
-    return np.asarray(row_transform(row)[:3, 3])
-
-
-def outline(robot: Robot, X_BF: Array) -> Array:
-    """Points that a picture of a robot must hold: origins of its frames, corners of its solids.
-
-    Parameters
-    ----------
-    X_BF : (rows, n + 1, 4, 4) ndarray
-        Poses of its frames, as ``Motion.poses``.
-
-    Returns
-    -------
-    (k, 3) ndarray
-        In the base frame [m].
-    """
-    points = [X_BF[:, :, :3, 3].reshape(-1, 3)]
-    for index in range(1, len(robot.rows) + 1):
-        R, p = X_BF[:, index, :3, :3], X_BF[:, index, :3, 3]
-        points.extend(p + R @ corner for corner in corners(robot, index))
-    return np.concatenate(points)
-
-
-def corners(robot: Robot, index: int) -> Array:
-    """Points of a link that a picture must hold: its end, and the corners of its solid.
-
-    Parameters
-    ----------
-    index : int
-        Of the link's frame in the table, from 1 on.
-
-    Returns
-    -------
-    (k, 3) ndarray
-        In the link's frame [m]; none where the frame has no link.
-    """
-    link = robot.segments[index - 1].link
-    if link is None:
-        return np.zeros((0, 3))
-    points = np.array([link.end], dtype=np.float64)
-    if link.solid is None:
-        return points
-    return np.concatenate([points, _corners(link.solid.shape) + np.array(link.solid.centre)])
-
-
-def _corners(shape: Shape) -> Array:
-    if isinstance(shape, Brick):
-        half = np.array([shape.length, shape.width, shape.height]) / 2.0
-    elif isinstance(shape, Cylinder):
-        half = np.array([shape.radius, shape.radius, shape.length / 2.0])
-    else:
-        half = np.full(3, shape.radius)
-    signs = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
-    return np.asarray(signs * half)
-
-
 def placed(x: float, y: float, z: float) -> Array:
-    """Make a pose that only displaces.
-
-    Parameters
-    ----------
-    x, y, z : float
-        [m].
-
-    Returns
-    -------
-    (4, 4) ndarray
-        A homogeneous transform [-, m].
-    """
+    """Make a pose that only displaces, (4, 4)."""
     X = np.eye(4)
     X[:3, 3] = x, y, z
     return X
 
 
 def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
-    """Make a cylinder from one point to another.
-
-    Parameters
-    ----------
-    start, end : (3,) ndarray
-        In a frame F, apart from each other [m].
-    radius : float
-        [m].
-
-    Returns
-    -------
-    X_FC : (4, 4) ndarray
-        Its pose [-, m].
-    """
+    """Make a cylinder from one point of a frame F to another; return it and its pose X_FC."""
     way = end - start
     length = float(np.linalg.norm(way))
     z = way / length
@@ -223,4 +85,106 @@ def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
     X = np.eye(4)
     X[:3, :3] = np.column_stack([x, np.cross(z, x), z])
     X[:3, 3] = (start + end) / 2.0
-    return Cylinder(radius=radius, length=length), X
+    return Cylinder(radius, length), X
+
+
+def triad_lengths(frames: int, size: float) -> list[float]:
+    """How long the axes of each frame are [m]: those of the world are longer."""
+    return [WORLD_TRIAD * TRIAD_LENGTH * size] + [TRIAD_LENGTH * size] * (frames - 1)
+
+
+def triad_parts(frames: int, size: float) -> tuple[Part, ...]:
+    """Draw the axes of all frames, three parts each: x red, y green, z blue."""
+    parts = []
+    for index, length in enumerate(triad_lengths(frames, size)):
+        radius = (0.8 if index == 0 else 1.0) * TRIAD_RADIUS * size
+        for axis, (letter, colour) in enumerate(zip("xyz", (RED, GREEN, BLUE), strict=True)):
+            shape, pose = rod(np.zeros(3), length * np.eye(3)[axis], radius)
+            parts.append(
+                Part(path=f"triad/{letter}", frame=index, shape=shape, X_FP=pose, colour=colour)
+            )
+    return tuple(parts)
+
+
+def triad_tips(X_WF: Array, size: float) -> Array:
+    """Where the axes of frames end, p_WT (..., n, 3, 3) [m], from their poses (..., n, 4, 4).
+
+    The last axis but one counts x, y, z.
+    """
+    lengths = np.array(triad_lengths(X_WF.shape[-3], size))[:, np.newaxis, np.newaxis]
+    axes = np.swapaxes(X_WF[..., :3, :3], -1, -2)
+    return np.asarray(X_WF[..., np.newaxis, :3, 3] + lengths * axes)
+
+
+def trace_parts(paths: Sequence[Array], size: float) -> tuple[Part, ...]:
+    """Draw dashes along paths, (rows, 3) each [m]; what lies on earlier pieces is left out.
+
+    They are thicker than the axes of frames: an axis that lies along a path is seen in the gaps.
+    """
+    radius, parts = TRACE_RADIUS * size, list[Part]()
+    for path in paths:
+        for number, (start, end) in enumerate(_pieces(path, TRACE_SPACING * size)):
+            if number % DASH < DASH - 1:
+                shape, pose = rod(start, end, radius)
+                parts.append(
+                    Part(path=f"trace/{len(parts)}", frame=0, shape=shape, X_FP=pose, colour=TRACE)
+                )
+    return tuple(parts)
+
+
+def floor_parts(points: Array, square: float | None = None) -> tuple[Part, ...]:
+    """Draw a grid just under points; its squares measure 1, 2 or 5 times a power of ten.
+
+    Parameters
+    ----------
+    square : float, optional
+        Edge of its squares; by default as ``floor_square`` has it [m].
+    """
+    size = size_of(points)
+    square = floor_square(size) if square is None else square
+    line = FLOOR_LINE * size
+    corners = floor_corners(points, square)
+    height = float(corners[0, 2])
+    low, high = np.round(corners[:, :2] / square)
+    middle, length = (low + high) * square / 2.0, (high - low) * square + line
+    parts = []
+    for axis in (0, 1):
+        bar = Box(length[0], line, line) if axis == 0 else Box(line, length[1], line)
+        for number, multiple in enumerate(np.arange(low[1 - axis], high[1 - axis] + 1.0)):
+            x, y = (middle[0], multiple * square) if axis == 0 else (multiple * square, middle[1])
+            pose, path = placed(x, y, height), f"floor/{'xy'[axis]}{number}"
+            parts.append(Part(path=path, frame=0, shape=bar, X_FP=pose, colour=LINE))
+    return tuple(parts)
+
+
+def floor_corners(points: Array, square: float | None = None) -> Array:
+    """Opposite corners of the floor under points, (2, 3) [m]: least x and y, greatest x and y."""
+    size = size_of(points)
+    square = floor_square(size) if square is None else square
+    height = float(points[:, 2].min()) - FLOOR_GAP * size
+    low = square * np.floor(points[:, :2].min(axis=0) / square + SLACK)
+    high = square * np.ceil(points[:, :2].max(axis=0) / square - SLACK)
+    return np.array([[*low, height], [*high, height]])
+
+
+def floor_square(size: float) -> float:
+    """Edge of the floor's squares under a scene of a size [m]."""
+    wanted = size / FLOOR_SQUARES
+    power = 10.0 ** math.floor(math.log10(wanted))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1.0 + 1e-9))
+
+
+def _pieces(path: Array, spacing: float) -> Iterator[tuple[Array, Array]]:
+    """Cut a path into pieces of equal length, without those on top of earlier ones."""
+    lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    way = np.concatenate([[0.0], np.cumsum(lengths)])
+    count = min(math.ceil(way[-1] / spacing - 1e-9), MOST_PIECES)
+    marks = np.linspace(0.0, way[-1], count + 1)
+    points = np.column_stack([np.interp(marks, way, column) for column in path.T])
+    middles = (points[1:] + points[:-1]) / 2.0
+    kept: list[int] = []
+    for index, middle in enumerate(middles):
+        apart = np.linalg.norm(middles[kept] - middle, axis=1)
+        if not kept or apart.min() > 0.6 * spacing:
+            kept.append(index)
+            yield points[index], points[index + 1]

@@ -1,39 +1,212 @@
-"""A robot with all that is shown of it: solids, frames, floor, and the trace of its tip."""
+"""How a plant moves, and the scene that holds its whole motion."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Self, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
+from pydrake.systems.primitives import VectorLog
 from scipy.spatial import ConvexHull
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import Robot
-from drake_leg.scene.marks import (
+from drake_leg.recording import Recording
+from drake_leg.scene.parts import (
+    Part,
     floor_corners,
     floor_parts,
     floor_square,
+    size_of,
     trace_parts,
     triad_parts,
     triad_tips,
 )
-from drake_leg.scene.motion import Motion
-from drake_leg.scene.parts import Part, outline, size_of, solid_parts
+from drake_leg.scene.shown_plant import Showable, ShownPlant, shown
 from drake_leg.scene.views import Framing, View, frame
+from drake_leg.units import ANGLE_UNITS, LENGTH_UNITS, TIME_UNITS
 
-MOST_POSTURES = 400  # of a motion that are looked at to find out how much room it takes
+LARGEST_MISS = 1e-6  # [m], of a recorded tip from the tip of the robot that is said to have moved
+MOST_POSTURES = 400  # of a motion that are examined to find out how much room it takes
+
+# A plant's motion: as it was recorded, as Drake logged it, or as time (rows,) and q (rows, q).
+Record: TypeAlias = "PlantMotion | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
+
+
+class OtherRobotError(InvalidValueError):
+    """A recording of another robot than the one that is said to have moved.
+
+    Attributes
+    ----------
+    joints, expected : int
+        Joint positions in the recording, and of the robot.
+    miss : float or None
+        How far the recorded tip is from where the robot has it [m]; None if the joints differ.
+    """
+
+    def __init__(self, name: str, joints: int, expected: int, miss: float | None = None) -> None:
+        self.joints, self.expected, self.miss = joints, expected, miss
+        if miss is None:
+            problem = (
+                f"the recording has joint positions of {joints} joints and {name!r} has {expected}"
+            )
+        else:
+            problem = (
+                f"the recording's tip is up to {miss:.3g} m away from where {name!r} has it: "
+                "another robot moved, or one with other lengths"
+            )
+        super().__init__(problem, advice="give the one that moved, `robot`")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantMotion:
+    """A plant's positions over time; what lies between two rows is interpolated linearly."""
+
+    shown: ShownPlant
+    time: Array  # (rows,) [s], rising
+    q: Array  # (rows, q) [rad or m], quaternions of what floats
+
+    def __post_init__(self) -> None:
+        name, positions = self.shown.name, self.shown.plant.num_positions()
+        if self.q.shape != (len(self.time), positions) or not len(self.time):
+            raise InvalidValueError(
+                f"a motion of {name!r} has {len(self.time)} times and joint positions "
+                f"of shape {self.q.shape}; there must be one row of {positions} at each time"
+            )
+        if not (np.isfinite(self.time).all() and np.isfinite(self.q).all()):
+            raise InvalidValueError(f"a motion of {name!r} has a value not finite")
+        if (np.diff(self.time) < 0.0).any():
+            raise InvalidValueError(f"the times of a motion of {name!r} fall somewhere")
+
+    @property
+    def duration(self) -> float:
+        """From the first row to the last [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    def sampled(self, rate: float) -> Self:
+        """Return the motion at equal distances of time, ``floor(duration * rate) + 1`` rows.
+
+        Parameters
+        ----------
+        rate : float
+            Rows a second [1/s].
+        """
+        count = int(np.floor(self.duration * rate + 1e-9)) + 1
+        time = self.time[0] + np.arange(count) / rate
+        even = self._with_even_quaternions()
+        q = np.column_stack([np.interp(time, self.time, column) for column in even.T])
+        return replace(self, time=time, q=q)
+
+    def poses(self) -> Array:
+        """Poses of all shown frames in the world, X_WF (rows, n, 4, 4)."""
+        return self.shown.poses(self.q)
+
+    def paths(self) -> Array:
+        """Paths of the points that leave a trace, (k, rows, 3) [m]."""
+        return np.moveaxis(self.shown.traced(self.poses()), -2, 0)
+
+    def _with_even_quaternions(self) -> Array:
+        """Positions whose quaternions do not jump to their negatives, which are the same turn."""
+        q = np.array(self.q)
+        for start in self.shown.quaternions:
+            turn = q[:, start : start + 4]
+            flips = np.sign((turn[1:] * turn[:-1]).sum(axis=1))
+            turn[1:] *= np.cumprod(np.where(flips < 0.0, -1.0, 1.0))[:, np.newaxis]
+        return q
+
+
+def at_rest(what: Showable, q: ArrayLike | None = None) -> PlantMotion:
+    """Make the motion of a plant that rests: one row, at time 0.
+
+    Parameters
+    ----------
+    q : (q,) array_like, optional
+        Joint positions [rad or m]; by default the plant's.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` has not as many finite numbers as the plant has positions.
+    """
+    plant = shown(what)
+    posture = plant.positions(q)
+    return PlantMotion(shown=plant, time=np.zeros(1), q=posture.reshape(1, -1))
+
+
+def motion_of(what: Showable, record: Record) -> PlantMotion:
+    """Read a plant's motion out of what was recorded of it.
+
+    Parameters
+    ----------
+    record : PlantMotion, Recording, VectorLog, or (time, q)
+        A recording has ``time`` and ``q1``, ``q2`` and so on, or ``q`` where there is one joint, in
+        the units of their headers, or in SI where these name none. Where the tip was recorded too,
+        in ``x``, ``y``, ``z``, it proves that the robot is the right one. A log has the plant's
+        state or its positions in each column.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no column ``time``, or a value or a unit makes no sense.
+    OtherRobotError
+        If the number of joint positions is another, or the recorded tip is not where this robot
+        has it.
+    """
+    if isinstance(record, PlantMotion):
+        return record
+    plant = shown(what)
+    if isinstance(record, Recording):
+        return _recorded(plant, record)
+    if isinstance(record, VectorLog):
+        positions = record.data()[: plant.plant.num_positions()]
+        return PlantMotion(shown=plant, time=np.array(record.sample_times()), q=positions.T)
+    time, q = (np.asarray(values, dtype=np.float64) for values in record)
+    return PlantMotion(shown=plant, time=time, q=q)
+
+
+def _recorded(plant: ShownPlant, recording: Recording) -> PlantMotion:
+    names = [header.partition("[")[0] for header in recording.columns]
+    joints = sorted((name for name in names if re.fullmatch(r"q\d*", name)), key=_number)
+    if len(joints) != len(plant.coordinates):
+        raise OtherRobotError(plant.name, len(joints), len(plant.coordinates))
+    kinds = [ANGLE_UNITS if one.turns else LENGTH_UNITS for one in plant.coordinates]
+    q = [_in_si(recording, *column) for column in zip(joints, kinds, strict=True)]
+    time = _in_si(recording, "time", TIME_UNITS)
+    motion = PlantMotion(shown=plant, time=time, q=np.stack(q, axis=-1))
+    if set("xyz") <= set(names):
+        p_WT = np.stack([_in_si(recording, name, LENGTH_UNITS) for name in "xyz"], axis=-1)
+        miss = float(np.abs(motion.poses()[:, -1, :3, 3] - p_WT).max())
+        if miss > LARGEST_MISS:
+            raise OtherRobotError(plant.name, len(joints), len(plant.coordinates), miss)
+    return motion
+
+
+def _in_si(recording: Recording, name: str, units: Mapping[str, float]) -> Array:
+    values, unit = recording[name], recording.unit(name)
+    if unit and unit not in units:
+        raise InvalidValueError(
+            f"the recording's column {name} is in {unit!r}; it must be in {' or '.join(units)}"
+        )
+    return values * units[unit] if unit else values
+
+
+def _number(name: str) -> int:
+    return int(name[1:] or 1)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """What is shown."""
+    """What is shown: a plant, its traces, and the floor."""
 
-    robot: Robot
+    shown: ShownPlant
     parts: tuple[Part, ...]
-    points: Array  # (n, 3), what a picture of the robot must hold [m]
+    points: Array  # (n, 3), what a picture of the plant must hold [m]
     floor: Array  # (2, 3), opposite corners of the floor [m]
     floor_square: float  # edge of the floor's squares [m]
-    size: float  # greatest edge of the box around the robot [m]
+    size: float  # greatest edge of the box around the plant [m]
 
     @property
     def held(self) -> Array:
@@ -47,47 +220,43 @@ class Scene:
         return frame(view, self.held)
 
     def hull(self) -> Array:
-        """Corners of the least convex body that holds the whole scene.
-
-        Returns
-        -------
-        (k, 3) ndarray
-            [m].
-        """
+        """Corners of the smallest convex body that holds the whole scene, (k, 3) [m]."""
         points = self.held
         return np.asarray(points[ConvexHull(points, qhull_options="QJ").vertices])
 
+    def trace_points(self) -> Array:
+        """Middles of the traces' dashes, (k, 3) [m]."""
+        middles = [part.X_FP[:3, 3] for part in self.parts if part.path.startswith("trace/")]
+        return np.array(middles).reshape(-1, 3)
 
-def scene_of(motion: Motion, *, room: float = 0.0, around: Array | None = None) -> Scene:
-    """Put a scene together that holds a whole motion.
+
+def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = None) -> Scene:
+    """Put a scene together that holds a whole motion, of one row or many.
 
     Parameters
     ----------
-    motion : Motion
-        Of one row or many.
     room : float
         How much larger than the motion the scene is on every side, of its size.
     around : (n, 3) ndarray, optional
         More points that the scene must hold, on the same floor [m].
     """
     few = np.unique(np.linspace(0, len(motion.time) - 1, MOST_POSTURES).astype(int))
-    poses = motion.poses()[few]
-    seen = outline(motion.robot, poses)
+    plant, poses = motion.shown, motion.poses()
+    seen = plant.outline(poses[few])
     size = size_of(seen)
-    tips = triad_tips(motion.robot, poses, size).reshape(-1, 3)
-    points = np.concatenate([seen, tips])
+    points = np.concatenate([seen, triad_tips(poses[few], size).reshape(-1, 3)])
     low, high = points.min(axis=0) - room * size, points.max(axis=0) + room * size
     points = np.concatenate([points, [low, high]]) if room else points
     square = floor_square(size_of(points))
     points = points if around is None else np.concatenate([points, around])
     parts = (
-        *solid_parts(motion.robot, size),
-        *triad_parts(motion.robot, size),
-        *trace_parts(motion.path(), size),
+        *plant.parts(size),
+        *triad_parts(len(plant.frames), size),
+        *trace_parts(list(np.moveaxis(plant.traced(poses), -2, 0)), size),
         *floor_parts(points, square),
     )
     return Scene(
-        robot=motion.robot,
+        shown=plant,
         parts=parts,
         points=points,
         floor=floor_corners(points, square),

@@ -1,4 +1,4 @@
-"""A robot in the browser, its joints moved by sliders."""
+"""A plant in the browser, its joints moved by sliders."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from html import escape
-from string import Template
 from threading import Lock
 from typing import Any
 
@@ -16,28 +14,34 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import Robot, Segment
-from drake_leg.scene.live.board import Board
-from drake_leg.scene.live.command import Command, deed, numbers_of
-from drake_leg.scene.live.page import AXES, key_line, live_sheet
-from drake_leg.scene.live.server import Server
-from drake_leg.scene.live.trace import Trace
-from drake_leg.scene.marks import TRACE
-from drake_leg.scene.motion import frame_poses, still, tip
-from drake_leg.scene.scene import Scene, scene_of
-from drake_leg.scene.views import VIEWS, View
-from drake_leg.scene.web_page import page_text, pose_rows, web_page
+from drake_leg.scene.live import (
+    AXES,
+    Command,
+    Feed,
+    Trace,
+    action_of,
+    live_data,
+    millimetres,
+    numbers_of,
+)
+from drake_leg.scene.parts import TRACE
+from drake_leg.scene.scene import Scene, at_rest, scene_of
+from drake_leg.scene.server import Server, open_browser
+from drake_leg.scene.shown_plant import Coordinate, Showable, ShownPlant, shown
+from drake_leg.scene.views import View, as_view
+from drake_leg.scene.web_page import pose_rows, web_page
 
-PERIOD = 1.0 / 30.0  # [s], between looks at what was asked
+PERIOD = 1.0 / 30.0  # [s], between readings of the sliders
 ROOM = 0.25  # around the posture, of its size
 FINEST = 0.02  # [rad or m] of a joint between points of the trace
-DEEDS = ("joints", "start", "clear", "quit")
+ACTIONS = ("joints", "start", "clear", "quit")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
-    """A joint's slider, in degrees or millimetres."""
+    """The slider of one of a plant's positions, in degrees or millimetres."""
 
+    position: int  # index among the plant's positions
     joint: str
     symbol: str  # deg or mm
     low: float
@@ -46,50 +50,54 @@ class Slider:
     unit: float  # what one degree or millimetre is in rad or m
 
 
-def joint_sliders(robot: Robot, q: ArrayLike) -> tuple[Slider, ...]:
-    """Make a slider for every joint.
+def joint_sliders(plant: ShownPlant, q: ArrayLike | None = None) -> tuple[Slider, ...]:
+    """Make a slider for every position that is not part of a quaternion.
+
+    It ends at the joint's limits; where there are none, a turn each way, or the plant's length.
 
     Parameters
     ----------
-    q : (m,) array_like
-        Where the sliders stand first [rad or m].
-
-    Returns
-    -------
-    tuple of m Slider
-        Between the joint's limits; where it has none, a turn each way, or the robot's length.
+    q : (q,) array_like, optional
+        Where the sliders are first [rad or m].
     """
-    posture = still(robot, q).q[0]
     return tuple(
-        _slider(segment, float(value), robot)
-        for segment, value in zip(robot.moving, posture, strict=True)
+        _slider(index, coordinate, float(value), plant)
+        for index, (coordinate, value) in enumerate(
+            zip(plant.coordinates, plant.positions(q), strict=True)
+        )
+        if not coordinate.in_quaternion
     )
 
 
-def _slider(segment: Segment, value: float, robot: Robot) -> Slider:
-    turns = segment.row.joint == "revolute"
-    unit = math.radians(1.0) if turns else 1e-3
-    free = math.pi if turns else sum(math.hypot(row.d, row.r) for row in robot.rows) or 1.0
-    lower, upper = segment.mechanics.lower, segment.mechanics.upper
-    low = min(-free if lower is None else lower, value)
-    high = max(free if upper is None else upper, value)
+def slider_range(coordinate: Coordinate, plant: ShownPlant) -> tuple[float, float]:
+    """Return a joint's limits [rad or m]; a turn, or the plant's length, where there is none."""
+    free = math.pi if coordinate.turns else plant.length or 1.0
+    low, high = (
+        limit if math.isfinite(limit) else math.copysign(free, limit)
+        for limit in (coordinate.lower, coordinate.upper)
+    )
+    return low, high
+
+
+def _slider(index: int, coordinate: Coordinate, value: float, plant: ShownPlant) -> Slider:
+    unit = math.radians(1.0) if coordinate.turns else 1e-3
+    low, high = slider_range(coordinate, plant)
     return Slider(
-        joint=str(segment.joint),
-        symbol="deg" if turns else "mm",
-        low=low / unit,
-        high=high / unit,
+        position=index,
+        joint=coordinate.name,
+        symbol="deg" if coordinate.turns else "mm",
+        low=min(low, value) / unit,
+        high=max(high, value) / unit,
         value=value / unit,
         unit=unit,
     )
 
 
-class SliderDesk:
-    """Where the sliders stand, as the pages have moved them.
+class SliderCommands:
+    """Where the sliders are, as the pages have moved them.
 
     Parameters
     ----------
-    sliders : tuple of Slider
-        In the order of the joints.
     trace : Trace
         Cleared when a page asks for it; lifted where the joints are put somewhere.
     """
@@ -100,27 +108,27 @@ class SliderDesk:
         self._values = self._start = [slider.value for slider in sliders]
         self._put = self._quit = False
 
-    def take(self, command: Command) -> dict[str, Any]:
+    def handle(self, command: Command) -> dict[str, Any]:
         """Carry a command out.
 
         Parameters
         ----------
         command : Command
             ``{"do": "joints", "values": [...], "put": true}`` moves the sliders, in their units,
-            between their ends; with ``put`` the robot is put there, not moved. ``start``,
+            between their ends; with ``put`` the plant is put there, not moved. ``start``,
             ``clear``, ``quit`` take nothing else.
 
         Returns
         -------
         dict
-            ``values``: where the sliders stand.
+            ``values``: where the sliders are.
 
         Raises
         ------
         InvalidValueError
             If it is none of these, or its numbers are not finite.
         """
-        wanted = deed(command, DEEDS)
+        wanted = action_of(command, ACTIONS)
         given = numbers_of(command, "values", len(self._sliders)) if wanted == "joints" else None
         with self._lock:
             if given is not None:
@@ -137,55 +145,92 @@ class SliderDesk:
             return {"values": self._values}
 
     def read(self) -> tuple[list[float], bool, bool]:
-        """Return where the sliders stand, whether the robot was put there, whether to quit."""
+        """Return where the sliders are, whether the plant was put there, whether to quit."""
         with self._lock:
             put, self._put = self._put, False
             return self._values, put, self._quit
 
 
-def view_robot(
-    robot: Robot,
-    q: ArrayLike,
-    server: Server,
+def view(
+    what: Showable,
+    q: ArrayLike | None = None,
     *,
-    view: View = VIEWS["3d"],
-    once: bool = False,
-    wait: Callable[[float], None] = time.sleep,
+    view: View | str = "3d",
+    host: str = "localhost",
+    port: int | None = None,
+    browser: bool = True,
 ) -> Array:
-    """Show a robot and let its sliders move it, until somebody quits or interrupts.
+    """Open a plant in the browser, its joints on sliders, until somebody quits or interrupts.
 
     Parameters
     ----------
-    q : (m,) array_like
-        Where it starts [rad or m].
-    view : View
-        From where it is seen first.
-    once : bool
-        Whether to end when the sliders have been looked at once.
-    wait : callable
-        Called with the time until the sliders are looked at again [s].
+    what : Robot, MultibodyPlant, Diagram, Path, str or ShownPlant
+        As ``shown`` takes it: a robot, a plant, a diagram with one, a model file or its text.
+    q : (q,) array_like, optional
+        Where it starts [rad or m]; by default at the plant's default positions.
+    view : View or str
+        From where it is seen first: ``3d``, ``right``, ``front`` or ``top``.
+    host : str
+        Name or address to listen at; ``*`` lets other machines in.
+    port : int, optional
+        To listen at; by default the first free one from 7000 on.
+    browser : bool
+        Whether to open the page; its address is printed where there is none.
 
     Returns
     -------
-    q : (m,) ndarray
+    q : (q,) ndarray
         Where the sliders were left [rad or m].
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` has not one finite number for each position.
+    ServerError
+        If it cannot listen there.
     """
-    sliders = joint_sliders(robot, q)
-    scene = scene_of(still(robot, q), room=ROOM)
+    with Server(host, port) as server:
+        if not (browser and open_browser(server.url)):
+            print(f"{server.url}: Escape in the page ends")
+        return view_served(what, q, server, view=view)
+
+
+def view_served(
+    what: Showable,
+    q: ArrayLike | None,
+    server: Server,
+    *,
+    view: View | str = "3d",
+    once: bool = False,
+    wait: Callable[[float], None] = time.sleep,
+) -> Array:
+    """Show a plant as ``view`` does, on a server that listens already.
+
+    Parameters
+    ----------
+    once : bool
+        Whether to end when the sliders have been read once.
+    wait : callable
+        Called with the time until the sliders are read again [s].
+    """
+    plant, first = shown(what), as_view(view)
+    posture = plant.positions(q).copy()
+    sliders = joint_sliders(plant, posture)
+    scene = scene_of(at_rest(plant, posture), room=ROOM)
     trace = Trace(scene.size)
-    desk, board = SliderDesk(sliders, trace), Board(trace)
-    server.serve(_page(scene, sliders, view, board.session), desk.take, board)
-    posture: Array = still(robot, q).q[0]
-    units = np.array([slider.unit for slider in sliders])
+    commands, feed = SliderCommands(sliders, trace), Feed(trace)
+    server.serve(_page(scene, sliders, first, feed.session), commands.handle, feed)
     with suppress(KeyboardInterrupt):
         while True:
-            values, put, quits = desk.read()
-            before, posture = posture, np.array(values) * units
+            values, put, quits = commands.read()
+            before, posture = posture, posture.copy()
+            for slider, value in zip(sliders, values, strict=True):
+                posture[slider.position] = value * slider.unit
             if put:
                 trace.lift()
-            for place in tip(robot, frame_poses(robot, _way(posture if put else before, posture))):
-                trace.add(place)
-            board.show(_state(robot, posture, values))
+            for points in plant.traced(plant.poses(_way(posture if put else before, posture))):
+                trace.add(points)
+            feed.publish(_state(plant, posture, values))
             if once or quits:
                 break
             wait(PERIOD)
@@ -194,34 +239,27 @@ def view_robot(
 
 def _way(before: Array, after: Array) -> Array:
     """Return postures on the way of the joints, close to each other [rad or m]."""
-    count = math.ceil(np.abs(after - before).max() / FINEST) + 1
+    count = math.ceil(np.abs(after - before).max(initial=0.0) / FINEST) + 1
     return np.linspace(before, after, count + 1)[1:]
 
 
-def _state(robot: Robot, q: Array, values: list[float]) -> dict[str, Any]:
-    poses = frame_poses(robot, q)
+def _state(plant: ShownPlant, q: Array, values: list[float]) -> dict[str, Any]:
+    X_WF = plant.poses(q)
     return {
-        "poses": np.round(pose_rows(poses[1:]), 7).tolist(),
+        "poses": np.round(pose_rows(X_WF[1:]), 7).tolist(),
         "values": values,
-        "tip": [round(1e3 * float(part), 2) + 0.0 for part in poses[-1, :3, 3]],
+        "tip": millimetres(plant.traced(X_WF)[0]),
     }
 
 
-def _page(scene: Scene, sliders: tuple[Slider, ...], view: View, session: str) -> str:
-    title = scene.robot.title
+def _page(scene: Scene, sliders: tuple[Slider, ...], first: View, session: str) -> str:
+    title = scene.shown.title
     dials = [{"name": s.joint, "unit": s.symbol, "low": s.low, "high": s.high} for s in sliders]
-    body = Template(page_text("view.html")).substitute(
-        title=escape(title),
-        legend=key_line(*AXES, ("the tip's trace", TRACE)),
-        square=f"{1e3 * scene.floor_square:g}",
-    )
-    sheet = live_sheet(
+    return web_page(
         scene,
-        view,
-        session,
+        "view.html",
         title=f"{title}: drake-leg view",
-        body=body,
-        scripts=(page_text("view.js"),),
-        data={"dials": dials},
+        data={**live_data(scene, first, session), "dials": dials},
+        heading=title,
+        legend=(*AXES, ("the tip's trace", (TRACE,))),
     )
-    return web_page(scene, sheet)

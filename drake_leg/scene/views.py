@@ -25,13 +25,7 @@ class View:
     field: float = FLAT  # of view [rad]; a narrow one shows parallels as parallels
 
     def titled(self, title: str) -> str:
-        """Say what is seen, and from where.
-
-        Returns
-        -------
-        str
-            ``Hexabot leg B, from the right``; the title alone where the view shows it in 3D.
-        """
+        """Say what is seen, and from where: ``Hexabot leg B, from the right``; 3D is not said."""
         return f"{title}, {self.whence}" if self.whence else title
 
     @property
@@ -56,22 +50,19 @@ VIEWS = {
 }
 
 
-def view_named(name: str) -> View:
-    """Look a view up.
-
-    Parameters
-    ----------
-    name : str
-        As on the command line.
+def as_view(view: View | str) -> View:
+    """Look a view up by its name; one that is a view already is returned.
 
     Raises
     ------
     InvalidValueError
         If there is no such view.
     """
-    if name not in VIEWS:
-        raise InvalidValueError(f"there is no view {name!r}; the views are {', '.join(VIEWS)}")
-    return VIEWS[name]
+    if isinstance(view, View):
+        return view
+    if view not in VIEWS:
+        raise InvalidValueError(f"there is no view {view!r}; the views are {', '.join(VIEWS)}")
+    return VIEWS[view]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,45 +76,23 @@ class Framing:
     half_depth: float  # [m]
 
     def distance(self, aspect: float) -> float:
-        """Distance from the target at which a camera sees the whole box.
+        """Distance from the target at which a camera sees the whole box [m].
 
         Parameters
         ----------
         aspect : float
             Width of the picture, of its height.
-
-        Returns
-        -------
-        float
-            [m].
         """
         slope = math.tan(self.view.field / 2.0)
         return self.half_depth + MARGIN * max(self.half_height, self.half_width / aspect) / slope
 
     def camera(self, aspect: float) -> Array:
-        """Place of the camera.
-
-        Parameters
-        ----------
-        aspect : float
-            Width of the picture, of its height.
-
-        Returns
-        -------
-        p_WC : (3,) ndarray
-            [m].
-        """
+        """Place of the camera, p_WC (3,) [m], for a picture of an aspect (width by height)."""
         return np.asarray(self.target + self.distance(aspect) * self.view.axes[:, 2])
 
 
 def frame(view: View, points: Array) -> Framing:
-    """Find the smallest box along a view's axes that holds all points.
-
-    Parameters
-    ----------
-    points : (n, 3) ndarray
-        In the world [m].
-    """
+    """Find the smallest box along a view's axes that holds all points (n, 3) [m]."""
     seen = points @ view.axes
     low, high = seen.min(axis=0), seen.max(axis=0)
     width, height, depth = ((high - low) / 2.0).tolist()

@@ -1,58 +1,62 @@
-"""Pages that show a robot in 3D: Meshcat's viewer, with controls of our own around it."""
+"""Pages that show a plant in 3D: Meshcat's viewer, with controls of our own around it."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
 from html import escape
-from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template, select_autoescape
+from pydrake.geometry import Meshcat, MeshcatParams, Rgba
+from pydrake.math import RigidTransform
 from scipy.spatial.transform import Rotation
 
+from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import Robot
-from drake_leg.scene.marks import triad_lengths
-from drake_leg.scene.parts import corners
+from drake_leg.scene.lettering import PLACEMENT
+from drake_leg.scene.parts import triad_lengths
 from drake_leg.scene.scene import Scene
 from drake_leg.scene.views import MARGIN, VIEWS, View
 
-if TYPE_CHECKING:
-    from pydrake.geometry import Meshcat
+ROOT = "robot"  # Meshcat puts it under /drake
 
-ROOM = "drake_leg.scene"
-STAGE = ("names.js", "gestures.js", "stage.js")  # what all pages do
+
+class MeshcatError(DrakeLegError):
+    """Meshcat cannot listen."""
 
 
 class PageError(DrakeLegError):
     """Meshcat's page is not as this program knows it."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sheet:
-    """What a page has beside the 3D."""
-
-    title: str  # of the window
-    body: str  # HTML: a header and a panel
-    styles: tuple[str, ...] = ()  # after those that all pages have
-    scripts: tuple[str, ...] = ()  # after those that all pages have
-    data: Mapping[str, Any]  # for the scripts, as JSON
-
-
 def web_page(
-    scene: Scene, sheet: Sheet, *, draw_more: Callable[[Meshcat], None] | None = None
+    scene: Scene,
+    template: str | Template,
+    *,
+    title: str,
+    data: Mapping[str, Any],
+    draw_more: Callable[[Meshcat], None] | None = None,
+    **values: object,
 ) -> str:
     """Make a page that needs no other file and no network.
 
     Parameters
     ----------
-    sheet : Sheet
-        What stands around it.
+    template : str
+        What is around the 3D: a file in ``page/`` that extends ``page.html``.
+    title : str
+        Of the window.
+    data : mapping
+        For the scripts, as JSON: ``stage_data`` and more.
     draw_more : callable, optional
-        Draws what is no part of the scene.
+        Draws what is not part of the scene.
+    **values
+        For the template.
 
     Returns
     -------
@@ -66,105 +70,97 @@ def web_page(
     PageError
         If Meshcat's page is not as this program knows it.
     """
-    from drake_leg.scene.meshcat import draw, open_meshcat
-
     meshcat = open_meshcat()
-    draw(meshcat, scene)
+    _draw(meshcat, scene)
     if draw_more is not None:
         draw_more(meshcat)
+    source = templates().get_template(template) if isinstance(template, str) else template
+    square = f"{1e3 * scene.floor_square:g}"
+    around = source.render(data=data, square=square, **values)
     page = replaced(meshcat.StaticHtml(), "<html>", '<html lang="en">')
     page = replaced(
         page,
         "<title>Drake MeshCat</title>",
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(sheet.title)}</title>",
+        f"<title>{escape(title)}</title>",
     )
-    styles = "".join((page_text("stage.css"), *sheet.styles))
-    data = json.dumps(sheet.data).replace("</", "<\\/")
-    scripts = "".join(
-        f"<script>\n{text}</script>\n" for text in (*map(page_text, STAGE), *sheet.scripts)
-    )
-    return replaced(
-        page,
-        "</body>",
-        f"<style>\n{styles}</style>\n{sheet.body}"
-        f'<script type="application/json" id="page-data">{data}</script>\n{scripts}</body>',
-    )
+    return replaced(page, "</body>", f"{around}</body>")
 
 
-def page_text(name: str, room: str = ROOM) -> str:
-    """Read a part of a page.
-
-    Parameters
-    ----------
-    room : str
-        In whose folder ``page`` it is.
-    """
-    return (files(room) / "page" / name).read_text(encoding="utf-8")
+@cache
+def templates() -> Environment:
+    """Read the pages' templates in ``page/``."""
+    environment = Environment(
+        loader=PackageLoader("drake_leg.scene", "page"),
+        autoescape=select_autoescape(["html"], default_for_string=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["css"] = _css
+    return environment
 
 
 def stage_data(scene: Scene, first: View) -> dict[str, Any]:
-    """Tell what the script needs that all pages have.
-
-    Parameters
-    ----------
-    first : View
-        From where it is seen first.
-    """
-    robot = scene.robot
-    moving = range(1, len(robot.rows) + 1)
+    """Tell what the scripts need that all pages have; ``first`` is the view that is seen first."""
+    count, lengths = len(scene.shown.frames), triad_lengths(len(scene.shown.frames), scene.size)
+    tips = [length * np.eye(3) for length in lengths]
+    held = [np.concatenate([*pair]) for pair in zip(scene.shown.held(), tips, strict=True)]
     return {
         "margin": MARGIN,
         "views": [_view_data(scene, view) for view in VIEWS.values()],
         "points": np.round(scene.hull(), 6).tolist(),
         "floor": round(float(scene.floor[0, 2]), 6),
         "first": list(VIEWS).index(first.name),
-        "paths": [drake_path(index) for index in moving],
-        "triads": [f"{drake_path(index)}/triad" for index in (0, *moving)],
-        "axes": triad_lengths(robot, scene.size),
-        "held": [_held(robot, index, scene.size) for index in moving],
+        "paths": [drake_path(index) for index in range(1, count)],
+        "triads": [f"{drake_path(index)}/triad" for index in range(count)],
+        "frames": scene.shown.names,
+        "axes": lengths,
+        "placement": PLACEMENT.data(),
+        "held": [np.round(points, 6).tolist() for points in held[1:]],
         "trace": f"{drake_path(0)}/trace",
     }
 
 
 def drake_path(index: int) -> str:
-    """Where the parts of a frame are in a page's tree.
-
-    Parameters
-    ----------
-    index : int
-        Of the frame in the table; 0 is the base.
-    """
-    from drake_leg.scene.meshcat import frame_path
-
-    return f"/drake/{frame_path(index)}"
+    """Where the parts of a shown frame are in a page's tree; 0 is the world."""
+    return f"/drake/{_path(index)}"
 
 
 def pose_rows(X_WF: Array) -> Array:
-    """Write poses as pages take them.
-
-    Parameters
-    ----------
-    X_WF : (..., 4, 4) ndarray
-        Homogeneous transforms [-, m].
-
-    Returns
-    -------
-    (..., 7) ndarray
-        x, y, z [m] and the quaternion w, x, y, z.
-    """
+    """Write poses (..., 4, 4) as pages take them: x, y, z [m], quaternion w, x, y, z, (..., 7)."""
     rotations = Rotation.from_matrix(X_WF[..., :3, :3].reshape(-1, 3, 3))
     quaternions = rotations.as_quat()[:, [3, 0, 1, 2]].reshape(*X_WF.shape[:-2], 4)
     return np.concatenate([X_WF[..., :3, 3], quaternions], axis=-1)
 
 
-def replaced(page: str, old: str, new: str) -> str:
-    """Replace what stands once on Meshcat's page; at its end, where it stands in a script too.
+def open_meshcat() -> Meshcat:
+    """Start a Meshcat with an empty world, without grid and axes.
 
-    Parameters
-    ----------
-    page, old, new : str
-        The page, what it must have, and what takes its place.
+    It listens, on this machine only, as long as it lives.
+
+    Raises
+    ------
+    MeshcatError
+        If there is no free port.
+    """
+    settings = MeshcatParams()
+    settings.host = "localhost"
+    settings.show_stats_plot = False
+    try:
+        with _quiet():
+            meshcat = Meshcat(settings)
+    except RuntimeError:
+        raise MeshcatError(
+            "Meshcat, which pages are made from, finds none of the ports 7000 to 7999 free"
+        ) from None
+    for path in ("/Grid", "/Axes"):
+        meshcat.SetProperty(path, "visible", False)
+    return meshcat
+
+
+def replaced(page: str, old: str, new: str) -> str:
+    """Replace the last occurrence of a text on Meshcat's page: scripts may have it, too, earlier.
 
     Raises
     ------
@@ -177,6 +173,17 @@ def replaced(page: str, old: str, new: str) -> str:
     return before + new + after
 
 
+def _draw(meshcat: Meshcat, scene: Scene) -> None:
+    for part in scene.parts:
+        path = f"{_path(part.frame)}/{part.path}"
+        meshcat.SetObject(path, part.shape, Rgba(*part.colour, part.opacity))
+        meshcat.SetTransform(path, RigidTransform(part.X_FP))
+
+
+def _path(index: int) -> str:
+    return f"{ROOT}/frame_{index}"
+
+
 def _view_data(scene: Scene, view: View) -> dict[str, Any]:
     return {
         "label": view.label,
@@ -186,7 +193,17 @@ def _view_data(scene: Scene, view: View) -> dict[str, Any]:
     }
 
 
-def _held(robot: Robot, index: int, size: float) -> list[list[float]]:
-    """Points on a frame that a picture must hold [m]."""
-    tips = triad_lengths(robot, size)[index] * np.eye(3)
-    return [[round(float(x), 6) for x in p] for p in (*corners(robot, index), *tips)]
+def _css(colour: Colour) -> str:
+    return f"rgb({' '.join(f'{255 * part:.0f}' for part in colour)})"
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Drake from announcing Meshcat's address: nobody needs it."""
+    logger = logging.getLogger("drake")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)

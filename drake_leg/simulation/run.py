@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -78,6 +78,7 @@ def simulate(
     *,
     duration: float,
     start: Start | None = None,
+    max_step: float | None = None,
     settings: IntegratorSettings | None = None,
     longest_step: LongestStep | None = None,
     progress: Progress | None = None,
@@ -97,6 +98,8 @@ def simulate(
     start : callable, optional
         ``start(diagram, context)`` sets the initial state. By default the joints start on their
         prescribed motion, or, where no motion drives them, at the diagram's default state.
+    max_step : float, optional
+        Longest time step [s]; by default that of the settings.
     settings : IntegratorSettings, optional
         Runge-Kutta of order 5 at steps of 40 ms by default.
     longest_step : callable, optional
@@ -129,6 +132,8 @@ def simulate(
     ['acceleration', 'energy', 'q', 'w']
     """
     settings = settings or IntegratorSettings()
+    if max_step is not None:
+        settings = replace(settings, max_step=max_step)
     require_positive("the duration", duration, "s")
     if duration / settings.max_step > STEP_BUDGET:
         raise InvalidValueError(

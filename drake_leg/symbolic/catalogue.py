@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Subject:
-    """A robot that is derived, and what of it a report makes its Jacobian of."""
+    """A robot that is derived, and the velocities of a report's Jacobian."""
 
     robot: Robot
-    numbering: str  # what stands before an equation's number
+    numbering: str  # what is written before an equation's number
     task: tuple[int, ...]  # rows of the spatial Jacobian
 
 
@@ -70,6 +70,6 @@ def derived_equations(name: str) -> tuple[Equation, ...]:
 def derived(name: str) -> Derivation:
     """Derive one of the reports' robots, once for everything that uses its matrices."""
     require_subject(name)
-    from drake_leg.symbolic.derivation import derive
+    from drake_leg.symbolic.derivation import Derivation
 
-    return derive(SUBJECTS[name].robot.rows, SUBJECTS[name].task)
+    return Derivation(SUBJECTS[name].robot.rows, SUBJECTS[name].task)

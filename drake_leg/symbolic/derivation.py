@@ -100,13 +100,3 @@ class Derivation:
     def families(self) -> tuple[SingularFamily, ...]:
         """Where the determinant is zero."""
         return singular_families(self.determinant, self.chain.q)
-
-
-def derive(rows: Sequence[Row], task: Sequence[int]) -> Derivation:
-    """Derive a robot's matrices; ``task`` as in ``Derivation``.
-
-    References
-    ----------
-    Report A, section 2 and appendix; report B, sections 1 and 2.
-    """
-    return Derivation(rows, task)

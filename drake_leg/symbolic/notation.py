@@ -105,7 +105,7 @@ def _place(factor: sp.Expr) -> tuple[Any, ...]:
     base = factor.base if factor.is_Pow else factor
     if base.is_Function:
         angle = base.args[0]
-        return (2 if angle.is_Add else 3, text(angle))
+        return (2 if angle.is_Add else 3, text(angle).replace("alpha", "ω"))  # behind theta
     if base.is_Symbol:
         short = SHORT.fullmatch(base.name)
         if short:

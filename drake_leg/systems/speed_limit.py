@@ -1,16 +1,16 @@
-"""A commanded velocity, not faster than a given speed."""
+"""A commanded velocity, limited to a greatest speed."""
 
 from __future__ import annotations
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from drake_leg.kinematics.speed_limit import limited_speed
-from drake_leg.kinematics.task import Floats
+from drake_leg.kinematics.movable import Floats
 from drake_leg.quantities import require_positive
+from drake_leg.singularity.limits import limited_speed
 
 
 class SpeedLimit(LeafSystem):
-    """Shortens a velocity, and passes its direction on.
+    """Limits a velocity and keeps its direction.
 
     ================ ===== ===== ======= ==========================================
     port             kind  size  unit    meaning

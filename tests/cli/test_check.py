@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from drake_leg.check.witness import DrakeWitness
 from drake_leg.cli import main
+from drake_leg.models.proof import DrakeWitness
 
-CHECK = Path(__file__).parents[1] / "check"
+CHECK = Path(__file__).parents[1] / "lab" / "grader"
 RX90 = str(CHECK / "robots" / "rx90.toml")
 LEG_PRINT = str(CHECK / "printed" / "report_b_leg.toml")
 LEG_TABLE = str(CHECK / "printed" / "report_b_leg_table.txt")

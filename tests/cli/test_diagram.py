@@ -7,7 +7,7 @@ import pytest
 from slx_writer import ModelBuilder
 
 from drake_leg.cli import main
-from drake_leg.robot_file import robot_toml
+from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import LEG_B
 
 MODEL = str(Path(__file__).parents[2] / "notebooks" / "leg.slx")

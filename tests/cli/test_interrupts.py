@@ -144,8 +144,8 @@ def test_a_signal_during_a_file_leaves_nothing_of_it(number, monkeypatch, capsys
 
 
 def test_a_signal_ends_a_session_too(monkeypatch, capsys):
-    monkeypatch.setattr("drake_leg.scene.live.browser.open_browser", lambda url: True)
-    monkeypatch.setattr("drake_leg.scene.viewer.view_robot", come(signal.SIGTERM))
+    monkeypatch.setattr("drake_leg.scene.server.open_browser", lambda url: True)
+    monkeypatch.setattr("drake_leg.scene.viewer.view_served", come(signal.SIGTERM))
     assert main(["view", "leg-b"]) == 143
 
 

@@ -9,7 +9,8 @@ from chains import PLANAR_3, WHEEL
 from drake_leg.cli import main
 from drake_leg.figures.free_body import free_body
 from drake_leg.figures.of_postures import maps_of_posture
-from drake_leg.robot_file import read_robot, robot_toml
+from drake_leg.robot_file.read import read_robot
+from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 NAMES = ["pendulum", "pendulum3", "leg_a", "leg_b", "scara", "hexabot_leg", "ellipse", "arm"]
@@ -105,7 +106,7 @@ def test_the_reports_scara_is_compared_in_its_own_task(drake_frames):
     """A file's SCARA keeps height and yaw as the reports' does, and moves as that does."""
     from drake_leg.runs.leg import run_robot
     from drake_leg.runs.options import ScaraOptions, StraightOptions
-    from drake_leg.runs.scara import run_scara
+    from drake_leg.runs.scara import run as run_scara
 
     own = run_scara(ScaraOptions(duration=1.0))
     lift = float(own.recording["q4"][0])

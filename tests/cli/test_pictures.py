@@ -12,10 +12,12 @@ from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.run_options import kind_of
 from drake_leg.files import LIST, ResultsFolder
 from drake_leg.recording import read_csv
-from drake_leg.robot_file import robot_toml
+from drake_leg.robot_file.write import robot_toml
 from drake_leg.robots import hexabot_leg
 from drake_leg.runs import files
 from drake_leg.runs.catalogue import RUNS
+from drake_leg.scene.images import Still
+from drake_leg.scene.replay import Replay
 
 DATA = {LIST, "recording.csv", "summary.json"}
 REPORT = "please report this, with the command that you gave"
@@ -193,14 +195,14 @@ def no_figures(monkeypatch):
 @pytest.mark.parametrize(
     ("words", "function", "said"),
     [
-        (["--replay", "a.html"], "drake_leg.scene.replay.write_replay", "the replay a.html"),
-        (["--video", "a.gif"], "drake_leg.scene.video.write_video", "the video a.gif"),
+        (["--replay", "a.html"], "drake_leg.scene.replay.replay", "the replay a.html"),
+        (["--video", "a.gif"], "drake_leg.scene.images.write_video", "the video a.gif"),
     ],
 )
 def test_a_page_or_a_video_that_fails_costs_itself(
     no_figures, words, function, said, monkeypatch, capsys
 ):
-    monkeypatch.setattr("drake_leg.scene.video.require_video", lambda target: None)
+    monkeypatch.setattr("drake_leg.scene.images.require_video", lambda target: None)
     monkeypatch.setattr(function, broken(BROKEN))
     status, _, err = told(capsys, "run", "leg-b", "--out", "out", "--duration", "0.2", *words)
     assert status == 1
@@ -212,13 +214,13 @@ def test_a_page_or_a_video_that_fails_costs_itself(
 
 
 def test_each_still_fails_alone(no_figures, monkeypatch, capsys):
-    def still_png(robot, q, *, view, motion):
+    def still(what, q, *, view, motion):
         if view.name == "front":
             raise BROKEN
-        return b"a picture"
+        return Still(b"a picture")
 
-    monkeypatch.setattr("drake_leg.scene.stills.still_png", still_png)
-    monkeypatch.setattr("drake_leg.scene.stills.rendering_fault", lambda: None)
+    monkeypatch.setattr("drake_leg.scene.images.still", still)
+    monkeypatch.setattr("drake_leg.scene.images.rendering_fault", lambda: None)
     status, _, err = told(capsys, "run", "leg-b", "--out", "out", "--duration", "0.2", "--stills")
     assert status == 1
     assert err[0].startswith("drake-leg: the still front was not made (ValueError: ")
@@ -227,9 +229,9 @@ def test_each_still_fails_alone(no_figures, monkeypatch, capsys):
 
 
 def test_a_video_that_fails_after_a_replay_leaves_the_replay(no_figures, monkeypatch, capsys):
-    monkeypatch.setattr("drake_leg.scene.video.require_video", lambda target: None)
-    monkeypatch.setattr("drake_leg.scene.video._encode_gif", broken(BROKEN))
-    monkeypatch.setattr("drake_leg.scene.replay.replay_page", lambda *_, **__: "a page")
+    monkeypatch.setattr("drake_leg.scene.images.require_video", lambda target: None)
+    monkeypatch.setattr("drake_leg.scene.images._encode_gif", broken(BROKEN))
+    monkeypatch.setattr("drake_leg.scene.replay.replay", lambda *_, **__: Replay("a", "a page"))
     words = ("--replay", "a.html", "--video", "a.gif")
     status, out, err = told(capsys, "run", "leg-b", "--out", "out", "--duration", "0.2", *words)
     assert status == 1
@@ -239,11 +241,11 @@ def test_a_video_that_fails_after_a_replay_leaves_the_replay(no_figures, monkeyp
 
 
 def test_what_came_to_a_replays_place_meanwhile_stays(no_figures, monkeypatch, capsys):
-    def replay_page(*_, **__):
+    def replay(*_, **__):
         Path("a.html").write_text("mine")
-        return "a page"
+        return Replay("a", "a page")
 
-    monkeypatch.setattr("drake_leg.scene.replay.replay_page", replay_page)
+    monkeypatch.setattr("drake_leg.scene.replay.replay", replay)
     words = ("leg-b", "--out", "out", "--duration", "0.2", "--replay", "a.html")
     status, _, err = told(capsys, "run", *words)
     assert status == 1
@@ -258,23 +260,23 @@ def test_results_whose_place_was_taken_meanwhile_are_beside_it(no_figures, monke
     assert status == 2
     assert out.startswith("wrote out-2: 6 rows")
     assert err == [
-        "drake-leg: out came to exist meanwhile, and was left alone: the results are in out-2"
+        "drake-leg: out appeared in the meantime and was left alone: the results are in out-2"
     ]
     whole("out-2")
     assert inside("out") == {"thesis.tex"}
 
 
 def taking_the_place(monkeypatch):
-    from drake_leg.runs import leg
+    from drake_leg.runs import tip
 
-    simulate = leg.simulate
+    simulate = tip.simulate
 
     def simulated(*arguments, **keywords):
         Path("out").mkdir()
         Path("out/thesis.tex").touch()
         return simulate(*arguments, **keywords)
 
-    monkeypatch.setattr(leg, "simulate", simulated)
+    monkeypatch.setattr(tip, "simulate", simulated)
     return kind_of
 
 
@@ -302,7 +304,7 @@ def test_each_map_of_the_doctor_fails_alone(monkeypatch, capsys):
     [
         (
             ["view", "leg-b", "--still", "a.png"],
-            "drake_leg.scene.stills.still_png",
+            "drake_leg.scene.images.still",
             "the still a.png",
         ),
         (
@@ -317,7 +319,7 @@ def test_each_map_of_the_doctor_fails_alone(monkeypatch, capsys):
         ),
         (
             ["replay", "leg", "--out", "a.html"],
-            "drake_leg.scene.replay.replay_page",
+            "drake_leg.scene.replay.replay",
             "the replay a.html",
         ),
     ],

@@ -13,13 +13,14 @@ import pytest
 from drake_leg.cli import main
 from drake_leg.recording import Recording, read_csv
 from drake_leg.robots import LEG_B, hexabot_leg
-from drake_leg.scene.motion import Motion
+from drake_leg.scene.scene import PlantMotion
+from drake_leg.scene.shown_plant import shown
 
 
 def write_run(folder, robot):
     time = np.linspace(0.0, 0.5, 6)
     q = np.radians([90.0, -50.0, -90.0]) + np.outer(time, [-0.5, 0.1, 0.2])
-    path = Motion(robot=robot, time=time, q=q).path()
+    path = PlantMotion(shown=shown(robot), time=time, q=q).paths()[0]
     columns = {"time[s]": time, **{f"q{i + 1}[rad]": q[:, i] for i in range(3)}}
     columns |= {f"{letter}[m]": path[:, i] for i, letter in enumerate("xyz")}
     Path(folder).mkdir()
@@ -88,9 +89,7 @@ def test_a_recording_in_milliseconds_ends_where_its_summary_says(capsys):
     capsys.readouterr()
     summary["duration_s"] = 0.4
     Path("leg/summary.json").write_text(json.dumps(summary))
-    assert "ends at 0.5 s and summary.json tells of 0.4 s" in refused(
-        capsys, "leg", "--out", "b.html"
-    )
+    assert "ends at 0.5 s and summary.json says 0.4 s" in refused(capsys, "leg", "--out", "b.html")
 
 
 def test_a_page_opens_with_the_view_asked_for():
@@ -103,7 +102,7 @@ def test_a_run_with_lengths_of_ones_own_needs_its_robot(capsys):
     said = refused(capsys, "long", "--out", "long.html")
     assert "tip is up to 0.03 m away from where 'leg_b' has it" in said
     assert not Path("long.html").exists()
-    from drake_leg.robot_file import robot_toml
+    from drake_leg.robot_file.write import robot_toml
 
     Path("long.toml").write_text(robot_toml(hexabot_leg("B", l1=0.08)), encoding="utf-8")
     assert main(["replay", "long", "--out", "long.html", "--robot", "long.toml"]) == 0
@@ -114,9 +113,9 @@ def test_a_run_with_lengths_of_ones_own_needs_its_robot(capsys):
     [
         (["leg", "--out", "leg.avi"], "leg.avi does not end in .html or .mp4 or .gif"),
         (["leg", "--out", "leg.html", "--from", "left"], "there is no view 'left'"),
-        (["nowhere", "--out", "a.html"], "nowhere is no folder of a run: give one that"),
-        (["leg/summary.json", "--out", "a.html"], "summary.json is no folder of a run"),
-        ([".", "--out", "a.html", "--robot", "leg-b"], ". is no folder of a run"),
+        (["nowhere", "--out", "a.html"], "nowhere is not a run's folder: give one that"),
+        (["leg/summary.json", "--out", "a.html"], "summary.json is not a run's folder"),
+        ([".", "--out", "a.html", "--robot", "leg-b"], ". is not a run's folder"),
         (["leg", "--out", "a.html", "--robot", "leg-c"], "there is no robot 'leg-c'"),
     ],
 )
@@ -131,7 +130,7 @@ def test_what_cannot_be_replayed_is_one_sentence(words, said, capsys):
         ("[]", "has no entry 'robot' with a name"),
         ('{"robot":\n', "is damaged in line 2, column 1"),
         ("[" * 100_000, "is damaged: it is no JSON"),
-        ("\udcff", "cannot be read (it is no text in UTF-8 (byte 0 is 0xff); save it as UTF-8)"),
+        ("\udcff", "cannot be read (it is not text in UTF-8 (byte 0 is 0xff); save it as UTF-8)"),
         (None, "cannot be read (No such file or directory)"),
     ],
     ids=["empty", "list", "cut", "deep", "bytes", "gone"],
@@ -142,7 +141,7 @@ def test_a_summary_without_a_robot_asks_for_one(text, said, capsys):
     else:
         Path("leg/summary.json").write_text(text, errors="surrogateescape")
     err = refused(capsys, "leg", "--out", "a.html")
-    assert err == f"drake-leg: leg/summary.json {said}: tell which robot moved with --robot\n"
+    assert err == f"drake-leg: leg/summary.json {said}: name the robot that moved with --robot\n"
 
 
 def test_a_run_of_a_robot_of_ones_own_needs_its_file(capsys):
@@ -229,11 +228,11 @@ def test_a_recording_cut_in_a_line_is_refused(cut, said, capsys):
 @pytest.mark.parametrize(
     ("entries", "said"),
     [
-        ({"rows": 7}, "has 6 rows and summary.json tells of 7: one of them is not whole"),
-        ({"rows": 6, "duration_s": 2.0}, "ends at 0.5 s and summary.json tells of 2 s"),
+        ({"rows": 7}, "has 6 rows and summary.json says 7: one of them is incomplete"),
+        ({"rows": 6, "duration_s": 2.0}, "ends at 0.5 s and summary.json says 2 s"),
         (
             {"rows": 6, "duration_s": 2.0, "stopped_at_s": 0.4},
-            "ends at 0.5 s and summary.json tells of 0.4 s",
+            "ends at 0.5 s and summary.json says 0.4 s",
         ),
     ],
 )
@@ -252,4 +251,4 @@ def test_a_recording_that_is_as_its_summary_says_is_played(capsys):
 def test_a_recording_that_is_a_pipe_is_refused_at_once(capsys):
     Path("leg/recording.csv").unlink()
     os.mkfifo("leg/recording.csv")
-    assert "leg is no folder of a run" in refused(capsys, "leg", "--out", "a.html")
+    assert "leg is not a run's folder" in refused(capsys, "leg", "--out", "a.html")

@@ -15,13 +15,13 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from random_robots import random_robot
 
-from drake_leg.check.sampling import chain_size, random_configurations
-from drake_leg.check.witness import DrakeWitness
 from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError
+from drake_leg.kinematics.configurations import greatest_reach, random_configurations
+from drake_leg.models.proof import DrakeWitness
 from drake_leg.recording import read_csv
-from drake_leg.robot_file import load_robot
-from drake_leg.teleop.control import at_rest, control_step, drive_of
+from drake_leg.robot_file.read import load_robot
+from drake_leg.scene.driven_foot import DrivenFoot
 
 # Work that is stopped at its budget may be in a weak reference's callback, which is only reported.
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"
@@ -49,7 +49,7 @@ class Subject:
         (folder / self.file).write_text(text, encoding="utf-8")
         self.robot = load_robot(folder / self.file)
         self.witness = DrakeWitness(self.robot)
-        self.size = chain_size(self.robot)
+        self.size = greatest_reach(self.robot)
         self.q = random_configurations(self.robot, 1, rng)[0]
         turning = [segment.row.joint == "revolute" for segment in self.robot.moving]
         typed = np.where(turning, np.degrees(self.q), self.q)
@@ -188,15 +188,15 @@ def teleop(subject):
     """Drive the foot by the session's logic, without a server."""
     velocity, dt = np.array([0.01, -0.02, 0.015]), 1.0 / 30.0
     try:
-        drive = drive_of(subject.robot)
-        start = at_rest(drive, subject.q)
-        step = control_step(drive, start.q, velocity, dt)
+        drive = DrivenFoot(subject.robot)
+        start = drive.at_rest(subject.q)
+        step = drive.step(start.q, velocity, dt)
     except DrakeLegError:
         return
     before, after = (subject.witness.foot(one.q)[:3, 3] for one in (start, step))
     np.testing.assert_allclose(step.foot, after, atol=1e-9 * subject.size)
-    if step.share is not None and step.state == "free" and not drive.wanders:
-        wanted = drive.task.twists[3:] @ drive.task.command(velocity)
+    if step.share is not None and step.state == "free" and not drive.moved.varies:
+        wanted = drive.moved.twists[3:] @ drive.moved.command(velocity)
         np.testing.assert_allclose(after - before, wanted * dt, atol=1e-4 * dt)
 
 

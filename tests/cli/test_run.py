@@ -11,7 +11,7 @@ import pytest
 
 from drake_leg.cli import main
 from drake_leg.recording import read_csv
-from drake_leg.scene import stills
+from drake_leg.scene import images
 
 
 @pytest.fixture(autouse=True)
@@ -65,7 +65,7 @@ def test_a_config_file_disturbs_too(no_figures, here, capsys):
     ("words", "said"),
     [
         (["leg-b", "--push", "1,2"], "three numbers in N"),
-        (["leg-b", "--push", "0,0,x"], "'x' is no number"),
+        (["leg-b", "--push", "0,0,x"], "'x' is not a number"),
         (["leg-b", "--push", "0,0,inf"], "must be finite"),
         (["leg-b", "--push-at", "1"], "there is no push"),
         (["leg-b", "--push", "0,0,1", "--push-at", "20"], "earlier --push-at"),
@@ -97,7 +97,7 @@ def test_a_robot_called_like_a_block_is_one_sentence(here, capsys, tmp_path_fact
 
 
 def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkeypatch):
-    monkeypatch.setattr(stills, "rendering_fault", lambda: "to be quick")
+    monkeypatch.setattr(images, "rendering_fault", lambda: "to be quick")
     words = ("leg-b", "--out", "out", "--duration", "0.2", "--replay", "leg.html", "--stills")
     status, out, err = run(capsys, *words)
     assert status == 0
@@ -115,7 +115,7 @@ def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkey
 
 @pytest.mark.parametrize("file", ["file/leg.html", "/proc/leg.html", "/proc/new/leg.html"])
 def test_a_show_that_cannot_be_written_is_refused_before_the_run(here, capsys, monkeypatch, file):
-    monkeypatch.setattr("drake_leg.runs.leg.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.tip.simulate", None)
     (here / "file").touch()
     status, out, err = run(capsys, "leg-b", "--out", "out", "--replay", file)
     assert (status, out) == (2, "")
@@ -128,23 +128,23 @@ def test_a_show_that_cannot_be_written_is_refused_before_the_run(here, capsys, m
 def test_what_no_video_can_be_made_with_is_said_before_the_run(
     here, capsys, monkeypatch, module, said
 ):
-    monkeypatch.setattr("drake_leg.runs.leg.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.tip.simulate", None)
     monkeypatch.setitem(sys.modules, module, None)
     err = refused(capsys, here, "leg-b", "--out", "out", "--video", "leg.mp4")
     assert f"needs {said}, which cannot be imported (import of {module} halted" in err
 
 
 def test_figures_without_pillow_are_refused_before_the_run(here, capsys, monkeypatch):
-    monkeypatch.setattr("drake_leg.runs.leg.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.tip.simulate", None)
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
     assert "pip install --force-reinstall pillow" in refused(capsys, here, "leg-b", "--out", "out")
 
 
 def test_a_video_is_asked_of_what_can_write_it(no_figures, here, capsys, monkeypatch):
     written = []
-    monkeypatch.setattr("drake_leg.scene.files.check_show", lambda path, overwrite: None)
+    monkeypatch.setattr("drake_leg.scene.replay.check_show", lambda path, overwrite: None)
     monkeypatch.setattr(
-        "drake_leg.scene.files.write_show",
+        "drake_leg.scene.replay.write_show",
         lambda path, motion, title, note, overwrite: written.append(
             (path.name, motion.duration, title, note)
         ),

@@ -7,11 +7,11 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.cli import main
-from drake_leg.models.files import sdf_file
-from drake_leg.robot_file import load_robot
+from drake_leg.models.files import sdf_folder
+from drake_leg.robot_file.read import load_robot
 from drake_leg.robots import LEG_B
 
-ROBOTS = Path(__file__).parents[1] / "check" / "robots"
+ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 ARM = """
 name = "arm"
 title = "An arm -- of one's own"
@@ -47,7 +47,7 @@ def refused(capsys, *words):
 )
 def test_the_reports_robots_are_printed_as_they_lie_in_the_folder(name, stem, capsys):
     assert main(["sdf", name]) == 0
-    assert capsys.readouterr().out == sdf_file(stem).read_text(encoding="utf-8")
+    assert capsys.readouterr().out == (sdf_folder() / f"{stem}.sdf").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("time_step", [0.0, 1e-3])
@@ -79,7 +79,7 @@ def test_the_toml_of_a_robot_is_a_beginning_for_ones_own(arm, capsys):
     assert main(["sdf", "leg.toml"]) == 0
     own = capsys.readouterr().out
     assert own.replace("Generated from leg.toml.", "Generated from drake_leg.robots.") == (
-        sdf_file("leg_b").read_text(encoding="utf-8")
+        (sdf_folder() / "leg_b.sdf").read_text(encoding="utf-8")
     )
 
 

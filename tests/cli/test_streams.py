@@ -131,8 +131,8 @@ def test_an_error_that_nobody_foresaw_is_one_sentence(unforeseen, capsys):
     out, err = capsys.readouterr()
     assert (out, err) == (
         "",
-        "drake-leg: an error that nobody foresaw (KeyError: 'a\\nb'): please report it, with the "
-        "command that you gave; DRAKE_LEG_TRACEBACK=1 before it shows where it came from\n",
+        "drake-leg: an unexpected error (KeyError: 'a\\nb'): please report it, with the command "
+        "that you gave; DRAKE_LEG_TRACEBACK=1 in front of the command shows where it comes from\n",
     )
 
 
@@ -156,5 +156,5 @@ def test_a_folder_that_was_removed_is_said(words, tmp_path, monkeypatch, capsys)
 def test_the_statuses_are_told(capsys):
     assert status_of(["--help"]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert "70 an error that nobody foresaw" in told
+    assert "70 an unexpected error" in told
     assert "128 + n ended by signal n" in told

@@ -7,10 +7,10 @@ import pytest
 from PIL import Image
 
 from drake_leg.cli import main
-from drake_leg.scene import stills
-from drake_leg.scene.live.server import Server
-from drake_leg.scene.viewer import view_robot
-from drake_leg.teleop.session import drive_robot
+from drake_leg.scene import images
+from drake_leg.scene.server import Server
+from drake_leg.scene.teleop import drive_robot
+from drake_leg.scene.viewer import view_served
 
 TURN = """
 name = "turn"
@@ -160,8 +160,8 @@ def test_an_interruption_says_where_the_robot_was_left(command, monkeypatch, cap
     def interrupted(seconds):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("drake_leg.scene.live.browser.open_browser", lambda url: True)
-    for loop in (view_robot, drive_robot):
+    monkeypatch.setattr("drake_leg.scene.server.open_browser", lambda url: True)
+    for loop in (view_served, drive_robot):
         monkeypatch.setitem(loop.__kwdefaults__, "wait", interrupted)
     status, out, err = run(capsys, command, "leg-b")
     assert (status, err) == (0, "")
@@ -183,8 +183,8 @@ def test_a_missing_browser_is_said_and_the_robot_is_shown_all_the_same(monkeypat
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("drake_leg.scene.live.browser.open_browser", lambda url: False)
-    monkeypatch.setattr("drake_leg.scene.viewer.view_robot", interrupted)
+    monkeypatch.setattr("drake_leg.scene.server.open_browser", lambda url: False)
+    monkeypatch.setattr("drake_leg.scene.viewer.view_served", interrupted)
     status, out, err = run(capsys, "view", "leg-b")
     assert status == 0
     assert "http://localhost:" in out
@@ -193,7 +193,7 @@ def test_a_missing_browser_is_said_and_the_robot_is_shown_all_the_same(monkeypat
 
 def test_a_still_is_written_once(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(stills, "rendering_fault", lambda: "to be quick")
+    monkeypatch.setattr(images, "rendering_fault", lambda: "to be quick")
     words = ("view", "leg-b", "--still", "leg.png", "--from", "right")
     status, out, err = run(capsys, *words)
     assert (status, out) == (0, "wrote leg.png\n")
@@ -210,6 +210,6 @@ def test_a_still_is_written_once(tmp_path, monkeypatch, capsys):
 
 def test_a_rendered_still_needs_no_words(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(stills, "rendering_fault", lambda: None)
-    monkeypatch.setattr(stills, "still_png", lambda robot, q, view: b"a picture")
+    monkeypatch.setattr(images, "rendering_fault", lambda: None)
+    monkeypatch.setattr(images, "still", lambda robot, q, view: images.Still(b"a picture"))
     assert run(capsys, "view", "leg-b", "--still", "leg.png") == (0, "wrote leg.png\n", "")

@@ -50,6 +50,16 @@ def _bar(start, end, margin=0.0):
     )
 
 
+def _overlap(a, b, margin=0.0):
+    """Whether two rectangles have more than an edge in common, or are nearer than a margin."""
+    return (
+        a.x < b.right + margin
+        and b.x < a.right + margin
+        and a.y < b.bottom + margin
+        and b.y < a.bottom + margin
+    )
+
+
 def _require_ends(layout):
     for route in layout.routes:
         assert route.points[0] == layout.outputs[route.source]
@@ -74,10 +84,10 @@ def _require_free_blocks(layout):
         assert box.right <= layout.width + 1e-6
         assert box.bottom <= layout.height + 1e-6
         for other in layout.boxes[index + 1 :]:
-            assert not box.overlaps(other, margin=6.0)
+            assert not _overlap(box, other, margin=6.0)
         for route in layout.routes:
             for start, end in segments(route.points):
-                assert not _bar(start, end).overlaps(box, margin=-1e-6)
+                assert not _overlap(_bar(start, end), box, margin=-1e-6)
 
 
 def _require_free_texts(layout):
@@ -85,9 +95,9 @@ def _require_free_texts(layout):
     wires = [_bar(*piece) for route in layout.routes for piece in segments(route.points)]
     for index, label in enumerate(texts):
         for other in texts[index + 1 :]:
-            assert not label.box.overlaps(other.box), (label, other)
+            assert not _overlap(label.box, other.box), (label, other)
         for box in [*layout.boxes, *wires]:
-            assert not label.box.overlaps(box), (label, box)
+            assert not _overlap(label.box, box), (label, box)
 
 
 def _require_nets_apart(layout):
@@ -96,7 +106,7 @@ def _require_nets_apart(layout):
     for index, (net, piece) in enumerate(pieces):
         for other_net, other in pieces[index + 1 :]:
             if net != other_net and _direction(piece) == _direction(other):
-                assert not _bar(*piece).overlaps(_bar(*other), margin=LEAST_DISTANCE)
+                assert not _overlap(_bar(*piece), _bar(*other), margin=LEAST_DISTANCE)
 
 
 def _direction(piece):

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import pytest
 
+from drake_leg.drawings.drawing import draw
 from drake_leg.drawings.layout import lay_out
-from drake_leg.drawings.of_link import link_diagram, link_picture
-from drake_leg.drawings.of_plant import mechanism_diagram, mechanism_picture
+from drake_leg.drawings.of_link import link_picture
+from drake_leg.drawings.of_plant import mechanism_picture
 from drake_leg.drawings.of_runs import run_pictures
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
@@ -93,8 +94,8 @@ def test_an_unknown_link_is_refused_with_the_links_that_there_are():
 
 def test_diagrams_are_drawings():
     plant = build_plant(LEG_B)
-    assert mechanism_diagram(plant, title="m").svg.startswith("<svg")
-    assert link_diagram(plant, "femur", title="t").svg.startswith("<svg")
+    assert draw(mechanism_picture(plant, title="m")).svg.startswith("<svg")
+    assert draw(link_picture(plant, "femur", title="t")).svg.startswith("<svg")
 
 
 def test_the_parts_of_a_run(run_diagram):

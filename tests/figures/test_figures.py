@@ -299,7 +299,11 @@ def test_the_energys_axis_hides_rounding_noise():
 
 def test_a_rest_line_far_from_a_flat_curve_can_be_drawn(tmp_path):
     recording = Recording({"time[s]": np.array([0.0, 1.0]), "q[rad]": 0.5 + np.array([0.0, 1e-11])})
-    save(pendulum_figures.angle(recording, "title", rest=np.pi / 2), tmp_path, "angle")
+    figure = pendulum_figures.angle(recording, "title", rest=np.pi / 2)
+    low, high = figure.axes[0].get_ylim()
+    assert low < 0.5 < np.pi / 2 < high
+    paths = save(figure, tmp_path, "angle")
+    assert all(path.stat().st_size > 1000 for path in paths.values())
 
 
 def insets(figure):
@@ -405,7 +409,13 @@ def test_curves_differ_in_colour_and_in_dashes():
 @pytest.mark.parametrize("name", ["pendulum", "leg-b"])
 def test_runs_of_hardly_any_time_can_be_drawn(name, duration):
     for draw in figures_of(name, duration=duration).values():
-        draw().draw_without_rendering()
+        figure = draw()
+        figure.draw_without_rendering()
+        curves = [(axes, curve) for axes in figure.axes for curve in drawn(axes).values()]
+        assert any(len(curve) for _, curve in curves) or figure.axes[0].lines
+        for axes, curve in curves:
+            low, high = axes.get_ylim()
+            assert all(low <= value <= high for value in curve)
 
 
 def digests(folder):

@@ -9,8 +9,8 @@ from drake_leg.figures import dexterity, singularities
 from drake_leg.figures.of_postures import maps_of_posture
 from drake_leg.figures.style import for_light_and_dark, save
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian
-from drake_leg.kinematics.singularity import examine
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
+from drake_leg.singularity.rank import examine
 
 LEG = LegGeometry.from_robot(LEG_B)
 START = np.radians([90.0, -50.0, -90.0])
@@ -128,7 +128,7 @@ def test_the_edges_in_the_leg_s_plane_are_where_the_leg_is_singular(lengths):
 
 
 def test_other_robots_have_none_and_are_told_what_to_do():
-    with pytest.raises(InvalidValueError, match=r"'pendulum'.*leave `target` out"):
+    with pytest.raises(InvalidValueError, match=r"'pendulum'.*without `out`"):
         maps_of_posture(PENDULUM, [0.5])
 
 

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
+import witnesses
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics import khalil, leg, leg_inverse, scara
+from drake_leg.kinematics import khalil, leg, scara
 from drake_leg.kinematics.batches import BLOCK, assemble, finite_vectors, in_blocks, split
 from drake_leg.robots import LEG_A, SCARA
 
@@ -20,16 +21,16 @@ OF_ANGLES = {
     "leg determinant": (lambda q: leg.determinant(LEG, q), 3, ()),
     "leg bias": (lambda q: leg.jacobian_rate_bias(LEG, q, q[..., ::-1]), 3, (3,)),
     "tool": (lambda q: scara.tool_position(ARM, q), 4, (3,)),
-    "tool rotation": (scara.tool_rotation, 4, (3, 3)),
+    "tool rotation": (witnesses.tool_rotation, 4, (3, 3)),
     "tool Jacobian": (lambda q: scara.task_jacobian(ARM, q), 3, (3, 3)),
     "tool determinant": (lambda q: scara.determinant(ARM, q), 3, ()),
     "tool bias": (lambda q: scara.jacobian_rate_bias(ARM, q, q[..., ::-1]), 3, (3,)),
-    "leg branches": (lambda p: leg_inverse.branch_angles(LEG, p / 20), 3, (4, 3)),
+    "leg branches": (lambda p: leg.branch_angles(LEG, p / 20), 3, (4, 3)),
     "tool branches": (lambda p: scara.branch_angles(ARM, p / 10), 3, (2, 3)),
     "chain": (lambda q: khalil.base_transforms(LEG_A.rows, q), 3, (4, 4, 4)),
     "chain foot": (lambda q: khalil.foot_pose(SCARA.rows, q), 4, (4, 4)),
     "chain by derivative": (lambda q: khalil.jacobian_by_differentiation(SCARA.rows, q), 4, (6, 4)),
-    "chain bias": (lambda q: khalil.jacobian_rate_bias(SCARA.rows, q, q[..., ::-1]), 4, (6,)),
+    "chain bias": (lambda q: witnesses.jacobian_rate_bias(SCARA.rows, q, q[..., ::-1]), 4, (6,)),
     "chain Jacobian": (lambda q: khalil.jacobian(SCARA.rows, q), 4, (6, 4)),
 }
 

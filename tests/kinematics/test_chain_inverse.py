@@ -5,8 +5,7 @@ import pytest
 
 from drake_leg.kinematics.chain_inverse import find_postures
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.leg_inverse import branch_angles
+from drake_leg.kinematics.leg import LegGeometry, branch_angles
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_B
 

@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from witnesses import rest_depth
 
 from drake_leg.joint_mechanics import HardStop, JointMechanics
 from drake_leg.kinematics.joint_stop import (
     engagement,
     limit_energy,
     limit_force,
-    rest_depth,
     stop_force,
     stored_energy,
 )

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from pydrake.multibody.tree import JacobianWrtVariable
+from witnesses import jacobian_rate_bias
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import (
@@ -12,7 +13,6 @@ from drake_leg.kinematics.khalil import (
     foot_pose,
     jacobian,
     jacobian_by_differentiation,
-    jacobian_rate_bias,
     moving_rows,
     row_transform,
     row_transform_rate,

@@ -13,6 +13,7 @@ from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.leg import (
     LegGeometry,
+    MovableLeg,
     determinant,
     foot_and_jacobian,
     foot_jacobian,
@@ -20,7 +21,6 @@ from drake_leg.kinematics.leg import (
     foot_rotation,
     foot_rotation_angles,
     jacobian_rate_bias,
-    leg_task,
 )
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
 
@@ -126,7 +126,7 @@ def test_the_factored_determinant_is_the_determinant(leg, q):
     scale = leg.l2 * leg.l3 * (leg.l1 + leg.l2 + leg.l3)
     expected = np.linalg.det(foot_jacobian(leg, q))
     assert abs(determinant(leg, q) - expected) <= 1e-14 * scale
-    assert abs(determinant(leg, q)) <= scale == leg_task(leg).determinant_scale
+    assert abs(determinant(leg, q)) <= scale == MovableLeg(leg).determinant_scale
 
 
 @pytest.mark.parametrize(("leg", "q"), [(A, POSTURE_A), (B, POSTURE_B)], ids=["A", "B"])
@@ -205,7 +205,7 @@ def test_the_bias_is_drakes_bias_acceleration(rng, robot, posed):
 def test_the_task_inverts_the_jacobian_as_numpy_does(leg, q, qdot, command):
     assume(abs(math.sin(q[2])) > 0.05)
     assume(abs(reach(leg, q)) > 0.05 * (leg.l1 + leg.l2 + leg.l3))
-    task, J = leg_task(leg), foot_jacobian(leg, q)
+    task, J = MovableLeg(leg), foot_jacobian(leg, q)
     bias = jacobian_rate_bias(leg, q, qdot)
     rates, accelerations = task.rates(q, command), task.accelerations(q, qdot, command)
     tight = {"rtol": 1e-9, "atol": 1e-9}
@@ -227,7 +227,7 @@ def test_the_task_inverts_the_jacobian_as_numpy_does(leg, q, qdot, command):
     ids=["stretched", "folded", "hip axis", "hip axis at 90 and 30"],
 )
 def test_the_task_refuses_both_singular_families_with_numbers(leg, find):
-    q, task = find(leg), leg_task(leg)
+    q, task = find(leg), MovableLeg(leg)
     for ask in (
         lambda: task.rates(q, [1.0, 0.0, 0.0]),
         lambda: task.accelerations(q, [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),

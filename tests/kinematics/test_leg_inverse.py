@@ -9,11 +9,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian, foot_position
-from drake_leg.kinematics.leg_inverse import (
+from drake_leg.kinematics.leg import (
     BRANCHES,
+    LegGeometry,
     branch_angles,
     branches,
+    determinant,
+    foot_jacobian,
+    foot_position,
     inverse_kinematics,
 )
 from drake_leg.robots import LEG_A, LEG_B

@@ -7,20 +7,20 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydrake.multibody.tree import JacobianWrtVariable
+from witnesses import tool_rotation
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.scara import (
+    MovableScara,
     ScaraGeometry,
     branch_angles,
     determinant,
     inverse_kinematics,
     jacobian_rate_bias,
     lift_position,
-    scara_task,
     task_jacobian,
     tool_position,
-    tool_rotation,
 )
 from drake_leg.robots import LEG_B, PENDULUM, SCARA, SCARA_HEIGHT, SCARA_LOWEST, scara
 
@@ -104,7 +104,7 @@ def test_the_closed_determinant_is_the_determinant(arm, q):
     expected = np.linalg.det(task_jacobian(arm, q))
     scale = arm.l1 * arm.l2
     assert abs(determinant(arm, q) - expected) <= 1e-13
-    assert abs(determinant(arm, q)) <= scale == scara_task(arm).determinant_scale
+    assert abs(determinant(arm, q)) <= scale == MovableScara(arm).determinant_scale
 
 
 def test_report_b_1_6_is_the_determinant_and_the_first_angle_does_not_matter(rng):
@@ -117,7 +117,7 @@ def test_report_b_1_6_is_the_determinant_and_the_first_angle_does_not_matter(rng
 
 @pytest.mark.parametrize("q2", [0.0, math.pi, -math.pi])
 def test_the_arm_is_singular_stretched_and_folded_whatever_the_first_angle(rng, q2):
-    task = scara_task(ARM)
+    task = MovableScara(ARM)
     for q1, q3 in rng.uniform(-3.0, 3.0, (20, 2)):
         q = [q1, q2, q3]
         along = np.array([math.cos(q1), math.sin(q1), 0.0])
@@ -152,7 +152,7 @@ def test_the_bias_is_drakes_bias_acceleration(rng, posed):
 @given(arms, postures, postures, postures)
 def test_the_task_inverts_the_jacobian(arm, q, qdot, command):
     assume(abs(math.sin(q[1])) > 0.05)
-    task, J = scara_task(arm), task_jacobian(arm, q)
+    task, J = MovableScara(arm), task_jacobian(arm, q)
     tight = {"rtol": 0, "atol": 1e-10}
     np.testing.assert_allclose(J @ task.rates(q, command), command, **tight)
     acceleration = J @ task.accelerations(q, qdot, command) + jacobian_rate_bias(arm, q, qdot)

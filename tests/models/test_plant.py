@@ -11,7 +11,7 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms
-from drake_leg.models.files import sdf_file, sdf_folder
+from drake_leg.models.files import sdf_folder
 from drake_leg.models.plant import build_plant
 from drake_leg.models.solids import mass_properties
 from drake_leg.quantities import STANDARD_GRAVITY
@@ -164,7 +164,7 @@ def test_the_strict_parser_has_nothing_to_say(robot, caplog, capfd):
 @each_robot
 def test_the_file_and_the_data_make_the_same_plant(robot):
     plant = MultibodyPlant(0.0)
-    Parser(plant).AddModels(str(sdf_file(robot.name)))
+    Parser(plant).AddModels(str(sdf_folder() / f"{robot.name}.sdf"))
     plant.Finalize()
     q = np.full(len(robot.moving), 0.3)
     masses = []

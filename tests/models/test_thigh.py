@@ -75,11 +75,11 @@ def test_a_row_may_be_offset_along_its_own_axis():
 
 
 def test_what_is_no_thigh_is_refused():
-    with pytest.raises(InvalidValueError, match="'quill' of 'scara' is no brick"):
+    with pytest.raises(InvalidValueError, match="'quill' of 'scara' is not a brick"):
         thighs(SCARA)
     with pytest.raises(InvalidValueError, match=r"'first' of 'arm' ends at .* next row begins at"):
         thighs(two_bars(Row(joint="revolute", d=0.25)))
     hollow = dataclasses.replace(LEG_B.segments[1], link=Link(name="femur"))
     segments = (LEG_B.segments[0], hollow, *LEG_B.segments[2:])
-    with pytest.raises(InvalidValueError, match="'femur' of 'leg_b' is no brick"):
+    with pytest.raises(InvalidValueError, match="'femur' of 'leg_b' is not a brick"):
         thighs(dataclasses.replace(LEG_B, segments=segments))

@@ -214,7 +214,7 @@ def test_the_thigh_stands_alone():
 
 
 def test_bad_input_is_refused():
-    with pytest.raises(InvalidValueError, match="is no brick"):
+    with pytest.raises(InvalidValueError, match="is not a brick"):
         thigh_leg(SCARA)
     with pytest.raises(InvalidValueError, match=r"gravity is -1\.0"):
         thigh_leg(LEG_B, gravity=-1.0)

@@ -5,7 +5,7 @@ from html.parser import HTMLParser
 import pytest
 
 from drake_leg.errata import errata
-from drake_leg.report.errata import errata_chapter, erratum_notes
+from drake_leg.report.errata import errata_entries, erratum_notes
 
 
 class _Balance(HTMLParser):
@@ -24,7 +24,7 @@ class _Balance(HTMLParser):
 
 def text_of(html):
     """Read a piece of the page; a matrix as it is written in one line."""
-    html = html.replace("</td></tr><tr><td", "</td>; <td").replace("</td><td", "</td>, <td")
+    html = str(html).replace("</td></tr><tr><td", "</td>; <td").replace("</td><td", "</td>, <td")
     html = re.sub(r'<table class="grid">(.*?)</table>', r"[\1]", html)
     return unescape(re.sub(r"<[^>]*>", "", html))
 
@@ -35,7 +35,7 @@ def cells_of(html, mark):
 
 @pytest.fixture(scope="module")
 def chapter():
-    return errata_chapter()
+    return errata_entries()
 
 
 def test_every_erratum_has_a_section_with_its_text(chapter):

@@ -28,7 +28,7 @@ def drawn():
 
 
 def sources(html):
-    return re.findall(r'src="([^"]*)"', html)
+    return re.findall(r"src='([^']*)'", html)
 
 
 def embedded(svg):

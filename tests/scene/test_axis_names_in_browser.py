@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drake_leg.robots import LEG_A, LEG_B, SCARA
-from drake_leg.scene.motion import still
-from drake_leg.scene.replay import write_replay
+from drake_leg.scene.replay import replay
+from drake_leg.scene.scene import at_rest
 
 pytestmark = pytest.mark.slow
 
@@ -28,7 +28,8 @@ TIMEOUT = 30_000
 def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("names")
     for name, posture in POSTURES.items():
-        write_replay(folder / f"{name}.html", still(*posture))
+        motion = at_rest(*posture)
+        replay(motion.shown, motion).write(folder / f"{name}.html")
     return folder
 
 

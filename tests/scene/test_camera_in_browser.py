@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from drake_leg.scene.replay import write_replay
+from drake_leg.scene.replay import replay
 from drake_leg.scene.views import MARGIN
 
 pytestmark = pytest.mark.slow
@@ -17,7 +17,7 @@ TIMEOUT = 30_000
 @pytest.fixture(scope="module")
 def file(step, tmp_path_factory):
     path = tmp_path_factory.mktemp("replay") / "step.html"
-    write_replay(path, step)
+    replay(step.shown, step).write(path)
     return path.as_uri()
 
 

@@ -4,7 +4,7 @@ from html import escape
 
 import pytest
 
-from drake_leg.scene.replay import replay_page
+from drake_leg.scene.replay import replay
 
 pytestmark = pytest.mark.slow
 
@@ -18,7 +18,7 @@ HOST = """<!DOCTYPE html><body style="margin: 0; height: 3000px"><p style="heigh
 @pytest.fixture(scope="module")
 def file(step, tmp_path_factory):
     path = tmp_path_factory.mktemp("embedded") / "host.html"
-    path.write_text(HOST.format(escape(replay_page(step))), encoding="utf-8")
+    path.write_text(HOST.format(escape(replay(step.shown, step).html)), encoding="utf-8")
     return path.as_uri()
 
 

@@ -7,10 +7,9 @@ from pydrake.multibody.plant import MultibodyPlant
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot import LINK_COLOURS, Brick, Link, Robot, Row, Segment, Solid
 from drake_leg.robots import LEG_B, ROBOTS, SCARA, SCARA_HEIGHT
-from drake_leg.scene.motion import Motion, still
-from drake_leg.scene.parts import LEAST_SIZE, outline, size_of, solid_parts
-from drake_leg.scene.scene import scene_of
-from drake_leg.scene.shapes import drake_shape
+from drake_leg.scene.parts import LEAST_SIZE, size_of
+from drake_leg.scene.scene import PlantMotion, at_rest, scene_of
+from drake_leg.scene.shown_plant import shown
 
 
 def sizes(shape):
@@ -35,12 +34,12 @@ def drake_visuals(robot):
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
 def test_the_solids_are_those_that_drake_reads_from_the_sdf(robot):
     rows = {s.link.name: i for i, s in enumerate(robot.segments, start=1) if s.link}
-    ours = {part.frame: part for part in solid_parts(robot, 0.2) if part.path == "solid"}
+    ours = {part.frame: part for part in shown(robot).parts(0.2) if part.path.startswith("solid")}
     theirs = {rows[link]: (shape, pose) for link, shape, pose in drake_visuals(robot)}
     assert ours.keys() == theirs.keys()
     for frame, (shape, pose) in theirs.items():
-        assert isinstance(drake_shape(ours[frame].shape), type(shape))
-        assert sizes(drake_shape(ours[frame].shape)) == pytest.approx(sizes(shape))
+        assert isinstance(ours[frame].shape, type(shape))
+        assert sizes(ours[frame].shape) == pytest.approx(sizes(shape))
         np.testing.assert_allclose(ours[frame].X_FP, pose.GetAsMatrix4(), atol=1e-15)
 
 
@@ -59,9 +58,9 @@ def arm(*rows):
 
 def rods(robot):
     """Frame, end and colour of every rod."""
-    for part in solid_parts(robot, 0.2):
+    for part in shown(robot).parts(0.2):
         if part.path.startswith("rod"):
-            end = part.X_FP[:3, 3] + part.X_FP[:3, 2] * part.shape.length / 2.0
+            end = part.X_FP[:3, 3] + part.X_FP[:3, 2] * part.shape.length() / 2.0
             yield part.frame, tuple(np.round(end, 9).tolist()), part.colour
 
 
@@ -98,23 +97,23 @@ def test_a_tool_row_is_a_rod_where_no_solid_leads_to_it():
 
 
 def test_a_post_leads_to_a_first_joint_wherever_it_is():
-    (post,) = (part for part in solid_parts(SCARA, 0.5) if part.path == "post")
-    assert post.shape.length == pytest.approx(SCARA_HEIGHT)
+    (post,) = (part for part in shown(SCARA).parts(0.5) if part.path.startswith("post"))
+    assert post.shape.length() == pytest.approx(SCARA_HEIGHT)
     aside = arm((Row(joint="revolute", d=0.3, r=0.4), Link(name="a")))
-    (post,) = (part for part in solid_parts(aside, 0.5) if part.path == "post")
-    assert post.shape.length == pytest.approx(0.5)
+    (post,) = (part for part in shown(aside).parts(0.5) if part.path.startswith("post"))
+    assert post.shape.length() == pytest.approx(0.5)
     np.testing.assert_allclose(post.X_FP[:3, 3], [0.15, 0.0, 0.2])
 
 
 def test_a_ball_stays_a_ball():
-    foot = next(part for part in solid_parts(LEG_B, 0.2) if part.frame == 4)
-    assert isinstance(drake_shape(foot.shape), Sphere)
+    foot = next(part for part in shown(LEG_B).parts(0.2) if part.frame == 4)
+    assert isinstance(foot.shape, Sphere)
 
 
 def test_the_outline_holds_the_ends_and_the_foots_ball():
-    points = outline(LEG_B, still(LEG_B, [0.0, 0.0, 0.0]).poses())
+    points = shown(LEG_B).outline(at_rest(LEG_B, [0.0, 0.0, 0.0]).poses())
     np.testing.assert_allclose(points.max(axis=0), [0.256, 0.006, 0.006], atol=1e-12)
-    assert points[:, 0].min() == 0.0
+    assert points[:, 0].min() == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_robot_without_any_size_has_a_scene():
@@ -125,14 +124,14 @@ def test_a_robot_without_any_size_has_a_scene():
         source="none",
         segments=(Segment(row=Row(joint="revolute"), joint="turn", link=Link(name="l")),),
     )
-    assert scene_of(still(wheel, [0.3])).size > 0.04
-    scene = scene_of(still(bare, [0.0]))
+    assert scene_of(at_rest(wheel, [0.3])).size > 0.04
+    scene = scene_of(at_rest(bare, [0.0]))
     assert scene.size == size_of(np.zeros((2, 3))) == LEAST_SIZE
 
 
 def test_a_scene_holds_its_motion():
     q = np.array([[1.5, -0.9, -1.6], [0.0, -0.5, -1.2]])
-    motion = Motion(robot=LEG_B, time=np.array([0.0, 1.0]), q=q)
+    motion = PlantMotion(shown=shown(LEG_B), time=np.array([0.0, 1.0]), q=q)
     scene = scene_of(motion)
     seen = motion.poses()[..., :3, 3].reshape(-1, 3)
     assert (scene.points.min(axis=0) <= seen.min(axis=0)).all()

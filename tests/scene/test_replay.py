@@ -9,8 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError, OutputError
 from drake_leg.robots import LEG_B, ROBOTS
-from drake_leg.scene.motion import Motion, still
-from drake_leg.scene.replay import replay_page, write_replay
+from drake_leg.scene.replay import replay
+from drake_leg.scene.scene import PlantMotion, at_rest
+from drake_leg.scene.shown_plant import shown
 
 
 class Addresses(html.parser.HTMLParser):
@@ -30,7 +31,7 @@ def data_of(page):
 
 @pytest.fixture(scope="module")
 def page(step):
-    return replay_page(step)
+    return replay(step.shown, step).html
 
 
 def test_the_page_is_one_file_of_less_than_4_megabytes(page):
@@ -53,10 +54,12 @@ def test_the_page_holds_the_poses_of_the_recorded_joint_positions(page, step):
 
 @pytest.mark.parametrize("end", [0.01, 1.0, 2.65139769, 7.77])
 def test_a_replay_ends_where_its_motion_ends(end):
-    motion = Motion(robot=LEG_B, time=np.array([0.0, end]), q=np.array([[1.0] * 3, [0.5] * 3]))
-    data = data_of(replay_page(motion))
+    motion = PlantMotion(
+        shown=shown(LEG_B), time=np.array([0.0, end]), q=np.array([[1.0] * 3, [0.5] * 3])
+    )
+    data = data_of(replay(motion.shown, motion).html)
     rows = np.frombuffer(base64.b64decode(data["poses"]), "<f4").reshape(-1, len(data["paths"]), 7)
-    np.testing.assert_allclose(rows[-1, -1, :3], motion.path()[-1], atol=1e-7)
+    np.testing.assert_allclose(rows[-1, -1, :3], motion.paths()[0][-1], atol=1e-7)
     assert data["duration"] == pytest.approx(end, rel=1e-9)
     assert data["rate"] >= 30.0
     assert (len(rows) - 1) / data["rate"] == pytest.approx(end, rel=1e-9)
@@ -70,17 +73,17 @@ def test_the_page_names_the_robot_and_its_views(page):
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
 def test_every_robot_at_rest_has_a_page(robot):
-    assert data_of(replay_page(still(robot, [0.1] * len(robot.moving))))["duration"] == 0.0
+    assert data_of(replay(robot, at_rest(robot, [0.1] * len(robot.moving))).html)["duration"] == 0.0
 
 
 def test_a_replay_of_an_hour_is_refused():
-    motion = Motion(robot=LEG_B, time=np.array([0.0, 3600.0]), q=np.zeros((2, 3)))
+    motion = PlantMotion(shown=shown(LEG_B), time=np.array([0.0, 3600.0]), q=np.zeros((2, 3)))
     with pytest.raises(InvalidValueError, match="at most 600 s"):
-        replay_page(motion)
+        replay(motion.shown, motion)
 
 
 def test_a_page_is_named_after_its_run(step):
-    page = replay_page(step, title="Leg <B>: the step", note="stopped at 1 s: & so on")
+    page = replay(step.shown, step, title="Leg <B>: the step", note="stopped at 1 s: & so on").html
     assert "<title>Leg &lt;B&gt;: the step: replay</title>" in page
     assert "<h1>Leg &lt;B&gt;: the step</h1>" in page
     assert "<summary>stopped at 1 s: &amp; so on</summary>" in page
@@ -89,5 +92,5 @@ def test_a_page_is_named_after_its_run(step):
 def test_a_page_that_is_there_stays(step, tmp_path):
     (tmp_path / "a.html").write_text("mine")
     with pytest.raises(OutputError, match=r"a\.html exists"):
-        write_replay(tmp_path / "a.html", step)
+        replay(step.shown, step).write(tmp_path / "a.html")
     assert (tmp_path / "a.html").read_text() == "mine"

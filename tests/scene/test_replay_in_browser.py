@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_leg.scene.replay import write_replay
+from drake_leg.scene.replay import replay
 
 pytestmark = pytest.mark.slow
 
@@ -13,7 +13,7 @@ NOTE = "stopped at 1 s: the leg is stretched; " + 8 * "choose a smaller amplitud
 @pytest.fixture(scope="module")
 def file(step, tmp_path_factory):
     path = tmp_path_factory.mktemp("replay") / "step.html"
-    write_replay(path, step, title="Leg B: a step", note=NOTE)
+    replay(step.shown, step, title="Leg B: a step", note=NOTE).write(path)
     return path.as_uri()
 
 
@@ -34,11 +34,11 @@ def test_the_canvas_shows_the_leg(visit):
 
 
 def test_the_play_button_moves_the_leg_along_the_recorded_path(visit, step):
-    np.testing.assert_allclose(visit.frame(4), step.path()[0], atol=1e-6)
+    np.testing.assert_allclose(visit.frame(4), step.paths()[0][0], atol=1e-6)
     before = visit.picture()
     visit.click("Play")
     visit.page.wait_for_function("document.getElementById('replay-play').textContent === 'Play'")
-    np.testing.assert_allclose(visit.frame(4), step.path()[-1], atol=1e-6)
+    np.testing.assert_allclose(visit.frame(4), step.paths()[0][-1], atol=1e-6)
     assert np.abs(visit.picture() - before).max() > 100.0
     assert clock(visit) == "1.00 of 1.00 s"
 
@@ -58,7 +58,7 @@ def test_the_slider_of_time_goes_to_the_moment(visit, step):
         "(s => { s.value = 0.5; s.dispatchEvent(new Event('input')); })"
         "(document.getElementById('replay-scrub'))"
     )
-    np.testing.assert_allclose(visit.frame(4), step.sampled(30.0).path()[15], atol=1e-6)
+    np.testing.assert_allclose(visit.frame(4), step.sampled(30.0).paths()[0][15], atol=1e-6)
 
 
 def test_the_views_look_from_where_they_say(visit):

@@ -2,14 +2,14 @@
 
 import pytest
 
-from drake_leg.scene.replay import write_replay
+from drake_leg.scene.replay import replay
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
 def file(step, tmp_path):
-    write_replay(tmp_path / "step.html", step)
+    replay(step.shown, step).write(tmp_path / "step.html")
     return (tmp_path / "step.html").as_uri()
 
 

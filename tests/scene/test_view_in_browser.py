@@ -5,7 +5,7 @@ import pytest
 
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robots import LEG_B
-from drake_leg.scene.viewer import view_robot
+from drake_leg.scene.viewer import view_served
 
 pytestmark = pytest.mark.slow
 
@@ -15,7 +15,7 @@ SIZES = {"desk": (1280, 800), "tablet": (820, 1180), "phone": (390, 844)}
 
 @pytest.fixture
 def session(served):
-    return served(view_robot, LEG_B, Q)
+    return served(view_served, LEG_B, Q)
 
 
 @pytest.fixture

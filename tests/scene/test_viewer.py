@@ -5,9 +5,10 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.robot_file import read_robot
+from drake_leg.robot_file.read import read_robot
 from drake_leg.robots import LEG_B, SCARA
-from drake_leg.scene.viewer import joint_sliders, view_robot
+from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.viewer import joint_sliders, view_served
 
 Q = np.radians([90.0, -50.0, -90.0])
 LIMITED = """
@@ -23,21 +24,21 @@ class Person:
     def __init__(self, *commands):
         self.commands, self.answers, self.states = list(commands), [], []
 
-    def serve(self, page, take, board):
-        self.page, self.take, self.board = page, take, board
-        self.news = board.news(quiet=0.01)
+    def serve(self, page, handle, feed):
+        self.page, self.handle, self.feed = page, handle, feed
+        self.told = feed.follow(quiet=0.01)
 
     def wait(self, seconds):
         assert 0.0 < seconds < 0.1
-        self.states.append(next(self.news) if not self.states or self.commands else None)
+        self.states.append(next(self.told) if not self.states or self.commands else None)
         command = self.commands.pop(0) if self.commands else {"do": "quit"}
-        self.answers.append(self.take(command))
+        self.answers.append(self.handle(command))
 
     def view(self, robot=LEG_B, q=Q):
-        return view_robot(robot, q, self, wait=self.wait)
+        return view_served(robot, q, self, wait=self.wait)
 
     def trace(self):
-        return np.array(self.board.trace.since(-1, 0)["pieces"])
+        return np.array(self.feed.trace.since(-1, 0)["pieces"])
 
 
 @pytest.fixture(autouse=True)
@@ -50,19 +51,19 @@ def joints(*values, **more):
 
 
 def test_sliders_have_the_joints_units_and_limits():
-    turn = joint_sliders(LEG_B, Q)[1]
+    turn = joint_sliders(shown(LEG_B), Q)[1]
     assert (turn.joint, turn.symbol, turn.low, turn.high) == ("knee", "deg", -180.0, 180.0)
     assert turn.value == pytest.approx(-50.0)
     assert turn.unit == pytest.approx(math.pi / 180.0)
-    lift = joint_sliders(SCARA, [0.0, 0.0, 0.0, 0.06])[3]
+    lift = joint_sliders(shown(SCARA), [0.0, 0.0, 0.0, 0.06])[3]
     assert (lift.joint, lift.symbol, lift.unit) == ("lift", "mm", 1e-3)
     assert lift.value == pytest.approx(60.0)
-    (limited,) = joint_sliders(read_robot(LIMITED, "limited"), [0.0])
+    (limited,) = joint_sliders(shown(read_robot(LIMITED, "limited")), [0.0])
     assert (limited.low, limited.high) == pytest.approx((-30.0, 60.0))
 
 
 def test_a_posture_outside_the_limits_is_on_the_slider():
-    (slider,) = joint_sliders(read_robot(LIMITED, "limited"), [2.0])
+    (slider,) = joint_sliders(shown(read_robot(LIMITED, "limited")), [2.0])
     assert slider.high == slider.value == pytest.approx(math.degrees(2.0))
 
 
@@ -120,8 +121,8 @@ def test_a_wrong_command_is_refused_and_changes_nothing(command):
     person = Person()
     person.view()
     with pytest.raises(InvalidValueError):
-        person.take(command)
-    assert person.take({"do": "clear"}) == {"values": [pytest.approx(v) for v in (90, -50, -90)]}
+        person.handle(command)
+    assert person.handle({"do": "clear"}) == {"values": [pytest.approx(v) for v in (90, -50, -90)]}
 
 
 def test_a_posture_of_another_size_is_refused():

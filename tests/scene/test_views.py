@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.scene.views import VIEWS, frame, view_named
+from drake_leg.scene.views import VIEWS, as_view, frame
 
 
 @pytest.mark.parametrize("view", VIEWS.values(), ids=str)
@@ -17,8 +17,8 @@ def test_the_axes_of_a_view_are_a_rotation_with_z_up(view):
 
 
 def test_the_reports_views_look_along_the_axes():
-    np.testing.assert_allclose(view_named("right").axes, [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
-    np.testing.assert_allclose(view_named("top").axes, np.eye(3), atol=2e-4)
+    np.testing.assert_allclose(as_view("right").axes, [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    np.testing.assert_allclose(as_view("top").axes, np.eye(3), atol=2e-4)
 
 
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 16 / 9])
@@ -36,7 +36,7 @@ def test_every_point_is_inside_the_picture(view, aspect, rng):
 
 def test_another_view_is_refused():
     with pytest.raises(InvalidValueError, match="no view 'left'; the views are 3d, right"):
-        view_named("left")
+        as_view("left")
 
 
 @pytest.mark.parametrize(

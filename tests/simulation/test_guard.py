@@ -2,22 +2,23 @@
 
 import math
 
+import kinematic_loop
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_leg.diagrams import hexabot_leg, kinematic_loop
+from drake_leg.diagrams import hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.integrator import IntegratorSettings
-from drake_leg.kinematics.arms import LegArm, ScaraArm
-from drake_leg.kinematics.encounter import SineStep
-from drake_leg.kinematics.forecast import forecast_step
-from drake_leg.kinematics.leg import LegGeometry, foot_position, leg_task
-from drake_leg.kinematics.scara import ScaraGeometry, scara_task
+from drake_leg.kinematics.leg import LegGeometry, MovableLeg, foot_position
+from drake_leg.kinematics.motions import SineStep
+from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
 from drake_leg.robots import hexabot_leg as leg_robot
 from drake_leg.simulation import simulate
+from drake_leg.singularity.families import LegFamilies
+from drake_leg.singularity.forecast import forecast_step
 
 ON_THE_LINE, IN_TIME = 1e-7, 1e-6  # [m], [s]
 LENGTHS = st.floats(0.02, 0.3)
@@ -54,26 +55,26 @@ def see(run, foot, forecast, step):
 
 def loop_of_leg(leg, q0, step):
     run = simulate(
-        kinematic_loop.build(leg_task(leg), q0, step),
+        kinematic_loop.build(MovableLeg(leg), q0, step),
         start=stay,
         duration=duration_of(step),
         settings=settings_for(step),
     )
-    forecast = forecast_step(LegArm(leg), q0, step, duration_of(step))
+    forecast = forecast_step(MovableLeg(leg), q0, step, duration_of(step))
     see(run, foot_position(leg, run.scopes["joint positions"]), forecast, step)
     return forecast
 
 
 def loop_of_scara(arm, q0, step):
     run = simulate(
-        kinematic_loop.build(scara_task(arm), q0, step),
+        kinematic_loop.build(MovableScara(arm), q0, step),
         start=stay,
         duration=duration_of(step),
         settings=settings_for(step),
     )
     q = run.scopes["joint positions"]
-    foot = np.array([ScaraArm(arm).foot(posture) for posture in q])
-    see(run, foot, forecast_step(ScaraArm(arm), q0, step, duration_of(step)), step)
+    foot = np.array([MovableScara(arm).foot(posture) for posture in q])
+    see(run, foot, forecast_step(MovableScara(arm), q0, step, duration_of(step)), step)
 
 
 def random_run(rng, number, slowest=-1.0):
@@ -129,9 +130,7 @@ def test_fifty_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
         config = hexabot_leg.HexabotLegConfig(
             robot=leg_robot("A" if leg.sign < 0 else "B", l1=leg.l1, l2=leg.l2, l3=leg.l3),
             q0=tuple(q0),
-            amplitude=step.amplitude,
-            frequency=step.frequency,
-            direction=step.direction,
+            motion=step,
         )
         run = simulate(
             hexabot_leg.build(config),
@@ -139,7 +138,7 @@ def test_fifty_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
             duration=duration_of(step),
             settings=settings_for(step),
         )
-        forecast = forecast_step(LegArm(leg), q0, step, duration_of(step))
+        forecast = forecast_step(MovableLeg(leg), q0, step, duration_of(step))
         see(run, run.scopes["foot positions"], forecast, step)
         met.append(forecast.encounter.family if forecast.encounter else None)
     assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 4
@@ -167,13 +166,13 @@ def test_any_scara_is_exact_or_stops_in_time(lengths, q0, heading, share, freque
 LEG = LegGeometry(l1=0.05, l2=0.1, l3=0.1, sign=1)
 POSTURE = np.radians([90.0, -50.0, -90.0]).tolist()
 FORWARD = SineStep(amplitude=0.1, frequency=1.0, direction=(1.0, 0.0, 0.0))
-JUST = forecast_step(LegArm(LEG), POSTURE, FORWARD, 10.0).encounter.greatest_amplitude
+JUST = forecast_step(MovableLeg(LEG), POSTURE, FORWARD, 10.0).encounter.greatest_amplitude
 
 
 @pytest.mark.parametrize("clearance", [1e-4, 1e-6, 1e-8, 1e-10, 3e-11])
 def test_a_run_that_passes_by_the_boundary_is_not_stopped(clearance):
     step = SineStep(amplitude=JUST - clearance, frequency=1.0, direction=(1.0, 0.0, 0.0))
-    run = simulate(kinematic_loop.build(leg_task(LEG), POSTURE, step), start=stay, duration=6.0)
+    run = simulate(kinematic_loop.build(MovableLeg(LEG), POSTURE, step), start=stay, duration=6.0)
     assert run.stop_reason is None
     foot = foot_position(LEG, run.scopes["joint positions"])
     way = step.amplitude * (1.0 - np.cos(run.time))
@@ -183,16 +182,16 @@ def test_a_run_that_passes_by_the_boundary_is_not_stopped(clearance):
 @pytest.mark.parametrize("overshoot", [1e-9, 1e-7, 1e-5])
 def test_a_run_that_just_leaves_the_workspace_stops_in_time(overshoot):
     step = SineStep(amplitude=JUST + overshoot, frequency=1.0, direction=(1.0, 0.0, 0.0))
-    run = simulate(kinematic_loop.build(leg_task(LEG), POSTURE, step), start=stay, duration=6.0)
-    met = forecast_step(LegArm(LEG), POSTURE, step, 6.0).encounter
+    run = simulate(kinematic_loop.build(MovableLeg(LEG), POSTURE, step), start=stay, duration=6.0)
+    met = forecast_step(MovableLeg(LEG), POSTURE, step, 6.0).encounter
     assert run.stopped_at == pytest.approx(met.time, abs=IN_TIME)
 
 
 @pytest.mark.parametrize("distance", [1e-3, 1e-6, 1e-8])
 def test_a_run_that_passes_by_the_hip_axis_is_not_stopped(distance):
     step = SineStep(amplitude=0.07, frequency=1.0, direction=(1.0, 0.0, 0.0))
-    q0 = LegArm(LEG).posture(np.array([-0.07, distance, -0.14]), [np.pi, 0.0, -1.0]).tolist()
-    run = simulate(kinematic_loop.build(leg_task(LEG), q0, step), start=stay, duration=4.0)
+    q0 = LegFamilies(LEG).posture(np.array([-0.07, distance, -0.14]), [np.pi, 0.0, -1.0]).tolist()
+    run = simulate(kinematic_loop.build(MovableLeg(LEG), q0, step), start=stay, duration=4.0)
     assert run.stop_reason is None
     foot = foot_position(LEG, run.scopes["joint positions"])
     np.testing.assert_allclose(foot[:, 0], -0.07 * np.cos(run.time), atol=ON_THE_LINE)

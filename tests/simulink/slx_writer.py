@@ -159,6 +159,47 @@ class ModelBuilder:
             )
         return parts
 
+    def package(self) -> dict[str, str]:
+        """Return the file's parts with those that say what each is and how they belong together.
+
+        As Simulink saves them, by the Open Packaging Conventions; all charts are in one part.
+        """
+        parts = {name: text for name, text in self.parts().items() if "/stateflow/" not in name}
+        parts["simulink/configSetInfo.xml"] = _document(
+            '<ConfigSetInfo><ConfigSet PartName="/simulink/configSet0.xml" Active="true">'
+            "Configuration</ConfigSet></ConfigSetInfo>"
+        )
+        related = [("system_root", "systems/system_root.xml", "simulink/2010", "system")]
+        if self._functions():
+            charts = "".join(self._chart(n, b) for n, b in enumerate(self._functions(), 1))
+            parts["simulink/stateflow.xml"] = _document(
+                f'<Stateflow><machine id="1"><Children>{charts}</Children></machine>'
+                f"{self._instances()}</Stateflow>"
+            )
+            related.append(("stateflow", "stateflow.xml", "simulinkModel/2014", "stateflowMachine"))
+        rels = {
+            "_rels/.rels": [
+                ("blockDiagram", "simulink/blockdiagram.xml", "simulink/2010", "blockDiagram"),
+                ("configSetInfo", "simulink/configSetInfo.xml", "simulink/2014", "configSetInfo"),
+            ],
+            "simulink/_rels/blockdiagram.xml.rels": related,
+            "simulink/_rels/configSetInfo.xml.rels": [
+                ("configSet0", "configSet0.xml", "simulink/2014", "configSet")
+            ],
+        }
+        for block in self.blocks.values():
+            if block.type == "SubSystem":
+                holder = f"system_{block.system or 'root'}.xml"
+                name = f"system_{block.sid}"
+                rels.setdefault(f"simulink/systems/_rels/{holder}.rels", []).append(
+                    (name, f"{name}.xml", "simulink/2010", "system")
+                )
+        return {
+            "[Content_Types].xml": _content_types(parts),
+            **{name: _relationships(targets) for name, targets in rels.items()},
+            **parts,
+        }
+
     def _system_of(self, port: str) -> str:
         return self.blocks[port.split("#")[0]].system
 
@@ -215,6 +256,40 @@ class ModelBuilder:
                 else f'<System Ref="system_{block.sid}"/>'
             )
         return f"{head}{body}</Block>"
+
+
+PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+STANDALONE = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
+CONTENT_TYPES = {
+    "simulink/configSet0.xml": "simulink.configSet",
+    "simulink/configSetInfo.xml": "simulink.configSetInfo",
+    "simulink/stateflow.xml": "stateflow.machine",
+}
+
+
+def _content_types(parts: Texts) -> str:
+    """Say what each part is; one that is not named is a part of a model."""
+    kinds = {"rels": "openxmlformats-package.relationships", "xml": "mathworks.simulink.mdl"}
+    defaults = "".join(
+        f'<Default ContentType="application/vnd.{kind}+xml" Extension="{ending}"/>'
+        for ending, kind in kinds.items()
+    )
+    overrides = "".join(
+        f'<Override ContentType="application/vnd.mathworks.{kind}+xml" PartName="/{name}"/>'
+        for name, kind in CONTENT_TYPES.items()
+        if name in parts
+    )
+    return f'{STANDALONE}<Types xmlns="{PACKAGE}/content-types">{defaults}{overrides}</Types>\n'
+
+
+def _relationships(targets: list[tuple[str, str, str, str]]) -> str:
+    """Say which parts belong to a part: id, place, year of the schema, and kind of each."""
+    found = "".join(
+        f'<Relationship Id="{id_}" Target="{target}" '
+        f'Type="http://schemas.mathworks.com/{schema}/relationships/{kind}"/>'
+        for id_, target, schema, kind in targets
+    )
+    return f'{STANDALONE}<Relationships xmlns="{PACKAGE}/relationships">{found}</Relationships>\n'
 
 
 def write_parts(path: Path, parts: dict[str, str | bytes]) -> Path:

@@ -5,7 +5,7 @@ import sympy as sp
 from drake_leg.kinematics import khalil, leg, scara
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 from drake_leg.symbolic.chain import evaluator
-from drake_leg.symbolic.derivation import derive
+from drake_leg.symbolic.derivation import Derivation
 
 ROBOTS = {"leg-a": LEG_A, "leg-b": LEG_B, "scara": SCARA}
 Q1, Q2, Q3 = sp.symbols("q1:4", real=True)
@@ -63,5 +63,5 @@ def test_the_scaras_jacobian_and_determinant_are_the_closed_forms(rng, derived):
 
 
 def test_the_lengths_are_the_robots_own(rng):
-    long = derive(SCARA.rows, (3, 4, 2)).chain
+    long = Derivation(SCARA.rows, (3, 4, 2)).chain
     assert sorted(long.values.values()) == [0.22, 0.24, 0.4524]

@@ -7,13 +7,13 @@ import sympy as sp
 
 from drake_leg.kinematics import khalil
 from drake_leg.robot import Row
-from drake_leg.robot_file import load_robot
+from drake_leg.robot_file.read import load_robot
 from drake_leg.robots import SCARA
 from drake_leg.symbolic.chain import evaluator
 from drake_leg.symbolic.derivation import Derivation
 from drake_leg.symbolic.equations import own_pieces
 
-ROBOTS = Path(__file__).parents[1] / "check" / "robots"
+ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 ODD = (
     Row(joint="prismatic", d=0.1, alpha=0.3, r=-0.2, theta=1.1),
     Row(joint="fixed", d=-0.4, alpha=-0.8),

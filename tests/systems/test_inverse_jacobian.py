@@ -6,8 +6,8 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, Integrator, VectorLogSink
 
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.leg import LegGeometry, leg_task
-from drake_leg.kinematics.scara import ScaraGeometry, scara_task
+from drake_leg.kinematics.leg import LegGeometry, MovableLeg
+from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
 from drake_leg.models.plant import build_plant
 from drake_leg.robots import LEG_A, LEG_B, SCARA
 from drake_leg.systems.inverse_jacobian import InverseJacobian
@@ -16,7 +16,7 @@ LEGS = pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=lambda robot: robot.
 
 
 def leg_block(robot):
-    return InverseJacobian(leg_task(LegGeometry.from_robot(robot)))
+    return InverseJacobian(MovableLeg(LegGeometry.from_robot(robot)))
 
 
 def drake_jacobian(robot, q, qdot):
@@ -79,7 +79,7 @@ def test_det_j_is_the_determinant_of_drakes_jacobian(robot, rng):
 
 
 def test_the_scaras_task_is_drakes_jacobian_of_x_y_and_yaw(rng):
-    block = InverseJacobian(scara_task(ScaraGeometry.from_robot(SCARA)))
+    block = InverseJacobian(MovableScara(ScaraGeometry.from_robot(SCARA)))
     for q2 in (0.4, 1.5, -2.0):
         q = np.array([rng.uniform(-3, 3), q2, rng.uniform(-3, 3)])
         v, a = rng.uniform(-1.0, 1.0, (2, 3))
@@ -134,7 +134,7 @@ def test_the_normalised_determinant_is_zero_where_singular_and_never_more_than_o
 
     def at(q):
         block.GetInputPort("q").FixValue(context, q)
-        return block.normalised_determinant(context)
+        return block.robot.normalised_determinant(block.posture(context))
 
     assert [at(q) for q in SINGULAR] == pytest.approx([0.0, 0.0, 0.0], abs=1e-15)
     values = [abs(at(q)) for q in rng.uniform(-np.pi, np.pi, (300, 3))]

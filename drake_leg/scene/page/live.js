@@ -1,9 +1,9 @@
-// What the pages of a running command share: news from it, commands to it, dials.
+// What the pages of a running command share: its state, commands to it, dials.
 const live = stage && (() => {
   "use strict";
   const { data, element } = stage;
   const drawTrace = makeTrace(data.pen, data.trace);
-  const listeners = { news: [], lost: [] };
+  const listeners = { state: [], lost: [] };
   let over = false, sending = false;
   let waiting = []; // commands, the latest of each kind
 
@@ -36,12 +36,12 @@ const live = stage && (() => {
 
   const source = new EventSource("/events");
   source.addEventListener("message", (event) => {
-    const news = JSON.parse(event.data);
-    if (news.session !== data.session) { location.reload(); return; }
+    const told = JSON.parse(event.data);
+    if (told.session !== data.session) { location.reload(); return; }
     element("page-lost").hidden = true;
-    stage.place(news.poses, drawTrace(news.trace));
-    element("page-tip").textContent = news.tip.map(write).join(", ");
-    for (const listener of listeners.news) listener(news);
+    stage.place(told.poses, drawTrace(told.trace));
+    element("page-tip").textContent = told.tip.map(write).join(", ");
+    for (const listener of listeners.state) listener(told);
   });
   source.addEventListener("error", () => lose());
   source.addEventListener("end", finish);
@@ -132,7 +132,7 @@ const live = stage && (() => {
 
   return {
     send, sendAtOnce, makeDial, makeRow,
-    onNews: (listener) => listeners.news.push(listener),
+    onState: (listener) => listeners.state.push(listener),
     onLost: (listener) => listeners.lost.push(listener),
   };
 })();

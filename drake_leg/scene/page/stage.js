@@ -116,7 +116,7 @@ const stage = (() => {
     if (view) look(data.views.indexOf(view)); else viewer.set_3d_pane_size();
   }).observe(pane);
 
-  const writeNames = makeNames(data.axes, data.triads, pane);
+  const writeNames = makeNames(data, pane);
   let named = true;
   const render = viewer.render.bind(viewer);
   viewer.render = () => { render(); writeNames(named); };
@@ -130,8 +130,10 @@ const stage = (() => {
       setVisible(paths, on);
     });
     button.setAttribute("aria-pressed", "true");
+    return button;
   }
-  makeShown("Frames", data.triads);
+  makeShown("Frames", data.triads).title =
+    data.frames.map((name, number) => `${number} ${name}`).join(", ");
   makeShown("Trace", [data.trace]);
 
   // Whether a key is typed into a box, or belongs to the browser.

@@ -1,5 +1,5 @@
-// The way of the tip: rods, the oldest of which are taken for new ones. What it returns takes news
-// of the way and returns where the rods end.
+// The paths of the tips: rods, the oldest of which are used again for new ones. It returns a
+// function that takes what is new of the paths, and returns where the rods end.
 const makeTrace = (pen, path) => {
   "use strict";
   const { most, radius, colour } = pen;
@@ -24,9 +24,9 @@ const makeTrace = (pen, path) => {
     drawn += 1;
   }
 
-  return (news) => {
-    if (news.cleared !== cleared) { cleared = news.cleared; drawn = 0; ends = []; }
-    news.pieces.forEach(lay);
+  return (told) => {
+    if (told.cleared !== cleared) { cleared = told.cleared; drawn = 0; ends = []; }
+    told.pieces.forEach(lay);
     rods.count = Math.min(drawn, most);
     rods.instanceMatrix.needsUpdate = true;
     viewer.set_dirty();

@@ -15,8 +15,8 @@ if (live) (() => {
     });
   });
 
-  live.onNews((news) => {
-    values = news.values;
-    dials.forEach((dial, i) => dial.show(news.values[i]));
+  live.onState((told) => {
+    values = told.values;
+    dials.forEach((dial, i) => dial.show(told.values[i]));
   });
 })();

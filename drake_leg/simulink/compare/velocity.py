@@ -171,7 +171,7 @@ def _likeliest_unit(ours: Sequence[Scalar], live: Sequence[Scalar]) -> float:
 
 def _compare_velocity(sides: Sides, inverse: Inverse) -> Iterator[Verdict]:
     live = sides.live.input(inverse.name, "v") or ()
-    parts = [_part(twist) for twist in sides.live.systems[inverse.name].twists.T]
+    parts = [_part(twist) for twist in sides.live.systems[inverse.name].robot.twists.T]
     ports = inverse.match.ports or (f"{inverse.sid}#in:1",) * len(parts)
     for (axis, unit), port, mine, theirs in zip(
         parts, ports, inverse.match.velocity, live, strict=False

@@ -1,0 +1,191 @@
+"""Joint positions that put a robot's foot where it is wanted: in closed form, or found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import within_turns
+from drake_leg.kinematics.chain_inverse import Limits, find_postures
+from drake_leg.kinematics.euler import euler_rotation
+from drake_leg.kinematics.leg import LegGeometry, branches, is_hexabot_leg
+from drake_leg.kinematics.of_robot import joints_in_words
+from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, is_scara
+from drake_leg.quantities import beyond
+from drake_leg.robot import Robot, Segment
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """One way of putting the foot at a point."""
+
+    name: str
+    q: tuple[float, ...] | None  # [rad or m], every joint; None where out of reach
+    within_limits: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feet:
+    """The ways of putting a robot's foot somewhere."""
+
+    solutions: tuple[Solution, ...]
+    heading: str  # one line: how many, whether that is all, what was taken for granted
+    units: tuple[str, ...]  # that a person reads each joint's position in: deg or m
+
+
+def limits_of(joints: Sequence[Segment]) -> Limits:
+    """Lower and upper limits of the joints [rad or m], infinite where there is none."""
+    return [joint.mechanics.bounds for joint in joints]
+
+
+def units_of(robot: Robot) -> tuple[str, ...]:
+    """Unit, ``deg`` or ``m``, in which a person reads each joint's position."""
+    return tuple("deg" if joint.row.joint == "revolute" else "m" for joint in robot.moving)
+
+
+def feet(
+    robot: Robot,
+    foot: Sequence[float],
+    *,
+    q: Sequence[float] | None = None,
+    yaw: float | None = None,
+    rpy: Sequence[float] | None = None,
+) -> Feet:
+    """Find the joint positions that put a robot's foot at a point.
+
+    Parameters
+    ----------
+    robot : Robot
+        The leg and the SCARA have closed forms.
+    foot : (3,) sequence of float
+        Where the foot is to be, in the base frame [m].
+    q : sequence of float, optional
+        Posture whose yaw a SCARA keeps, unless a yaw is given [rad].
+    yaw : float, optional
+        Of a SCARA's tool [rad].
+    rpy : (3,) sequence of float, optional
+        Roll, pitch, yaw of the foot of a chain of more than three joints, about the base's x, y, z
+        [rad]; without them any orientation will do.
+
+    Raises
+    ------
+    InvalidValueError
+        If a yaw or an orientation is given to a robot that cannot choose it, or a SCARA has none.
+    """
+    if is_scara(robot):
+        return _scara_feet(robot, foot, q, yaw, rpy)
+    if yaw is not None:
+        otherwise = ", or give the orientation by `rpy`" if len(robot.moving) > 3 else ""
+        raise InvalidValueError(
+            f"a yaw is for a SCARA's tool; {robot.name!r} is none",
+            advice=f"leave it out{otherwise}",
+        )
+    if rpy is not None and len(robot.moving) <= 3:
+        raise InvalidValueError(
+            f"the foot of {robot.name!r} cannot choose its orientation, with "
+            f"{joints_in_words(robot)}",
+            advice="leave `rpy` out",
+        )
+    return _leg_feet(robot, foot) if is_hexabot_leg(robot) else _chain_feet(robot, foot, rpy)
+
+
+def _leg_feet(robot: Robot, foot: Sequence[float]) -> Feet:
+    found = branches(LegGeometry.from_robot(robot), foot, limits_of(robot.moving))
+    return Feet(
+        solutions=tuple(
+            Solution(name=branch.name, q=branch.q, within_limits=branch.within_limits)
+            for branch in found
+        ),
+        heading="all four branches, in closed form",
+        units=units_of(robot),
+    )
+
+
+def _scara_feet(
+    robot: Robot,
+    foot: Sequence[float],
+    q: Sequence[float] | None,
+    yaw: float | None,
+    rpy: Sequence[float] | None,
+) -> Feet:
+    if rpy is not None:
+        raise InvalidValueError("a SCARA's tool only yaws", advice="give `yaw` instead of `rpy`")
+    arm, whose = ScaraGeometry.from_robot(robot), "as asked for"
+    if yaw is None:
+        if q is None:
+            raise InvalidValueError(
+                "a SCARA's tool has a yaw besides its place",
+                advice="give `yaw`, or the posture whose yaw it keeps by `q`",
+            )
+        yaw, whose = float(sum(q[:3])), "that of the posture"
+    limits = [*limits_of(robot.moving[:3]), lift_limits(robot)]
+    lift = arm.height - foot[2]
+    solutions = [
+        _solution(robot, name, [*angles, lift], limits)
+        for name, angles in zip(
+            ("elbow left", "elbow right"),
+            branch_angles(arm, [foot[0], foot[1], yaw]).tolist(),
+            strict=True,
+        )
+    ]
+    low, high = limits[3]
+    heading = f"both branches, in closed form, at yaw {math.degrees(yaw):.6g} deg, {whose}"
+    if beyond(lift, low, high):
+        heading += (
+            f"; the lift would be at {lift:.6g} m, outside {low:.6g} ... {high:.6g} m: the tool is "
+            f"{arm.height - high:.6g} ... {arm.height - low:.6g} m high"
+        )
+    return Feet(solutions=tuple(solutions), heading=heading, units=units_of(robot))
+
+
+def lift_limits(robot: Robot) -> tuple[float, float]:
+    """How far a SCARA's lift goes [m]: to its limits, or as the report's table has it."""
+    arm = ScaraGeometry.from_robot(robot)
+    ((low, high),) = limits_of(robot.moving[3:4])
+    if math.isinf(low) and math.isinf(high) and arm.height > arm.lowest:
+        return 0.0, arm.height - arm.lowest
+    return low, high
+
+
+def _chain_feet(robot: Robot, foot: Sequence[float], rpy: Sequence[float] | None) -> Feet:
+    limits = limits_of(robot.moving)
+    rotation = None if rpy is None else euler_rotation("ZYX", [rpy[2], rpy[1], rpy[0]])
+    found = find_postures(robot.rows, foot, rotation, limits=limits)
+    solutions = tuple(
+        _solution(robot, f"posture {number}", q, limits)
+        for number, q in enumerate(found.q.tolist(), start=1)
+    )
+    heading = _found(robot, len(solutions), found.nearest, rpy, many=found.infinitely_many)
+    return Feet(solutions=solutions, heading=heading, units=units_of(robot))
+
+
+def _found(
+    robot: Robot, count: int, nearest: float, rpy: Sequence[float] | None, *, many: bool
+) -> str:
+    """Say how many postures were found numerically, and what that means."""
+    if not count:
+        return f"no posture found; the nearest that was found misses by {nearest:.6g} m"
+    if many and rpy is None and len(robot.moving) > 3:
+        return (
+            f"{count} found of infinitely many: {joints_in_words(robot)} reach a point in any of "
+            "many orientations; choose one by rpy"
+        )
+    if many:
+        return f"{count} found of infinitely many: joints can move while the foot stays"
+    return f"{count} found from many starts; there may be more"
+
+
+def _solution(robot: Robot, name: str, q: Sequence[float], limits: Limits) -> Solution:
+    if not all(map(math.isfinite, q)):
+        return Solution(name=name, q=None, within_limits=False)
+    inside = all(
+        within_turns(value, low, high)
+        if segment.row.joint == "revolute"
+        else not beyond(value, low, high)
+        for value, (low, high), segment in zip(q, limits, robot.moving, strict=True)
+    )
+    return Solution(name=name, q=tuple(np.asarray(q).tolist()), within_limits=inside)

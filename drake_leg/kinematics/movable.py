@@ -1,0 +1,182 @@
+"""A robot whose foot can be moved: commanded velocities of the foot, and the joint rates for them.
+
+The commanded velocities are as many as the joints that move, or fewer: then it is redundant. These
+functions run inside a simulation, thousands of times a second, for one posture at a time: plain
+floats go in and out.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Self
+
+import numpy as np
+from scipy.linalg.lapack import dgesv
+
+from drake_leg.errors import SingularConfigurationError
+from drake_leg.kinematics.batches import Array
+
+Floats = Sequence[float]
+
+# Smallest pivot of the Jacobian's LU factors, relative to the largest, that is still divided
+# by: below it the joint rates have lost half of their digits.
+SINGULAR_BELOW = 1e-8
+
+TRANSLATION = np.eye(6)[:, 3:]  # twists of the foot, turning first: x, y, z
+TRANSLATION.setflags(write=False)
+
+
+class Movable(ABC):
+    """A robot whose foot can be commanded.
+
+    n joints move and m velocities are commanded; ``v = J qdot``. A subclass defines J, and may
+    replace the numerical inverse of a square J.
+    """
+
+    turning: tuple[bool, ...] = (True, True, True)  # (n,): revolute, not prismatic
+    twists: Array = TRANSLATION  # (6, m): foot's turning, then translation, of each part of v
+    row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0)  # that make the rows of J lengths [m/unit]
+    length: float  # of the stretched arm [m]
+    determinant_scale: float  # about the greatest determinant, in its unit
+    geometry: object = None  # for closed forms, as of_robot.geometry_of tells; None: none known
+    is_exact: bool = True  # whether the rates do not exist where J is singular
+    varies: bool = False  # whether what can be commanded changes from posture to posture
+
+    @abstractmethod
+    def foot(self, q: Floats) -> Array:
+        """Position of the foot in the base frame, (3,) [m]."""
+
+    @abstractmethod
+    def jacobian(self, q: Floats) -> Array:
+        """J, (m, n)."""
+
+    @abstractmethod
+    def bias(self, q: Floats, qdot: Floats) -> Array:
+        """Acceleration of the foot without acceleration of the joints: ``dJ/dt qdot``, (m,)."""
+
+    def determinant(self, q: Floats) -> float:
+        """Det J, or ``sqrt(det(J J^T))`` of a redundant robot."""
+        return float(np.linalg.det(self.jacobian(q)))
+
+    def rates(self, q: Floats, v: Floats) -> Floats:
+        """``J^-1 v``, or the smallest rates that produce v, (n,) [rad/s or m/s].
+
+        Raises
+        ------
+        SingularConfigurationError
+            If J has no inverse and the robot ``is_exact``.
+        """
+        qdot: list[float] = exact_rates(self.jacobian(q), np.asarray(v), q).tolist()
+        return qdot
+
+    def accelerations(
+        self,
+        q: Floats,
+        qdot: Floats,
+        a: Floats,
+        v: Floats | None = None,
+        w: Floats | None = None,
+    ) -> Floats:
+        """Derivative of the rates along the way the joints really move, w, by default ``qdot``.
+
+        ``J^-1 (a - dJ/dt qdot)`` where J is square. Rates may fall so steeply with the posture, on
+        the way out of a singularity or where they are damped, that along the commanded ones a small
+        difference between the two would grow.
+        """
+        right_side = np.asarray(a) - self._bias_along(q, qdot, qdot if w is None else w)
+        qddot: list[float] = exact_rates(self.jacobian(q), right_side, q).tolist()
+        return qddot
+
+    def _bias_along(self, q: Floats, qdot: Floats, w: Floats) -> Array:
+        """``dJ/dt qdot`` with J changing along w: the bias is a quadratic form, polarised."""
+        u, along = np.asarray(qdot), np.asarray(w)
+        if (u == along).all():
+            return self.bias(q, qdot)
+        return (self.bias(q, (u + along).tolist()) - self.bias(q, (u - along).tolist())) / 4.0
+
+    def stiffness(self, q: Floats, v: Floats) -> tuple[float, float]:
+        """How fast rates that are not exact change with the posture: at most, and here [1/s]."""
+        return 0.0, 0.0
+
+    def regime(self, q: Floats, v: Floats) -> tuple[int, ...]:
+        """What bounds each joint's rate: where that changes, the rates have a kink."""
+        return ()
+
+    def at(self, q: Floats) -> Self:
+        """What can be commanded in a posture: always the same, unless it ``varies``."""
+        return self
+
+    @property
+    def joints(self) -> int:
+        """How many joints move: n."""
+        return len(self.turning)
+
+    @property
+    def size(self) -> int:
+        """How many velocities are commanded: m."""
+        return int(self.twists.shape[1])
+
+    @property
+    def is_redundant(self) -> bool:
+        """Whether more joints move than velocities are commanded."""
+        return self.joints > self.size
+
+    @property
+    def keeps_orientation(self) -> bool:
+        """Whether the foot's turning is commanded, too."""
+        return bool(self.twists[:3].any())
+
+    def command(self, v: Floats | Array) -> Array:
+        """Commanded part (m,) of a velocity of a foot that does not turn, (3,) [m/s]."""
+        return np.asarray(self.twists[3:].T @ np.asarray(v))
+
+    def jacobian_in_lengths(self, q: Floats) -> Array:
+        """J with all of its rows made lengths, (m, n) [m]."""
+        J: Array = np.array(self.row_lengths)[:, np.newaxis] * self.jacobian(q)
+        return J
+
+    def normalised_determinant(self, q: Floats) -> float:
+        """Determinant over its scale, in about -1 ... 1: zero where J is singular."""
+        return self.determinant(q) / self.determinant_scale
+
+    def sigma_min(self, q: Floats) -> float:
+        """Smallest singular value of J, its rows made lengths [m]."""
+        return float(smallest_singular_value(self.jacobian_in_lengths(q)))
+
+    def singular(self, q: Floats, time: float | None = None) -> SingularConfigurationError:
+        """Describe a posture as singular, at a time [s]; the error is to be raised."""
+        return SingularConfigurationError(q=q, sigma_min=self.sigma_min(q), time=time)
+
+
+def exact_rates(J: Array, v: Array, q: Floats) -> Array:
+    """Solve ``J @ qdot = v``: the reports' ``inv(J) * v`` (report A, eq. 19).
+
+    LAPACK's ``dgesv`` is called by itself: ``numpy.linalg.solve`` wraps it at four times the
+    cost for a matrix this small, and hides the pivots.
+
+    Parameters
+    ----------
+    J : (n, n) ndarray
+        Jacobian at ``q``.
+    v : (n,) ndarray
+        Commanded velocity, in the units of J's rows per second.
+    q : (n,) sequence of float
+        Joint positions, for the error.
+
+    Raises
+    ------
+    SingularConfigurationError
+        If the smallest pivot is at most ``SINGULAR_BELOW`` times the largest.
+    """
+    lu, _, qdot, _ = dgesv(J, v)
+    pivots = [abs(pivot) for pivot in lu.diagonal().tolist()]
+    if not min(pivots) > SINGULAR_BELOW * max(pivots):
+        raise SingularConfigurationError(q=q, sigma_min=float(smallest_singular_value(J)))
+    solution: Array = qdot
+    return solution
+
+
+def smallest_singular_value(J: Array) -> Array:
+    """Smallest singular values of Jacobians (..., m, n), in the unit of J, (...)."""
+    return np.linalg.svd(J, compute_uv=False)[..., -1].astype(np.float64, copy=False)

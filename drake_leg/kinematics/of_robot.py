@@ -1,0 +1,101 @@
+"""What a robot is, and what of its foot can be commanded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.chain import MovableChain, freedoms, tangent_twists
+from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
+from drake_leg.kinematics.scara import ScaraGeometry, is_scara
+from drake_leg.robot import Robot
+
+TASKS = ("position", "pose")
+
+
+def geometry_of(robot: Robot) -> LegGeometry | ScaraGeometry | PendulumModel | None:
+    """What the closed forms need of a robot: None for one without closed forms."""
+    if is_hexabot_leg(robot):
+        return LegGeometry.from_robot(robot)
+    if is_scara(robot):
+        return ScaraGeometry.from_robot(robot)
+    return PendulumModel.from_robot(robot) if is_pendulum(robot) else None
+
+
+def movable(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = None) -> Movable:
+    """Make a robot ready to be moved, in closed form if it is the hexabot's leg.
+
+    Parameters
+    ----------
+    q0 : (n,) sequence of float, optional
+        Where it starts [rad or m]: what the foot can do may depend on it. All 0 by default.
+    keep : {"position", "pose"}, optional
+        Whether the foot's translation is commanded alone, or its turning, too. By default the
+        pose, if the joints suffice for it and can turn the foot; else the position.
+
+    Returns
+    -------
+    Movable
+        Its velocities are in m/s and, of a pose, rad/s; base frame.
+
+    Raises
+    ------
+    InvalidValueError
+        If the robot cannot do that, or the count of joint positions is another.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, movable
+    >>> leg = movable(LEG_B)
+    >>> leg.joints, leg.size  # three joints, three velocities of the foot
+    (3, 3)
+    >>> q, v = [1.57, -0.87, -1.57], [0.05, 0.0, 0.0]
+    >>> qdot = leg.rates(q, v)
+    >>> bool(abs(leg.jacobian(q) @ qdot - v).max() < 1e-12)
+    True
+    """
+    if keep is not None and keep not in TASKS:
+        raise InvalidValueError(f"the task is {keep!r}; it must be {' or '.join(TASKS)}")
+    q0 = [0.0] * len(robot.moving) if q0 is None else q0
+    if len(q0) != len(robot.moving):
+        raise InvalidValueError(
+            f"q0 has {len(q0)} numbers; {robot.name} has {len(robot.moving)} joint positions"
+        )
+    if is_hexabot_leg(robot) and keep != "pose":
+        return MovableLeg(LegGeometry.from_robot(robot))
+    span = _constant_span(robot, keep)
+    if span is not None:
+        return MovableChain(robot.rows, span)
+    return MovableChain(robot.rows, tangent_twists(robot.rows, q0), varies=True)
+
+
+def _constant_span(robot: Robot, keep: str | None) -> Array | None:
+    """Choose the twists that are commanded in every posture; None if they change on the way."""
+    position, pose = freedoms(robot.rows)
+    if position.rank == 0:
+        raise InvalidValueError(
+            f"no joint of {robot.name!r} moves its foot, the last frame of its table: put the foot "
+            "farther out by a fixed row at the table's end"
+        )
+    if (
+        pose.span is not None
+        and keep != "position"
+        and (keep == "pose" or pose.rank > position.rank)
+    ):
+        return pose.span
+    if keep == "pose":
+        raise InvalidValueError(
+            f"{robot.name!r} cannot hold its foot's orientation with its "
+            f"{joints_in_words(robot)} while the foot moves",
+            advice="choose `task='position'`",
+        )
+    return position.span
+
+
+def joints_in_words(robot: Robot) -> str:
+    """Say how many joints a robot has, such as "3 joints"."""
+    count = len(robot.moving)
+    return f"{count} joint{'s' * (count > 1)}"

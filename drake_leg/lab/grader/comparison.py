@@ -1,0 +1,297 @@
+"""Whether a printed formula is right: at random postures, with lengths as they are and of any size.
+
+A number rounded in print, such as 1.5708 for π/2, is right within its last digit.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.chain import size_of
+from drake_leg.lab.grader.chains import Chain, chain_of
+from drake_leg.lab.grader.definitions import Reader
+from drake_leg.lab.grader.lengths import Binding, Cell, cell_values, same
+from drake_leg.robot import Robot
+from drake_leg.symbolic.formulas import (
+    Evaluator,
+    Path,
+    evaluate,
+    names_in,
+    number_of,
+    parts,
+    replace_at,
+)
+
+COUNT = 8  # postures; two formulas that agree on all of them are the same
+MOST_READINGS = 64  # of an entry's numbers as lengths
+_LEAST, _MOST = 0.6, 1.6  # times its own value: how long a length is drawn
+FEWEST_DIGITS = 3  # of a rounded number; 0.5 and 1.2 are meant as they stand
+_MOST_DECIMALS = 20  # rounded numbers in one entry
+_NEXT = 1e-3  # of half a unit: so near its next number, nobody cuts a number off
+_ALIKE = 1e-3  # of the largest: what numbers change counts as one and the same below that
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """What a print's formulas and the robot are evaluated with."""
+
+    values: Mapping[str, Any]  # symbol to number or (N,) array; angles in rad, lengths as printed
+    chain: Chain  # in the print's unit of lengths
+
+    @cached_property
+    def _evaluator(self) -> Evaluator:
+        return Evaluator(self.values)
+
+    def evaluate(self, formula: sp.Expr) -> Array:
+        """Evaluate a formula, (N,); not finite where it has no value."""
+        return np.broadcast_to(self._evaluator(formula), COUNT)
+
+
+class Sampler:
+    """Draws postures, and lengths: the same ones whenever it is asked for the same lengths.
+
+    Parameters
+    ----------
+    reader : Reader
+        Of the print: its symbols, units and the joints' formulas, all of which must have a value.
+    """
+
+    def __init__(self, robot: Robot, reader: Reader, rng: np.random.Generator) -> None:
+        self._reader = reader
+        self.metres = 1.0 / reader.units["m"]
+        self._draw_postures(robot, rng)
+        self.lengths = cell_values(robot, self.metres)
+        self._factors = {cell: rng.uniform(_LEAST, _MOST, COUNT) for cell in self.lengths}
+        self._drawn: dict[tuple[frozenset[str], frozenset[Any]], Samples] = {}
+
+    def _draw_postures(self, robot: Robot, rng: np.random.Generator) -> None:
+        """Draw the print's variables at random and follow them to the joints."""
+        values: dict[str, Any] = {**self._reader.units, **self._reader.symbols}
+        joints: dict[str, Any] = {}  # q4 where the print writes another variable's formula for it
+        variables: list[str] = []
+        for index, segment in enumerate(robot.moving):
+            turning = segment.row.joint == "revolute"
+            greatest = math.pi if turning else size_of(robot.rows) / self.metres
+            formula = self._reader.joint(index)
+            for name in sorted(names_in(formula) - set(values)):
+                values[name] = rng.uniform(-greatest, greatest, COUNT)
+                variables.append(name)
+            joints[f"q{index + 1}"] = np.broadcast_to(evaluate(formula, values), COUNT)
+        units = [1.0 if s.row.joint == "revolute" else self.metres for s in robot.moving]
+        self.variables = tuple(variables)  # the print's symbols that vary with the posture
+        self.q = np.stack(list(joints.values()), axis=-1) * units  # (N, m) [rad or m]
+        chain = chain_of(robot.rows, self.q, self.metres)
+        self.as_it_is = Samples(values={**joints, **values}, chain=chain)
+
+    def posture(self, index: int) -> str:
+        """Say the print's variables at one posture: angles in rad, lengths as printed."""
+        values = self.as_it_is.values
+        return ", ".join(f"{name} = {values[name][index]:.3g}" for name in self.variables)
+
+    def varied(self, binding: Binding, names: Collection[str]) -> Samples:
+        """Vary the lengths that some symbols stand for; other lengths stay as they are.
+
+        A symbol that stands for several cells varies them together.
+        """
+        bound = frozenset(name for name in names if name in binding)
+        if not bound:
+            return self.as_it_is
+        key = bound, frozenset(binding.items())
+        if key not in self._drawn:
+            self._drawn[key] = self._draw(binding, bound)
+        return self._drawn[key]
+
+    def _draw(self, binding: Binding, names: Collection[str]) -> Samples:
+        factors: dict[Cell, Array] = {}
+        for name in sorted(names):
+            first = min(binding[name])
+            factors |= dict.fromkeys(binding[name] - set(factors), self._factors[first])
+        values = dict(self.as_it_is.values)
+        for name, cells in binding.items():
+            if cells & set(factors):
+                values[name] = values[name] * factors[min(cells & set(factors))]
+        chain = self._chain(values, factors)
+        joints = {f"q{i + 1}": chain.q[:, i] for i in self._reader.joints}
+        own = set(joints) - set(self.variables)
+        return Samples(values=values | {name: joints[name] for name in own}, chain=chain)
+
+    def _chain(self, values: Mapping[str, Any], factors: Mapping[Cell, Array]) -> Chain:
+        """Put lengths into the table, and the joints where the symbols then say."""
+        chain = self.as_it_is.chain
+        columns = {name: getattr(chain, name).copy() for name in ("d", "alpha", "r", "theta")}
+        for (row, column), factor in factors.items():
+            columns[column][:, row] *= factor
+        q = chain.q.copy()
+        for index, formula in self._reader.joints.items():
+            q[:, index] = evaluate(formula, values)
+        return replace(chain, q=q, **columns)
+
+
+class Meaning:
+    """What a matrix is, or could be, at all samples; evaluated once for each of them."""
+
+    def __init__(self, of_chain: Callable[[Chain], Array]) -> None:
+        self._of_chain = of_chain
+        self._found: list[tuple[Samples, Array]] = []
+
+    def at(self, samples: Samples) -> Array:
+        """Evaluate the matrix, (N, r, c)."""
+        for known, found in self._found:
+            if known is samples:
+                return found
+        with np.errstate(all="ignore"):
+            self._found.append((samples, self._of_chain(samples.chain)))
+        return self._found[-1][1]
+
+
+@dataclass(frozen=True)
+class Target:
+    """An entry of a meaning, and how far from it a formula is still right."""
+
+    meaning: Meaning
+    place: tuple[int, int]  # row and column, from 0
+    margin: float
+
+
+class Comparison:
+    """Compares formulas with meanings, under one reading of the symbols."""
+
+    def __init__(self, sampler: Sampler, binding: Binding) -> None:
+        self.sampler, self.binding = sampler, binding
+
+    def values(self, formula: sp.Expr) -> Array:
+        """Evaluate a formula with the lengths as they are, (N,)."""
+        return self.sampler.as_it_is.evaluate(formula)
+
+    def agrees(self, formula: sp.Expr, target: Target) -> bool:
+        """Whether a formula is right whatever the lengths that it has symbols for.
+
+        Numbers that stand for lengths are right as numbers.
+        """
+        return self.agrees_in_number(formula, target) and (
+            self._agrees_in_symbols(formula, target)
+            or any(
+                self._agrees_in_symbols(other, target)
+                for other in itertools.islice(self._with_symbols(formula), MOST_READINGS)
+            )
+        )
+
+    def agrees_in_number(self, formula: sp.Expr, target: Target) -> bool:
+        """Whether a formula is right for the lengths as they are."""
+        return _agrees(formula, target, self.sampler.as_it_is)
+
+    def _agrees_in_symbols(self, formula: sp.Expr, target: Target) -> bool:
+        samples = self.sampler.varied(self.binding, names_in(formula))
+        return _agrees(formula, target, samples)
+
+    def _with_symbols(self, formula: sp.Expr) -> Iterator[sp.Expr]:
+        """Read the numbers of a formula that has symbols, too, as lengths in all ways."""
+        choices: list[list[tuple[Path, str | None]]] = []
+        if not any(name in self.binding for name in names_in(formula)):
+            return
+        for path, part in parts(formula):
+            value = number_of(part)
+            equal = [n for n in self.binding if value and same(self._length(n), value)]
+            if equal:
+                choices.append([(path, None), *((path, name) for name in equal)])
+        for chosen in itertools.islice(itertools.product(*choices), 1, None):
+            other = formula
+            for path, name in chosen:
+                if name is not None:
+                    other = replace_at(other, path, sp.Symbol(name))
+            yield other
+
+    def _length(self, name: str) -> float:
+        return float(self.sampler.as_it_is.values[name])
+
+
+def _agrees(formula: sp.Expr, target: Target, samples: Samples) -> bool:
+    """Whether a formula is near; one that is not finite never is."""
+    right = target.meaning.at(samples)[:, target.place[0], target.place[1]]
+    with np.errstate(all="ignore"):
+        near = np.abs(samples.evaluate(formula) - right) <= target.margin
+        return bool(np.all(near)) or agrees_within_digits(
+            formula, right, target.margin, samples.evaluate
+        )
+
+
+def agrees_within_digits(
+    formula: sp.Expr, right: Array, margin: float, values_of: Callable[[sp.Expr], Array]
+) -> bool:
+    """Whether a formula is right, its decimals being rounded or cut off after their last digit.
+
+    Parameters
+    ----------
+    right : (N,) ndarray
+        What is right at N postures.
+    margin : float
+        How far from it counts as equal whatever the digits.
+    values_of : callable
+        Evaluates a formula at the postures.
+
+    Returns
+    -------
+    bool
+        False for a formula without decimals.
+    """
+    halves = dict(_decimals(formula))
+    if not 0 < len(halves) <= _MOST_DECIMALS:
+        return False
+    rounded = right - values_of(formula)
+    cut = right - values_of(_moved(formula, halves))
+    moved = [right - values_of(_moved(formula, {path: half})) for path, half in halves.items()]
+    slopes = rounded[:, np.newaxis] - np.stack(moved, axis=-1)
+    return _explain(slopes, rounded, margin, margin) or _explain(
+        slopes * (1.0 - _NEXT), cut, margin, _NEXT * margin
+    )
+
+
+def _explain(slopes: Array, differences: Array, margin: float, below: float) -> bool:
+    """Whether every number, moved by its half unit at most, can bring about the differences.
+
+    Parameters
+    ----------
+    slopes : (N, n) ndarray
+        What half a unit of each of n numbers changes at N postures.
+    differences : (N,) ndarray
+        What is right, less what is printed.
+    margin : float
+        How much else they may be, towards smaller numbers.
+    below : float
+        The same towards greater ones.
+    """
+    spread = np.abs(slopes).sum(axis=-1)
+    if not np.all(np.isfinite(spread)) or not np.all(np.abs(differences) <= spread + margin):
+        return False
+    if np.linalg.matrix_rank(slopes, tol=_ALIKE * np.linalg.norm(slopes)) < slopes.shape[1]:
+        return bool(np.all(np.abs(differences) <= spread + below))
+    inverse = np.linalg.pinv(slopes)
+    moves, doubt = inverse @ differences, np.abs(inverse).sum(axis=-1)
+    return bool(np.all(-1.0 - margin * doubt <= moves) and np.all(moves <= 1.0 + below * doubt))
+
+
+def _decimals(formula: sp.Expr) -> Iterator[tuple[Path, float]]:
+    """List the numbers with digits behind the point, each with half a unit of its last one."""
+    for path, part in parts(formula):
+        if part.is_Float:
+            _, digits, exponent = Decimal(repr(float(part))).as_tuple()
+            if isinstance(exponent, int) and exponent < 0 and len(digits) >= FEWEST_DIGITS:
+                yield path, 0.5 * 10.0**exponent
+
+
+def _moved(formula: sp.Expr, changes: Mapping[Path, float]) -> sp.Expr:
+    """Add to the numbers at some paths."""
+    value_at = dict(parts(formula))
+    for path, change in changes.items():
+        formula = replace_at(formula, path, sp.Float(float(value_at[path]) + change))
+    return formula

@@ -1,0 +1,325 @@
+"""What is wrong inside a printed entry: the one or two changes that make it right."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import sympy as sp
+
+from drake_leg.lab.grader.lengths import Cell, same
+from drake_leg.symbolic.formulas import (
+    Path,
+    changed,
+    distinct,
+    inside,
+    is_negative,
+    is_quotient,
+    negative,
+    number,
+    number_of,
+    parts,
+    product,
+    replace_alike,
+    replace_at,
+    total,
+    written,
+)
+
+LARGEST = 60  # parts; a longer entry has too many changes to try
+# Changes that one misunderstanding can bring into many entries of a matrix.
+COMMON = ("sum of angles", "joint", "function", "length", "number")
+_OTHER_FUNCTION = {sp.sin: sp.cos, sp.cos: sp.sin}
+
+
+class Change(NamedTuple):
+    """What is wrong with a formula, and the formula without that."""
+
+    kind: str
+    words: str
+    formula: sp.Expr
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vocabulary:
+    """What a print can write for one another."""
+
+    angles: int  # joints: q1, q2, ...
+    symbols: Mapping[str, float] = field(default_factory=dict)  # of lengths, as printed
+    lengths: tuple[float, ...] = ()  # of the robot, in the print's unit
+    unit: str = ""  # of the print's lengths
+    units: Mapping[str, float] = field(default_factory=dict)  # of lengths, in the print's unit
+    power: int = 1  # of a length: 3 in a determinant of x, y, z
+    names: Mapping[Cell, str] = field(default_factory=dict)  # of the table's cells, as printed
+
+    @property
+    def joints(self) -> list[str]:
+        """Names of the joints' positions."""
+        return [f"q{number}" for number in range(1, self.angles + 1)]
+
+
+class Diagnosis(NamedTuple):
+    """What is wrong with a formula: its kind, and in words, angles as q1, q2, ..."""
+
+    kind: str
+    fault: str
+
+
+def explain(
+    formula: sp.Expr,
+    vocabulary: Vocabulary,
+    is_right: Callable[[sp.Expr], bool],
+    trials: Iterator[object],
+) -> Diagnosis | None:
+    """Search for one or two changes that make a formula right; None where no two help.
+
+    Parameters
+    ----------
+    is_right : callable
+        Says of a formula whether it agrees with what is right.
+    trials : iterator
+        As long as the pairs of changes that may still be tried.
+    """
+    for change in changes(formula, vocabulary):
+        if is_right(change.formula):
+            return Diagnosis(change.kind, change.words)
+    for first in _usual_changes(formula, vocabulary):
+        for second, _ in zip(_usual_changes(first.formula, vocabulary), trials, strict=False):
+            if is_right(second.formula):
+                return Diagnosis(first.kind, f"{first.words}, and {second.words}")
+    return None
+
+
+def changes(formula: sp.Expr, vocabulary: Vocabulary) -> Iterator[Change]:
+    """List what can be wrong with a formula; nothing for one that is too long."""
+    if sum(not is_negative(part) for _, part in parts(formula)) > LARGEST:
+        return
+    yield from _other_units(formula, vocabulary)
+    yield from _other_length(formula, vocabulary.symbols)
+    if not formula.is_Number:
+        yield from _usual_changes(formula, vocabulary)
+        yield from _other_products(formula, vocabulary.joints)
+        yield from _other_angles(formula, vocabulary.joints)
+        yield from _other_places(formula, vocabulary.symbols)
+        yield from _other_numbers(formula, vocabulary.lengths)
+
+
+def _usual_changes(formula: sp.Expr, vocabulary: Vocabulary) -> Iterator[Change]:
+    """List the changes of which an entry may need two."""
+    if formula.is_Number:
+        return
+    yield from _other_angle_sums(formula)
+    yield from _other_terms(formula)
+    yield _other_sign(formula)
+    yield from _other_functions(formula)
+    yield from _other_names("joint", formula, vocabulary.joints)
+    yield from _other_names("length", formula, list(vocabulary.symbols))
+
+
+def _should_be(kind: str, formula: sp.Expr, old: sp.Expr, new: sp.Expr) -> Change:
+    words = f"{written(old)} should be {written(new)}"
+    return Change(kind, words, replace_alike(formula, old, new))
+
+
+def _calls(formula: sp.Expr) -> list[sp.Expr]:
+    """List the sines, cosines and tangents of a formula, each spelling once."""
+    return [part for part in distinct(p for _, p in parts(formula)) if part.is_Function]
+
+
+def _opposite(sum_: sp.Expr) -> sp.Expr:
+    """Write a difference for a sum of two, or a sum for a difference."""
+    left, right = sum_.args
+    return total(left, right.args[1] if is_negative(right) else negative(right))
+
+
+def _other_units(formula: sp.Expr, vocabulary: Vocabulary) -> Iterator[Change]:
+    """Read metres as millimetres."""
+    for unit, size in vocabulary.units.items():
+        if unit != vocabulary.unit:
+            words = f"lengths are in {unit} and should be in {vocabulary.unit}"
+            yield Change("unit", words, product(number(size**vocabulary.power), formula))
+
+
+def _other_length(formula: sp.Expr, symbols: Mapping[str, float]) -> Iterator[Change]:
+    """Read an entry that is one length's number as another length."""
+    value = number_of(formula)
+    for name in symbols if value else ():
+        if same(value or 0.0, symbols[name]):
+            for other in symbols:
+                if other != name:
+                    words = f"{written(formula)} is {name}, and {other} belongs there"
+                    yield Change("length", words, sp.Symbol(other))
+
+
+def _other_products(formula: sp.Expr, joints: Sequence[str]) -> Iterator[Change]:
+    """Read cos(q2) * cos(q3), and cos(q2) + cos(q3), as cos(q2 + q3), everywhere."""
+    for one, other in itertools.combinations(joints, 2):
+        for kind, what in ((sp.Mul, "products"), (sp.Add, "sums")):
+            new = changed(formula, lambda part: _with_sum(part, one, other, kind))  # noqa: B023
+            if new is not formula:
+                whose = f"sines or cosines of {one} and {other}"
+                words = f"{what} of {whose} should be those of {one} + {other}"
+                yield Change("sum of angles", words, new)
+
+
+def _with_sum(part: sp.Expr, one: str, other: str, kind: type[sp.Expr]) -> sp.Expr | None:
+    """Put the function of a sum into a product, or a sum, that has it of both angles."""
+    if not _is_plain(part, kind):
+        return None
+    operands = list(_operands(part, kind))
+    angles = sp.Symbol(one), sp.Symbol(other)
+    for function in (sp.cos, sp.sin):
+        calls = [function(angle) for angle in angles]
+        if all(call in operands for call in calls):
+            whole = function(total(*angles), evaluate=False)
+            for operand in operands:
+                if operand not in calls:
+                    whole = kind(whole, operand, evaluate=False)
+            return whole
+    return None
+
+
+def _is_plain(part: sp.Expr, kind: type[sp.Expr]) -> bool:
+    """Whether a part is a sum, or a product without a sign or a quotient."""
+    return part.func is kind and not (part.is_Mul and (is_negative(part) or is_quotient(part)))
+
+
+def _operands(part: sp.Expr, kind: type[sp.Expr]) -> Iterator[sp.Expr]:
+    if _is_plain(part, kind):
+        for argument in part.args:
+            yield from _operands(argument, kind)
+    else:
+        yield part
+
+
+def _other_angle_sums(formula: sp.Expr) -> Iterator[Change]:
+    """Read q2 - q3 as q2 + q3, wherever it stands in a sine or cosine."""
+    for old in distinct(part for call in _calls(formula) for _, part in parts(call.args[0])):
+        if old.is_Add:
+            yield _should_be("sum of angles", formula, old, _opposite(old))
+
+
+def _other_terms(formula: sp.Expr) -> Iterator[Change]:
+    """Leave out a term of a sum, or turn its sign round."""
+    for old in distinct(part for _, part in parts(formula, of_functions=False)):
+        if not old.is_Add:
+            continue
+        left, right = old.args
+        here, there, term = ("-", "+", right.args[1]) if is_negative(right) else ("+", "-", right)
+        text = written(term)
+        yield Change("term", f"{here} {text} is too much", replace_alike(formula, old, left))
+        words = f"{here} {text} should be {there} {text}"
+        yield Change("sign", words, replace_alike(formula, old, _opposite(old)))
+
+
+def _other_sign(formula: sp.Expr) -> Change:
+    if is_negative(formula):
+        return Change("sign", "the minus in front is too much", formula.args[1])
+    return Change("sign", "a minus in front is missing", negative(formula))
+
+
+def _exchange_function(part: sp.Expr) -> sp.Expr | None:
+    """Write a cosine for a sine, and a sine for a cosine."""
+    other = _OTHER_FUNCTION.get(part.func)
+    return other and other(part.args[0], evaluate=False)
+
+
+def _other_functions(formula: sp.Expr) -> Iterator[Change]:
+    """Read a sine as a cosine and the other way round: one of them, or all."""
+    calls = _calls(formula)
+    for old in calls:
+        new = _exchange_function(old)
+        if new is not None:
+            yield _should_be("function", formula, old, new)
+    if calls:
+        words = "sines and cosines have changed places"
+        yield Change("function", words, changed(formula, _exchange_function))
+
+
+def _other_angles(formula: sp.Expr, joints: list[str]) -> Iterator[Change]:
+    """Read cos(q2) as cos(q2 + q3), and the other way round, in one function."""
+    for old in _calls(formula):
+        for first, _ in enumerate(joints):
+            angle = sp.Symbol(joints[first])
+            yield _should_be("joint", formula, old, old.func(angle, evaluate=False))
+            for name in joints[first + 1 :]:
+                angle = total(angle, sp.Symbol(name))
+                yield _should_be("joint", formula, old, old.func(angle, evaluate=False))
+
+
+def _other_names(kind: str, formula: sp.Expr, names: list[str]) -> Iterator[Change]:
+    """Read one name as another, wherever it stands, or two as one another."""
+    found = {part.name for _, part in parts(formula) if part.is_Symbol}
+    used = [name for name in names if name in found]
+    for old in used:
+        for other in names:
+            if other != old:
+                new = replace_alike(formula, sp.Symbol(old), sp.Symbol(other))
+                yield Change(kind, f"{old} should be {other}", new)
+    for first, second in itertools.combinations(used, 2):
+        one, two = sp.Symbol(first), sp.Symbol(second)
+        exchanged = {one: two, two: one}
+        words = f"{first} and {second} have changed places"
+        yield Change(kind, words, changed(formula, exchanged.get))
+
+
+def _other_places(formula: sp.Expr, symbols: Mapping[str, float]) -> Iterator[Change]:
+    """Read L2 as L3 in one place; 2*L1 as L2 where they are as long."""
+    for path, part in parts(formula):
+        if part.is_Symbol and part.name in symbols:
+            for other in symbols:
+                if other != part.name:
+                    new = replace_at(formula, path, sp.Symbol(other))
+                    yield Change("length", f"one {part.name} should be {other}", new)
+        if part.is_Mul and not is_negative(part):
+            yield from _other_multiples(formula, path, part, symbols)
+
+
+def _other_multiples(
+    formula: sp.Expr, path: Path, whole: sp.Expr, symbols: Mapping[str, float]
+) -> Iterator[Change]:
+    """Read a number times a length as another length; the number may stand elsewhere in it."""
+    factors = list(_factors(whole, (), divides=False))
+    lengths = [(at, part.name) for at, part, _ in factors if part.is_Symbol]
+    for length_at, name in lengths:
+        if name not in symbols:
+            continue
+        for number_at, part, divides in factors:
+            value = number_of(part)
+            if not value:
+                continue
+            size = 1.0 / value if divides else value
+            for other, length in symbols.items():
+                if other != name and same(size * symbols[name], length):
+                    rest = replace_at(whole, length_at, sp.Symbol(other))
+                    rest = replace_at(rest, number_at, sp.S.One)
+                    multiple = f"{size:g}*{name}" if size >= 1.0 else f"{name}/{1.0 / size:g}"
+                    words = f"{multiple} should be {other}"
+                    yield Change("length", words, replace_at(formula, path, rest))
+
+
+def _factors(part: sp.Expr, path: Path, *, divides: bool) -> Iterator[tuple[Path, sp.Expr, bool]]:
+    """List the factors of a product, with their paths; of divisors only numbers."""
+    if not part.is_Mul:
+        yield path, part, divides
+        return
+    children = [((*path, *below), child) for below, child in inside(part)]
+    if is_quotient(part):
+        yield from _factors(children[0][1], children[0][0], divides=False)
+        below_at, below = children[1]
+        if below.is_Number:
+            yield below_at, below, True
+        return
+    for child_at, child in children:
+        yield from _factors(child, child_at, divides=False)
+
+
+def _other_numbers(formula: sp.Expr, lengths: tuple[float, ...]) -> Iterator[Change]:
+    """Read a number as one of the robot's lengths."""
+    for old in distinct(part for _, part in parts(formula, of_functions=False)):
+        value = number_of(old)
+        for length in lengths if value else ():
+            if not same(value or 0.0, length):
+                yield _should_be("number", formula, old, number(length))

@@ -1,1 +1,0 @@
-"""What the notebooks need besides the package: answers that are checked, and things to show."""

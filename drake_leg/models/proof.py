@@ -1,0 +1,323 @@
+"""A robot proved: its chain, SymPy's derivation and Drake's plant agree on foot and Jacobian.
+
+Four witnesses that share no formula: the chain (``kinematics.khalil``), the same table derived in
+symbols, Drake on the SDF, and differences of the chain's foot. A foot's coordinate is a sum of
+``a cos q + b sin q + c`` in a turning joint and linear in a sliding one, so that the difference
+over a quarter turn to either side, halved, *is* the derivative, with no error but rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache, partial
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from drake_leg.errors import InvalidValueError, TimeBudgetError
+from drake_leg.kinematics import khalil
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.configurations import greatest_reach, random_configurations
+from drake_leg.models.plant import build_plant
+from drake_leg.names import frame_name
+from drake_leg.progress import BUDGET, TimeBudget
+from drake_leg.quantities import require_positive
+from drake_leg.robot import Robot, Row
+from drake_leg.symbolic.optional import require_sympy
+
+TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
+SAMPLES = 32
+MOST_SAMPLES = 10_000
+WITNESSES = ("chain", "SymPy", "Drake", "differences")
+TOO_DEEP = "beyond SymPy: the formulas of so many rows are nested too deeply"
+
+Function = Callable[[Array], Array]  # of configurations (N, m), with the same first axis
+Report = Callable[[str], None]  # called with what is computed next
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Two witnesses compared on all configurations: where they differ most."""
+
+    quantity: str  # foot or Jacobian
+    first: str  # chain, SymPy, Drake or differences
+    second: str
+    difference: float  # of 1, or of the robot's size
+    entry: tuple[int, int]  # row and column, counted from 1
+    q: tuple[float, ...]  # [rad or m], in the table's order
+    values: tuple[float, float]  # of the two witnesses there [-, m]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the greatest difference is rounding."""
+        return self.difference <= TOLERANCE
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the fields by name; units in the names."""
+        fields = asdict(self)
+        q = fields.pop("q")
+        return {"agrees": self.agrees, **fields, "q_rad_or_m": q}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Missing:
+    """A witness without an answer."""
+
+    quantity: str  # foot or Jacobian
+    witness: str  # chain, SymPy, Drake or differences
+    why: str
+
+    @property
+    def sentence(self) -> str:
+        """What is missing, and why."""
+        return f"the {self.quantity} by {self.witness} is {self.why}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Proof:
+    """What the witnesses say of a robot."""
+
+    robot: str
+    samples: int
+    seed: int
+    size: float  # [m], lengths are compared relative to it
+    comparisons: tuple[Comparison, ...]
+    missing: tuple[Missing, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Whether all witnesses that answered agree."""
+        return all(comparison.agrees for comparison in self.comparisons)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all witnesses answered."""
+        return not self.missing
+
+    @property
+    def worst(self) -> Comparison | None:
+        """Where two witnesses differ most; one that has no number is worse than any."""
+        return max(
+            self.comparisons,
+            key=lambda c: (math.isnan(c.difference), c.difference),
+            default=None,
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return everything by name; units in the names."""
+        return {
+            "holds": self.holds,
+            "complete": self.complete,
+            "missing": [asdict(missing) for missing in self.missing],
+            "samples": self.samples,
+            "seed": self.seed,
+            "size_m": self.size,
+            "tolerance": TOLERANCE,
+            "comparisons": [comparison.as_json() for comparison in self.comparisons],
+        }
+
+
+class _Testimony(NamedTuple):
+    """How one witness computes one quantity."""
+
+    quantity: str
+    witness: str
+    function: Function
+
+
+def prove(
+    robot: Robot,
+    *,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    budget: float = BUDGET,
+    progress: Report | None = None,
+) -> Proof:
+    """Compare the chain with SymPy, with Drake and with its own differences.
+
+    Entries of a rotation are compared as they are, lengths relative to ``greatest_reach``; both
+    must agree to 1e-12. SymPy's derivation of a long chain may never end: it comes last.
+
+    Parameters
+    ----------
+    samples : int
+        Random configurations within the joints' limits.
+    seed : int
+        Of their random numbers.
+    budget : float
+        Time that it may take [s]; what is not compared by then is missing.
+    progress : callable, optional
+        Called with what is computed next.
+
+    Returns
+    -------
+    Proof
+        It does not prove that the table is the robot's that was meant.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no sample, the seed is negative, or the budget is not positive.
+    MissingSymPyError
+        If SymPy is not installed.
+
+    Examples
+    --------
+    >>> from drake_leg import PENDULUM, prove
+    >>> proof = prove(PENDULUM)
+    >>> proof.holds, proof.complete
+    (True, True)
+    >>> proof.worst.difference < 1e-15
+    True
+    """
+    if not 1 <= samples <= MOST_SAMPLES:
+        raise InvalidValueError(f"samples is {samples}; it must be 1 to {MOST_SAMPLES}")
+    if seed < 0:
+        raise InvalidValueError(f"the seed is {seed}; it must not be negative")
+    require_positive("the budget", budget, "s")
+    require_sympy("a proof")
+    q = random_configurations(robot, samples, np.random.default_rng(seed))
+    found, missing = _compute(_testimonies(robot), q, TimeBudget(budget), progress)
+    size = greatest_reach(robot)
+    scales = {"foot": _pose_scale(size), "Jacobian": _twist_scale(robot, size)}
+    return Proof(
+        robot=robot.name,
+        samples=samples,
+        seed=seed,
+        size=size,
+        comparisons=tuple(
+            comparison
+            for quantity, scale in scales.items()
+            for comparison in _compare_all(quantity, found[quantity], q, scale)
+        ),
+        missing=tuple(missing),
+    )
+
+
+def _testimonies(robot: Robot) -> list[_Testimony]:
+    """List every witness's foot and Jacobian, the quickest first."""
+    from drake_leg.symbolic.chain import foot_function, jacobian_function
+
+    rows = robot.rows
+    drake = cache(lambda: DrakeWitness(robot))
+    return [
+        _Testimony("foot", "chain", lambda q: khalil.foot_pose(rows, q)),
+        _Testimony("Jacobian", "chain", lambda q: khalil.jacobian(rows, q)),
+        _Testimony("Jacobian", "differences", lambda q: difference_jacobian(rows, q)),
+        _Testimony("foot", "Drake", lambda q: _one_by_one(drake().foot, q)),
+        _Testimony("Jacobian", "Drake", lambda q: _one_by_one(drake().jacobian, q)),
+        _Testimony("foot", "SymPy", lambda q: _one_by_one(foot_function(rows), q)),
+        _Testimony("Jacobian", "SymPy", lambda q: _one_by_one(jacobian_function(rows), q)),
+    ]
+
+
+def _one_by_one(function: Function, configurations: Array) -> Array:
+    return np.array([function(q) for q in configurations])
+
+
+def _compute(
+    testimonies: Sequence[_Testimony], q: Array, budget: TimeBudget, progress: Report | None
+) -> tuple[dict[str, dict[str, Array]], list[Missing]]:
+    """Ask the witnesses one after the other, as long as the budget lasts."""
+    found: dict[str, dict[str, Array]] = {"foot": {}, "Jacobian": {}}
+    missing = []
+    for quantity, witness, function in testimonies:
+        if progress is not None:
+            progress(f"{quantity} by {witness}")
+        try:
+            found[quantity][witness] = budget.spend(partial(function, q))
+        except (TimeBudgetError, RecursionError) as error:
+            why = str(error) if isinstance(error, TimeBudgetError) else TOO_DEEP
+            missing.append(Missing(quantity=quantity, witness=witness, why=why))
+    return found, missing
+
+
+def _pose_scale(size: float) -> Array:
+    scale = np.ones((4, 4))
+    scale[:3, 3] = size
+    return scale
+
+
+def _twist_scale(robot: Robot, size: float) -> Array:
+    """Scale angular rows and sliding joints' columns by 1, lengths by the robot's size."""
+    scale = np.ones((6, len(robot.moving)))
+    turning = [segment.row.joint == "revolute" for segment in robot.moving]
+    scale[3:, turning] = size
+    return scale
+
+
+def _compare_all(
+    quantity: str, values: dict[str, Array], q: Array, scale: Array
+) -> Iterator[Comparison]:
+    """Compare every witness with every other."""
+    for first, second in combinations([name for name in WITNESSES if name in values], 2):
+        a, b = values[first], values[second]
+        differences = np.abs(a - b) / scale
+        sample, row, column = map(int, np.unravel_index(differences.argmax(), differences.shape))
+        yield Comparison(
+            quantity=quantity,
+            first=first,
+            second=second,
+            difference=float(differences[sample, row, column]),
+            entry=(row + 1, column + 1),
+            q=tuple(q[sample].tolist()),
+            values=(float(a[sample, row, column]), float(b[sample, row, column])),
+        )
+
+
+def difference_jacobian(rows: Sequence[Row], q: Array) -> Array:
+    """Jacobian from exact differences of the chain's foot, at joint positions (..., m) [rad or m].
+
+    Jv_BF, (..., 6, m): rows 0-2 angular, rows 3-5 translational, in the base frame [rad, m per rad
+    or m].
+    """
+    X_BF = khalil.foot_pose(rows, q)
+    columns = []
+    for joint, index in enumerate(khalil.moving_rows(rows)):
+        step = np.zeros(q.shape[-1])
+        step[joint] = math.pi / 2.0 if rows[index].joint == "revolute" else 1.0
+        dX = (khalil.foot_pose(rows, q + step) - khalil.foot_pose(rows, q - step)) / 2.0
+        spin = dX[..., :3, :3] @ np.swapaxes(X_BF[..., :3, :3], -1, -2)
+        twist = (spin[..., 2, 1], spin[..., 0, 2], spin[..., 1, 0])
+        columns.append(np.stack([*twist, *np.moveaxis(dX[..., :3, 3], -1, 0)], axis=-1))
+    return np.stack(columns, axis=-1)
+
+
+class DrakeWitness:
+    """Drake's foot and Jacobian: a plant parsed from a robot's SDF, with a scratch context.
+
+    ``InvalidValueError`` is raised if Drake's strict parser refuses the SDF.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._plant = build_plant(robot)
+        self._context = self._plant.CreateDefaultContext()
+        self._base = self._plant.GetFrameByName(frame_name(0))
+        self._foot = self._plant.GetFrameByName(frame_name(len(robot.rows)))
+        joints = [self._plant.GetJointByName(str(segment.joint)) for segment in robot.moving]
+        self._positions = [joint.position_start() for joint in joints]
+        self._velocities = [joint.velocity_start() for joint in joints]
+
+    def foot(self, q: Array) -> Array:
+        """Pose X_BF (4, 4) [-, m] of the last frame, at joint positions (m,) [rad or m]."""
+        self._set(q)
+        X_BF = self._plant.CalcRelativeTransform(self._context, self._base, self._foot)
+        pose: Array = X_BF.GetAsMatrix4()
+        return pose
+
+    def jacobian(self, q: Array) -> Array:
+        """Spatial Jacobian Jv_BF (6, m) of the last frame, rotation first, in the base frame."""
+        self._set(q)
+        spatial: Array = self._plant.CalcJacobianSpatialVelocity(
+            self._context, JacobianWrtVariable.kV, self._foot, np.zeros(3), self._base, self._base
+        )
+        return spatial[:, self._velocities]
+
+    def _set(self, q: Array) -> None:
+        positions = np.zeros(self._plant.num_positions())
+        positions[self._positions] = q
+        self._plant.SetPositions(self._context, positions)

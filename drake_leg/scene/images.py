@@ -1,0 +1,278 @@
+"""A plant as pictures with its axes named, PNG, MP4 or GIF, rendered without a display."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+from numpy.typing import ArrayLike
+from PIL import Image
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.files import whole_file
+from drake_leg.imports import require_import, require_pillow
+from drake_leg.scene.artists import (
+    REMEDY,
+    Renderer,
+    Sketcher,
+    rendering_fault,
+    require_rendering,
+)
+from drake_leg.scene.lettering import LIGHT, AxisNames, Paper, Pixels, Words, reduced, write_on
+from drake_leg.scene.scene import PlantMotion, Record, Scene, at_rest, motion_of, scene_of
+from drake_leg.scene.shown_plant import Showable
+from drake_leg.scene.views import VIEWS, View, as_view
+
+WIDTH, HEIGHT = 960, 720  # [pixels] of a still
+SMOOTHING = 2  # a still is rendered larger by this factor
+LETTERS, TITLE = 24, 26  # [pixels], of a still
+
+ENDINGS = (".mp4", ".gif")
+VIDEO_WIDTH, VIDEO_HEIGHT = 800, 600  # [pixels]; even, as MP4 wants
+MP4_RATE = 30
+GIF_RATE, GIF_SHARE = 20, 2  # a GIF counts time in 1/100 s; width and height divided by this
+LONGEST = 600.0  # [s]
+QUALITY = "20"  # x264's constant rate factor
+GIF_COLOURS = 128
+SMALLEST_LETTERS = 12  # [pixels], of the axes' names in a video
+
+
+@dataclass(frozen=True)
+class Still:
+    """A picture, which a notebook shows."""
+
+    png: bytes = field(repr=False)
+
+    def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
+        return self.png, {"width": 640}
+
+    def write(self, path: Path | str, *, overwrite: bool = False) -> None:
+        """Write it to a file that ends in ``.png``.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written, or is there and may not be replaced.
+        """
+        with whole_file(Path(path), endings=(".png",), overwrite=overwrite) as scratch:
+            scratch.write_bytes(self.png)
+
+
+def still(
+    what: Showable,
+    q: ArrayLike | None = None,
+    *,
+    view: View | str = "3d",
+    motion: Record | None = None,
+    paper: Paper = LIGHT,
+) -> Still:
+    """Take a picture of a robot, or of any plant, in one posture, its frames named.
+
+    It needs no display. Where VTK cannot render, matplotlib draws it instead.
+
+    Parameters
+    ----------
+    what : Robot, MultibodyPlant, Diagram, Path or str
+        A robot; a Drake plant or a diagram with one (its SceneGraph has the shapes; without it,
+        bodies are thin rods); a model file, or the text of an SDF, URDF or MuJoCo model.
+    q : (n,) array_like, optional
+        Positions [rad or m]; by default the plant's default ones.
+    view : {"3d", "right", "front", "top"}
+        Where it is seen from.
+    motion : Recording, VectorLog, or (time, q), optional
+        Whose trace is shown, and whose room; as ``replay`` takes it.
+    paper : Paper
+        ``LIGHT`` or ``DARK``.
+
+    Returns
+    -------
+    Still
+        PNG in ``still.png``; ``still.write("leg.png")`` saves it.
+
+    Raises
+    ------
+    InvalidValueError
+        If ``q`` does not have n finite numbers, or there is no such view.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import PENDULUM, still
+    >>> picture = still(PENDULUM, [radians(30)], view="front")
+    >>> picture.png[1:4]
+    b'PNG'
+    """
+    seen_from, posture = as_view(view), at_rest(what, q)
+    scene = scene_of(posture if motion is None else motion_of(what, motion))
+    able: type[Renderer] | type[Sketcher] = Renderer if rendering_fault() is None else Sketcher
+    artist = able(scene, width=SMOOTHING * WIDTH, height=SMOOTHING * HEIGHT, paper=paper)
+    text = seen_from.titled(scene.shown.title)
+    title = Words(text=text, x=28, y=38, size=TITLE, colour=paper.ink)
+    names = AxisNames(artist, scene, seen_from, share=SMOOTHING, size=LETTERS, paper=paper)
+    X_WF = posture.poses()[0]
+    words = [title, *names.place(X_WF, [title])]
+    smooth = reduced(artist.image(X_WF, seen_from), SMOOTHING)
+    buffer = io.BytesIO()
+    Image.fromarray(write_on(smooth, words, paper=paper)).save(buffer, "PNG", optimize=True)
+    return Still(buffer.getvalue())
+
+
+def write_stills(
+    folder: Path, motion: PlantMotion, *, views: Iterable[View] = tuple(VIEWS.values())
+) -> list[Path]:
+    """Write pictures of a motion's beginning: ``still_3d.png``, ``still_right.png`` and so on.
+
+    Parameters
+    ----------
+    folder : Path
+        Existing, to be written into.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
+    """
+    paths = []
+    for view in views:
+        path = folder / f"still_{view.name}.png"
+        path.write_bytes(still(motion.shown, motion.q[0], view=view, motion=motion).png)
+        paths.append(path)
+    return paths
+
+
+def sketching() -> str | None:
+    """Say why pictures are drawn by matplotlib; None where VTK renders them."""
+    fault = rendering_fault()
+    if fault is None:
+        return None
+    return (
+        f"OpenGL is missing or broken ({fault}), so matplotlib drew the robot, in parallel "
+        f"projection; to have it rendered, {REMEDY}"
+    )
+
+
+def require_video(target: Path) -> None:
+    """Refuse to go on where this video cannot be made.
+
+    Raises
+    ------
+    BrokenPackageError
+        If Pillow cannot be imported, or PyAV for an MP4.
+    NoRenderingError
+        If nothing can be rendered here.
+    """
+    require_pillow()
+    if target.suffix.lower() == ".mp4":
+        require_import(
+            "av",
+            purpose="an MP4",
+            package="PyAV",
+            remedy="pip install 'drake-leg[video]', or choose a name that ends in .gif",
+        )
+    require_rendering()
+
+
+def write_video(
+    target: Path | str,
+    what: Showable,
+    record: Record,
+    *,
+    view: View | str = "3d",
+    overwrite: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> int:
+    """Render a motion in real time, MP4 at 30 frames a second, GIF at 20; count its frames.
+
+    Parameters
+    ----------
+    target : Path
+        Ends in ``.mp4`` or ``.gif``.
+    what : Robot, MultibodyPlant, Diagram, Path, str or ShownPlant
+        What moved, as ``shown`` takes it.
+    record : PlantMotion, Recording, VectorLog, or (time, q)
+        How it moved, as ``motion_of`` takes it.
+    view : View or str
+        From where: ``3d``, ``right``, ``front`` or ``top``.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+    progress : callable, optional
+        Called with the time rendered [s].
+
+    Raises
+    ------
+    InvalidValueError
+        If the motion is longer than ``LONGEST``.
+    BrokenPackageError
+        If Pillow cannot be imported, or PyAV for an MP4.
+    NoRenderingError
+        If nothing can be rendered here.
+    OutputError
+        If the file cannot be written.
+    """
+    path, motion, seen_from = Path(target), motion_of(what, record), as_view(view)
+    if motion.duration > LONGEST:
+        raise InvalidValueError(
+            f"the motion is {motion.duration:g} s long; a video is at most {LONGEST:g} s"
+        )
+    with whole_file(path, endings=ENDINGS, overwrite=overwrite) as scratch:
+        require_video(path)
+        gif = path.suffix.lower() == ".gif"
+        frames = motion.sampled(GIF_RATE if gif else MP4_RATE)
+        share = GIF_SHARE if gif else 1
+        images = _images(frames, scene_of(motion), seen_from, progress, share)
+        (_encode_gif if gif else _encode_mp4)(scratch, images)
+    return len(frames.time)
+
+
+def _images(
+    frames: PlantMotion,
+    scene: Scene,
+    view: View,
+    progress: Callable[[float], None] | None,
+    share: int,
+) -> Iterator[Pixels]:
+    renderer = Renderer(scene, width=VIDEO_WIDTH, height=VIDEO_HEIGHT)
+    height = VIDEO_HEIGHT // share
+    letters, margin = max(height // 30, 13), height // 28
+    small = max(height // 40, SMALLEST_LETTERS)
+    names = AxisNames(renderer, scene, view, share=share, size=small)
+    title = Words(text=frames.shown.title, x=margin, y=margin + letters / 2, size=letters)
+    for time, X_WF in zip(frames.time, frames.poses(), strict=True):
+        clock = Words(text=f"t = {time:.1f} s", x=margin, y=height - 1.4 * margin, size=letters)
+        words = [title, clock, *names.place(X_WF, [title, clock])]
+        yield write_on(reduced(renderer.image(X_WF, view), share), words)
+        if progress is not None:
+            progress(float(time - frames.time[0]))
+
+
+def _encode_mp4(target: Path, images: Iterator[Pixels]) -> None:
+    import av
+
+    with av.open(str(target), "w", format="mp4") as container:
+        stream = container.add_stream("libx264", rate=MP4_RATE)
+        stream.width, stream.height = VIDEO_WIDTH, VIDEO_HEIGHT
+        stream.pix_fmt = "yuv420p"
+        stream.time_base = Fraction(1, MP4_RATE)
+        stream.options = {"crf": QUALITY, "preset": "veryfast"}
+        for image in images:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="rgb24")))
+        container.mux(stream.encode())
+
+
+def _encode_gif(target: Path, images: Iterator[Pixels]) -> None:
+    first = Image.fromarray(next(images)).quantize(GIF_COLOURS)
+    others = (
+        Image.fromarray(image).quantize(palette=first, dither=Image.Dither.NONE) for image in images
+    )
+    first.save(
+        target,
+        format="GIF",
+        save_all=True,
+        append_images=others,
+        duration=1000 // GIF_RATE,
+        loop=0,
+        optimize=False,
+    )

@@ -1,1 +1,0 @@
-"""A robot in a page while a program moves it: server, news, commands."""

@@ -1,0 +1,399 @@
+"""Pages, their states and their commands over HTTP, on this machine unless told otherwise."""
+
+from __future__ import annotations
+
+import ipaddress
+import json
+import os
+import socket
+import sys
+import webbrowser
+from collections.abc import Callable
+from dataclasses import dataclass
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import Thread
+from typing import Any, Protocol, Self, cast
+
+from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.scene.live import Command, Feed
+
+LOCALHOST = "localhost"
+ANYWHERE = "*"
+OTHER_HOST = "choose another `host`"
+FIRST_PORT, LAST_PORT = 7000, 7999
+POLL = 0.03  # [s] between looks whether to end
+_SMALLEST_PORT, _LARGEST_PORT = 1024, 65535
+
+LARGEST_COMMAND = 4096  # bytes
+LARGEST_READ = 1 << 20  # bytes that are read to be refused, so that the refusal is heard
+PATIENCE = 10.0  # [s] with a browser that neither sends nor takes
+
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; "
+    "frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
+Address = tuple[socket.AddressFamily, str]
+
+
+class ServerError(DrakeLegError):
+    """Pages cannot be served there.
+
+    Attributes
+    ----------
+    host : str
+        Where it was to listen.
+    port : int or None
+        At which port; None for any that is free.
+    """
+
+    def __init__(self, host: str, port: int | None, reason: str, advice: str) -> None:
+        self.host, self.port = host, port
+        where = "" if port is None else f", port {port}"
+        super().__init__(f"cannot listen at {host}{where}: {reason}", advice=advice)
+
+
+class Server:
+    """Listens from the beginning; answers when it serves.
+
+    Parameters
+    ----------
+    host : str
+        Name or address to listen at; ``*`` lets all in that can reach this machine.
+    port : int, optional
+        To listen at; by default the first that is free from ``FIRST_PORT`` on.
+
+    Raises
+    ------
+    InvalidValueError
+        If the port is out of range.
+    ServerError
+        If the port is taken, or the host is not one of this machine's.
+    """
+
+    def __init__(self, host: str = LOCALHOST, port: int | None = None) -> None:
+        if port is not None and not _SMALLEST_PORT <= port <= _LARGEST_PORT:
+            raise InvalidValueError(
+                f"the port is {port}; it must be in {_SMALLEST_PORT} ... {_LARGEST_PORT}"
+            )
+        addresses = _addresses(host)
+        self._listeners = _listen(host, addresses, port)
+        self._feed: Feed | None = None
+        self.port = self._listeners[0].server_address[1]
+        self.names = _names(host, addresses)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def url(self) -> str:
+        """Where the page is, for a browser on this machine."""
+        return f"http://{self.names[0]}:{self.port}"
+
+    def serve(self, page: str, handle: Callable[[Command], dict[str, Any]], feed: Feed) -> None:
+        """Begin to answer.
+
+        Parameters
+        ----------
+        handle : callable
+            Called with each command, from threads of its own; returns what a page is answered,
+            or raises a ``DrakeLegError``, whose sentence the page is answered.
+        feed : Feed
+            What the pages are told.
+        """
+        self._feed = feed
+        site = Site(page=page.encode(), handle=handle, feed=feed, names=self.names)
+        for listener in self._listeners:
+            listener.site = site
+            Thread(target=listener.serve_forever, args=(POLL,), daemon=True).start()
+
+    def close(self) -> None:
+        """Tell the pages that the session has ended, and listen no longer."""
+        if self._feed is not None:
+            self._feed.end()
+        for listener in self._listeners:
+            if self._feed is not None:
+                listener.shutdown()
+            listener.server_close()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Site:
+    """What a server answers with."""
+
+    page: bytes
+    handle: Callable[[Command], dict[str, Any]]
+    feed: Feed
+    names: tuple[str, ...]  # of this machine, as in a URL; "*" stands for all its addresses
+
+
+class _Owner(Protocol):
+    site: Site
+
+
+class RefusedError(DrakeLegError):
+    """A request that is not answered, with its status."""
+
+    def __init__(self, status: HTTPStatus, sentence: str) -> None:
+        super().__init__(sentence)
+        self.status = status
+
+
+class Answers(BaseHTTPRequestHandler):
+    """``GET /``: the page; ``GET /events``: states; ``POST /command``: one command as JSON."""
+
+    timeout = PATIENCE
+    server_version, sys_version = "drake-leg", ""
+
+    def do_GET(self) -> None:
+        """Answer with the page or with states."""
+        answers = {"/": self._page, "/events": self._events, "/favicon.ico": self._no_icon}
+        self._answer(answers, "/ and /events")
+
+    def do_POST(self) -> None:
+        """Take a command."""
+        self._answer({"/command": self._command}, "/command")
+
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Refuse with one sentence; a method that is not known is the browser's fault."""
+        status = HTTPStatus(code)
+        if status == HTTPStatus.NOT_IMPLEMENTED:
+            status, message = HTTPStatus.METHOD_NOT_ALLOWED, "only GET and POST are answered"
+        self._send(status, (message or status.phrase).encode(), "text/plain; charset=utf-8")
+
+    def log_message(self, format: str, *args: object) -> None:
+        """Say nothing in the terminal."""
+
+    @property
+    def _site(self) -> Site:
+        return cast("_Owner", self.server).site
+
+    def _answer(self, answers: dict[str, Callable[[], None]], paths: str) -> None:
+        try:
+            require_own(self.headers.get("Host"), self.headers.get("Origin"), self._site.names)
+            path = self.path.partition("?")[0]
+            if path not in answers:
+                raise RefusedError(
+                    HTTPStatus.NOT_FOUND, f"{self.command} is answered at {paths} only"
+                )
+            answers[path]()
+        except RefusedError as refused:
+            self.send_error(refused.status, str(refused))
+        except DrakeLegError as error:
+            self.send_error(HTTPStatus.BAD_REQUEST, str(error))
+
+    def _page(self) -> None:
+        self._send(HTTPStatus.OK, self._site.page, "text/html; charset=utf-8")
+
+    def _no_icon(self) -> None:
+        self._send(HTTPStatus.NO_CONTENT, b"", "image/x-icon")
+
+    def _events(self) -> None:
+        self._begin(HTTPStatus.OK, "text/event-stream")
+        self.wfile.write(b"retry: 500\n\n")
+        for state in self._site.feed.follow():
+            data = "" if state is None else f"data: {json.dumps(state, separators=(',', ':'))}"
+            self.wfile.write(f"{data or ':'}\n\n".encode())
+        self.wfile.write(b"event: end\ndata: \n\n")
+
+    def _command(self) -> None:
+        if self.headers.get_content_type() != "application/json":
+            raise RefusedError(
+                HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "a command's type is application/json"
+            )
+        command = parse_command(self.rfile.read(self._length()))
+        answer = json.dumps(self._site.handle(command)).encode()
+        self._send(HTTPStatus.OK, answer, "application/json")
+
+    def _length(self) -> int:
+        told = self.headers.get("Content-Length")
+        if told is None:
+            raise RefusedError(HTTPStatus.LENGTH_REQUIRED, "a command has a Content-Length")
+        if not (told.isascii() and told.isdigit()):
+            raise RefusedError(HTTPStatus.BAD_REQUEST, "Content-Length must be a whole number")
+        length = int(told[:20])
+        if length > LARGEST_COMMAND:
+            self.rfile.read(length if length < LARGEST_READ else 0)
+            raise RefusedError(
+                HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+                f"a command has at most {LARGEST_COMMAND} bytes",
+            )
+        return length
+
+    def _send(self, status: HTTPStatus, body: bytes, kind: str) -> None:
+        self._begin(status, kind, len(body))
+        if self.command != "HEAD":
+            self.wfile.write(body)
+
+    def _begin(self, status: HTTPStatus, kind: str, length: int | None = None) -> None:
+        self.send_response(status)
+        for name, value in HEADERS.items():
+            self.send_header(name, value)
+        self.send_header("Content-Type", kind)
+        if length is not None:
+            self.send_header("Content-Length", str(length))
+        self.end_headers()
+
+
+class _Listener(ThreadingHTTPServer):
+    """Listens at one address."""
+
+    daemon_threads = True
+    request_queue_size = 1024  # pages that may wait to be answered at one moment
+    site: Site
+
+    def __init__(self, address: Address, port: int) -> None:
+        self.address_family = address[0]
+        super().__init__((address[1], port), Answers)
+
+    def server_bind(self) -> None:
+        """Bind, without asking the network for this machine's name."""
+        if self.address_family == socket.AF_INET6:
+            self.socket.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.socket.bind(self.server_address)
+        self.server_address = self.socket.getsockname()
+
+    def handle_error(self, request: object, client_address: object) -> None:
+        """Say nothing: a browser that breaks off does not concern the terminal."""
+
+
+def open_browser(url: str) -> bool:
+    """Open a page in the person's browser, where there is a screen to show it.
+
+    Returns
+    -------
+    bool
+        Whether one was opened.
+    """
+    if sys.platform.startswith("linux") and not (
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
+        return False
+    try:
+        return webbrowser.open(url)
+    except webbrowser.Error:
+        return False
+
+
+def require_own(host: str | None, origin: str | None, names: tuple[str, ...]) -> None:
+    """Refuse what another site sends through a browser of this machine.
+
+    Parameters
+    ----------
+    host, origin : str or None
+        Headers of the request.
+    names : tuple of str
+        Of this machine, as in a URL.
+
+    Raises
+    ------
+    RefusedError
+        If the host is none of the names, or the origin is another host.
+    """
+    name = (host or "").lower().rpartition(":")[0] if _has_port(host) else (host or "").lower()
+    known = name in map(str.lower, names) or ("*" in names and _is_address(name))
+    if not known:
+        raise RefusedError(HTTPStatus.FORBIDDEN, "the Host header does not name this server")
+    if origin is not None and origin.lower() != f"http://{host}".lower():
+        raise RefusedError(HTTPStatus.FORBIDDEN, "another site may not use this server")
+
+
+def parse_command(text: bytes) -> Command:
+    """Read a command.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is no object of JSON.
+    """
+    try:
+        command = json.loads(text)
+    except (ValueError, RecursionError):
+        raise InvalidValueError("a command is an object of JSON; this is no JSON") from None
+    if not isinstance(command, dict):
+        raise InvalidValueError("a command is an object of JSON, such as {}")
+    return command
+
+
+def _listen(host: str, addresses: list[Address], port: int | None) -> list[_Listener]:
+    """Listen at all addresses, with one port."""
+    ports = range(FIRST_PORT, LAST_PORT + 1) if port is None else (port,)
+    for candidate in ports:
+        listeners: list[_Listener] = []
+        try:
+            for address in addresses:
+                listeners.append(_Listener(address, candidate))
+        except OSError:
+            for listener in listeners:
+                listener.server_close()
+        else:
+            return listeners
+    raise ServerError(
+        host,
+        port,
+        "the port is taken, or the host is not this machine's"
+        if port is not None
+        else f"none of the ports {FIRST_PORT} to {LAST_PORT} is free, or the host is another's",
+        "choose another `port` or `host`",
+    )
+
+
+def _addresses(host: str) -> list[Address]:
+    """Find the addresses of a host that are this machine's."""
+    try:
+        places = (
+            [(socket.AF_INET, "0.0.0.0"), (socket.AF_INET6, "::")]
+            if host == ANYWHERE
+            else [
+                (family, str(address[0]))
+                for family, _, _, _, address in socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)
+            ]
+        )
+    except (OSError, ValueError):
+        raise ServerError(
+            repr(host), None, "no machine of this name is known", OTHER_HOST
+        ) from None
+    own = [place for place in dict.fromkeys(places) if _bindable(*place)]
+    if not own:
+        raise ServerError(host, None, "it is not an address of this machine", OTHER_HOST)
+    return own
+
+
+def _bindable(family: socket.AddressFamily, address: str) -> bool:
+    try:
+        with socket.socket(family, socket.SOCK_STREAM) as trial:
+            trial.bind((address, 0))
+    except OSError:
+        return False
+    return True
+
+
+def _names(host: str, addresses: list[Address]) -> tuple[str, ...]:
+    """Names by which browsers may know this machine, as in a URL."""
+    if host == ANYWHERE or any(ipaddress.ip_address(name).is_unspecified for _, name in addresses):
+        own = socket.gethostname()
+        return (LOCALHOST, own, f"{own}.local", ANYWHERE)
+    numbers = [f"[{name}]" if ":" in name else name for _, name in addresses]
+    loops = any(ipaddress.ip_address(name).is_loopback for _, name in addresses)
+    first = numbers[0] if ":" in host else host
+    return tuple(dict.fromkeys([first, *numbers, *[LOCALHOST] * loops]))
+
+
+def _has_port(host: str | None) -> bool:
+    return host is not None and host.rpartition(":")[2].isdigit() and not host.endswith("]")
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name.strip("[]"))
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,291 @@
+"""What a posture allows, before anything is simulated: rank, singularities, room to move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from drake_leg.kinematics.batches import one_vector
+from drake_leg.kinematics.chain import freedoms, size_of
+from drake_leg.kinematics.euler import euler_angles
+from drake_leg.kinematics.feet import Feet, Solution, feet, lift_limits, limits_of
+from drake_leg.kinematics.khalil import foot_pose, jacobian
+from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.of_robot import geometry_of, movable
+from drake_leg.kinematics.scara import ScaraGeometry
+from drake_leg.quantities import beyond, require_positive
+from drake_leg.robot import Robot, Segment
+from drake_leg.singularity.directions import STRAIGHT
+from drake_leg.singularity.families import Families, Nearness, families_of
+from drake_leg.singularity.rank import LostTwist, RankReport, WholeRank, examine, examine_whole
+from drake_leg.singularity.stroke import Stroke, chain_stroke, closed_stroke, greatest_amplitude
+
+ROUNDING = 1e-13  # of the length: singular values below it are zero
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outside:
+    """A joint outside its limits."""
+
+    segment: Segment
+    position: float  # [rad or m]
+
+    @property
+    def sentence(self) -> str:
+        """Which joint, where, and its limits."""
+        turning = self.segment.row.joint == "revolute"
+        ((low, high),) = limits_of([self.segment])
+        position, low, high = (
+            math.degrees(value) if turning else value for value in (self.position, low, high)
+        )
+        unit = "deg" if turning else "m"
+        return (
+            f"joint {self.segment.joint} is at {position:.6g} {unit}, outside its limits "
+            f"{low:.6g} ... {high:.6g} {unit}"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnosis:
+    """All results of examining a posture; lengths in m, angles in rad."""
+
+    position: tuple[float, float, float | None]  # of the foot; no height without the lift
+    orientation: tuple[float, float, float]  # of the foot: roll, pitch, yaw about x, y, z
+    moved: str  # what the rank is of: the foot's translation, or part of it
+    rank: RankReport
+    most_rank: int  # in any posture
+    whole: WholeRank | None  # of the whole Jacobian; None where there are at most three joints
+    nearness: tuple[Nearness, ...]  # nearest first; empty for a chain without named families
+    outside: tuple[Outside, ...]
+    holds_orientation: bool  # along the stroke
+    forward: Stroke | None  # None where the posture is singular already
+    backward: Stroke | None
+    greatest_amplitude: float | None  # [m/s], at the frequency asked for
+    feet: Feet | None  # the inverse kinematics; None where not asked for
+
+    @property
+    def solutions(self) -> tuple[Solution, ...] | None:
+        """Joint positions that put the foot where it was asked for; None if it was not."""
+        return None if self.feet is None else self.feet.solutions
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the numbers under the command line's keys, with angles in degrees."""
+        lost = self.rank.lost_directions
+        return {
+            "foot_m": list(self.position),
+            "foot_rpy_deg": [math.degrees(angle) for angle in self.orientation],
+            "rank": self.rank.rank,
+            "full_rank": self.rank.full_rank,
+            "greatest_rank": self.most_rank,
+            "sigma_min_m": self.rank.sigma_min,
+            "manipulability": self.rank.manipulability,
+            "whole_jacobian": self.whole and _whole_json(self.whole),
+            "nearest_family": self.nearness[0].family if self.nearness else None,
+            "lost_direction": lost[-1].tolist() if len(lost) else None,
+            "outside_limits": [outside.sentence for outside in self.outside],
+            "stroke_holds_orientation": self.holds_orientation,
+            "stroke_forward_m": _finite(self.forward.length if self.forward else None),
+            "stroke_forward_ends": _end(self.forward),
+            "stroke_backward_m": _finite(self.backward.length if self.backward else None),
+            "stroke_backward_ends": _end(self.backward),
+            "max_amplitude_m_s": _finite(self.greatest_amplitude),
+            **feet_json(self.feet),
+        }
+
+
+def feet_json(found: Feet | None) -> dict[str, Any]:
+    """The inverse kinematics under the command line's keys, in degrees; empty lists for None."""
+    solutions = found.solutions if found else ()
+    units = list(found.units) if found else []
+    turning = all(unit == "deg" for unit in units)
+    return {
+        "branches_heading": found and found.heading,
+        "units": units,
+        **({"branches_deg": [_typed(s.q, units) for s in solutions if s.q]} if turning else {}),
+        "branches": [
+            {
+                "name": s.name,
+                "q_deg" if turning else "q": _typed(s.q, units),
+                "within_limits": s.within_limits,
+            }
+            for s in solutions
+        ],
+    }
+
+
+def examine_posture(
+    robot: Robot,
+    q: Sequence[float],
+    *,
+    direction: Sequence[float] = (1.0, 0.0, 0.0),
+    frequency: float = 1.0,
+    foot: Sequence[float] | None = None,
+    yaw: float | None = None,
+    rpy: Sequence[float] | None = None,
+) -> Diagnosis:
+    """Examine a posture of a robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        A leg, the SCARA, or any chain.
+    q : (n,) sequence of float
+        Joint positions [rad or m]; the SCARA's lift may be left out.
+    direction : (3,) sequence of float
+        Of the stroke, in the base frame.
+    frequency : float
+        Of the sine whose greatest amplitude is asked for [rad/s].
+    foot : (3,) sequence of float, optional
+        Point whose inverse kinematics is asked for [m].
+    yaw, rpy : float and (3,) sequence of float, optional
+        How the foot is to be turned there, as ``feet`` takes them [rad].
+
+    Returns
+    -------
+    Diagnosis
+        Position of the foot, rank, singular values, strokes both ways and, where ``foot`` is
+        given, the joint positions that put the foot there; lengths in m, angles in rad.
+
+    Raises
+    ------
+    InvalidValueError
+        If a number of joints is wrong, or a value makes no sense.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, examine_posture
+    >>> q = [radians(90), radians(-50), radians(-90)]
+    >>> found = examine_posture(LEG_B, q, direction=(1, 0, 0))
+    >>> found.rank.rank
+    3
+    >>> round(found.forward.length, 4), found.forward.family  # how far the foot can go [m]
+    (0.1882, 'stretch')
+    """
+    require_positive("the frequency", frequency, "rad/s")
+    families = families_of(geometry_of(robot))
+    lifted = _lifted(robot, q)
+    X_BF = foot_pose(robot.rows, lifted)
+    size = size_of(robot.rows)
+    one_vector("q", q, len(q))
+    J = families.translation_jacobian(q) if families else jacobian(robot.rows, lifted)[3:]
+    rank = examine(J, ROUNDING * size)
+    most = freedoms(robot.rows)[0].rank
+    moved = movable(robot, lifted) if most else None
+    forward = backward = None
+    if _is_regular(moved, lifted, ROUNDING * size):
+        forward = _limited(robot, families, q, direction, moved)
+        backward = _limited(robot, families, q, [-value for value in direction], moved)
+    x, y, z = X_BF[:3, 3].tolist()
+    yaw_there, pitch, roll = euler_angles("ZYX", X_BF[:3, :3]).tolist()
+    many = len(robot.moving) > 3
+    return Diagnosis(
+        position=(x, y, z if len(q) == len(lifted) else None),
+        orientation=(roll, pitch, yaw_there),
+        moved=families.moved if families else "the foot's translation",
+        rank=rank,
+        most_rank=min(most, rank.full_rank),
+        whole=examine_whole(robot.rows, lifted, size) if many else None,
+        nearness=families.nearness(q) if families else (),
+        outside=_outside(robot, q),
+        holds_orientation=moved is not None and moved.keeps_orientation,
+        forward=forward,
+        backward=backward,
+        greatest_amplitude=greatest_amplitude(forward, frequency) if forward else None,
+        feet=None if foot is None else feet(robot, foot, q=q, yaw=yaw, rpy=rpy),
+    )
+
+
+def _is_regular(moved: Movable | None, q: Sequence[float], rounding: float) -> bool:
+    """Tell whether the foot can make every commanded motion in a posture."""
+    return moved is None or examine(moved.jacobian_in_lengths(q), rounding).rank == moved.size
+
+
+def _lifted(robot: Robot, q: Sequence[float]) -> Sequence[float]:
+    """Fill in a lift that was left out: only the height depends on it."""
+    if isinstance(geometry_of(robot), ScaraGeometry) and len(q) == 3:
+        low, high = lift_limits(robot)
+        return [*q, low if math.isfinite(low) else min(high, 0.0)]
+    return q
+
+
+def _outside(robot: Robot, q: Sequence[float]) -> tuple[Outside, ...]:
+    joints = robot.moving[: len(q)]
+    return tuple(
+        Outside(segment=joint, position=float(position))
+        for joint, position, (low, high) in zip(joints, q, limits_of(joints), strict=True)
+        if beyond(position, low, high)
+    )
+
+
+def _limited(
+    robot: Robot,
+    families: Families | None,
+    q: Sequence[float],
+    direction: Sequence[float],
+    moved: Movable | None,
+) -> Stroke:
+    """Return the stroke to the first singularity, or to a joint limit before it."""
+    lifted, limits = _lifted(robot, q), limits_of(robot.moving)
+    already = _outside(robot, lifted)
+    if already:
+        return Stroke(length=0.0, family=None, joint=already[0].segment.joint)
+    known = closed_stroke(families, q[:3], direction) if families else None
+    if known is not None and not np.isfinite(limits).any():
+        return known
+    names = [str(joint.joint) for joint in robot.moving]
+    found = chain_stroke(
+        robot.rows,
+        lifted,
+        direction,
+        moved=moved,
+        farthest=None if known is None else known.length,
+        limits=dict(zip(names, limits, strict=True)),
+    ).stroke
+    if known is not None and found.joint is None:
+        return known
+    curved = moved is not None and moved.varies
+    leaves = curved and found.joint is None and found.length < STRAIGHT * size_of(robot.rows)
+    return replace(found, length=0.0) if leaves else found
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _end(stroke: Stroke | None) -> str | None:
+    """Say what ends a stroke."""
+    if stroke is None or not math.isfinite(stroke.length):
+        return None
+    if stroke.joint is not None:
+        return f"the limit of joint {stroke.joint}"
+    return f"the {stroke.family} family" if stroke.family else None
+
+
+def _typed(q: Sequence[float] | None, units: Sequence[str]) -> list[float] | None:
+    if q is None:
+        return None
+    return [
+        math.degrees(value) if unit == "deg" else value
+        for value, unit in zip(q, units, strict=True)
+    ]
+
+
+def _whole_json(whole: WholeRank) -> dict[str, Any]:
+    def listed(twist: LostTwist) -> dict[str, Any]:
+        turning, moving = twist.turning, twist.moving
+        return {
+            "turning": None if turning is None else turning.tolist(),
+            "moving": None if moving is None else moving.tolist(),
+        }
+
+    return {
+        "rank": whole.rank,
+        "full_rank": whole.full_rank,
+        "sigma_min": whole.sigma_min,
+        "lost_twists": [listed(twist) for twist in whole.lost],
+    }

@@ -1,0 +1,251 @@
+"""Where and when a commanded motion meets a singularity, known before anything moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.chain import MovableChain
+from drake_leg.kinematics.motions import SineStep
+from drake_leg.kinematics.movable import Movable
+from drake_leg.quantities import joint_entries
+from drake_leg.singularity.edges import Approach, Family, Path, approaches, line
+from drake_leg.singularity.families import Families, families_of
+from drake_leg.singularity.rank import loses_turning, lost_direction
+from drake_leg.singularity.stroke import approaches_on_line, chain_stroke
+
+GRAZE = 1e-6  # of the arm's length: passing nearer than this to an edge is grazing it
+# Parts of the path before a meeting at which the joints are read: the last where the singularity
+# itself leaves one of them open, the ones between where rounding puts it out of reach.
+BACK = (0.0, 1e-15, 1e-14, 1e-13, 1e-12, 1e-9)
+SAME_POSTURE = 1e-3  # [rad]
+PER_PERIOD = 720  # points of a curved path over a period
+MOST_POINTS = 200_000  # of a curved path
+HALVINGS = 50  # of the interval in which the greatest amplitude of a curved path lies
+
+
+@dataclass(frozen=True, kw_only=True)
+class Encounter:
+    """A meeting with a singular family."""
+
+    time: float  # [s]
+    family: Family | None  # None where families have no names
+    q: tuple[float, ...]  # [rad or m]
+    foot: tuple[float, ...]  # base frame [m]
+    lost_direction: tuple[float, ...]  # unit vector, base frame
+    loses_turning: bool = False  # about that direction, not translation along it
+    greatest_amplitude: float | None  # [m/s], below which the motion stays inside; None: unknown
+    grazing: bool = False  # the command leaves the workspace by less than forecast.GRAZE
+    numerical: bool = False  # found by small steps, not in closed form
+    turning: tuple[bool, ...] = (True, True, True)  # joint by joint: revolute, not prismatic
+
+    def describe(self) -> str:
+        """Say it in the middle of a sentence."""
+        family = f" ({self.family} family)" if self.family else ""
+        about = "about " if self.numerical else ""
+        at = f"{self.time:.{6 if self.numerical else 9}f}"
+        joints = ", ".join(
+            f"{_listed([math.degrees(value)], 4)} deg" if turns else f"{_listed([value], 6)} m"
+            for value, turns in zip(self.q, self.turning, strict=True)
+        )
+        lost = "turning left about" if self.loses_turning else "motion left along"
+        amplitude = self.greatest_amplitude
+        inside = f"; an amplitude below {amplitude:.9g} m/s stays inside" if amplitude else ""
+        return (
+            f"singular{family} at t = {about}{at} s, with the foot at ({_listed(self.foot, 6)}) m, "
+            f"the joints at ({joints}) and no {lost} "
+            f"({_listed(self.lost_direction, 4)}){inside}"
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return its numbers, with the joint positions in deg, or m where a joint slides."""
+        return {
+            "family": self.family,
+            "time_s": self.time,
+            "foot_m": list(self.foot),
+            **joint_entries("q", self.q, [not turns for turns in self.turning]),
+            "lost_direction": list(self.lost_direction),
+            "loses_turning": self.loses_turning,
+            "greatest_amplitude_m_s": self.greatest_amplitude,
+            "grazing": self.grazing,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Graze:
+    """A passing close by an edge of the workspace."""
+
+    time: float  # [s]
+    family: Family
+    clearance: float  # [m]
+
+    def describe(self) -> str:
+        """Say it in a sentence."""
+        return (
+            f"the command passes within {self.clearance:.3g} m of the {self.family} family "
+            f"at t = {self.time:.9f} s"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Forecast:
+    """What a motion will meet."""
+
+    encounter: Encounter | None = None
+    graze: Graze | None = None
+
+
+def encounter_at(
+    robot: Movable, q: Sequence[float], time: float, greatest_amplitude: float | None = None
+) -> Encounter:
+    """Describe a singular posture that a run has come to at a time [s].
+
+    ``greatest_amplitude`` [m/s] is what would have stayed inside, where it is known.
+    """
+    posture = tuple(float(value) for value in q)
+    families = families_of(robot.geometry)
+    return Encounter(
+        time=time,
+        family=families.nearness(posture)[0].family if families else None,
+        q=posture,
+        foot=tuple(robot.foot(posture).tolist()),
+        lost_direction=lost_direction(robot, posture),
+        loses_turning=loses_turning(robot, posture),
+        greatest_amplitude=greatest_amplitude,
+        turning=robot.turning,
+    )
+
+
+def _listed(values: Sequence[float], digits: int) -> str:
+    return ", ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)
+
+
+def forecast_step(robot: Movable, q0: Sequence[float], step: SineStep, duration: float) -> Forecast:
+    """Say what a straight step from q0 meets in a run's duration [s].
+
+    ``s = (2 A / w) sin^2(w t / 2)`` is the way, so that the way to the edge tells the instant: in
+    closed form, for a chain numerically.
+    """
+    end = step.way(duration)
+    if end == 0.0:
+        return Forecast()
+    families = families_of(robot.geometry)
+    if families is None:
+        return _forecast_chain(robot, q0, step, end)
+    start = robot.foot(q0)
+    found = approaches_on_line(families, q0, start, step.heading, end)
+    forecast = _forecast(robot, families, q0, line(start, step.heading), found)
+    if forecast.encounter:
+        way = forecast.encounter.time
+        greatest = way * step.frequency / 2.0
+        timed = replace(forecast.encounter, time=step.time(way), greatest_amplitude=greatest)
+        return Forecast(encounter=timed)
+    if forecast.graze:
+        return Forecast(graze=replace(forecast.graze, time=step.time(forecast.graze.time)))
+    return forecast
+
+
+def forecast_path(
+    robot: Movable,
+    q0: Sequence[float],
+    path: Callable[[float], Path],
+    *,
+    amplitude: float,
+    period: float,
+    duration: float,
+) -> Forecast:
+    """Say what a curved motion meets, on a path sampled finely and then solved.
+
+    Parameters
+    ----------
+    q0 : (3,) sequence of float
+        Where it starts [rad], not singular.
+    path : callable
+        ``path(amplitude)(times)`` gives points (n, 3) [m].
+    amplitude : float
+        [m/s].
+    period : float
+        Over which the path turns [s].
+    duration : float
+        Of what has to be looked at [s].
+    """
+    count = min(max(int(PER_PERIOD * duration / period), PER_PERIOD), MOST_POINTS)
+    times = np.linspace(0.0, duration, count + 1)
+    families = families_of(robot.geometry)
+    if families is None:
+        raise InvalidValueError("a curved motion is foreseen only for a robot with closed forms")
+    edges = families.edges(q0)
+
+    def meets(size: float) -> bool:
+        found = approaches(edges, path(math.copysign(size, amplitude)), times)
+        return any(approach.clearance <= 0.0 for approach in found)
+
+    found = approaches(edges, path(amplitude), times)
+    forecast = _forecast(robot, families, q0, path(amplitude), found)
+    if forecast.encounter is None:
+        return forecast
+    low, high = 0.0, abs(amplitude)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2.0
+        low, high = (low, middle) if meets(middle) else (middle, high)
+    greatest = None if meets(0.0) else low
+    return Forecast(encounter=replace(forecast.encounter, greatest_amplitude=greatest))
+
+
+def _forecast(
+    robot: Movable,
+    families: Families,
+    q0: Sequence[float],
+    path: Path,
+    found: list[Approach],
+) -> Forecast:
+    """Describe the first meeting, or the closest graze, at its parameter on the path."""
+    size = families.edges(q0).size
+    met = [approach for approach in found if approach.clearance <= 0.0]
+    if not met:
+        near = min(found, key=lambda approach: approach.clearance)
+        if near.clearance >= GRAZE * size:
+            return Forecast()
+        return Forecast(
+            graze=Graze(time=near.parameter, family=near.family, clearance=near.clearance)
+        )
+    first = min(met, key=lambda approach: approach.parameter)
+    here = path(np.array([first.parameter]))[0]
+    q = _posture_at(families, q0, path, first)
+    encounter = replace(
+        encounter_at(robot, q.tolist(), first.parameter),
+        family=first.family,
+        foot=tuple(here.tolist()),
+        grazing=first.family == "stretch" and first.clearance > -GRAZE * size,
+    )
+    return Forecast(encounter=encounter)
+
+
+def _posture_at(families: Families, q0: Sequence[float], path: Path, first: Approach) -> Array:
+    """Return the joints' limit on the way to a meeting: there itself some may be open."""
+    points = path(first.parameter * (1.0 - np.array(BACK)))
+    reference = families.posture(points[-1], q0)
+    if first.family == "hip-axis":
+        return reference
+    for point in points:
+        q = families.posture(point, q0)
+        if np.abs(q - reference).max() < SAME_POSTURE:  # not if it is NaN
+            return q
+    return reference
+
+
+def _forecast_chain(robot: Movable, q0: Sequence[float], step: SineStep, end: float) -> Forecast:
+    if not isinstance(robot, MovableChain):
+        raise InvalidValueError("a straight motion is foreseen only for a chain or closed forms")
+    stroke, q = chain_stroke(robot.rows, q0, step.heading, moved=robot, farthest=end)
+    if stroke.length > end:
+        return Forecast()
+    found = encounter_at(robot, q.tolist(), step.time(stroke.length))
+    greatest = stroke.length * step.frequency / 2.0
+    return Forecast(encounter=replace(found, greatest_amplitude=greatest, numerical=True))

@@ -1,0 +1,168 @@
+"""How long a step may be so that no singularity is jumped across.
+
+The joints' rates and accelerations tell beforehand how far a step will change the determinant.
+Steps that change it by a small part approach a zero in a geometric sequence of instants, whether it
+falls linearly (the foot comes to the hip axis) or like the root of the time that is left (the leg
+stretches): where the determinant over its rate of change is less than ``TIME_LEFT``, the zero is
+not farther than that. A motion that turns away in time, however near, continues.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from drake_leg.kinematics.movable import Floats, Movable
+
+TIME_LEFT = 5e-10  # [s] before the instant of a singularity, at which a run stops
+APPROACH = 0.03  # part of the determinant that a step changes, at most
+NEAR, NEAR_APPROACH = 0.3, 0.02  # below this normalised determinant it is this part
+LARGEST_TURN = 0.05  # [rad or m] of a joint in a step
+SHRINK = 1.5  # from one trial to the next
+SMALLEST_STEP = 1e-13  # [s]
+DAMPED_STEP = 1.5  # of the time constant of a damped inverse, at most
+STEP_OF_KINK, SHORTEST_AT_KINK = 2e-3, 2e-4  # [s], of steps in which a rate may have a kink
+PART_AT_KINK = 0.04  # of a rate, by which it may change in such a step
+
+
+class Instant(NamedTuple):
+    """A robot that follows a command, at one instant."""
+
+    q: Floats  # (n,) [rad or m]
+    v: Floats  # (m,) commanded velocity [m/s or rad/s]
+    a: Floats | None  # its derivative, where it is known
+    w: Floats | None  # (n,) joint rates as sensed, where they are
+    qdot: Floats  # (n,) commanded joint rates [rad/s or m/s]
+    qddot: Floats | None  # their derivative, where a is known
+
+
+class LookAhead:
+    """How far a step would go, from the joints' rates and, where known, their accelerations.
+
+    Parameters
+    ----------
+    determinant : callable
+        Of a posture.
+    q, qdot : (n,) sequence of float
+        [rad or m], and per second.
+    qddot : (n,) sequence of float or None
+        [rad/s^2 or m/s^2].
+    """
+
+    def __init__(
+        self,
+        determinant: Callable[[Floats], float],
+        q: Floats,
+        qdot: Floats,
+        qddot: Floats | None,
+    ) -> None:
+        self._determinant = determinant
+        self._q, self._qdot, self._qddot = q, qdot, qddot
+        self._now = determinant(q)
+        self._fastest = max(map(abs, qdot))
+        self._hardest = max(map(abs, qddot)) if qddot else 0.0
+
+    def __call__(self, step: float) -> tuple[float, float]:
+        """Greatest change of a joint in a step [rad or m], and of the determinant, relatively.
+
+        Effects of rates and accelerations are added: they may cancel at the end of the step, but
+        not within it.
+        """
+        half = 0.5 * step * step
+        drift = abs(self._moved(step, self._qdot) - self._now)
+        if self._qddot:
+            drift += abs(self._moved(half, self._qddot) - self._now)
+        turn = step * self._fastest + half * self._hardest
+        return turn, drift / abs(self._now) if self._now else math.inf
+
+    def time_left(self, step: float) -> float:
+        """Determinant over the rate at which it falls in a small step [s]; infinite if it grows.
+
+        Where it falls linearly in time, that is when it becomes zero; where it falls like the
+        root of the time that is left, it becomes zero at half of that.
+        """
+        change = self._moved(step, self._qdot) / self._now - 1.0
+        return -step / change if change < 0.0 else math.inf
+
+    def shortened(self, step: float, approach: float, least: float) -> float:
+        """Shorten a step, to ``least`` at the least, until it changes the determinant by a part."""
+        while step > least:
+            turn, change = self(step)
+            if turn <= LARGEST_TURN and change <= approach:
+                break
+            step /= SHRINK
+        return step
+
+    def _moved(self, step: float, change: Floats) -> float:
+        moved = [q + step * part for q, part in zip(self._q, change, strict=True)]
+        return self._determinant(moved)
+
+
+def step_towards(
+    robot: Movable, at: Instant, now: float, step: float, *, disturbed: bool
+) -> float | None:
+    """Shorten a step so that it comes nearer to a singularity and not across it.
+
+    Parameters
+    ----------
+    now : float
+        Determinant over its scale, positive on the side where the robot started.
+    step : float
+        Longest that it may be [s].
+    disturbed : bool
+        Whether the joints may move otherwise than commanded, so that sensed rates count.
+
+    Returns
+    -------
+    float or None
+        [s]; None where the singularity is nearer than ``TIME_LEFT``.
+    """
+    ahead = _look_ahead(robot, at, disturbed=disturbed)
+    step = ahead.shortened(step, NEAR_APPROACH if now < NEAR else APPROACH, SMALLEST_STEP)
+    if step < TIME_LEFT and ahead.time_left(step) < TIME_LEFT:
+        return None
+    return step
+
+
+def step_through(robot: Movable, at: Instant, step: float, *, disturbed: bool) -> float:
+    """Shorten a step of an inverse that is not exact to what its rates can follow [s]."""
+    slowest, stiffness = robot.stiffness(at.q, at.v)
+    least = DAMPED_STEP / slowest if slowest > 0.0 else step
+    step = _look_ahead(robot, at, disturbed=disturbed).shortened(step, APPROACH, least)
+    while step > (kink := step_at_kink(robot, at, step)):
+        step = max(step / 2.0, kink)
+    return min(step, DAMPED_STEP / stiffness) if stiffness > 0.0 else step
+
+
+def step_at_kink(robot: Movable, at: Instant, step: float) -> float:
+    """Longest step in which the bound of a joint rate may change [s].
+
+    Across the kink an integrator errs by a part of what the rate changes in the step: that is
+    less than the headroom before a greatest rate, and than the margin before a limit. The answer is
+    infinite where the rates have no kink in a step that long.
+    """
+    if at.a is None or at.qddot is None:
+        return math.inf
+    later = (
+        _later(at.q, at.qdot if at.w is None else at.w, step),
+        _later(at.v, at.a, step),
+    )
+    now, then = robot.regime(at.q, at.v), robot.regime(*later)
+    if now == then:
+        return math.inf
+    least = STEP_OF_KINK
+    for before, after, rate, change in zip(now, then, at.qdot, at.qddot, strict=True):
+        if before != after and change:
+            least = min(least, PART_AT_KINK * abs(rate / change))
+    return max(least, SHORTEST_AT_KINK)
+
+
+def _look_ahead(robot: Movable, at: Instant, *, disturbed: bool) -> LookAhead:
+    if disturbed and at.w is not None:
+        return LookAhead(robot.determinant, at.q, at.w, None)
+    return LookAhead(robot.determinant, at.q, at.qdot, at.qddot)
+
+
+def _later(values: Floats, rates: Floats, step: float) -> list[float]:
+    return [value + step * rate for value, rate in zip(values, rates, strict=True)]

@@ -1,0 +1,151 @@
+"""How near a Jacobian is to losing rank, and which direction it loses, for any chain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.chain import RANK_TOLERANCE
+from drake_leg.kinematics.khalil import jacobian, moving_rows
+from drake_leg.kinematics.movable import Floats, Movable
+from drake_leg.robot import Row
+
+# Of the greatest singular value of the foot's translation: where the smallest one is greater, the
+# foot goes everywhere.
+STILL_MOVES = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankReport:
+    """Rank, singular values and lost directions of a Jacobian."""
+
+    rank: int
+    full_rank: int  # the rank that it has elsewhere: its smaller dimension
+    sigma_min: float  # smallest singular value, in the Jacobian's unit
+    manipulability: float  # product of the singular values (Yoshikawa)
+    lost_directions: Array  # (full_rank - rank, rows), orthonormal; empty at full rank
+
+
+def examine(J: Array, least: float = 0.0) -> RankReport:
+    """Find the rank of a Jacobian (m, n) whose rows are in one unit, and what it loses.
+
+    Singular values below ``least`` count as zero. A lost direction is one in which no
+    joint rate moves the foot; its first component that is not zero is positive.
+    """
+    U, sigma, _ = np.linalg.svd(J)
+    smaller = len(sigma)
+    rank = int((sigma > max(RANK_TOLERANCE * sigma[0], least)).sum())
+    lost = U[:, rank:smaller].T
+    return RankReport(
+        rank=rank,
+        full_rank=smaller,
+        sigma_min=float(sigma[-1]),
+        manipulability=float(np.prod(sigma)),
+        lost_directions=np.array([_signed(row, 1e-12) for row in lost]).reshape(-1, len(J)),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LostTwist:
+    """A motion of the foot that no joint rates make here, though they do nearby."""
+
+    turning: Array | None  # unit axis, about which the foot does not turn while it stays in place
+    moving: Array | None  # unit vector, along which it does not move while it holds its orientation
+
+
+@dataclass(frozen=True, kw_only=True)
+class WholeRank:
+    """Rank of the whole Jacobian, rotation and translation."""
+
+    rank: int
+    full_rank: int  # 6, or as many as there are joints
+    sigma_min: float  # smallest of full_rank singular values, with the chain's length as unit
+    lost: tuple[LostTwist, ...]
+
+
+def examine_whole(rows: Sequence[Row], q: ArrayLike, length: float) -> WholeRank:
+    """Find the rank of the whole Jacobian of a chain's foot, with ``length`` [m] as its unit.
+
+    A motion counts as lost only if postures nearby have it.
+    """
+    posture = np.asarray(q, dtype=np.float64)
+    unit = np.where([rows[index].joint == "revolute" for index in moving_rows(rows)], 1.0, length)
+
+    def scaled(at: Array) -> Array:
+        J: Array = jacobian(rows, at) * unit
+        J[..., 3:, :] /= length
+        return J
+
+    U, sigma, _ = np.linalg.svd(scaled(posture))
+    rank = int((sigma > RANK_TOLERANCE * sigma[0]).sum()) if sigma[0] > 0.0 else 0
+    nothing = U[:, rank:]
+    near = posture + 1e-3 * unit * np.random.default_rng(0).uniform(-1.0, 1.0, (8, len(posture)))
+    regained = nothing.T @ np.hstack(list(scaled(near)))
+    return WholeRank(
+        rank=rank,
+        full_rank=len(sigma),
+        sigma_min=float(sigma[-1]),
+        lost=_lost_twists(nothing, regained, len(sigma) - rank),
+    )
+
+
+def _lost_twists(nothing: Array, regained: Array, most: int) -> tuple[LostTwist, ...]:
+    """Of the motions that no joint rates make here, name those that postures nearby have."""
+    if not most:
+        return ()
+    V, gain, _ = np.linalg.svd(regained, full_matrices=False)
+    count = min(most, int((gain > 1e-6).sum()))
+    lost = nothing @ V[:, :count]
+    _, _, Wt = np.linalg.svd(lost[3:], full_matrices=False)  # separates pure rotations
+    return tuple(
+        LostTwist(turning=_axis(twist[:3]), moving=_axis(twist[3:])) for twist in (lost @ Wt.T).T
+    )
+
+
+def _axis(vector: Array) -> Array | None:
+    """Direction of a vector, as ``_signed``; None if the vector is zero to rounding."""
+    size = float(np.linalg.norm(vector))
+    return None if size < 1e-6 else _signed(vector / size, 1e-9)
+
+
+def _signed(vector: Array, rounding: float) -> Array:
+    """Turn a vector so that its first component that is not zero is positive."""
+    cleaned = np.where(np.abs(vector) < rounding, 0.0, vector)
+    signed: Array = np.sign(cleaned[np.flatnonzero(cleaned)[0]]) * cleaned + 0.0
+    return signed
+
+
+def loses_turning(robot: Movable, q: Floats) -> bool:
+    """Tell whether a singular posture loses only a turning: the foot still goes everywhere."""
+    _, sigma, moved = _translations(robot, q)
+    return bool(robot.keeps_orientation and sigma[moved - 1] > STILL_MOVES * sigma[0])
+
+
+def lost_direction(robot: Movable, q: Floats) -> tuple[float, float, float]:
+    """Direction in which the foot of a singular posture moves least.
+
+    Returns
+    -------
+    (3,) tuple of float
+        Unit vector in the base frame, its first component that is not zero positive: of a
+        translation or, where only a turning is lost, of its axis.
+    """
+    U, _, moved = _translations(robot, q)
+    lost = U[:, moved - 1]
+    if loses_turning(robot, q):
+        U, _, _ = np.linalg.svd(robot.jacobian_in_lengths(q))
+        lost = robot.twists[:3] @ U[:, -1]
+        lost = lost / np.linalg.norm(lost)
+    x, y, z = _signed(lost, 1e-9).tolist()
+    return x, y, z
+
+
+def _translations(robot: Movable, q: Floats) -> tuple[Array, Array, int]:
+    """Directions and singular values of the foot's translation, and how many there are."""
+    moved = int(np.linalg.matrix_rank(robot.twists[3:]))
+    U, sigma, _ = np.linalg.svd(robot.twists[3:] @ robot.jacobian_in_lengths(q))
+    return U, sigma, moved

@@ -1,0 +1,236 @@
+"""How far a foot or a tool can go along a straight line before it meets a singularity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drake_leg.errors import InvalidValueError, SingularConfigurationError
+from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.chain import MovableChain, Sweep, size_of, sweep, twist_between
+from drake_leg.kinematics.khalil import moving_rows
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.kinematics.movable import TRANSLATION, Movable
+from drake_leg.quantities import AT_LIMIT
+from drake_leg.robot import Row
+from drake_leg.singularity.edges import Approach, Family, approaches, breaks_of_line, line
+from drake_leg.singularity.families import Families, LegFamilies, ScaraFamilies
+
+CHAIN_STEPS = 200  # steps of a numerical stroke over the length of the chain
+CHAIN_RESOLUTION = 1e-10  # smallest step, of the length of the chain
+LARGEST_CHANGE = 0.5  # [rad or m] of a joint in one step; more is a jump to another branch
+ROUNDING = 1e-13  # of the length of the chain: what a foot misses its goal by at best
+FARTHEST = 10.0  # of the length of the chain: the longest search by default
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stroke:
+    """Distance along a line to the first singularity or joint limit."""
+
+    length: float  # [m]
+    family: Family | None  # which singular family ends it; None if unnamed
+    joint: str | None = None  # whose limit ends it; None if none does
+
+
+def closed_stroke(families: Families, q: ArrayLike, direction: ArrayLike) -> Stroke:
+    """Distance from a posture along a direction to the first singularity, in closed form.
+
+    Along a line the distances from the boundaries have their extremes at known places, for a leg
+    the roots of a quartic; between two of them a boundary is crossed at most once.
+
+    Parameters
+    ----------
+    families : LegFamilies or ScaraFamilies
+        Of the robot.
+    q : (3,) array_like
+        Joint angles at the start [rad], not singular.
+    direction : (3,) array_like
+        Unit vector in the base frame; horizontal for a SCARA.
+
+    Returns
+    -------
+    Stroke
+        Its length is at most twice that of the stretched arm.
+
+    Raises
+    ------
+    InvalidValueError
+        If a shape is wrong, a value is not finite, or the direction is zero or not horizontal.
+    """
+    d, angles = unit(direction), one_vector("q", q, 3).tolist()
+    if isinstance(families, ScaraFamilies) and d[2] != 0.0:
+        raise InvalidValueError(
+            f"the direction is {d.tolist()}; a SCARA's stroke is horizontal (third number 0)"
+        )
+    longest = 3.0 * families.edges(angles).size
+    met = approaches_on_line(families, angles, families.foot(angles), d, longest)
+    first = min(
+        (approach for approach in met if approach.clearance <= 0.0),
+        key=lambda approach: approach.parameter,
+    )
+    return Stroke(length=first.parameter, family=first.family)
+
+
+def approaches_on_line(
+    families: Families, q: Sequence[float], p: Array, d: Array, end: float
+) -> list[Approach]:
+    """How near the foot comes to each boundary on a line; parameters are distances [m].
+
+    Parameters
+    ----------
+    q : (3,) sequence of float
+        Joint angles at the start [rad].
+    p, d : (3,) ndarray
+        The foot there [m], and a unit vector in the base frame.
+    end : float
+        Length of the line [m].
+    """
+    breaks = breaks_of_line(families.extremes(p, d), end)
+    return approaches(families.edges(q), line(p, d), breaks)
+
+
+def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
+    """``closed_stroke`` of a leg."""
+    return closed_stroke(LegFamilies(leg), q, direction)
+
+
+def greatest_amplitude(stroke: Stroke, frequency: float) -> float:
+    """Greatest speed A [m/s] of a sine of frequency w [rad/s] that spans a stroke: ``2 A / w``."""
+    return stroke.length * frequency / 2.0
+
+
+def unit(direction: ArrayLike) -> Array:
+    """Make a direction (3,) a unit vector.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is zero or not finite.
+    """
+    d = one_vector("the direction", direction, 3)
+    greatest = float(np.abs(d).max())
+    if greatest == 0.0:
+        raise InvalidValueError("the direction is zero; it must point somewhere, as 1,0,0")
+    scaled = d / greatest
+    one: Array = scaled / np.linalg.norm(scaled)
+    return one
+
+
+class ChainStroke(NamedTuple):
+    """A stroke found numerically, and the posture where it ends."""
+
+    stroke: Stroke
+    q: Array  # (n,), [rad or m], just before its end
+
+
+def chain_stroke(
+    rows: Sequence[Row],
+    q: ArrayLike,
+    direction: ArrayLike,
+    *,
+    moved: Movable | None = None,
+    farthest: float | None = None,
+    limits: Mapping[str, tuple[float, float]] | None = None,
+) -> ChainStroke:
+    """Distance of any chain's foot along a direction to a singularity or joint limit, numerically.
+
+    The posture is followed along the line in small steps, each closed by Newton's method, until
+    a step fails, the determinant changes its sign or a joint passes a limit; the last step is then
+    bisected. A redundant chain takes the smallest joint rates.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        The table; n rows move.
+    q : (n,) array_like
+        Joint positions at the start [rad or m], not singular.
+    direction : (3,) array_like
+        Unit vector in the base frame.
+    moved : Movable, optional
+        What the foot is commanded; its translation by default.
+    farthest : float, optional
+        Longest distance that is searched [m]; by default ten times the chain's length.
+    limits : mapping, optional
+        Name of every moving joint, in order -> its lower and upper limit [rad or m]; they may be
+        infinite.
+
+    Returns
+    -------
+    ChainStroke
+        Of no named family; infinite where nothing ends it.
+
+    Raises
+    ------
+    InvalidValueError
+        If a shape is wrong or a value is not finite.
+    """
+    d = unit(direction)
+    posture = one_vector("q", q, len(moving_rows(rows)))
+    moved = moved or MovableChain(tuple(rows), TRANSLATION)
+    start = sweep(rows, posture.tolist())
+    size = size_of(rows)
+    longest = max(size, farthest or 0.0) / CHAIN_STEPS
+    farthest = FARTHEST * size if farthest is None else farthest
+    names = list(limits or ())
+    low, high = _room(moved, posture, d * size, limits)
+    way, step = 0.0, longest
+    sign = np.sign(moved.determinant(posture.tolist()))
+    while way < farthest:
+        goal = start._replace(foot=tuple(start.foot + (way + step) * d))
+        closed = _closed(rows, moved, posture, goal, step * d)
+        if closed is not None and np.sign(moved.determinant(closed.tolist())) != sign:
+            closed = None
+        past = [] if closed is None else np.flatnonzero((closed < low) | (closed > high)).tolist()
+        if closed is None or past:
+            step /= 2.0
+            if step < CHAIN_RESOLUTION * size:
+                joint = names[past[0]] if past else None
+                return ChainStroke(Stroke(length=way, family=None, joint=joint), posture)
+        else:
+            way, posture = way + step, closed
+            step = min(2.0 * step, longest)
+    return ChainStroke(Stroke(length=math.inf, family=None), posture)
+
+
+def _room(
+    moved: Movable, q: Array, way: Array, limits: Mapping[str, tuple[float, float]] | None
+) -> tuple[Array, Array]:
+    """Return the range of each joint: one that does not move may be at its limit."""
+    if limits is None:
+        return np.full_like(q, -math.inf), np.full_like(q, math.inf)
+    low, high = np.array(list(limits.values())).T
+    moves = np.linalg.pinv(moved.jacobian(q.tolist())) @ moved.command(way)
+    slack = np.where(np.abs(moves) < AT_LIMIT, AT_LIMIT, 0.0)
+    return np.minimum(low, q - slack), np.maximum(high, q + slack)
+
+
+def _closed(rows: Sequence[Row], moved: Movable, q: Array, goal: Sweep, way: Array) -> Array | None:
+    """Bring the foot to the goal by Newton's method; None where that fails or jumps."""
+    try:
+        posture = _ahead(moved, q, moved.command(way)) if moved.is_redundant else q.copy()
+        for _ in range(12):
+            miss = moved.twists.T @ twist_between(sweep(rows, posture.tolist()), goal)
+            if float(np.abs(miss).max()) < 1e-14:
+                break
+            change = np.array(moved.rates(posture.tolist(), miss.tolist()))
+            if float(np.abs(change).max()) > LARGEST_CHANGE:
+                return None
+            posture = posture + change
+    except SingularConfigurationError:
+        return None
+    translation = twist_between(sweep(rows, posture.tolist()), goal)[3:]
+    enough = max(1e-6 * float(np.linalg.norm(way)), ROUNDING * size_of(rows))
+    return posture if float(np.abs(translation).max()) < enough else None
+
+
+def _ahead(moved: Movable, q: Array, v: Array) -> Array:
+    """Follow the smallest rates for a step by the midpoint rule, before Newton's method."""
+    half = 0.5 * np.array(moved.rates(q.tolist(), v.tolist()))
+    there = q + half * min(1.0, LARGEST_CHANGE / float(np.abs(half).max() or 1.0))
+    ahead: Array = q + np.array(moved.rates(there.tolist(), v.tolist()))
+    return ahead

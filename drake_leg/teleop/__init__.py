@@ -1,1 +1,0 @@
-"""A leg driven by hand: the foot's velocity in real time, guarded against singularities."""

@@ -1,0 +1,89 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.recording import Recording
+from drake_leg.robot import Row
+from drake_leg.robots import LEG_A, LEG_B, PENDULUM, PENDULUM_SIZE, ROBOTS, SCARA
+from drake_leg.scene.scene import OtherRobotError, PlantMotion, at_rest, motion_of
+from drake_leg.scene.shown_plant import shown
+
+TIME = np.array([1.0, 1.5, 3.0])
+Q = np.array([[1.5, -0.9, -1.6], [1.6, -0.8, -1.5], [1.1, -0.5, -1.2]])
+
+
+def recording(robot=LEG_B, **changed):
+    motion = PlantMotion(shown=shown(robot), time=TIME, q=Q)
+    columns = {"time[s]": TIME, **{f"q{i + 1}[rad]": Q[:, i] for i in range(3)}}
+    columns |= {f"{letter}[m]": motion.paths()[0][:, i] for i, letter in enumerate("xyz")}
+    return Recording({**columns, **changed})
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
+def test_the_frames_are_where_drake_has_them(robot, rng, drake_frames):
+    q = rng.uniform(-1.0, 1.0, len(robot.moving))
+    X_WF = at_rest(robot, q).poses()[0]
+    assert np.array_equal(X_WF[0], np.eye(4))
+    np.testing.assert_allclose(X_WF[1:], drake_frames(robot, q), atol=1e-14)
+
+
+def test_the_pendulums_tip_is_the_end_of_its_bar():
+    ((x, y, z),) = at_rest(PENDULUM, [math.pi / 2]).paths()[0]
+    np.testing.assert_allclose([x, y, z], [0.0, 0.0, -PENDULUM_SIZE[0]], atol=1e-15)
+
+
+@pytest.mark.parametrize("robot", [LEG_A, LEG_B, SCARA], ids=lambda robot: robot.name)
+def test_the_tip_of_the_others_is_their_last_frame(robot, rng):
+    motion = at_rest(robot, rng.uniform(-1.0, 1.0, len(robot.moving)))
+    np.testing.assert_allclose(motion.paths()[0], motion.poses()[:, -1, :3, 3], atol=1e-15)
+
+
+def test_the_tip_is_a_tool_that_is_farther_out_than_the_links_end():
+    bar, centre = PENDULUM.segments
+    tool = replace(centre, row=Row(joint="fixed", d=1.5 * PENDULUM_SIZE[0]))
+    robot = replace(PENDULUM, segments=(bar, tool))
+    np.testing.assert_allclose(at_rest(robot, [0.0]).paths()[0][0, 0], 1.5 * PENDULUM_SIZE[0])
+
+
+def test_samples_are_equally_apart_from_the_first_row_and_lie_between_the_rows():
+    motion = PlantMotion(shown=shown(LEG_B), time=TIME, q=Q).sampled(4.0)
+    np.testing.assert_allclose(motion.time, np.arange(1.0, 3.1, 0.25))
+    np.testing.assert_allclose(motion.q[1], (Q[0] + Q[1]) / 2.0)
+    np.testing.assert_allclose(motion.q[5], Q[1] + (2.25 - 1.5) / 1.5 * (Q[2] - Q[1]))
+    assert motion.duration == 2.0
+
+
+def test_one_row_stays_one_row():
+    assert len(at_rest(LEG_B, Q[0]).sampled(30.0).time) == 1
+
+
+def test_a_recording_gives_its_joint_positions():
+    np.testing.assert_array_equal(motion_of(LEG_B, recording()).q, Q)
+    swing = Recording({"time[s]": TIME, "q[rad]": Q[:, 0]})
+    np.testing.assert_array_equal(motion_of(PENDULUM, swing).q, Q[:, :1])
+
+
+def test_a_recording_of_another_robot_is_refused():
+    with pytest.raises(OtherRobotError, match=r"tip is up to 0\.\d+ m away .*'leg_a'"):
+        motion_of(LEG_A, recording())
+    with pytest.raises(OtherRobotError, match="positions of 3 joints and 'scara' has 4: give"):
+        motion_of(SCARA, recording())
+    with pytest.raises(OtherRobotError, match="positions of 3 joints and 'pendulum' has 1: give"):
+        motion_of(PENDULUM, recording())
+
+
+@pytest.mark.parametrize(
+    ("time", "q", "said"),
+    [
+        (TIME, Q[:, :2], "one row of 3"),
+        (TIME[::-1], Q, "fall somewhere"),
+        (TIME, Q * np.nan, "not finite"),
+        (TIME[:0], Q[:0], "0 times"),
+    ],
+)
+def test_what_is_no_motion_is_refused(time, q, said):
+    with pytest.raises(InvalidValueError, match=said):
+        PlantMotion(shown=shown(LEG_B), time=time, q=q)
