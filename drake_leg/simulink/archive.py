@@ -90,12 +90,12 @@ def parse_markup(content: bytes, part: str) -> Element:
     except ParseError as error:
         _require_shallow(tree.close(), part)
         raise InvalidValueError(
-            f"its part {part} is no XML ({expat.ErrorString(error.code)}, line "
+            f"its part {part} is not XML ({expat.ErrorString(error.code)}, line "
             f"{error.position[0]}): save the model again in Simulink"
         ) from None
     except (LookupError, UnicodeError) as error:
         raise InvalidValueError(
-            f"its part {part} is in an encoding that is not known here ({error}): save the model "
+            f"its part {part} is in an encoding that is not supported ({error}): save the model "
             "again in Simulink"
         ) from None
     _require_shallow(root, part)
@@ -135,7 +135,7 @@ def one_line(text: str) -> str:
 
 
 def _content(path: Path) -> bytes:
-    """Read the file, or say what it is if it is no .slx."""
+    """Read the file, or explain why it is not a .slx."""
     try:
         content = read_bytes(path, most=LARGEST_FILE)
     except UnreadableFileError as error:
@@ -151,12 +151,12 @@ def _content(path: Path) -> bytes:
             "it is a .mdl, Simulink's older text format: open it in Simulink and save it as .slx"
         )
     if not head.startswith(b"PK"):
-        raise InvalidValueError("it is no ZIP archive, which every .slx is: give a model's .slx")
+        raise InvalidValueError("it is not a ZIP archive, as every .slx is: choose a model's .slx")
     end = tail.rfind(b"PK\x05\x06")
     if end < 0 or len(tail) - end < _END_OF_DIRECTORY.size:
         raise InvalidValueError(_DAMAGED)
     if _END_OF_DIRECTORY.unpack_from(tail, end)[5] > LARGEST_DIRECTORY:
-        raise InvalidValueError("it lists more parts than any model has: it is no .slx")
+        raise InvalidValueError("it lists more parts than any model has: it is not a .slx")
     return content
 
 
@@ -182,7 +182,7 @@ def _checked(entries: list[zipfile.ZipInfo]) -> Mapping[str, zipfile.ZipInfo]:
         if entry.file_size > LARGEST_PART or total > LARGEST_TOTAL:
             raise InvalidValueError(
                 f"its parts unpack to more than {LARGEST_TOTAL >> 20} MiB (one: "
-                f"{LARGEST_PART >> 20} MiB), at {name!r}: it is no .slx, or a ZIP bomb"
+                f"{LARGEST_PART >> 20} MiB), at {name!r}: it is not a .slx, or it is a ZIP bomb"
             )
         if entry.file_size > max(_SMALL, HIGHEST_RATIO * entry.compress_size):
             raise InvalidValueError(

@@ -65,7 +65,7 @@ def _port(text: str) -> str:
     found = _PORT.fullmatch(text.strip())
     if not found:
         raise InvalidValueError(
-            f"a line ends at {text[:60]!r}, which is no port (5#in:1): save the model again in "
+            f"a line ends at {text[:60]!r}, which is not a port (5#in:1): save the model again in "
             "Simulink"
         )
     return f"{found['sid']}#{found['kind']}:{int(found['number'] or 1)}"
@@ -73,7 +73,7 @@ def _port(text: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnBlock:
-    """A block as it stands in the file."""
+    """A block as it is in the file."""
 
     sid: str
     name: str
@@ -81,7 +81,7 @@ class DrawnBlock:
     type: str
     source: str
     system: str
-    texts: dict[str, str]  # parameters that stand in the file
+    texts: dict[str, str]  # parameters in the file
     ports: dict[str, int]  # counts of in, out, lconn, rconn; missing ones are not told
     mask: Mask
 

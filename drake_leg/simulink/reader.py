@@ -102,8 +102,8 @@ class _File:
         whole = self._tree(_WHOLE)
         if whole is None:
             raise InvalidValueError(
-                f"it has no part {_ROOT} and no {_WHOLE}: it is no model, or a protected one; give "
-                "a .slx that Simulink saved"
+                f"it has no part {_ROOT} and no {_WHOLE}: it is not a model, or a protected "
+                "one; choose a .slx that Simulink saved"
             )
         for holder in ("Model", "Library", "Subsystem"):
             system = whole.find(f"{holder}/System")
