@@ -17,7 +17,7 @@ from drake_leg.kinematics.motions import SineStep
 from drake_leg.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.robots import pendulum as pendulum_robot
 from drake_leg.simulation import run as simulation_run
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 
 L1, L2, L3 = 0.050, 0.100, 0.100  # [m]
 POSTURE = tuple(np.radians([90.0, -50.0, -90.0]))

@@ -1,8 +1,4 @@
-"""The pendulum's closed forms: inertia, energy, exact undamped motion, rest angles.
-
-q = 0 is horizontal and positive q turns the link downwards, so that the link hangs at
-q = pi/2; the swing angle from there is ``phi = q - pi/2``.
-"""
+"""The pendulum's closed forms: inertia, energy, exact undamped motion, rest angles, stability."""
 
 from __future__ import annotations
 
@@ -34,7 +30,9 @@ STIFF = 1e5  # time constants of the damper in a run from which an implicit meth
 class PendulumModel:
     """What the equation of motion ``I qddot = m g (L/2) cos q - c qdot - k (q - q_ref)`` needs.
 
-    On its right side is also the force of the joint's limits, where they push back.
+    On its right side is also the force of the joint's limits, where they push back. q = 0 is
+    horizontal and positive q turns the link downwards, so that the link hangs at q = pi/2; the
+    swing angle from there is ``phi = q - pi/2``.
     """
 
     mass: float  # [kg]
