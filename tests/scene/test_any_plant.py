@@ -286,6 +286,21 @@ def test_both_can_be_filmed(walker, fall, tmp_path):
     assert np.abs(last - first).max() > 50.0
 
 
+@pytest.mark.slow
+def test_six_legs_play_in_a_browser(walker, fall, open_page, tmp_path):
+    replay(walker[0], fall).write(tmp_path / "fall.html")
+    visit = open_page((tmp_path / "fall.html").as_uri())
+    np.testing.assert_allclose(visit.frame(1), [0.0, 0.0, HEIGHT], atol=1e-6)
+    visit.click("Play")
+    visit.page.wait_for_function("document.getElementById('replay-play').textContent === 'Play'")
+    np.testing.assert_allclose(visit.frame(1)[2], HEIGHT - 9.81 / 2.0 * 0.1**2, atol=1e-4)
+    names = visit.page.locator(".axis-name:visible").all_inner_texts()
+    assert {"z0", "z1", "z7"} <= {name.replace("\n", "") for name in names}
+    assert "1 trunk, 2 leg_0" in visit.page.get_by_role("button", name="Frames").get_attribute(
+        "title"
+    )
+
+
 def test_sliders_move_all_joints_but_what_floats(walker):
     (pin,) = joint_sliders(shown(PENDULUM))
     assert (pin.joint, pin.symbol) == ("pin", "deg")
