@@ -27,7 +27,7 @@ JACOBIAN_ROWS = {
     **{"x": 3, "y": 4, "z": 5, "vx": 3, "vy": 4, "vz": 5},
 }
 _KINDS: dict[str, Kind] = {
-    **dict.fromkeys("tha", "transform"),  # type: ignore[dict-item]
+    **dict.fromkeys("tha", "transform"),
     "r": "rotation",
     "p": "position",
 }
