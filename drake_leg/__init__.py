@@ -8,10 +8,10 @@ has its own help with an example: ``help(drake_leg.simulate)``.
 A step of the leg, its foot 140 mm forward and back, in ten lines::
 
     from math import radians
-    from drake_leg import LEG_B, HexabotLegConfig, block_diagram, build_hexabot_leg, simulate
+    from drake_leg import HexabotLegConfig, SineStep, block_diagram, build_hexabot_leg, simulate
 
     q0 = (radians(90), radians(-50), radians(-90))  # hip, knee, ankle
-    config = HexabotLegConfig(robot=LEG_B, q0=q0, amplitude=0.070)
+    config = HexabotLegConfig(q0=q0, motion=SineStep(amplitude=0.070))  # of leg B
     diagram = build_hexabot_leg(config)  # a Drake Diagram
     block_diagram(diagram).write("step.svg")  # its picture, as Simulink would draw it
     result = simulate(diagram, duration=20.0)
@@ -35,6 +35,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 - ``build_hexabot_leg``, ``HexabotLegConfig``: a straight step of the leg, or of any chain.
 - ``build_ellipse``, ``EllipseConfig``: the leg's foot on an ellipse.
 - ``build_scara``, ``ScaraConfig``: the SCARA's tool on a straight line.
+- ``SineStep``, ``EllipticStep``: the motion of a foot or a tool.
 
 **Blocks**, for diagrams of your own
 
@@ -89,6 +90,7 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.scara import ScaraConfig
     from drake_leg.diagrams.scara import build as build_scara
     from drake_leg.figures.free_body import free_body as frames_drawing
+    from drake_leg.kinematics.motions import EllipticStep, SineStep
     from drake_leg.kinematics.of_robot import movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
@@ -116,6 +118,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "DriftCorrection": ("drake_leg.systems.drift_correction", "DriftCorrection"),
     "EllipseConfig": ("drake_leg.diagrams.ellipse", "EllipseConfig"),
+    "EllipticStep": ("drake_leg.kinematics.motions", "EllipticStep"),
     "EnergySensor": ("drake_leg.systems.energy_sensor", "EnergySensor"),
     "FrameSensor": ("drake_leg.systems.frame_sensor", "FrameSensor"),
     "HexabotLegConfig": ("drake_leg.diagrams.hexabot_leg", "HexabotLegConfig"),
@@ -131,6 +134,7 @@ _HOMES = {
     "Robot": ("drake_leg.robot", "Robot"),
     "SCARA": ("drake_leg.robots", "SCARA"),
     "ScaraConfig": ("drake_leg.diagrams.scara", "ScaraConfig"),
+    "SineStep": ("drake_leg.kinematics.motions", "SineStep"),
     "add_scope": ("drake_leg.diagrams.mechanism", "add_scope"),
     "block_diagram": ("drake_leg.pictures.block_diagram", "block_diagram"),
     "build_ellipse": ("drake_leg.diagrams.ellipse", "build"),
@@ -159,6 +163,7 @@ __all__ = [
     "SCARA",
     "DriftCorrection",
     "EllipseConfig",
+    "EllipticStep",
     "EnergySensor",
     "FrameSensor",
     "HexabotLegConfig",
@@ -170,6 +175,7 @@ __all__ = [
     "Recording",
     "Robot",
     "ScaraConfig",
+    "SineStep",
     "add_scope",
     "block_diagram",
     "build_ellipse",

@@ -76,7 +76,7 @@ class PlaceError(OutputError):
         self.path = str(path)
         self.replaceable = replaceable
         overwrite = ", or add `overwrite=True`" if replaceable else ""
-        super().__init__(f"{path} {why}", advice=f"choose another `target`{overwrite}")
+        super().__init__(f"{path} {why}", advice=f"choose another place{overwrite}")
 
 
 class UnreadableFileError(InvalidValueError, OutputError):

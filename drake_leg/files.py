@@ -127,7 +127,7 @@ def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> It
         another file has taken the place in the meantime, it names the one that was written beside.
     """
     check_file(target, endings=endings, overwrite=overwrite)
-    with _write_errors(target), scratch_beside(target) as folder:
+    with _write_errors(target), _scratch_beside(target) as folder:
         scratch = folder / target.name
         yield scratch
         if overwrite:
@@ -192,7 +192,7 @@ class ResultsFolder:
         OutputError
             If something cannot be written.
         """
-        with _write_errors(self.path), scratch_beside(self.path) as scratch:
+        with _write_errors(self.path), _scratch_beside(self.path) as scratch:
             new = scratch / "results"
             new.mkdir()
             yield new
@@ -213,7 +213,7 @@ class ResultsFolder:
             If something cannot be written, a file of that name exists, or the folder has been
             moved.
         """
-        with _write_errors(self.path), scratch_beside(self.path) as scratch:
+        with _write_errors(self.path), _scratch_beside(self.path) as scratch:
             yield scratch
             with _open_folder(self.path) as folder:
                 if _identity(os.fstat(folder)) != self._own:
@@ -392,7 +392,7 @@ def _scratch_prefix(target: Path) -> str:
 
 
 @contextmanager
-def scratch_beside(target: Path) -> Iterator[Path]:
+def _scratch_beside(target: Path) -> Iterator[Path]:
     """Lend a folder beside a target; missing folders above the target are made first.
 
     If something fails, what was made is removed.

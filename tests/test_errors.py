@@ -32,14 +32,15 @@ from drake_leg.errors import (
 )
 from drake_leg.files import check_target, read_text
 from drake_leg.imports import BrokenPackageError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.movable import exact_rates
 from drake_leg.report.replays import UnlikeReplaysError
-from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B
-from drake_leg.runs import leg, pendulum
-from drake_leg.runs.leg import run_robot, run_straight
+from drake_leg.runs import pendulum, tip
+from drake_leg.runs.leg import run as run_leg
+from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
-from drake_leg.runs.pendulum import run_pendulum
+from drake_leg.runs.pendulum import run as run_pendulum
 from drake_leg.scene import artists, images
 from drake_leg.scene.artists import NoRenderingError
 from drake_leg.scene.scene import OtherRobotError
@@ -81,14 +82,14 @@ def cause(run, monkeypatch):
         stops.append(simulation_run.simulate(*arguments, **keywords))
         return stops[0]
 
-    for module in (leg, pendulum):
+    for module in (tip, pendulum):
         monkeypatch.setattr(module, "simulate", watched)
     run()
     return stops[0].stopped_by
 
 
 def invalid(monkeypatch, tmp_path):
-    run_straight("B", LegBOptions(duration=-1.0))
+    run_leg(LegBOptions(duration=-1.0))
 
 
 def output(monkeypatch, tmp_path):
@@ -103,18 +104,18 @@ LEG_JACOBIAN = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]
 
 
 def foreseen(monkeypatch, tmp_path):
-    run_straight("B", LegBOptions(amplitude=0.1))
+    run_leg(LegBOptions(amplitude=0.1))
 
 
 def lost(monkeypatch, tmp_path):
     options = LegBOptions(amplitude=0.1, duration=4.0, integrator="radau3", force=True)
-    raise cause(lambda: run_straight("B", options), monkeypatch)
+    raise cause(lambda: run_leg(options), monkeypatch)
 
 
 def budget(monkeypatch, tmp_path):
     monkeypatch.setattr(simulation_run, "STEP_BUDGET", 20)
     options = LegBOptions(duration=0.8, accuracy=1e-12)
-    raise cause(lambda: run_straight("B", options), monkeypatch)
+    raise cause(lambda: run_leg(options), monkeypatch)
 
 
 def unstable(monkeypatch, tmp_path):
@@ -229,7 +230,7 @@ def test_an_error_of_any_kind_is_pickled(kind):
 
 def test_no_error_names_an_option_of_the_command_line():
     for path in Path(drake_leg.__file__).parent.rglob("*.py"):
-        if not {"cli", "report", "runs", "scene"}.isdisjoint(path.parts):
+        if not {"cli", "report"}.isdisjoint(path.parts):
             continue
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Raise):
@@ -239,7 +240,7 @@ def test_no_error_names_an_option_of_the_command_line():
 def test_what_a_singularity_stopped_is_pickled(monkeypatch):
     options = LegBOptions(amplitude=0.1, duration=4.0, force=True)
     outcomes = []
-    stopped_by = cause(lambda: outcomes.append(run_straight("B", options)), monkeypatch)
+    stopped_by = cause(lambda: outcomes.append(run_leg(options)), monkeypatch)
     assert same(stopped_by, pickle.loads(pickle.dumps(stopped_by)))
     assert stopped_by.__traceback__ is None
     again = pickle.loads(pickle.dumps(outcomes[0]))

@@ -12,11 +12,12 @@ from drake_leg.diagrams import ellipse, hexabot_leg, pendulum, scara
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
-from drake_leg.robot import JointMechanics
+from drake_leg.joint_mechanics import JointMechanics
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.robots import pendulum as pendulum_robot
 from drake_leg.simulation import run as simulation_run
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 
 L1, L2, L3 = 0.050, 0.100, 0.100  # [m]
 POSTURE = tuple(np.radians([90.0, -50.0, -90.0]))
@@ -29,7 +30,9 @@ SCOPES = {
 
 def leg(amplitude=0.070, q0=POSTURE, direction=(1.0, 0.0, 0.0), frequency=1.0):
     config = hexabot_leg.HexabotLegConfig(
-        robot=LEG_B, q0=q0, amplitude=amplitude, direction=direction, frequency=frequency
+        robot=LEG_B,
+        q0=q0,
+        motion=SineStep(amplitude=amplitude, direction=direction, frequency=frequency),
     )
     return hexabot_leg.build(config)
 
@@ -294,7 +297,9 @@ def test_an_ellipse_from_next_to_a_singularity_keeps_its_path_or_stops(ankle):
 @pytest.mark.parametrize("elbow", [-0.2, -1.0])
 def test_a_scara_from_next_to_a_singularity_keeps_its_line_or_stops(elbow):
     config = scara.ScaraConfig(
-        robot=SCARA, q0=tuple(np.radians([30.0, elbow, -120.0])), direction=(-1.0, 0.0, 0.0)
+        robot=SCARA,
+        q0=tuple(np.radians([30.0, elbow, -120.0])),
+        motion=SineStep(amplitude=0.050, direction=(-1.0, 0.0, 0.0)),
     )
     run = simulate(scara.build(config), start=start_on_motion, duration=1.0)
     moved = run.scopes["foot positions"] - run.scopes["foot positions"][0]

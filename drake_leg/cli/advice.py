@@ -12,19 +12,17 @@ from contextlib import contextmanager
 
 from drake_leg.errors import PlaceError
 
-PLACE = "--out"  # the option by which most commands are given a place to write
-
 _SETTING = re.compile(r"`(?:(?P<name>[a-z][a-z0-9_]*)(?:=(?P<value>[^`]+))?|(?P<other>'[^`]+'))`")
 
 
-def as_options(text: object, *, place: str = PLACE) -> str:
+def as_options(text: object) -> str:
     """Write the settings in a sentence of the library as options."""
 
     def option(found: re.Match[str]) -> str:
         name, value, other = found.group("name", "value", "other")
         if other:
             return _plain(other)
-        option = place if name == "target" else f"--{name.replace('_', '-')}"
+        option = f"--{name.replace('_', '-')}"
         return option if value in (None, "True") else f"{option} {_plain(value)}"
 
     return _SETTING.sub(option, str(text))
@@ -37,9 +35,11 @@ def _plain(value: str) -> str:
 
 @contextmanager
 def place_given_by(option: str) -> Iterator[None]:
-    """Advise to change this option, as ``--still``, where a place cannot be written."""
+    """Advise to change this option where a place cannot be written, unless another was named."""
     try:
         yield
     except PlaceError as error:
-        error.advice = as_options(error.advice, place=option)
+        if "--" not in error.advice:
+            overwrite = ", or add --overwrite" if error.replaceable else ""
+            error.advice = f"choose another {option}{overwrite}"
         raise

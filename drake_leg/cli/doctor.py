@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from drake_leg.cli.advice import as_options
 from drake_leg.cli.common import BAD_INPUT, FAILED, fail, numbers
 from drake_leg.cli.pictures import Pictures
+from drake_leg.cli.posture import joint_positions
 from drake_leg.cli.robot_source import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
@@ -71,6 +72,7 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
+    from drake_leg.kinematics.scara import is_scara
     from drake_leg.singularity.doctor import examine_posture
 
     if chosen.overwrite and not chosen.out:
@@ -78,7 +80,9 @@ def _doctor(chosen: argparse.Namespace) -> int:
     robot, place = robot_source(chosen.robot).robot(), _place(chosen)
     if chosen.q is None:
         return _foot_alone(chosen, robot, place)
-    q = _positions(robot, numbers("--q", chosen.q))
+    values = numbers("--q", chosen.q)
+    lift_left_out = len(values) == 3 and is_scara(robot)
+    q = joint_positions(robot, values, moving=robot.moving[:3] if lift_left_out else ())
     folder, maps = _maps(chosen, robot, q) if chosen.out else (None, {})
     motion: dict[str, Any] = {}
     if chosen.direction is not None:
@@ -158,25 +162,6 @@ def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> Pict
         with pictures.trying(f"the map {name}"), folder.more() as scratch:
             save(draw(), scratch, name)
     return pictures
-
-
-def _positions(robot: Robot, values: list[float]) -> list[float]:
-    """Convert degrees where a joint turns; the SCARA's lift may be left out."""
-    from drake_leg.kinematics.feet import units_of
-    from drake_leg.kinematics.of_robot import geometry_of
-    from drake_leg.kinematics.scara import ScaraGeometry
-
-    units = units_of(robot)
-    if len(values) == 3 and isinstance(geometry_of(robot), ScaraGeometry):
-        units = units[:3]
-    if len(values) != len(units):
-        raise InvalidValueError(
-            f"--q has {len(values)} numbers; {robot.name} has {len(units)} joint positions"
-        )
-    return [
-        math.radians(value) if unit == "deg" else value
-        for value, unit in zip(values, units, strict=True)
-    ]
 
 
 def _lines(diagnosis: Diagnosis) -> list[str]:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
+from drake_leg.cli.advice import place_given_by
 from drake_leg.cli.common import BAD_INPUT, FAILED, STOPPED_EARLY, fail
 from drake_leg.errors import (
     DrakeLegError,
@@ -71,7 +72,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(_join_negative_values(words))
     try:
         _require_working_folder()
-        status: int = chosen.command(chosen)
+        with place_given_by("--out"):
+            status: int = chosen.command(chosen)
         if sys.stdout is not None:
             sys.stdout.flush()  # now, so that a failure to write is an error
     except (JointLimitError, SingularConfigurationError) as error:

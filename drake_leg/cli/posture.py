@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Sequence
 
 from drake_leg.cli.common import numbers
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.state_targets import starting_posture
-from drake_leg.robot import Robot
+from drake_leg.robot import Robot, Segment
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import PendulumOptions, ScaraOptions, StepOptions
 
@@ -28,14 +29,21 @@ def posture(name: str, robot: Robot, text: str | None) -> list[float]:
     if text is None:
         reports = _reports_posture(name)
         return list(starting_posture(robot)) if reports is None else reports
-    values = numbers("--q", text)
-    if len(values) != len(robot.moving):
+    return joint_positions(robot, numbers("--q", text))
+
+
+def joint_positions(
+    robot: Robot, values: Sequence[float], *, moving: Sequence[Segment] = ()
+) -> list[float]:
+    """Convert degrees where a joint turns, of all joints or of these [rad or m]."""
+    moving = moving or robot.moving
+    if len(values) != len(moving):
         raise InvalidValueError(
             f"--q has {len(values)} numbers; {robot.name} has {len(robot.moving)} joint positions"
         )
     return [
         math.radians(value) if segment.row.joint == "revolute" else value
-        for value, segment in zip(values, robot.moving, strict=True)
+        for value, segment in zip(values, moving, strict=True)
     ]
 
 

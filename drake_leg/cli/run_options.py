@@ -8,16 +8,12 @@ import typing
 from pathlib import Path
 from typing import Any
 
+from drake_leg.cli.advice import as_options
 from drake_leg.cli.common import numbers
 from drake_leg.cli.robot_source import robot_source
 from drake_leg.errors import InvalidValueError
-from drake_leg.runs.catalogue import RUNS, STEP, Progress, RunKind, Start, run_kind
-from drake_leg.runs.options import RunOptions, StraightOptions
-
-if typing.TYPE_CHECKING:
-    from pydrake.systems.framework import Diagram
-
-    from drake_leg.runs.outcome import Outcome
+from drake_leg.runs.catalogue import RUNS, OwnRobot, RunKind, run_kind
+from drake_leg.runs.options import RunOptions
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -39,8 +35,9 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         group.add_argument(
             f"--{option.replace('_', '-')}",
             default=argparse.SUPPRESS,
-            help=f"{first.metadata['help']}{f' [{unit}]' if unit else ''} "
-            f"({_defaults_text(fields)})".replace("%", "%%"),
+            help=as_options(
+                f"{first.metadata['help']}{f' [{unit}]' if unit else ''} ({_defaults_text(fields)})"
+            ).replace("%", "%%"),
             **takes,
         )
 
@@ -50,26 +47,7 @@ def kind_of(name: str) -> RunKind:
     if not name.lower().endswith(".toml"):
         return run_kind(name)
     robot = robot_source(name).robot()
-
-    def step(options: StraightOptions, progress: Progress | None = None) -> Outcome:
-        from drake_leg.runs.leg import run_robot
-
-        return run_robot(robot, options, progress)
-
-    def diagram(options: StraightOptions) -> tuple[Diagram, Start]:
-        from drake_leg.runs.leg_setup import straight_diagram
-
-        return straight_diagram(robot, options)
-
-    return RunKind(
-        title=robot.title,
-        motion=STEP,
-        shows="",
-        options=StraightOptions,
-        run=step,
-        diagram=diagram,
-        robot=lambda _options: robot,
-    )
+    return OwnRobot(title=robot.title, own=robot)
 
 
 def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:

@@ -13,7 +13,7 @@ from drake_leg.robot import Robot
 from drake_leg.runs.options import TASK
 
 if TYPE_CHECKING:
-    from drake_leg.scene.teleop_control import Step
+    from drake_leg.scene.driven_foot import Step
 
 KEYS = (
     "keys in the page, held: A D along x, S W along y, F R along z; space halts, "
@@ -63,12 +63,12 @@ def _teleop(chosen: argparse.Namespace) -> int:
 
 def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
     """Describe where the robot starts, or refuse a singular posture."""
-    from drake_leg.scene.teleop_control import at_rest, drive_of
+    from drake_leg.scene.driven_foot import DrivenFoot
     from drake_leg.singularity.families import singular_words
 
-    drive = drive_of(robot, keep)
+    drive = DrivenFoot(robot, keep)
     try:
-        return at_rest(drive, q)
+        return drive.at_rest(q)
     except SingularConfigurationError as error:
         where = singular_words(drive.moved.geometry, q, "")
         raise SingularConfigurationError(

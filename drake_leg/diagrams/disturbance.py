@@ -56,19 +56,7 @@ class Disturbance:
         return FIRM if self.acts else STIFFNESS
 
     def believed(self, robot: Robot, gravity: float) -> MultibodyPlant | None:
-        """Build the plant that the computed torque believes in.
-
-        Parameters
-        ----------
-        robot : Robot
-            As it is.
-        gravity : float
-            [m/s^2].
-
-        Returns
-        -------
-        MultibodyPlant or None
-            None where the masses are believed as they are.
+        """Build the plant that the computed torque believes in; None: the plant as it is.
 
         Raises
         ------
@@ -83,43 +71,32 @@ class Disturbance:
 UNDISTURBED = Disturbance()
 
 
-def limited_torque(builder: DiagramBuilder, limit: float, torque: OutputPort) -> OutputPort:
-    """Add Drake's Saturation behind torques.
-
-    Parameters
-    ----------
-    builder : DiagramBuilder
-        The diagram under construction.
-    limit : float
-        Of every joint, to both sides [N*m or N].
-    torque : OutputPort
-        As asked for.
-
-    Returns
-    -------
-    OutputPort
-        As given.
-    """
+def with_torque_limit(builder: DiagramBuilder, limit: float, torque: OutputPort) -> OutputPort:
+    """Limit every joint's torque to both sides [N*m or N], by Drake's Saturation."""
     most = [limit] * torque.size()
-    saturation = builder.AddNamedSystem(TORQUE_LIMIT, Saturation([-limit] * torque.size(), most))
+    saturation = Saturation([-value for value in most], most)
+    builder.AddNamedSystem(TORQUE_LIMIT, saturation)
     builder.Connect(torque, saturation.get_input_port())
     return saturation.get_output_port()
 
 
-def add_push(builder: DiagramBuilder, plant: MultibodyPlant, frame: Frame, push: Push) -> None:
-    """Add a push on a frame.
+def require_actuators(robot: Robot, plant: MultibodyPlant) -> None:
+    """Refuse to limit the torque of joints that have no actuator.
 
-    Parameters
-    ----------
-    builder : DiagramBuilder
-        The diagram under construction.
-    plant : MultibodyPlant
-        In the diagram.
-    frame : Frame
-        Of the plant.
-    push : Push
-        Its force over time.
+    Raises
+    ------
+    InvalidValueError
+        With the counts.
     """
+    if plant.num_actuators() != plant.num_velocities():
+        raise InvalidValueError(
+            f"{robot.name!r} has {plant.num_actuators()} actuators for its "
+            f"{plant.num_velocities()} joints; a torque limit needs one at every joint"
+        )
+
+
+def add_push(builder: DiagramBuilder, plant: MultibodyPlant, frame: Frame, push: Push) -> None:
+    """Push on a frame of a plant."""
     block = builder.AddNamedSystem(PUSH, FootPush(frame, push))
     forces = block.GetOutputPort("spatial_forces")
     builder.Connect(forces, plant.get_applied_spatial_force_input_port())
@@ -128,20 +105,21 @@ def add_push(builder: DiagramBuilder, plant: MultibodyPlant, frame: Frame, push:
 def is_disturbed(diagram: Diagram) -> bool:
     """Say whether the joints of a diagram may leave their prescribed motion.
 
-    Parameters
-    ----------
-    diagram : Diagram
-        Built.
-
-    Returns
-    -------
-    bool
+    They may where something pushes, where the torque is computed for other masses, and where it
+    goes through a limit; a Saturation elsewhere in the diagram disturbs nothing.
     """
-    return any(
-        isinstance(system, FootPush | Saturation)
-        or (isinstance(system, PrescribedMotion) and not system.knows_its_plant)
+    pushed = any(isinstance(system, FootPush) for system in diagram.GetSystems())
+    mistaken = any(
+        isinstance(system, PrescribedMotion) and not system.knows_its_plant
         for system in diagram.GetSystems()
     )
+    limited = any(
+        isinstance(block, Saturation)
+        and isinstance(source, PrescribedMotion)
+        and source.get_output_port(output).get_name() == "torque"
+        for (block, _), (source, output) in diagram.connection_map().items()
+    )
+    return pushed or mistaken or limited
 
 
 def _heavier(robot: Robot, factor: float) -> Robot:

@@ -2,39 +2,38 @@
 
 Along and up, each its own source::
 
-    Sine Wave (along) --+-> Mux -> Direction -> inverseJacobian -> ... the leg's diagram
-    Sine Wave (up) -----+
+    Sine Wave along --+-> Mux -> Direction -> inverseJacobian -> ... the leg's diagram
+    Sine Wave up -----+
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
-from pydrake.systems.primitives import MatrixGain, Multiplexer, Sine
+from pydrake.systems.primitives import Multiplexer, Sine
 
-from drake_leg.diagrams.building import built
+from drake_leg.diagrams.additions import Command, through_matrix
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, add_leg
 from drake_leg.diagrams.mechanism import add_scope
+from drake_leg.diagrams.wiring import built
 from drake_leg.errors import InvalidValueError
-from drake_leg.quantities import require_non_negative
+from drake_leg.kinematics.motions import UP, EllipticStep
+
+ELLIPSE = EllipticStep()
 
 
 @dataclass(frozen=True, kw_only=True)
 class EllipseConfig(HexabotLegConfig):
-    """An ellipse ``amplitude / frequency`` wide to each side and ``lift`` high.
-
-    Along the horizontal direction the foot moves as it does on the straight step; it starts at
-    the rear end of the ellipse and rises first.
+    """Rounds of the leg's foot on an ellipse.
 
     Parameters
     ----------
-    robot, q0, amplitude, frequency, direction, gravity, filter_time_constant, control, disturbance
-        As in ``HexabotLegConfig``; the direction must be horizontal.
-    lift : float
-        From the lowest point of the ellipse to the highest [m].
+    motion : EllipticStep
+        Amplitude, frequency, direction and lift of the foot's motion.
+    robot, q0, gravity, filter_time_constant, feedback, keep, control, disturbance
+        As in ``HexabotLegConfig``.
 
     Raises
     ------
@@ -43,30 +42,17 @@ class EllipseConfig(HexabotLegConfig):
 
     Examples
     --------
-    >>> from math import radians
-    >>> from drake_leg import LEG_B, EllipseConfig
-    >>> q0 = (radians(90), radians(-50), radians(-90))
-    >>> EllipseConfig(robot=LEG_B, q0=q0, lift=0.03).greatest_speed
+    >>> from drake_leg import EllipseConfig, EllipticStep
+    >>> EllipseConfig(motion=EllipticStep(lift=0.03)).motion.greatest_speed
     0.07
     """
 
-    lift: float = 0.040  # [m], from the lowest point of the ellipse to the highest
+    motion: EllipticStep = ELLIPSE
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require_non_negative("the size of the lift", abs(self.lift), "m")
         if self.gain != 1.0:
             raise InvalidValueError(f"the gain is {self.gain!r}; an ellipse has no gain block")
-        if self.direction[2] != 0.0:
-            raise InvalidValueError(
-                f"the direction is {self.direction!r}; the ellipse's plane is vertical, "
-                "so that its direction must be horizontal (third number 0)"
-            )
-
-    @property
-    def greatest_speed(self) -> float:
-        """Of the foot, as commanded [m/s]."""
-        return max(abs(self.amplitude), abs(self.lift) / 2.0 * self.frequency)
 
 
 def build(config: EllipseConfig) -> Diagram:
@@ -84,32 +70,30 @@ def build(config: EllipseConfig) -> Diagram:
 
     Examples
     --------
-    >>> from math import radians
-    >>> from drake_leg import LEG_B, EllipseConfig, build_ellipse, simulate
-    >>> q0 = (radians(90), radians(-50), radians(-90))
-    >>> diagram = build_ellipse(EllipseConfig(robot=LEG_B, q0=q0, lift=0.03))
+    >>> from drake_leg import EllipseConfig, EllipticStep, build_ellipse, simulate
+    >>> diagram = build_ellipse(EllipseConfig(motion=EllipticStep(lift=0.03)))
     >>> half_way_round = simulate(diagram, duration=1.5)
     >>> rise = half_way_round.scopes["foot positions"][:, 2]
     >>> (rise[-1] - rise[0]).round(3)  # 0.015 sin(1.5) [m]
     np.float64(0.015)
     """
     builder = DiagramBuilder()
-    frequency = config.frequency
-    upward = config.lift / 2.0 * frequency
-    along = builder.AddNamedSystem("Sine Wave along", Sine(config.amplitude, frequency, 0.0, 1))
-    up = builder.AddNamedSystem("Sine Wave up", Sine(upward, frequency, math.pi / 2, 1))
-    plane = np.column_stack([config.direction, (0.0, 0.0, 1.0)])
+    motion = config.motion
 
-    commands = []
-    for name, order in (("", "y0"), (" of the derivatives", "y1")):
-        mux = builder.AddNamedSystem(f"Mux{name}", Multiplexer(2))
-        turn = builder.AddNamedSystem(f"Direction{name}", MatrixGain(plane))
-        builder.Connect(along.GetOutputPort(order), mux.get_input_port(0))
-        builder.Connect(up.GetOutputPort(order), mux.get_input_port(1))
-        builder.Connect(mux.get_output_port(), turn.get_input_port())
-        commands.append(turn.get_output_port())
-    v, a = commands
+    # Blocks, in the order of the signal: the foot's velocity along and up.
+    along = builder.AddNamedSystem("Sine Wave along", Sine(*motion.wave, 1))
+    up = builder.AddNamedSystem("Sine Wave up", Sine(*motion.rise, 1))
+    mux = builder.AddNamedSystem("Mux", Multiplexer(2))
+    mux_a = builder.AddNamedSystem("Mux of the derivatives", Multiplexer(2))
+    plane = np.column_stack([motion.direction, UP])
+
+    # Wires.
+    for port, into in (("y0", mux), ("y1", mux_a)):
+        builder.Connect(along.GetOutputPort(port), into.get_input_port(0))
+        builder.Connect(up.GetOutputPort(port), into.get_input_port(1))
+    command = Command(v=mux.get_output_port(), a=mux_a.get_output_port())
+    command = through_matrix(builder, "Direction", plane, command)
 
     add_scope(builder, "input", along.GetOutputPort("y0"))
-    add_leg(builder, config, v=v, a=a)
+    add_leg(builder, config, command)
     return built(builder)

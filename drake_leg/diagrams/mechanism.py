@@ -8,6 +8,7 @@ inputs and position sensors, and the 6-DOF joint that senses the foot.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -18,17 +19,17 @@ from drake_leg.diagrams.disturbance import (
     UNDISTURBED,
     Disturbance,
     add_push,
-    limited_torque,
+    require_actuators,
+    with_torque_limit,
 )
 from drake_leg.diagrams.wiring import plant_of
-from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.models.state_targets import initial_state
 from drake_leg.robot import Robot
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.joint_stops import JointStops
-from drake_leg.systems.prescribed_motion import PrescribedMotion
+from drake_leg.systems.prescribed_motion import STIFFNESS, PrescribedMotion
 
 MOTION = "Prescribed Motion"
 SENSOR = "6-DOF Joint"
@@ -36,11 +37,12 @@ STOPS = "Joint Limits"
 
 
 class Mechanism(NamedTuple):
-    """The blocks of the mechanical half; all belong to the builder's diagram."""
+    """The blocks and signals of the mechanical half; all belong to the builder's diagram."""
 
     plant: MultibodyPlant
-    motion: PrescribedMotion
-    joints: Demultiplexer  # sensed positions on port 0, velocities on port 1
+    motion: PrescribedMotion  # its inputs q, qdot and qddot are left to be connected
+    q: OutputPort  # sensed joint positions [rad or m]
+    qdot: OutputPort  # sensed joint velocities
     foot: FrameSensor
     torque: OutputPort  # as it acts, behind a limit if there is one
 
@@ -48,7 +50,9 @@ class Mechanism(NamedTuple):
 def add_mechanism(
     builder: DiagramBuilder,
     robot: Robot,
+    *,
     gravity: float,
+    stiffness: float = STIFFNESS,
     disturbance: Disturbance = UNDISTURBED,
 ) -> Mechanism:
     """Add a motion-driven robot to a diagram, with its joints and its last frame sensed.
@@ -61,13 +65,10 @@ def add_mechanism(
         Fully actuated. The motion presses joints with stops into these, with the torque it takes.
     gravity : float
         Along the world's -z [m/s^2].
+    stiffness : float
+        Of the pull of the joints onto their motion [1/s^2].
     disturbance : Disturbance
         What keeps the joints from following their motion exactly.
-
-    Returns
-    -------
-    Mechanism
-        Its motion's inputs ``q``, ``qdot``, ``qddot`` are left to be connected.
 
     Raises
     ------
@@ -75,56 +76,80 @@ def add_mechanism(
         If a joint of the robot has no actuator, gravity is not finite, or a believed mass makes no
         sense.
     """
+    robot = _without_effort_limits(robot)
+    believed = disturbance.believed(robot, gravity)
+
+    # Blocks.
     plant = builder.AddNamedSystem(robot.name, build_plant(robot, gravity=gravity))
     n = plant.num_positions()
     stops = add_stops(builder, robot, plant)
-    joints = [str(segment.joint) for segment in robot.moving] if stops else None
-    believed = disturbance.believed(robot, gravity)
-    motion = builder.AddNamedSystem(
-        MOTION,
-        PrescribedMotion(plant, joints, stiffness=disturbance.pull, believed=believed),
-    )
-    joints = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([n, n]))
+    driven = None if stops is None else [str(segment.joint) for segment in robot.moving]
+    motion = PrescribedMotion(plant, driven, stiffness=stiffness, believed=believed)
+    builder.AddNamedSystem(MOTION, motion)
+    converters = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([n, n]))
     foot_frame = plant.GetFrameByName(f"frame_{len(robot.segments)}")
     foot = builder.AddNamedSystem(SENSOR, FrameSensor(plant, foot_frame))
 
-    state = plant.get_state_output_port()
+    # Wires: the torque, and what disturbs.
     torque = motion.GetOutputPort("torque")
     if disturbance.torque_limit is not None:
-        _require_actuators(robot, plant)
-        torque = limited_torque(builder, disturbance.torque_limit, torque)
+        require_actuators(robot, plant)
+        torque = with_torque_limit(builder, disturbance.torque_limit, torque)
     if disturbance.push is not None:
         add_push(builder, plant, foot_frame, disturbance.push)
-    if stops is None or disturbance.torque_limit is not None:
+    if stops is None:
         builder.Connect(torque, plant.get_actuation_input_port())
-    if stops is not None:
-        force = stops.GetOutputPort("generalized_force")
-        builder.Connect(force, motion.GetInputPort("applied_generalized_force"))
-        if disturbance.torque_limit is None:
-            force = motion.GetOutputPort("generalized_force")
-        builder.Connect(force, plant.get_applied_generalized_force_input_port())
+    else:
+        _connect_stops(builder, stops, plant, motion, torque)
+
+    # Wires: the state.
+    state = plant.get_state_output_port()
     builder.Connect(state, motion.GetInputPort("state"))
-    builder.Connect(state, joints.get_input_port())
+    builder.Connect(state, converters.get_input_port())
     builder.Connect(state, foot.GetInputPort("state"))
-    return Mechanism(plant, motion, joints, foot, torque)
+    return Mechanism(
+        plant=plant,
+        motion=motion,
+        q=converters.get_output_port(0),
+        qdot=converters.get_output_port(1),
+        foot=foot,
+        torque=torque,
+    )
+
+
+def _connect_stops(
+    builder: DiagramBuilder,
+    stops: JointStops,
+    plant: MultibodyPlant,
+    motion: PrescribedMotion,
+    torque: OutputPort,
+) -> None:
+    """Let motion and stops act on the plant, and the motion know what the stops do."""
+    force = stops.GetOutputPort("generalized_force")
+    applied = plant.get_applied_generalized_force_input_port()
+    builder.Connect(force, motion.GetInputPort("applied_generalized_force"))
+    if torque.get_system() is motion:  # which passes the stops' force on
+        builder.Connect(motion.GetOutputPort("generalized_force"), applied)
+    else:
+        builder.Connect(force, applied)
+        builder.Connect(torque, plant.get_actuation_input_port())
+
+
+def _without_effort_limits(robot: Robot) -> Robot:
+    """Take the effort limits off: the torque of a prescribed motion is what the motion takes."""
+    return replace(
+        robot,
+        segments=tuple(
+            replace(segment, mechanics=replace(segment.mechanics, effort=None, velocity=None))
+            for segment in robot.segments
+        ),
+    )
 
 
 def add_stops(builder: DiagramBuilder, robot: Robot, plant: MultibodyPlant) -> JointStops | None:
     """Add what pushes joints back into their limits, where a robot has such limits.
 
-    Parameters
-    ----------
-    builder : DiagramBuilder
-        The diagram under construction.
-    robot : Robot
-        With the joints' mechanics.
-    plant : MultibodyPlant
-        Of the robot, in the diagram.
-
-    Returns
-    -------
-    JointStops or None
-        Its output ``generalized_force`` is left to be connected.
+    Its output ``generalized_force`` is left to be connected.
     """
     mechanics = {str(segment.joint): segment.mechanics for segment in robot.moving}
     if not any(acting.stops for acting in mechanics.values()):
@@ -134,31 +159,15 @@ def add_stops(builder: DiagramBuilder, robot: Robot, plant: MultibodyPlant) -> J
     return stops
 
 
-def _require_actuators(robot: Robot, plant: MultibodyPlant) -> None:
-    if plant.num_actuators() != plant.num_velocities():
-        raise InvalidValueError(
-            f"{robot.name!r} has {plant.num_actuators()} actuators for its "
-            f"{plant.num_velocities()} joints; a torque limit needs one at every joint"
-        )
-
-
 def add_mechanism_scopes(builder: DiagramBuilder, mechanism: Mechanism) -> None:
-    """Log what the mechanical half senses, each log named like the scope it stands for.
-
-    Parameters
-    ----------
-    builder : DiagramBuilder
-        The diagram under construction.
-    mechanism : Mechanism
-        Its blocks.
-    """
-    plant, motion, joints, foot, torque = mechanism
+    """Log what the mechanical half senses, each log named like the scope it stands for."""
+    plant, motion, q, qdot, foot, torque = mechanism
     add_scope(builder, "foot positions", foot.GetOutputPort("position"))
     add_scope(builder, "foot velocities", foot.GetOutputPort("velocity"))
     add_scope(builder, "Q", foot.GetOutputPort("quaternion"))
     add_scope(builder, "foot angular velocities", foot.GetOutputPort("angular_velocity"))
-    add_scope(builder, "joint positions", joints.get_output_port(0))
-    add_scope(builder, "joint velocities", joints.get_output_port(1))
+    add_scope(builder, "joint positions", q)
+    add_scope(builder, "joint velocities", qdot)
     add_scope(builder, "joint accelerations", plant.get_generalized_acceleration_output_port())
     add_scope(builder, "joint torques", torque)
     if torque.get_system() is not motion:
@@ -198,17 +207,10 @@ def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:
 
 
 def start_at_targets(robot: Robot) -> Callable[[Diagram, Context], None]:
-    """Say how a diagram starts whose joints no motion drives: at their state targets.
+    """Return what starts a diagram whose joints no motion drives: at their state targets.
 
-    Parameters
-    ----------
-    robot : Robot
-        With targets in its joints' mechanics; a joint without one starts at rest, or at 0.
-
-    Returns
-    -------
-    callable
-        ``start(diagram, context)``, which sets the state of the diagram's plant.
+    ``start(diagram, context)`` sets the state of the diagram's plant; a joint without a target
+    starts at rest, or at 0.
     """
     state = initial_state(robot)
 
@@ -222,18 +224,13 @@ def start_at_targets(robot: Robot) -> Callable[[Diagram, Context], None]:
 
 
 def start_on_motion(diagram: Diagram, context: Context) -> None:
-    """Put the joints on their prescribed motion, positions and velocities, at the context's time.
+    """Put the joints on their prescribed motion, positions and velocities.
 
-    Parameters
-    ----------
-    diagram : Diagram
-        With a motion-driven mechanism.
-    context : Context
-        Its root context; the plant's state in it is set.
+    ``context`` is the root context of a diagram with a motion-driven mechanism.
     """
     motion = diagram.GetSubsystemByName(MOTION)
     plant = plant_of(diagram)
-    for filter_ in (s for s in diagram.GetSystems() if isinstance(s, InputFilter)):
-        if not filter_.has_initial:
-            filter_.start_from_input(filter_.GetMyMutableContextFromRoot(context))
+    for block in diagram.GetSystems():
+        if isinstance(block, InputFilter) and not block.has_initial:
+            block.start_from_input(block.GetMyMutableContextFromRoot(context))
     motion.start(motion.GetMyContextFromRoot(context), plant.GetMyMutableContextFromRoot(context))

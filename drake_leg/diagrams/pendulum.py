@@ -11,17 +11,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Adder, Demultiplexer
 
-from drake_leg.diagrams.building import built
 from drake_leg.diagrams.mechanism import add_scope, add_stops
-from drake_leg.diagrams.wiring import plant_of
+from drake_leg.diagrams.wiring import built, plant_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
 from drake_leg.models.state_targets import initial_state
 from drake_leg.quantities import STANDARD_GRAVITY, require_angle
 from drake_leg.robot import Robot
+from drake_leg.robots import PENDULUM
 from drake_leg.systems.energy_sensor import EnergySensor
 
 
@@ -51,7 +51,7 @@ class PendulumConfig:
     9.80665
     """
 
-    robot: Robot
+    robot: Robot = PENDULUM
     q0: float | None = None  # [rad], where the simulation starts; None: the robot's state target
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
 
@@ -87,25 +87,25 @@ def build(config: PendulumConfig) -> Diagram:
     np.float64(3.14)
     """
     builder = DiagramBuilder()
-    plant = builder.AddNamedSystem(
-        config.robot.name, build_plant(config.robot, gravity=config.gravity)
-    )
+
+    # Blocks.
+    plant = build_plant(config.robot, gravity=config.gravity)
+    builder.AddNamedSystem(config.robot.name, plant)
     plant.SetDefaultPositions([config.start])
     joint = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([1, 1]))
-    energy = builder.AddNamedSystem("Energy", EnergySensor(plant)).GetOutputPort("energy")
+    sensor = builder.AddNamedSystem("Energy", EnergySensor(plant))
     stops = add_stops(builder, config.robot, plant)
-    if stops:
-        total = builder.AddNamedSystem("Energy with that of the stops", Adder(2, 1))
-        builder.Connect(energy, total.get_input_port(0))
-        builder.Connect(stops.GetOutputPort("energy"), total.get_input_port(1))
+
+    # Wires.
+    builder.Connect(plant.get_state_output_port(), joint.get_input_port())
+    builder.Connect(plant.get_state_output_port(), sensor.GetInputPort("state"))
+    energy = sensor.GetOutputPort("energy")
+    if stops is not None:
         force = stops.GetOutputPort("generalized_force")
         builder.Connect(force, plant.get_applied_generalized_force_input_port())
-        energy = total.get_output_port()
+        energy = _sum(builder, energy, stops.GetOutputPort("energy"))
 
-    builder.Connect(plant.get_state_output_port(), joint.get_input_port())
-    sensor = builder.GetSubsystemByName("Energy")
-    builder.Connect(plant.get_state_output_port(), sensor.GetInputPort("state"))
-
+    # Scopes.
     add_scope(builder, "q", joint.get_output_port(0))
     add_scope(builder, "w", joint.get_output_port(1))
     add_scope(builder, "acceleration", plant.get_generalized_acceleration_output_port())
@@ -113,16 +113,15 @@ def build(config: PendulumConfig) -> Diagram:
     return built(builder)
 
 
-def start_at_target(diagram: Diagram, context: Context) -> None:
-    """Put the joint on its state target, at rest.
+def _sum(builder: DiagramBuilder, energy: OutputPort, of_stops: OutputPort) -> OutputPort:
+    total = builder.AddNamedSystem("Energy with that of the stops", Adder(2, 1))
+    builder.Connect(energy, total.get_input_port(0))
+    builder.Connect(of_stops, total.get_input_port(1))
+    return total.get_output_port()
 
-    Parameters
-    ----------
-    diagram : Diagram
-        The pendulum's.
-    context : Context
-        Its root context; the plant's state in it is set.
-    """
+
+def start_at_target(diagram: Diagram, context: Context) -> None:
+    """Put the joint of a pendulum's diagram at its state target, at rest."""
     plant = plant_of(diagram)
     plant.SetDefaultState(
         plant.GetMyContextFromRoot(context),

@@ -1,17 +1,18 @@
-"""The wires and the plant of a live diagram, read from the diagram itself."""
+"""Building a diagram, and its wires and plant read from the diagram itself."""
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Diagram
+from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wire:
+class LiveWire:
     """A connection between two blocks of a diagram."""
 
     source: str  # block
@@ -20,17 +21,26 @@ class Wire:
     input: str  # its port
 
 
+def built(builder: DiagramBuilder) -> Diagram:
+    """Build a diagram, unless two of its blocks have the same name: that would end the process.
+
+    Raises
+    ------
+    InvalidValueError
+        If two blocks have the same name.
+    """
+    names = Counter(system.get_name() for system in builder.GetSystems())
+    for name, count in names.items():
+        if count > 1:
+            raise InvalidValueError(
+                f"{name!r} is the name of the robot and of another block of its diagram: "
+                "give the robot another name"
+            )
+    return builder.Build()
+
+
 def plant_of(diagram: Diagram) -> MultibodyPlant:
     """Find the plant of a diagram.
-
-    Parameters
-    ----------
-    diagram : Diagram
-        Built.
-
-    Returns
-    -------
-    MultibodyPlant
 
     Raises
     ------
@@ -43,26 +53,15 @@ def plant_of(diagram: Diagram) -> MultibodyPlant:
     return plants[0]
 
 
-def wires(diagram: Diagram) -> list[Wire]:
-    """List the connections between a diagram's own blocks.
-
-    Parameters
-    ----------
-    diagram : Diagram
-        Built.
-
-    Returns
-    -------
-    list of Wire
-        In the order of the target blocks and their ports.
-    """
+def wires(diagram: Diagram) -> list[LiveWire]:
+    """List the connections between a diagram's blocks, by the target blocks and their ports."""
     order = {system.get_name(): index for index, system in enumerate(diagram.GetSystems())}
     connections = sorted(
         diagram.connection_map().items(),
         key=lambda pair: (order[pair[0][0].get_name()], int(pair[0][1])),
     )
     return [
-        Wire(
+        LiveWire(
             source=source.get_name(),
             output=source.get_output_port(output).get_name(),
             target=target.get_name(),

@@ -1,4 +1,4 @@
-"""How high everything stands: the least bent wires, by a linear programme.
+"""How high everything is: the least bent wires, by a linear programme.
 
 After Gansner, Koutsofios, North and Vo, "A technique for drawing directed graphs", 1993,
 section 4: bends are charged by their height, so that most wires become straight. Ports of bars

@@ -22,7 +22,7 @@ from drake_leg.drawings.captions import (
     spring_words,
 )
 from drake_leg.drawings.chain import Chain, Output, solid_of
-from drake_leg.drawings.picture import Block, Picture
+from drake_leg.drawings.picture import DrawnBlock, Picture
 from drake_leg.drawings.text import wrapped
 from drake_leg.names import frame_name
 
@@ -43,7 +43,7 @@ def mechanism_picture(
 
 
 class _Mechanism:
-    """The tree of a plant's bodies, hung on the world."""
+    """The tree of a plant's bodies, from the world outwards."""
 
     def __init__(
         self, plant: MultibodyPlant, shapes: Mapping[str, str], sensed: str | None
@@ -59,9 +59,11 @@ class _Mechanism:
         self.chain = Chain()
 
     def picture(self, title: str) -> Picture:
-        world = self.chain.add(Block(name="World Frame", caption=("World Frame",), glyph="world"))
+        world = self.chain.add(
+            DrawnBlock(name="World Frame", caption=("World Frame",), glyph="world")
+        )
         self.chain.add(
-            Block(
+            DrawnBlock(
                 name="Mechanism Configuration",
                 caption=wrapped("Mechanism Configuration", CAPTION_WIDTH)
                 + gravity_words(self.plant.gravity_field().gravity_vector()),
@@ -74,7 +76,7 @@ class _Mechanism:
         return self.chain.picture(title)
 
     def _body(self, body: RigidBody, frame: Output, X_BF: RigidTransform, *, fixed: bool) -> None:
-        """Hang on a frame of a body its solid, and everything that its joints carry."""
+        """Attach to a frame of a body its solid, and everything that its joints carry."""
         chain = self.chain
         self._label(body, frame, X_BF)
         X_BS = self._sensed_place(body)
@@ -118,17 +120,17 @@ class _Mechanism:
 
     def _sense(self, frame: Output) -> None:
         base = self.chain.add(
-            Block(name="World Frame of the sensor", caption=("World Frame",), glyph="world")
+            DrawnBlock(name="World Frame of the sensor", caption=("World Frame",), glyph="world")
         )
         self.chain.add(
-            Block(
+            DrawnBlock(
                 name="6-DOF Joint", caption=("6-DOF Joint", "senses the motion"), glyph="six_dof"
             ),
             frame,
             base,
         )
 
-    def _joint(self, joint: Joint) -> Block:
+    def _joint(self, joint: Joint) -> DrawnBlock:
         kind = {"revolute": "Revolute Joint", "prismatic": "Prismatic Joint"}
         caption = [joint.name(), kind.get(joint.type_name(), f"{joint.type_name()} joint")]
         if joint.name() in self.driven:
@@ -138,7 +140,7 @@ class _Mechanism:
             caption += damping_words(joint.default_damping_vector()[0], turning=turning)
         caption += self.springs.get(joint.name(), ())
         glyph = joint.type_name() if joint.type_name() in kind else "solid"
-        return Block(name=joint.name(), caption=tuple(caption), glyph=glyph)
+        return DrawnBlock(name=joint.name(), caption=tuple(caption), glyph=glyph)
 
 
 def _springs(plant: MultibodyPlant) -> dict[str, tuple[str, ...]]:

@@ -52,6 +52,6 @@ def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Pictur
 def _require_drawable(picture: Picture, part: str) -> None:
     if len(picture.blocks) > MOST_BLOCKS:
         raise InvalidValueError(
-            f"its {part} would be a picture of {len(picture.blocks)} blocks, of which at most "
+            f"the picture of its {part} would have {len(picture.blocks)} blocks; at most "
             f"{MOST_BLOCKS} can be drawn: save one of its subsystems as a model and draw that"
         )

@@ -9,7 +9,7 @@ from typing import TypeVar
 from drake_leg.drawings.columns import Columns, End, Track
 from drake_leg.drawings.picture import Picture
 
-# In crossings. A loop's lane stands below the blocks where that costs nothing.
+# In crossings. A loop's lane is below the blocks where that costs nothing.
 ABOVE_A_BLOCK = 0.15
 DISORDER = 0.01  # of blocks against the order in which the diagram lists them
 SWEEPS = 8

@@ -1,4 +1,4 @@
-"""A picture whose parts no wire joins: each is laid out by itself, and they stand in rows."""
+"""A picture of parts that no wire joins: each is laid out by itself, and they form rows."""
 
 from __future__ import annotations
 

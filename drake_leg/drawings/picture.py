@@ -10,7 +10,7 @@ SIGNALS, MECHANISM, ALL = "signals", "mechanism", "all"  # what can be asked for
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block:
+class DrawnBlock:
     """One block; its inputs are on its left side, its outputs on its right."""
 
     name: str  # unique; for what reads the picture
@@ -20,7 +20,7 @@ class Block:
     inputs: tuple[str, ...] = ()  # labels of the ports, "" for a port without one
     outputs: tuple[str, ...] = ()
     physical: bool = False  # drawn as Simscape's blocks are
-    loose: bool = False  # whether its ports may stand in any order: they are labelled
+    loose: bool = False  # whether its ports may be in any order: they are labelled
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class Picture:
     """Blocks and nets, not yet laid out."""
 
     title: str
-    blocks: tuple[Block, ...]
+    blocks: tuple[DrawnBlock, ...]
     nets: tuple[Net, ...]
 
     def __post_init__(self) -> None:

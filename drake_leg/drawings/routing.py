@@ -1,4 +1,4 @@
-"""In which order the nets' vertical lines stand in a channel between two columns."""
+"""The order of the nets' vertical lines in a channel between two columns."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _cost(order: Sequence[Trunk]) -> float:
 
 
 def _crossings(a: Trunk, b: Trunk) -> int:
-    """Count crossings where ``a`` stands left of ``b``."""
+    """Count crossings where ``a`` is left of ``b``."""
     return sum(a.low < y < a.high for y in b.left) + sum(b.low < y < b.high for y in a.right)
 
 

@@ -20,15 +20,15 @@ def model_mechanism_picture(
 ) -> Picture:
     """Draw the mechanical blocks of a model, breadth-first from its World Frames.
 
-    What hangs on no World Frame follows, from an open end if there is one. A block that closes a
-    loop has two connections on its left side, and so has a joint that only senses: it comes last.
-    A model without a mechanism has a picture without blocks.
+    What is attached to no World Frame follows, from an open end if there is one. A block that
+    closes a loop has two connections on its left side, and so has a joint that only senses, which
+    comes last. A model without a mechanism has a picture without blocks.
     """
     return _Walk(model, network, names).picture(title)
 
 
 class _Walk:
-    """Goes from frame to frame and hangs on each what is connected there."""
+    """Goes from frame to frame and attaches what is connected there."""
 
     def __init__(self, model: Model, network: Network, names: Mapping[str, str]) -> None:
         self.network, self.names = network, names
@@ -66,14 +66,14 @@ class _Walk:
                 self._place(sid)
 
     def _place(self, sid: str) -> None:
-        """Hang a block on the frames that are reached; its other ones are reached from now on."""
+        """Attach a block to the frames that are reached; its other ones are reached from now on."""
         self.placed.add(sid)
         index, opened = len(self.chain.blocks), 0
-        hung = []
+        attached = []
         for port in self.ports.get(sid, ()):
             node = self.node[port]
             if node in self.frame:
-                hung.append(port)
+                attached.append(port)
                 continue
             self.frame[node] = (index, opened)
             opened += 1
@@ -81,10 +81,10 @@ class _Walk:
         drawn = body_block(
             self.blocks[sid],
             name=self.names[sid],
-            turned=[split_port(port)[1:] for port in hung] == [("rconn", 1)] and opened > 0,
+            turned=[split_port(port)[1:] for port in attached] == [("rconn", 1)] and opened > 0,
             senses=sid in self.network.sensed,
         )
-        self.chain.add(drawn, *(self.frame[self.node[port]] for port in hung))
+        self.chain.add(drawn, *(self.frame[self.node[port]] for port in attached))
 
     def _meet(self, node: int) -> None:
         for port in self.network.frames[node]:

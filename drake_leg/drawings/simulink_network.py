@@ -73,7 +73,7 @@ def _has_signal(port: str, blocks: Mapping[str, Block]) -> bool:
 
 
 def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
-    """Whether a signal comes out of a port: right ports do so, but for converters."""
+    """Whether a signal comes out of a port: right ports do so, except a converter's."""
     sid, side, _ = split_port(port)
     kind = blocks[sid].kind
     return kind == TO_PHYSICAL or (side == "rconn" and kind != TO_SIGNAL)

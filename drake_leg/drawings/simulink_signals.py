@@ -37,7 +37,7 @@ def signals_picture(
         for block in model.blocks
         if block.sid not in network.mechanical or block.sid in network.sensed
     ]
-    blocks.sort(key=lambda block: block.sid not in outputs)  # so that scopes stand below
+    blocks.sort(key=lambda block: block.sid not in outputs)  # so that scopes are below
     scripts = {function.sid: function.script for function in model.functions}
     drawn = (
         signal_block(

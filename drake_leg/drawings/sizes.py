@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drake_leg.drawings.picture import Block
+from drake_leg.drawings.picture import DrawnBlock
 from drake_leg.drawings.svg import SMALL
 from drake_leg.drawings.text import LINE, text_width
 
 PORT_PITCH = 17.0  # [px], between ports of one side
-LABELLED = ("box", "plant", "sum")  # whose ports' labels stand inside
+LABELLED = ("box", "plant", "sum")  # whose ports' labels are inside
 PORT_PAD = 12.0  # [px], from the first and last port to the block's edge
 
 
@@ -57,10 +57,10 @@ class Size:
     width: float  # [px]
     height: float  # [px], at least
     elastic: bool = False  # whether it may be higher
-    centred: bool = True  # whether a lone port stands at half its height
+    centred: bool = True  # whether a single port is at half its height
 
 
-def size_of(block: Block) -> Size:
+def size_of(block: DrawnBlock) -> Size:
     """How much room a block needs."""
     sides = [ports for ports in (block.inputs, block.outputs) if ports]
     ports = 2 * PORT_PAD + PORT_PITCH * (max(map(len, sides), default=1) - 1)

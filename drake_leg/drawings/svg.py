@@ -15,7 +15,7 @@ Point = tuple[float, float]
 
 _FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
 
-# Blue against black and grey is told apart by every kind of colour-blind eyes; the mechanical
+# Every kind of colour-blind eyes can tell blue from black and grey; the mechanical
 # blocks' lines are thicker, too.
 _LIGHT = {
     "paper": "#ffffff",

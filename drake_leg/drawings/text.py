@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-SIZE = 11.0  # [px], of captions, labels, and what stands inside blocks
+SIZE = 11.0  # [px], of captions, labels, and texts inside blocks
 LINE = 13.0  # [px], from line to line
 
 _NARROW, _WIDE = set("fijlrtI.,:;'|!()[]/- ·"), set("mwMW@%")

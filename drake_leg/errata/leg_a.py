@@ -11,7 +11,7 @@ from drake_leg.errata.erratum import Effects, Values, angles
 from drake_leg.errata.postures import FORWARDS, MM, classic, far_end, feet
 from drake_leg.kinematics.khalil import foot_pose, jacobian, row_transform
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, inverse_kinematics
-from drake_leg.kinematics.paths import elliptic_path
+from drake_leg.kinematics.motions import EllipticStep
 from drake_leg.robots import LEG_A
 from drake_leg.runs.options import EllipseOptions, LegAOptions
 from drake_leg.singularity.rank import examine
@@ -25,14 +25,13 @@ def _degrees_of_freedom() -> Values:
     time = np.linspace(0.0, 2.0 * math.pi / options.frequency, 721)
     turned = []
     for direction in ((math.cos(start[0]), math.sin(start[0]), 0.0), options.unit_direction()):
-        path = elliptic_path(
-            time,
+        motion = EllipticStep(
             amplitude=options.amplitude,
             frequency=options.frequency,
             direction=direction,
             lift=lift,
         )
-        positions = foot_position(GEOMETRY, start) + path.displacement
+        positions = foot_position(GEOMETRY, start) + motion.displacement(time)
         turned.append(np.ptp(inverse_kinematics(GEOMETRY, positions, like=start), axis=0))
     (hip, knee, ankle), (across, _, _) = np.degrees(turned)
     stroke = 2 * MM * options.amplitude / options.frequency

@@ -32,7 +32,6 @@ from drake_leg.kinematics.leg import (
     foot_position,
     inverse_kinematics,
 )
-from drake_leg.kinematics.paths import CommandedMotion, straight_path
 from drake_leg.robot import Row
 from drake_leg.robots import LEG_B
 from drake_leg.runs.options import LegBOptions
@@ -87,7 +86,8 @@ def _no_rotation(name: str) -> Values:
 
 def _first_rows(name: str) -> Values:
     """Show the rows in which a matrix is wrong, and the abbreviations in them."""
-    matrices, found = leg_b_matrices(), {}
+    matrices = leg_b_matrices()
+    found: dict[str, str] = {}
     for kind, sigmas in (("printed", SIGMAS_PRINTED), ("right", SIGMAS_RIGHT)):
         rows = getattr(matrices, kind)[name][:2, :]
         used = (f"{sigma} = {text(value)}" for sigma, value in sigmas.items() if rows.has(sigma))
@@ -144,40 +144,35 @@ def _three_joints() -> Values:
     return {"rank": rank, "q": angles(_start())}
 
 
-def _path() -> tuple[Array, CommandedMotion]:
-    """The default step: phases of one period [rad], and the exact motion."""
-    options = LegBOptions()
+def _path() -> tuple[Array, Array, Array]:
+    """The default step over a period: phases [rad], displacement [m] and velocity [m/s]."""
+    motion = LegBOptions().motion()
     phase = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
-    motion = straight_path(
-        phase / options.frequency,
-        amplitude=options.amplitude,
-        frequency=options.frequency,
-        direction=options.unit_direction(),
-    )
-    return phase, motion
+    time = phase / motion.frequency
+    return phase, motion.displacement(time), motion.velocity(time)
 
 
 def _gain() -> Values:
-    motion, leg = _path()[1], MovableLeg(GEOMETRY)
+    (_, displacement, velocity), leg = _path(), MovableLeg(GEOMETRY)
     q = inverse_kinematics(
-        GEOMETRY, foot_position(GEOMETRY, _start()) + motion.displacement, like=_start()
+        GEOMETRY, foot_position(GEOMETRY, _start()) + displacement, like=_start()
     )
-    rates = np.array([leg.rates(*pair) for pair in zip(q, motion.velocity, strict=True)])
+    rates = np.array([leg.rates(*pair) for pair in zip(q, velocity, strict=True)])
     went = (foot_jacobian(GEOMETRY, q) @ rates[:, :, np.newaxis])[:, :, 0]
-    factor = np.abs(went).max() / np.abs(motion.velocity).max()
+    factor = np.abs(went).max() / np.abs(velocity).max()
     peak = MM * LegBOptions().amplitude
     return {"factor": factor, "low": peak / GAIN, "peak": peak, "gain": GAIN}
 
 
 def _velocity_command() -> Values:
-    motion = _path()[1]
-    x, v = MM * motion.displacement[:, 0], MM * motion.velocity[:, 0]
+    _, displacement, velocity = _path()
+    x, v = MM * displacement[:, 0], MM * velocity[:, 0]
     return {"swing": v.max(), "start": x.min(), "end": x.max(), "low": v.min()}
 
 
 def _phase() -> Values:
-    phase, motion = _path()
-    x, v = motion.displacement[:, 0], motion.velocity[:, 0]
+    phase, displacement, velocity = _path()
+    x, v = displacement[:, 0], velocity[:, 0]
     turning = np.exp(-1j * phase)
     lag = np.angle((v @ turning) / (x @ turning), deg=True)
     return {"lag": lag, "correlation": np.corrcoef(x, v)[0, 1]}

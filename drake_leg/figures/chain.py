@@ -1,4 +1,4 @@
-"""Any chain with the frames of its table, its bodies and the forces on them, seen askew."""
+"""Any chain with the frames of its table, its bodies and the forces on them, seen at an angle."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ AZIMUTHS = (-65.0, -25.0, 25.0, 65.0)  # [deg], from where it is looked at
 ELEVATION = 22.0  # [deg]
 SAME = 1e-6  # of the robot's size: points that are no farther apart are one
 WIDTH, HIGHEST, LOWEST = 6.8, 5.2, 1.6  # [inch] of a view, or of two
-BESIDE = 0.8  # higher than this part of their width, views stand side by side
+BESIDE = 0.8  # higher than this part of their width, views are side by side
 LINE = 0.2  # [inch] of the table
 COLUMNS = (("row", 0.0), ("σ", 0.08), ("d [mm]", 0.16), ("α [deg]", 0.31), ("r [mm]", 0.46),
            ("θ [deg]", 0.64), ("drawn at", 0.84))  # fmt: skip

@@ -33,7 +33,8 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     Parameters
     ----------
     robot : Robot
-        Any: the reports' robots are drawn as there, another chain seen askew, beside its table.
+        Any: the reports' robots are drawn as in the reports, another chain at an angle, above its
+        table.
     title : str, optional
         By default the robot's.
 

@@ -21,9 +21,9 @@ from matplotlib.ticker import MaxNLocator
 from drake_leg.figures.style import ABOVE, CORNER, LEGEND_ABOVE, LEGEND_BELOW, STYLE, TITLE
 
 WIDTH = 4.6  # [inch]; letters of 10 pt are 12 px high on a phone of 390 px
-IN_SPACE = 5.4  # [inch], with axes in 3D, whose labels stand outside them
+IN_SPACE = 5.4  # [inch], with axes in 3D, whose labels are outside them
 LOWER = 0.87  # times as high; not as much as it is narrower
-STACKED = 1.6  # times as high, where two views that stood side by side share a column
+STACKED = 1.6  # times as high, where two views that were side by side share a column
 SIDE_BY_SIDE = (1, 2)  # rows and columns
 MOST_TICKS = 6
 FORMULA = re.compile(r"\$[^$]*\$")

@@ -34,7 +34,7 @@ def maps_of_posture(robot: Robot, q: Sequence[float]) -> Maps:
             return _of_scara(robot.title, arm, q)
     raise InvalidValueError(
         f"the robot is {robot.name!r}; maps are drawn of a hexabot leg or the SCARA",
-        advice="leave `target` out to have the posture described in words",
+        advice="without `out` the posture is described in words",
     )
 
 

@@ -1,4 +1,4 @@
-"""What is measured of a recording before a figure says it."""
+"""What is measured in a recording before a figure states it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import numpy as np
 
 from drake_leg.recording import Recording
 
-LIKE_A_SINE = 0.02  # of the greatest value: how far a motion may be from a sine that is said of it
-NEAR_SINGULAR = 0.05  # of the greatest smallest singular value: where torques say nothing of a leg
+LIKE_A_SINE = 0.02  # of the greatest value: how far a motion may be from a sine to be called one
+NEAR_SINGULAR = (
+    0.05  # of the greatest smallest singular value: where torques say nothing about a leg
+)
 FAR_HIGHER = 3.0  # times the torques elsewhere: what would hide them
 
 

@@ -122,7 +122,7 @@ class Sketch:
 
         ``X_B`` (4, 4) is the frame's pose in the base [-, m], ``names`` are the axes to be drawn,
         ``scale`` is their length in units. ``moved`` places an axis's label from the arrow's tip
-        or, for an axis end on, from the origin, in units; others stand beside x, beyond y and z,
+        or, for an axis end on, from the origin, in units; others are beside x, beyond y and z,
         and opposite to both arrows.
         """
         origin = self.at(X_B[:3, 3])

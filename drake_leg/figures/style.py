@@ -63,7 +63,7 @@ LEGEND_ABOVE: dict[str, Any] = {
     "handlelength": 2.2,
 }
 LEGEND_BELOW: dict[str, Any] = {"loc": "outside lower left", "frameon": False, "fontsize": 9.5}
-CORNER, ABOVE = (0.0, 1.0), 5.0  # of axes, where a claim stands; and how far above [pt]
+CORNER, ABOVE = (0.0, 1.0), 5.0  # of axes, where a claim is written; and how far above [pt]
 
 LONGEST = 80  # letters that fit on a line of a legend
 

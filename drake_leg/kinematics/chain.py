@@ -1,6 +1,6 @@
-"""Any chain as a robot whose foot can be moved: one walk from the base to the foot gives all.
+"""Any chain as a robot whose foot can be moved, by one walk from the base to the foot.
 
-A redundant robot takes, of all rates that move the foot as commanded, the least (Moore and
+A redundant robot takes the smallest of all rates that move the foot as commanded (Moore and
 Penrose): ``qdot = J^T y`` with ``J J^T y = v``. Its accelerations are the derivative of that,
 
 ``qddot = J^+ (a - dJ/dt qdot) + (1 - J^+ J) (dJ/dt)^T y``.
@@ -133,7 +133,7 @@ class _Posture(NamedTuple):
     Vt: Array  # (m, n)
 
     def solve(self, v: Array) -> Array:
-        """Return the least rates that give velocities v, (n,)."""
+        """Return the smallest rates that produce velocities v, (n,)."""
         solution: Array = self.Vt.T @ ((self.U.T @ v) / self.sigma)
         return solution
 
@@ -184,7 +184,7 @@ class MovableChain(Movable):
         return float(determinants(self.jacobian(q)))
 
     def rates(self, q: Floats, v: Floats) -> Floats:
-        """Least of the rates that give v."""
+        """Smallest rates that produce v."""
         qdot: list[float] = self._regular(q).solve(self._row_lengths * np.asarray(v)).tolist()
         return qdot
 
@@ -196,7 +196,7 @@ class MovableChain(Movable):
         v: Floats | None = None,
         w: Floats | None = None,
     ) -> Floats:
-        """Derivative of the least rates."""
+        """Derivative of the smallest rates."""
         at = self._regular(q)
         moved = self._row_lengths[:, np.newaxis] * self._rate(at, qdot if w is None else w)
         qddot = at.solve(self._row_lengths * np.asarray(a) - moved @ np.asarray(qdot))
@@ -260,7 +260,7 @@ def determinants(J: Array) -> Array:
 
 @dataclass(frozen=True)
 class Freedom:
-    """What motions a chain's foot has, looked at from postures everywhere.
+    """Which motions a chain's foot has, judged from postures everywhere.
 
     Where the motions of all postures together span no more than those of one, that span can be
     commanded: a plane, a line, all of space. A foot that goes round a sphere has no such span.

@@ -11,7 +11,7 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.pendulum import PendulumModel, acceleration
 
 STEP = 1e-6  # [rad], [rad/s], of the differences
-MOST = 1e300  # a growth beyond it is given as this
+MOST = 1e300  # greatest growth that is reported
 GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)  # points of a step
 WEIGHTS = (0.25 - math.sqrt(3.0) / 6.0, 0.25 + math.sqrt(3.0) / 6.0)  # of the slopes there
 

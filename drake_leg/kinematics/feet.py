@@ -64,7 +64,7 @@ def feet(
     foot : (3,) sequence of float
         Where the foot is to be, in the base frame [m].
     q : sequence of float, optional
-        Posture whose yaw a SCARA keeps, where no other is given [rad].
+        Posture whose yaw a SCARA keeps, unless a yaw is given [rad].
     yaw : float, optional
         Of a SCARA's tool [rad].
     rpy : (3,) sequence of float, optional
@@ -172,7 +172,7 @@ def _found(
     if many and rpy is None and len(robot.moving) > 3:
         return (
             f"{count} found of infinitely many: {joints_in_words(robot)} reach a point in any of "
-            "many orientations; `rpy` chooses one"
+            "many orientations; choose one by rpy"
         )
     if many:
         return f"{count} found of infinitely many: joints can move while the foot stays"

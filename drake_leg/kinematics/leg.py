@@ -6,8 +6,9 @@ With ci = cos qi, c23 = cos(q2 + q3) and the same for sines:
 - ``depth = l2 s2 + l3 s23`` is its height over the hip, up to the sign ``s`` of the variant.
 
 The Jacobian has two singular families: ``sin q3 = 0`` (leg stretched or folded) and
-``reach = 0`` (foot on the hip axis). A foot position is met in up to four ways: the leg may face it
-or turn its back (the sign of the reach), and the ankle may bend either way (the sign of sin q3).
+``reach = 0`` (foot on the hip axis). The foot can reach a point in up to four ways: the leg may
+face it or turn its back (the sign of the reach), and the ankle may bend either way (the sign of
+sin q3).
 """
 
 from __future__ import annotations
@@ -298,7 +299,7 @@ class Branch:
     facing: int  # +1: the foot is in front of the hip, -1: behind it
     bend: int  # sign of sin q3
     q: tuple[float, float, float] | None  # [rad]; None where the point is out of reach
-    within_limits: bool  # of the joints; True where none are given
+    within_limits: bool  # of the joints; True without limits
 
     @property
     def name(self) -> str:

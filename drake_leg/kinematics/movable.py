@@ -30,15 +30,15 @@ TRANSLATION.setflags(write=False)
 class Movable(ABC):
     """A robot whose foot can be commanded.
 
-    n joints move and m velocities are commanded; ``v = J qdot``. A subclass says what J is, and
-    may invert it better than the numerical inverse of a square J that stands here.
+    n joints move and m velocities are commanded; ``v = J qdot``. A subclass defines J, and may
+    replace the numerical inverse of a square J.
     """
 
     turning: tuple[bool, ...] = (True, True, True)  # (n,): revolute, not prismatic
     twists: Array = TRANSLATION  # (6, m): foot's turning, then translation, of each part of v
     row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0)  # that make the rows of J lengths [m/unit]
     length: float  # of the stretched arm [m]
-    determinant_scale: float  # what the determinant comes to at most, about, in the same unit
+    determinant_scale: float  # about the greatest determinant, in its unit
     geometry: object = None  # for closed forms, as of_robot.geometry_of tells; None: none known
     is_exact: bool = True  # whether the rates do not exist where J is singular
     varies: bool = False  # whether what can be commanded changes from posture to posture
@@ -60,7 +60,7 @@ class Movable(ABC):
         return float(np.linalg.det(self.jacobian(q)))
 
     def rates(self, q: Floats, v: Floats) -> Floats:
-        """``J^-1 v``, or the least of the rates that give v (n,) [rad/s or m/s].
+        """``J^-1 v``, or the smallest rates that produce v, (n,) [rad/s or m/s].
 
         Raises
         ------

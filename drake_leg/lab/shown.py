@@ -10,7 +10,7 @@ from pathlib import Path
 from drake_leg.errata import Erratum
 from drake_leg.errata import errata as all_errata
 from drake_leg.errors import InvalidValueError, PictureError
-from drake_leg.output import ResultsFolder
+from drake_leg.files import ResultsFolder
 
 
 @dataclass(frozen=True)

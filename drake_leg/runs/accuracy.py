@@ -1,4 +1,4 @@
-"""When an error is so large that a run's figures show another motion."""
+"""Whether an error is so large that a run's figures show another motion."""
 
 from __future__ import annotations
 
@@ -6,23 +6,14 @@ from drake_leg.integrator import IntegratorSettings
 
 BEST = IntegratorSettings().scheme
 SHOWN = 0.01  # of a motion's range: about the width of a curve in a figure as high as a thumb
-NOTHING = 1e-6  # [rad or m], an error that counts nowhere
+NOTHING = 1e-6  # [rad or m], an error that never matters
 
 
 def shows(error: float, span: float) -> bool:
     """Tell whether an error can be seen in a figure of the motion.
 
-    Parameters
-    ----------
-    error : float
-        Greatest distance from the exact motion [rad or m].
-    span : float
-        Range of the exact motion [rad or m].
-
-    Returns
-    -------
-    bool
-        Where nothing moves, an error counts from ``NOTHING`` on.
+    ``error`` is the greatest distance from the exact motion, ``span`` the range of that [rad or m].
+    Where nothing moves, an error counts from ``NOTHING`` on.
     """
     return not error <= max(SHOWN * span, NOTHING)
 
@@ -30,27 +21,14 @@ def shows(error: float, span: float) -> bool:
 def finer(settings: IntegratorSettings) -> str:
     """Say how an integration becomes more accurate."""
     if settings.accuracy is None:
-        remedy = "choose a smaller --max-step"
+        remedy = "choose a smaller `max_step`"
     else:
-        remedy = "choose a finer --accuracy"
-    return remedy if settings.scheme == BEST else f"{remedy} or --integrator {BEST}"
+        remedy = "choose a finer `accuracy`"
+    return remedy if settings.scheme == BEST else f"{remedy} or `integrator={BEST!r}`"
 
 
 def inaccuracy(error: float, span: float, what: str, unit: str, remedy: str) -> str | None:
-    """Say that a run is not the motion that was asked for.
-
-    Parameters
-    ----------
-    error, span : float
-        As ``shows`` takes them.
-    remedy : str
-        What to do about it.
-
-    Returns
-    -------
-    str or None
-        A sentence; None where the error cannot be seen.
-    """
+    """Say that a run is not the motion that was asked for; None if the error cannot be seen."""
     if not shows(error, span):
         return None
     return (

@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.files import ResultsFolder
 from drake_leg.html_table import html_table
 from drake_leg.kinematics.batches import Array
-from drake_leg.output import ResultsFolder
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
-from drake_leg.runs.catalogue import STEP, run_kind
-from drake_leg.runs.options import RunOptions, StraightOptions
+from drake_leg.runs.catalogue import OwnRobot, run_kind
 from drake_leg.runs.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -135,41 +134,27 @@ def run(
     >>> list(step.figures)[:3]
     ['step', 'foot_position', 'foot_velocity']
     """
-    name, kind_title, kind_heading, kind_options, carry_out = _kind(what)
-    known = [field.name for field in dataclasses.fields(kind_options)]
+    name = what if isinstance(what, str) else what.name
+    kind = run_kind(what) if isinstance(what, str) else OwnRobot(title=what.title, own=what)
+    known = [field.name for field in dataclasses.fields(kind.options)]
     for option in options:
         if option not in known:
             near = difflib.get_close_matches(option, known, n=1)
             advice = f"did you mean {near[0]}" if near else f"its options are {', '.join(known)}"
             raise InvalidValueError(f"the run {name!r} has no option {option!r}: {advice}")
     folder = None if out is None else ResultsFolder(Path(out), overwrite=overwrite)
-    outcome = carry_out(kind_options(**options), progress)
+    outcome = kind.run(kind.options(**options), progress)
     if folder is not None:
-        _write(folder, name, kind_title, outcome)
+        _write(folder, name, kind.title, outcome)
     return RunResult(
         name=name,
-        title=kind_heading,
+        title=kind.heading,
         robot=outcome.robot,
         recording=outcome.recording,
         exact=outcome.exact,
         summary=outcome.summary,
-        figures=_figures(kind_title, outcome),
+        figures=_figures(kind.title, outcome),
     )
-
-
-def _kind(
-    what: str | Robot,
-) -> tuple[str, str, str, type[RunOptions], Callable[[Any, Any], Outcome]]:
-    """Return the name, the titles, the options and the function of a run."""
-    if isinstance(what, str):
-        kind = run_kind(what)
-        return what, kind.title, kind.heading, kind.options, kind.run
-    from drake_leg.runs.leg import run_robot
-
-    def step(options: StraightOptions, progress: Callable[[float], None] | None) -> Outcome:
-        return run_robot(what, options, progress)
-
-    return what.name, what.title, f"{what.title}: {STEP}", StraightOptions, step
 
 
 def _figures(title: str, outcome: Outcome) -> Figures:

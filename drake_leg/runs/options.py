@@ -1,33 +1,42 @@
 """What a person may change of a run, in a person's units and under the command line's names.
 
 One dataclass a family of runs; a YAML file has the same keys. The command line reads the
-annotations of the fields as types, so that they must not be postponed to strings here.
+annotations of the fields as types, so that they must not be postponed to strings here. Methods take
+the values to SI units; they raise InvalidValueError for one that makes no sense.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
 from drake_leg.joint_mechanics import HardStop
 from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
-from drake_leg.robot import Segment
 from drake_leg.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
+    LEG_A_POSTURE,
+    LEG_B_POSTURE,
     PENDULUM_SIZE,
     SCARA_LENGTHS,
+    SCARA_POSTURE,
     WATER,
+    LegVariant,
 )
+
+if TYPE_CHECKING:
+    from drake_leg.kinematics.motions import EllipticStep, SineStep
+
+Direction = tuple[float, float, float]  # unit vector
 
 STATE_TARGET = 30.0  # [deg], report A, section 1.2
 EXACT = "exact"  # the inverse that stops where the Jacobian is singular
 
 # One text for an option that several runs have.
 DURATION = "simulated time"
-DAMPING = "damping of every joint, in --damping-unit"
+DAMPING = "damping of every joint, in `damping_unit`"
 Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where it hangs"
 DIRECTION = "of the motion, in the base frame"
 AMPLITUDE = "greatest speed of the foot or of the tool"
@@ -61,37 +70,6 @@ def option(default: Any, help_text: str, unit: str = "", *, shown: str = "") -> 
     return field(default=default, metadata=metadata)
 
 
-def joint_values(name: str, values: Sequence[float], joints: Sequence[Segment]) -> list[float]:
-    """Take values in degrees where a joint turns, in m where it slides.
-
-    Parameters
-    ----------
-    values : (n,) sequence of float
-        As they were given.
-    joints : sequence of Segment
-        n of them, that move.
-
-    Returns
-    -------
-    (n,) list of float
-        [rad or m].
-
-    Raises
-    ------
-    InvalidValueError
-        If there are not n finite numbers.
-    """
-    if len(values) != len(joints) or not all(map(math.isfinite, values)):
-        raise InvalidValueError(
-            f"{name} is {list(values)}; it must be {len(joints)} finite numbers, one for each "
-            "joint: degrees where it turns, m where it slides"
-        )
-    return [
-        math.radians(value) if joint.row.joint == "revolute" else value
-        for value, joint in zip(values, joints, strict=True)
-    ]
-
-
 @dataclass(kw_only=True)
 class RunOptions:
     """What every run has."""
@@ -111,18 +89,7 @@ class RunOptions:
     )
 
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
-        """Return how time is stepped.
-
-        Parameters
-        ----------
-        default_step : float
-            Greatest step where none is asked for [s].
-
-        Raises
-        ------
-        InvalidValueError
-            If the integrator is unknown, or a number makes no sense.
-        """
+        """Return how time is stepped: with ``default_step`` [s] at most where none is asked for."""
         return IntegratorSettings(
             scheme=self.integrator,
             accuracy=self.accuracy,
@@ -136,23 +103,18 @@ class DampingOptions(RunOptions):
 
     damping: float | None = option(None, DAMPING, shown="0")
     damping_unit: str | None = option(
-        None, f"unit of --damping: {' or '.join(DAMPING_UNITS)}", shown="N*m*s/rad"
+        None, f"unit of `damping`: {' or '.join(DAMPING_UNITS)}", shown="N*m*s/rad"
     )
 
     def si_damping(self) -> float:
-        """Return the damping in N*m*s/rad.
-
-        Raises
-        ------
-        InvalidValueError
-            If the unit is unknown, or there is no damping whose unit it were.
-        """
+        """Return the damping in N*m*s/rad."""
         unit = _unit("damping", self.damping_unit, DAMPING_UNITS)
         if self.damping is not None:
             return in_si("damping", self.damping, unit, DAMPING_UNITS)
         if self.damping_unit is not None:
             raise InvalidValueError(
-                f"the damping unit is {unit!r} and there is no damping: give it, as --damping 0.01"
+                f"the damping unit is {unit!r} and there is no damping",
+                advice="give it, as `damping=0.01`",
             )
         return 0.0
 
@@ -213,18 +175,18 @@ class StepOptions(RunOptions):
         shown="4; 2500 with a push, a mass error or a torque limit",
     )
 
-    def unit_direction(self) -> tuple[float, float, float]:
-        """Return the direction with length 1.
+    def motion(self, direction: Direction | None = None) -> "SineStep":
+        """Return the commanded motion, along a direction of the robot's if none was asked for."""
+        from drake_leg.kinematics.motions import SineStep  # which needs NumPy, as help does not
 
-        Returns
-        -------
-        (3,) tuple of float
+        return SineStep(
+            amplitude=self.amplitude,
+            frequency=self.frequency,
+            direction=direction or self.unit_direction(),
+        )
 
-        Raises
-        ------
-        InvalidValueError
-            If it has not three finite numbers, or is zero.
-        """
+    def unit_direction(self) -> Direction:
+        """Return the direction with length 1."""
         if self.direction is None or len(self.direction) != 3:
             raise InvalidValueError(
                 f"the direction is {self.direction}; it must have three numbers, as 1,0,0"
@@ -237,46 +199,8 @@ class StepOptions(RunOptions):
         x, y, z = (value / length for value in self.direction)
         return x, y, z
 
-    def refuse_ignored(self) -> None:
-        """Refuse what would mean nothing beside the other options.
-
-        Raises
-        ------
-        InvalidValueError
-            With the option and what makes it meaningless.
-        """
-        if self.force and self.inverse != EXACT:
-            raise InvalidValueError(
-                f"--force means nothing with --inverse {self.inverse}, which goes on past a "
-                "singularity: leave one of the two out"
-            )
-        for name in self._idle():
-            value = getattr(self, name)
-            if value != _default(type(self), name):
-                raise InvalidValueError(
-                    f"{name} is {value!r}, which means nothing where the {self._still()}: leave it "
-                    "out"
-                )
-
-    def _idle(self) -> tuple[str, ...]:
-        """Name the options that mean nothing, for the tip stands still."""
-        return () if self.amplitude else ("frequency", "direction")
-
-    def _still(self) -> str:
-        return "amplitude is 0"
-
     def posture(self) -> tuple[float, float, float]:
-        """Return q0 in rad.
-
-        Returns
-        -------
-        (3,) tuple of float
-
-        Raises
-        ------
-        InvalidValueError
-            If it has not three finite angles.
-        """
+        """Return q0 in rad."""
         if self.q0 is None or len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(
                 f"q0 is {self.q0}; it must be three finite angles in degrees, as 90,-50,-90"
@@ -284,18 +208,49 @@ class StepOptions(RunOptions):
         q1, q2, q3 = (math.radians(angle) for angle in self.q0)
         return q1, q2, q3
 
+    def refuse_ignored(self) -> None:
+        """Refuse what would mean nothing beside the other options."""
+        if self.force and self.inverse != EXACT:
+            raise InvalidValueError(
+                f"`force=True` means nothing with `inverse={self.inverse!r}`, which goes on past a "
+                "singularity",
+                advice="leave one of the two out",
+            )
+        if self.amplitude == 0.0:
+            self._refuse_at_rest()
+
+    def _refuse_at_rest(self) -> None:
+        """Refuse what means nothing without an amplitude."""
+        self._require_defaults("amplitude is 0", "frequency", "direction")
+
+    def _require_defaults(self, why: str, *names: str) -> None:
+        """Refuse options that were given, though they mean nothing."""
+        defaults = type(self)()
+        for name in names:
+            value = getattr(self, name)
+            if value != getattr(defaults, name):
+                raise InvalidValueError(
+                    f"{name} is {value!r}, which means nothing where the {why}",
+                    advice="leave it out",
+                )
+
 
 @dataclass(kw_only=True)
 class LegOptions(StepOptions, DampingOptions):
     """The hexabot leg, in variant B's posture by default."""
 
-    q0: list[float] = option([90.0, -50.0, -90.0], Q0, "deg")
+    q0: list[float] = option(list(LEG_B_POSTURE), Q0, "deg")
     amplitude: float = option(0.070, AMPLITUDE, "m/s")
     direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION)
     l1: float = option(HEXABOT_LENGTHS[0], L1, "m")
     l2: float = option(HEXABOT_LENGTHS[1], L2, "m")
     l3: float = option(HEXABOT_LENGTHS[2], "length of the tibia", "m")
     density: float = option(WATER, "of the solids", "kg/m^3")
+
+    @property
+    def variant(self) -> LegVariant:
+        """Which of the reports' legs it is."""
+        return "B"
 
 
 @dataclass(kw_only=True)
@@ -314,8 +269,9 @@ class StraightOptions(StepOptions):
         None, TASK, shown="pose where the joints can keep it, otherwise position"
     )
 
-    def _idle(self) -> tuple[str, ...]:
-        return () if self.amplitude else (*super()._idle(), "gain")
+    def _refuse_at_rest(self) -> None:
+        super()._refuse_at_rest()
+        self._require_defaults("amplitude is 0", "gain")
 
 
 @dataclass(kw_only=True)
@@ -327,7 +283,12 @@ class LegBOptions(LegOptions, StraightOptions):
 class LegAOptions(LegBOptions):
     """The straight step of variant A, from the same foot position."""
 
-    q0: list[float] = option([90.0, 50.0, 90.0], Q0, "deg")
+    q0: list[float] = option(list(LEG_A_POSTURE), Q0, "deg")
+
+    @property
+    def variant(self) -> LegVariant:
+        """Which of the reports' legs it is."""
+        return "A"
 
 
 @dataclass(kw_only=True)
@@ -337,19 +298,28 @@ class EllipseOptions(LegOptions):
     lift: float = option(0.040, "height of the ellipse", "m")
     filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
 
-    def _idle(self) -> tuple[str, ...]:
-        idle = super()._idle()
-        return tuple(name for name in idle if name == "direction") if self.lift else idle
+    def motion(self, direction: Direction | None = None) -> "EllipticStep":
+        """Return the commanded motion."""
+        from drake_leg.kinematics.motions import EllipticStep
 
-    def _still(self) -> str:
-        return "amplitude is 0" if self.lift else "amplitude and the lift are 0"
+        return EllipticStep(
+            amplitude=self.amplitude,
+            frequency=self.frequency,
+            direction=direction or self.unit_direction(),
+            lift=self.lift,
+        )
+
+    def _refuse_at_rest(self) -> None:
+        if self.lift == 0.0:
+            self._require_defaults("amplitude and the lift are 0", "frequency", "direction")
+        self._require_defaults("amplitude is 0", "direction")
 
 
 @dataclass(kw_only=True)
 class ScaraOptions(StepOptions, DampingOptions):
     """The SCARA's straight move."""
 
-    q0: list[float] = option([30.0, 90.0, -120.0], Q0, "deg")
+    q0: list[float] = option(list(SCARA_POSTURE), Q0, "deg")
     amplitude: float = option(0.050, AMPLITUDE, "m/s")
     direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION)
     tool_height: float = option(0.050, "R, of the tool over its lowest position", "m")
@@ -379,14 +349,7 @@ class PendulumOptions(DampingOptions):
     )
 
     def limits(self) -> dict[str, Any]:
-        """Return bounds and stops in SI units, as ``JointMechanics`` takes them.
-
-        Raises
-        ------
-        InvalidValueError
-            If a bound is not finite, if stiffness, damping or width make no sense, or if there is
-            no limit to have them.
-        """
+        """Return bounds and stops in SI units, as ``JointMechanics`` takes them."""
         bounds = {"lower": self.lower_limit, "upper": self.upper_limit}
         of_stop = {
             "stiffness": self.limit_stiffness,
@@ -398,19 +361,13 @@ class PendulumOptions(DampingOptions):
         if stop and not given:
             name = next(iter(stop))
             raise InvalidValueError(
-                f"the limit's {name.replace('_', ' ')} is {stop[name]!r} and there is no limit: "
-                "give one, as --lower-limit 20"
+                f"the limit's {name.replace('_', ' ')} is {stop[name]!r} and there is no limit",
+                advice="give one, as `lower_limit=20`",
             )
         return {**given, **{f"{side}_stop": HardStop.rotational(**stop) for side in given}}
 
     def start(self) -> float:
-        """Return the initial angle in rad.
-
-        Raises
-        ------
-        InvalidValueError
-            If q0 is not one finite angle.
-        """
+        """Return the initial angle in rad."""
         return math.radians(_one_angle([0.0] if self.q0 is None else self.q0))
 
 
@@ -428,16 +385,10 @@ class DampedPendulumOptions(PendulumOptions):
     duration: float = option(30.0, DURATION, "s")
     damping: float = option(0.01, DAMPING)
     target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
-    q0: list[float] | None = option(None, Q0, "deg", shown="as --target")
+    q0: list[float] | None = option(None, Q0, "deg", shown="as `target`")
 
     def start(self) -> float:
-        """Return the state target in rad, under either of its names.
-
-        Raises
-        ------
-        InvalidValueError
-            If it is not one finite angle, or the two names disagree.
-        """
+        """Return the state target in rad, under either of its names."""
         if self.q0 is None:
             target = STATE_TARGET if self.target is None else self.target
             return math.radians(_one_angle([target]))
@@ -445,7 +396,8 @@ class DampedPendulumOptions(PendulumOptions):
         if self.target not in (None, angle):
             raise InvalidValueError(
                 f"q0 is {angle:g} deg and the state target {self.target:g} deg, two names "
-                "of the angle where the simulation starts: give one of them"
+                "of the angle where the simulation starts",
+                advice="give one of them",
             )
         return math.radians(angle)
 
@@ -456,35 +408,24 @@ class SpringPendulumOptions(PendulumOptions):
 
     duration: float = option(30.0, DURATION, "s")
     damping: float = option(0.01, DAMPING)
-    spring_stiffness: float = option(5.0, "of the spring at the joint, in --spring-unit")
+    spring_stiffness: float = option(5.0, "of the spring at the joint, in `spring_unit`")
     spring_unit: str | None = option(
-        None, f"unit of --spring-stiffness: {' or '.join(SPRING_UNITS)}", shown="N*m/rad"
+        None, f"unit of `spring_stiffness`: {' or '.join(SPRING_UNITS)}", shown="N*m/rad"
     )
     target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
 
     def equilibrium(self) -> float:
-        """Return the angle in rad at which the spring is at rest.
-
-        Raises
-        ------
-        InvalidValueError
-            If there is no spring whose rest it were.
-        """
+        """Return the angle in rad at which the spring is at rest."""
         if self.target is not None and self.spring_stiffness == 0.0:
             raise InvalidValueError(
                 f"the target is {self.target:g} deg and the spring stiffness is 0, so that nothing "
-                "pulls there: give a --spring-stiffness, or leave the target out"
+                "pulls there",
+                advice="give a `spring_stiffness`, or leave the target out",
             )
         return math.radians(STATE_TARGET if self.target is None else self.target)
 
     def si_stiffness(self) -> float:
-        """Return the spring's stiffness in N*m/rad.
-
-        Raises
-        ------
-        InvalidValueError
-            If the unit is unknown.
-        """
+        """Return the spring's stiffness in N*m/rad."""
         unit = _unit("spring", self.spring_unit, SPRING_UNITS)
         return in_si("spring", self.spring_stiffness, unit, SPRING_UNITS)
 
@@ -502,9 +443,3 @@ def _one_angle(q0: list[float]) -> float:
     if len(q0) != 1 or not math.isfinite(q0[0]):
         raise InvalidValueError(f"q0 is {q0}; it must be one finite angle in degrees")
     return q0[0]
-
-
-def _default(options: type[RunOptions], name: str) -> object:
-    """Return the default of an option."""
-    (found,) = (option for option in fields(options) if option.name == name)
-    return found.default_factory() if callable(found.default_factory) else found.default

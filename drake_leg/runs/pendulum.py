@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from pydrake.systems.framework import Diagram
 from scipy.interpolate import BPoly
 from scipy.optimize import brentq
 
-from drake_leg.diagrams import pendulum
 from drake_leg.diagrams.mechanism import start_at_targets
-from drake_leg.errors import InvalidValueError
+from drake_leg.diagrams.pendulum import build
 from drake_leg.integrator import IMPLICIT, IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.conditioning import error_growth, instability
@@ -24,13 +24,13 @@ from drake_leg.kinematics.pendulum import (
 )
 from drake_leg.quantities import require_positive
 from drake_leg.recording import Recording
-from drake_leg.robot import JointMechanics, StateTarget
-from drake_leg.robots import pendulum as pendulum_robot
+from drake_leg.robot import Robot
 from drake_leg.runs.accuracy import SHOWN, finer, inaccuracy, shows
-from drake_leg.runs.options import PendulumOptions, SpringPendulumOptions
+from drake_leg.runs.configs import pendulum_config
+from drake_leg.runs.options import PendulumOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.pendulum_steps import LONGEST, implicit_step, steps_of
-from drake_leg.simulation import LongestStep, Progress, Run, simulate
+from drake_leg.simulation.run import LongestStep, Progress, Start, simulate
 
 # Relative, of the error control: what each integrator reaches at a limit in bounded time.
 ACCURACY_AT_LIMITS = {
@@ -47,7 +47,7 @@ ILL_CONDITIONED = 1e6
 AT_REST = 1e-3  # [rad/s], [rad/s^2], below which the last tenth of a run counts as rest
 
 
-def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> Outcome:
+def run(options: PendulumOptions, progress: Progress | None = None) -> Outcome:
     """Let the pendulum go, with whatever acts at its joint.
 
     Parameters
@@ -63,13 +63,12 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
         If an option makes no sense.
     """
     config = pendulum_config(options)
-    robot = config.robot
-    model = PendulumModel.from_robot(robot, options.gravity)
+    model = PendulumModel.from_robot(config.robot, options.gravity)
     rate = math.radians(options.velocity_target)
     settings, longest_step = _settings(options, model, _away(model, config.start, rate))
-    run = simulate(
-        pendulum.build(config),
-        start=start_at_targets(robot),
+    done = simulate(
+        build(config),
+        start=start_at_targets(config.robot),
         duration=options.duration,
         settings=settings,
         longest_step=longest_step,
@@ -77,24 +76,35 @@ def run_pendulum(options: PendulumOptions, progress: Progress | None = None) -> 
     )
     recording = Recording(
         {
-            "time[s]": run.time,
-            "q[rad]": run.scopes["q"][:, 0],
-            "qdot[rad/s]": run.scopes["w"][:, 0],
-            "qddot[rad/s^2]": run.scopes["acceleration"][:, 0],
-            "energy[J]": run.scopes["energy"][:, 0],
+            "time[s]": done.time,
+            "q[rad]": done.scopes["q"][:, 0],
+            "qdot[rad/s]": done.scopes["w"][:, 0],
+            "qddot[rad/s^2]": done.scopes["acceleration"][:, 0],
+            "energy[J]": done.scopes["energy"][:, 0],
         }
     )
-    q, qdot = exact_motion(model, config.start, run.time, rate)
+    q, qdot = exact_motion(model, config.start, done.time, rate)
     return outcome_of(
-        robot,
-        run,
+        config.robot,
+        done,
         settings,
         options.duration,
         recording,
         {"q": q, "qdot": qdot},
-        _findings(model, config, run, recording, (q, qdot), settings),
+        _findings(model, config.start, recording, (q, qdot), settings),
         "swing",
     )
+
+
+def diagram(options: PendulumOptions) -> tuple[Diagram, Start]:
+    """Build what ``run`` simulates, and say how it starts."""
+    config = pendulum_config(options)
+    return build(config), start_at_targets(config.robot)
+
+
+def robot(options: PendulumOptions) -> Robot:
+    """Return what moves."""
+    return pendulum_config(options).robot
 
 
 def _settings(
@@ -119,31 +129,6 @@ def _settings(
     return replace(settings, max_step=steps.longest), steps.at
 
 
-def pendulum_config(options: PendulumOptions) -> pendulum.PendulumConfig:
-    """Say how the pendulum's diagram is built.
-
-    Parameters
-    ----------
-    options : PendulumOptions
-        Link, joint mechanics, start.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    """
-    if len(options.size) != 3:
-        raise InvalidValueError(
-            f"the size is {options.size}; it must be length, width and height in m, "
-            "as 0.4,0.01,0.01"
-        )
-    length, width, height = options.size
-    robot = pendulum_robot(
-        size=(length, width, height), density=options.density, mechanics=_mechanics(options)
-    )
-    return pendulum.PendulumConfig(robot=robot, q0=options.start(), gravity=options.gravity)
-
-
 def _away(model: PendulumModel, q0: float, rate: float) -> float:
     """Bound how far the spring will swing from its rest [rad]."""
     if model.spring_stiffness == 0.0:
@@ -154,20 +139,10 @@ def _away(model: PendulumModel, q0: float, rate: float) -> float:
 
 
 def measured_period(recording: Recording) -> float | None:
-    """Period of the swing, from the instants at which the link passes the vertical.
+    """Period of the swing [s], from the instants at which the link passes the vertical.
 
     Between two rows the angle is the quintic that agrees with their angles, rates and
-    accelerations.
-
-    Parameters
-    ----------
-    recording : Recording
-        With time, q, qdot, qddot.
-
-    Returns
-    -------
-    float or None
-        [s], the mean over all whole swings; None if there is none.
+    accelerations. The period is the mean over all whole swings; None if there is none.
     """
     time = recording["time"]
     states = recording.stack("q", "qdot", "qddot")
@@ -187,45 +162,28 @@ def _crossing(time: Array, swing: Array, states: Array, row: int) -> float:
     return float(time[row] + brentq(curve, 0.0, width, xtol=1e-15))
 
 
-def _mechanics(options: PendulumOptions) -> JointMechanics:
-    mechanics = JointMechanics(
-        damping=options.si_damping(),
-        actuated=False,
-        position_target=StateTarget(value=options.start()),
-        velocity_target=StateTarget(value=math.radians(options.velocity_target)),
-        **options.limits(),
-    )
-    if not isinstance(options, SpringPendulumOptions):
-        return mechanics
-    return replace(
-        mechanics,
-        spring_stiffness=options.si_stiffness(),
-        equilibrium_position=options.equilibrium(),
-    )
-
-
 def _findings(
     model: PendulumModel,
-    config: pendulum.PendulumConfig,
-    run: Run,
+    q0: float,
     recording: Recording,
     exact: tuple[Array, Array],
     settings: IntegratorSettings,
 ) -> dict[str, Any]:
     exact_q, exact_qdot = exact
-    q, qdot, energy = recording["q"], recording["qdot"], recording["energy"]
-    tail = run.time >= 0.9 * run.time[-1]
+    time, q, qdot = recording["time"], recording["q"], recording["qdot"]
+    energy = recording["energy"]
+    tail = time >= 0.9 * time[-1]
     moves = max(np.abs(qdot[tail]).max(), np.abs(recording["qddot"][tail]).max())
     rested = (model.damping > 0.0 or model.limits is not None) and moves < AT_REST
-    period = exact_period(model, config.start) if recording["qdot"][0] == 0.0 else None
+    period = exact_period(model, q0) if qdot[0] == 0.0 else None
     conservative = model.damping == 0.0 and model.limits is None
     scale = model.gravity_torque or 1.0
     drift = float(np.abs(energy - energy[0]).max() / scale)
-    growth = error_growth(model, run.time, exact_q, exact_qdot)
+    growth = error_growth(model, time, exact_q, exact_qdot)
     rate = instability(model, exact_q, exact_qdot)
     error = float(np.abs(q - exact_q).max())
     return {
-        "q0_rad": config.start,
+        "q0_rad": q0,
         "period_s": None if period is None else measured_period(recording),
         "exact_period_s": period,
         "energy_drift": drift if conservative else None,
@@ -252,13 +210,13 @@ def _ill_conditioned(growth: float, rate: float) -> str | None:
 def _inaccuracy(
     error: float, growth: float, exact_q: Array, settings: IntegratorSettings
 ) -> str | None:
-    """Say that the recorded motion is another one, or that nobody can tell."""
+    """Say that the recorded motion is another one, or that it cannot be predicted."""
     span = min(float(np.ptp(exact_q)), 2.0 * math.pi)
     if growth >= ILL_CONDITIONED and shows(error, span):
         return inaccuracy(error, span, "angle", "rad", "start farther from upright")
     if growth * float(np.finfo(float).eps) > SHOWN:
         return (
             "the rounding of the start alone grows to an error that can be seen: no computation "
-            "tells this motion; start farther from upright"
+            "can predict this motion; start farther from upright"
         )
     return inaccuracy(error, span, "angle", "rad", finer(settings))

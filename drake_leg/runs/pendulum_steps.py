@@ -1,4 +1,4 @@
-"""How a pendulum's time is stepped where nobody says how: as finely as its stiffness needs."""
+"""The time steps of a pendulum where none is asked for: as short as its stiffness needs."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def steps_of(model: PendulumModel, duration: float, away: float) -> Steps:
     steps = _coarser(replace(steps, longest=max(steps.first, steps.longest)), duration)
     endless = frequency > decay and frequency * duration > LONGEST_OSCILLATION
     if endless or (steps.longest < longest and steps.count(duration) > MOST):
-        raise InvalidValueError(_too_stiff(steps, duration, overdamped=frequency <= decay))
+        raise _too_stiff(steps, duration, overdamped=frequency <= decay)
     return steps
 
 
@@ -90,15 +90,16 @@ def _coarser(steps: Steps, duration: float) -> Steps:
     return steps
 
 
-def _too_stiff(steps: Steps, duration: float, *, overdamped: bool) -> str:
+def _too_stiff(steps: Steps, duration: float, *, overdamped: bool) -> InvalidValueError:
     what, remedy = (
-        ("damping", "choose --integrator radau3, which is not bound to such steps")
+        ("damping", "choose `integrator='radau3'`, which is not bound to such steps")
         if overdamped
         else ("spring", "choose a softer one")
     )
-    return (
+    return InvalidValueError(
         f"the {what} is so stiff that {duration:g} s take {steps.count(duration):.2g} steps of "
-        f"{steps.longest:.2g} s: {remedy}, a shorter --duration, or your own --max-step"
+        f"{steps.longest:.2g} s",
+        advice=f"{remedy}, a shorter `duration`, or your own `max_step`",
     )
 
 

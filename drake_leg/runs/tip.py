@@ -1,67 +1,121 @@
-"""What the runs have in common in which a foot or a tool follows a commanded path."""
+"""What the runs have in common in which a foot or a tool follows a commanded motion."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from pydrake.multibody.tree import MultibodyForces
+from pydrake.systems.framework import Diagram
+from scipy.integrate import trapezoid
 
 from drake_leg.diagrams.control import Control
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
+from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
+from drake_leg.diagrams.mechanism import start_on_motion
+from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.integrator import ROW_INTERVAL, IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_force
-from drake_leg.kinematics.paths import CommandedMotion
+from drake_leg.kinematics.khalil import jacobian
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.models.plant import build_plant
 from drake_leg.recording import lettered, numbered, without_sign_jumps
 from drake_leg.robot import Robot
 from drake_leg.runs.accuracy import finer, inaccuracy
-from drake_leg.runs.disturbance import disturbance_findings, push_torques
-from drake_leg.simulation import Run
+from drake_leg.runs.foresight import foresee, require_passable, singularity_findings
+from drake_leg.runs.options import StepOptions
+from drake_leg.simulation.run import Progress, Run, simulate
 
 OFF_COMMAND = 1e-6  # [m]: a tip that is farther from its command than this is off it
+BAND = 1e-3  # [m]: the same for a tip that something disturbs
+
 STEPS_PER_PERIOD = 150
+STEP_OF_LIMITED_RATES = 0.010  # [s], greatest step where rates may meet their limits in kinks
+STEP_OF_LIMITED_TORQUES = 0.005  # [s], the same of torques
+STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
+STEP_OF_PULL = 0.25  # greatest step times the square root of the motion's stiffness
+STEP_OF_FILTER = 1.5  # greatest step over the filters' time constant; 2 is unstable with Euler
+
+Config = TypeVar("Config", HexabotLegConfig, ScaraConfig)
 
 
-def default_step(frequency: float) -> float:
-    """Greatest step for a sine: its period in 150, and at most 40 ms.
+class Followed(NamedTuple):
+    """How a tip was to follow its motion, and what it did."""
+
+    run: Run
+    settings: IntegratorSettings
+    met: dict[str, Any]  # entries of the summary: singularities foreseen and met
+
+
+def follow(
+    config: Config,
+    build: Callable[[Config], Diagram],
+    options: StepOptions,
+    progress: Progress | None,
+    *,
+    lag: float | None = None,
+) -> Followed:
+    """Look ahead, then simulate.
 
     Parameters
     ----------
-    frequency : float
-        [rad/s].
+    build : callable
+        Wires the diagram of the config.
+    lag : float, optional
+        Time constant of the joints' input filters [s].
 
-    Returns
-    -------
-    float
-        [s]; 40 ms where the frequency makes no sense (it is refused elsewhere).
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    SingularConfigurationError
+        If the robot is singular where it starts, or will be and its inverse is exact.
     """
-    if not (math.isfinite(frequency) and frequency > 0.0):
-        return ROW_INTERVAL
-    return min(ROW_INTERVAL, 2.0 * math.pi / (STEPS_PER_PERIOD * frequency))
+    control, disturbance, name = config.control, config.disturbance, config.robot.name
+    settings = options.integrator_settings(longest_step(config.motion, control, disturbance, lag))
+    forecast = foresee(
+        config.movable, config.motion, control, config.q0, options.duration, lagging=lag is not None
+    )
+    require_passable(name, config.movable, control, config.q0, None if options.force else forecast)
+    run = simulate(
+        build(config),
+        start=start_on_motion,
+        duration=options.duration,
+        settings=settings,
+        progress=progress,
+    )
+    met = singularity_findings(config.movable, run, forecast, name, disturbed=disturbance.acts)
+    return Followed(run, settings, met)
+
+
+def longest_step(
+    motion: SineStep, control: Control, disturbance: Disturbance, lag: float | None = None
+) -> float:
+    """Choose the greatest step [s] for all that is fast in a run: at most 40 ms."""
+    steps = [ROW_INTERVAL, 2.0 * math.pi / (STEPS_PER_PERIOD * motion.frequency)]
+    if control.inverse.method == "limited":
+        steps.append(STEP_OF_LIMITED_RATES)
+    if control.correction > 0.0:
+        steps.append(STEP_OF_CORRECTION / control.correction)
+    if disturbance.torque_limit is not None:
+        steps.append(STEP_OF_LIMITED_TORQUES)
+    if disturbance.pull > 0.0:
+        steps.append(STEP_OF_PULL / math.sqrt(disturbance.pull))
+    if lag is not None:
+        steps.append(STEP_OF_FILTER * lag)
+    return min(steps)
 
 
 def tip_columns(
     robot: Robot, run: Run, command: Sequence[str] = ("dx[m/s]", "dy[m/s]", "dz[m/s]")
 ) -> dict[str, Array]:
-    """Name what the scopes of a motion-driven robot recorded.
+    """Name what the scopes of a motion-driven robot recorded: header to column.
 
-    Parameters
-    ----------
-    robot : Robot
-        Its joints give the units.
-    run : Run
-        With the scopes of ``mechanism.add_mechanism_scopes``.
-    command : sequence of str
-        Headers of the three commanded velocities.
-
-    Returns
-    -------
-    dict
-        Header to column: time, input, command, joints, tip, torques.
+    They are time, input, command, joints, tip and torques; ``command`` has the headers of the
+    three commanded velocities.
     """
     kinds = [segment.row.joint for segment in robot.moving]
     length = ["rad" if kind == "revolute" else "m" for kind in kinds]
@@ -84,54 +138,99 @@ def tip_columns(
     return columns
 
 
-def tip_findings(
-    run: Run,
-    start: Array,
-    path: CommandedMotion,
-    along: Array,
-    across: Array,
-    disturbance: Disturbance,
-) -> dict[str, Any]:
-    """Compare the tip's motion with its exact path.
+def exact_tip(start: Array, motion: SineStep, time: Array, q: Array | None) -> dict[str, Array]:
+    """Name the exact values of the columns of a tip's run: column name, without unit, to values.
 
     Parameters
     ----------
     start : (3,) ndarray
-        Exact position of the tip at the start [m].
-    path : CommandedMotion
-        Exact motion from there, at the run's instants.
-    along : (3,) ndarray
-        Unit vector of the step.
-    across : (3, k) ndarray
-        Orthonormal directions in which the tip must not move.
-    disturbance : Disturbance
-        What kept it from its path.
+        Where the motion starts [m].
+    q : (rows, 3) ndarray or None
+        Exact joint angles [rad], where they are known.
+    """
+    exact = lettered("", "xyz", "", start + motion.displacement(time))
+    exact |= lettered("v", "xyz", "", motion.velocity(time))
+    if q is not None:
+        exact |= {f"q{i + 1}": q[:, i] for i in range(3)}
+    return exact
+
+
+def control_findings(control: Control, robot: Robot) -> dict[str, Any]:
+    """Say how the command was followed: entries of the summary."""
+    moved = robot.moving[: len(control.q0_error)]
+    units = ["m" if segment.row.joint == "prismatic" else "rad" for segment in moved]
+    error: dict[str, Any] = {"q0_error_rad": list(control.q0_error)}
+    if "m" in units:
+        error = {"q0_error": list(control.q0_error), "q0_error_units": units}
+    return {
+        "inverse": control.inverse.method,
+        "correction_1_s": control.correction,
+        **error,
+    }
+
+
+def tip_findings(
+    run: Run, start: Array, motion: SineStep, disturbance: Disturbance
+) -> dict[str, Any]:
+    """Compare the tip's motion with its exact path from ``start``, (3,) [m].
 
     Returns
     -------
     dict
         Entries of the summary, in m and m/s.
     """
-    measured = run.scopes["foot positions"]
-    moved = measured - start
-    velocity_error = run.scopes["foot velocities"] - path.velocity
-    off = np.linalg.norm(moved - path.displacement, axis=1)
+    moved = run.scopes["foot positions"] - start
+    along = np.array(motion.direction)
+    velocity_error = run.scopes["foot velocities"] - motion.velocity(run.time)
+    off = np.linalg.norm(moved - motion.displacement(run.time), axis=1)
     return {
         "stroke_m": float(np.ptp(moved @ along)),
         "max_position_error_m": float(off.max()),
         "greatest_distance_from_command_m": float(off.max()),
         "time_off_command_s": float(np.diff(run.time)[off[1:] > OFF_COMMAND].sum()),
         "distance_from_command_at_the_end_m": float(off[-1]),
-        "max_off_axis_m": _greatest(moved @ across),
+        "max_off_axis_m": _greatest(moved @ motion.across),
         "off_command_m": OFF_COMMAND,
         "max_velocity_error_m_s": _greatest(velocity_error),
-        **disturbance_findings(run, off, disturbance),
+        "disturbance": _cost(run, off, disturbance) if disturbance.acts else None,
+    }
+
+
+def _cost(run: Run, distance: Array, disturbance: Disturbance) -> dict[str, Any]:
+    """Say what a disturbance cost; ``distance`` (rows,) is that of the tip from its command [m]."""
+    push = disturbance.push
+    given = run.scopes["joint torques"]
+    asked = run.scopes.get("torques asked for", given)
+    lag = run.scopes["joint positions"] - run.scopes["prescribed positions"]
+    steps = np.diff(run.time)
+    off, cut = distance > BAND, (asked != given).any(axis=1)
+    power = (given * run.scopes["joint velocities"]).sum(axis=1)
+    work_of_push = 0.0
+    if push is not None:
+        pushed = (push.at_time(run.time) * run.scopes["foot velocities"]).sum(axis=1)
+        work_of_push = float(trapezoid(pushed, run.time))
+    return {
+        "push_n": None if push is None else list(push.force),
+        "push_at_s": None if push is None else push.at,
+        "push_for_s": None if push is None else push.lasting,
+        "mass_error": disturbance.mass_error,
+        "torque_limit": disturbance.torque_limit,
+        "stiffness_1_s2": disturbance.pull,
+        "greatest_joint_lag": float(np.abs(lag).max()),
+        "band_m": BAND,
+        "time_off_band_s": float(steps[off[1:]].sum()),
+        "greatest_torque_given": float(np.abs(given).max()),
+        "greatest_torque_asked": float(np.abs(asked).max()),
+        "time_at_torque_limit_s": float(steps[cut[1:]].sum()),
+        "work_of_joints_j": float(trapezoid(power, run.time)),
+        "work_of_push_j": work_of_push,
     }
 
 
 def tip_inaccuracy(
     findings: Mapping[str, Any],
-    path: CommandedMotion,
+    run: Run,
+    motion: SineStep,
     control: Control,
     settings: IntegratorSettings,
     what: str,
@@ -141,11 +240,9 @@ def tip_inaccuracy(
     Parameters
     ----------
     findings : mapping
-        As ``tip_findings`` gives them, with the filters' time constant if there are any.
-    control : Control
-        What else may take a tip off its command.
-    settings : IntegratorSettings
-        How time was stepped.
+        Those of ``tip_findings``, with the filters' time constant if there are any.
+    what : str
+        Foot or tool.
 
     Returns
     -------
@@ -160,33 +257,17 @@ def tip_inaccuracy(
     )
     if explained:
         return None
-    span = float(np.ptp(path.displacement, axis=0).max())
+    span = float(np.ptp(motion.displacement(run.time), axis=0).max())
     return inaccuracy(findings["max_position_error_m"], span, what, "m", finer(settings))
-
-
-def _greatest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())
 
 
 def torque_error(
     robot: Robot, run: Run, gravity: float, disturbance: Disturbance = UNDISTURBED
 ) -> float:
-    """Greatest difference between the recorded torques and Drake's inverse dynamics.
+    """Greatest difference between the recorded torques and Drake's inverse dynamics [N*m or N].
 
     Inverse dynamics is evaluated on a plant of its own, at the recorded positions, velocities
     and accelerations; what a push does at the joints is taken off.
-
-    Parameters
-    ----------
-    gravity : float
-        [m/s^2].
-    disturbance : Disturbance
-        With the push, or without.
-
-    Returns
-    -------
-    float
-        [N*m] or [N].
     """
     plant = build_plant(robot, gravity=gravity)
     context = plant.CreateDefaultContext()
@@ -204,25 +285,15 @@ def torque_error(
     return float(np.abs(run.scopes["joint torques"] - exact).max())
 
 
-def exact_tip(start: Array, path: CommandedMotion, angles: Array | None) -> Mapping[str, Array]:
-    """Name the exact values of the columns of a tip's run.
+def push_torques(robot: Robot, run: Run, disturbance: Disturbance) -> Array:
+    """Return what a push on the tip does at the joints: ``J^T F``, (rows, n) [N*m or N]."""
+    q = run.scopes["joint positions"]
+    if disturbance.push is None:
+        return np.zeros_like(q)
+    Jv = jacobian(robot.rows, q)[:, 3:, :]
+    torques: Array = np.einsum("rij,ri->rj", Jv, disturbance.push.at_time(run.time))
+    return torques
 
-    Parameters
-    ----------
-    start : (3,) ndarray
-        [m].
-    path : CommandedMotion
-        Exact motion from there.
-    angles : (rows, 3) ndarray or None
-        Exact joint angles [rad], where they are known.
 
-    Returns
-    -------
-    dict
-        Column name, without unit, to exact values.
-    """
-    exact = lettered("", "xyz", "", start + path.displacement)
-    exact |= lettered("v", "xyz", "", path.velocity)
-    if angles is not None:
-        exact |= {f"q{i + 1}": angles[:, i] for i in range(3)}
-    return exact
+def _greatest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())

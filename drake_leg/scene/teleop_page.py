@@ -9,15 +9,13 @@ from pydrake.geometry import Meshcat, Rgba
 
 from drake_leg.colours import BLUE, GREEN, ORANGE, VERMILLION, rgb
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.robot import Robot
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.scene.driven_foot import DrivenFoot
 from drake_leg.scene.live import AXES, Entry, live_data
 from drake_leg.scene.parts import TRACE
-from drake_leg.scene.scene import Scene, at_rest, scene_of
+from drake_leg.scene.scene import VIEWS, Scene, at_rest, scene_of
 from drake_leg.scene.shown_plant import ShownPlant, shown
-from drake_leg.scene.teleop_control import Drive
 from drake_leg.scene.viewer import slider_range
-from drake_leg.scene.views import VIEWS
 from drake_leg.scene.web_page import drake_path, web_page
 from drake_leg.singularity.directions import motion_in_words
 
@@ -40,23 +38,17 @@ TRIED = 400  # postures that tell how much room a robot takes whose reach is not
 CORNERS = 96  # of a circle
 
 
-def teleop_scene(drive: Drive, q: Array) -> Scene:
-    """Make a scene that holds everything that the foot reaches.
-
-    Parameters
-    ----------
-    q : (n,) ndarray
-        Where it starts [rad or m].
-    """
-    return scene_of(at_rest(drive.robot, q), room=ROOM_AROUND, around=_reach(drive.robot))
+def teleop_scene(drive: DrivenFoot, q: Array) -> Scene:
+    """Make a scene that holds everything that the foot reaches, from where it starts, q (n,)."""
+    return scene_of(at_rest(drive.robot, q), room=ROOM_AROUND, around=_reach(drive))
 
 
-def _reach(robot: Robot) -> Array:
+def _reach(drive: DrivenFoot) -> Array:
     """Places of the foot around all others, (n, 3) [m]."""
-    if not is_hexabot_leg(robot):
-        plant = shown(robot)
+    if drive.leg is None:
+        plant = shown(drive.robot)
         return plant.traced(plant.poses(_postures(plant)))[:, 0]
-    _, outer = section_circles(LegGeometry.from_robot(robot))
+    _, outer = section_circles(drive.leg)
     turns = 2.0 * np.pi * np.arange(TURNS) / TURNS
     return np.concatenate([outer @ _turned(turn).T for turn in turns])
 
@@ -72,31 +64,23 @@ def _postures(plant: ShownPlant) -> Array:
     return np.asarray(low + (high - low) * np.random.default_rng(0).random((TRIED, len(low))))
 
 
-def teleop_page(drive: Drive, scene: Scene, session: str) -> str:
-    """Make the page.
-
-    Parameters
-    ----------
-    scene : Scene
-        As ``teleop_scene`` makes it.
-    session : str
-        Of the feed that the page follows.
+def teleop_page(drive: DrivenFoot, scene: Scene, session: str) -> str:
+    """Make the page of a ``teleop_scene`` that follows the feed of a session.
 
     Raises
     ------
     MeshcatError
         If Meshcat finds no free port.
     """
-    robot = drive.robot
-    leg = LegGeometry.from_robot(robot) if is_hexabot_leg(robot) else None
+    title = drive.robot.title
     return web_page(
         scene,
         "teleop.html",
-        title=f"{robot.title}: drake-leg teleop",
+        title=f"{title}: drake-leg teleop",
         data={**live_data(scene, VIEWS["3d"], session), **_data(drive, scene)},
-        draw_more=lambda meshcat: _draw_region(meshcat, leg),
-        heading=f"{robot.title}: drive the foot",
-        legend=_legend(leg),
+        draw_more=lambda meshcat: _draw_region(meshcat, drive.leg),
+        heading=f"{title}: drive the foot",
+        legend=_legend(drive.leg),
         stop=f"{1e3 * drive.stop:.3g}",
         slow=f"{1e3 * drive.slow:.3g}",
         note=_note(drive),
@@ -110,7 +94,7 @@ def _legend(leg: LegGeometry | None) -> tuple[Entry, ...]:
     return (*AXES, ("trace", (TRACE,)), *shown, ("foot: free, slowed, stopped", states))
 
 
-def _note(drive: Drive) -> str:
+def _note(drive: DrivenFoot) -> str:
     """Say what of a command acts."""
     if drive.moved.varies:
         return "The foot goes along a curve or a surface: what of a command lies in it acts."
@@ -122,15 +106,15 @@ def _note(drive: Drive) -> str:
     return " ".join(said)
 
 
-def _movable(drive: Drive) -> list[bool]:
+def _movable(drive: DrivenFoot) -> list[bool]:
     """Tell of x, y, z along which of them the foot can be driven."""
     moved = np.linalg.norm(drive.moved.twists[3:], axis=1) > 1e-6
     return [True] * 3 if drive.moved.varies else moved.tolist()
 
 
-def _data(drive: Drive, scene: Scene) -> dict[str, Any]:
+def _data(drive: DrivenFoot, scene: Scene) -> dict[str, Any]:
     count = len(drive.robot.rows)
-    region = ["/drake/region"] if is_hexabot_leg(drive.robot) else []
+    region = ["/drake/region"] if drive.leg is not None else []
     lines = [
         ("/drake/region/inner", REGION, BRIGHT_REGION),
         ("/drake/region/outer", REGION, BRIGHT_REGION),

@@ -1,4 +1,4 @@
-"""What keeps a run's steps fine near a singularity, and stops it where one is met."""
+"""Shortens a run's time steps near a singularity, and stops the run at one."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class Guard:
 
     ``singularity.look_ahead`` says how long a step may be.
 
-    Joints that are disturbed do not follow their motion: what they do is told by their sensed
-    rates, and a lag is no error of the integration.
+    Disturbed joints do not follow their prescribed motion: their sensed rates count, and a lag is
+    no error of the integration.
 
     Parameters
     ----------

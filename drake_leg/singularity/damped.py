@@ -1,9 +1,4 @@
-"""Joint rates that stay bounded at a singularity: damped, and within limits, least squares.
-
-In the eyes of the singular value decomposition J = U S V^T the rates of an exact inverse grow like
-1/sigma along the last right singular vector w. Damping lets that part go through
-``sigma / (sigma^2 + lambda^2)`` instead, with a lambda that is zero where sigma is not small.
-"""
+"""Joint rates that stay bounded at a singularity: least squares, damped and within limits."""
 
 from __future__ import annotations
 
@@ -19,8 +14,8 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.singularity.limits import RateBox
 
-FLOOR = 0.25  # of lambda: about where sigma comes to rest while the command pushes outwards
-LEAST = 1e-7  # of the arm's length: what chooses the least of a redundant task's rates
+FLOOR = 0.25  # of lambda: about where sigma settles while the command pushes outwards
+LEAST = 1e-7  # of the arm's length: selects the smallest of a redundant robot's rates
 DIFFERENCE = 1e-7  # [s], of the derivative of damped rates
 TYPICAL = 0.2  # of the arm's length: slope of sigma along w at a boundary
 STEEPEST = 0.5  # [1/rad] of the arm's length: bound of the slope of the smallest singular value
@@ -38,7 +33,10 @@ class _Damping(NamedTuple):
 class Damped(Movable):
     """A robot whose rates are damped where its Jacobian is nearly singular.
 
-    The rates are those that minimise ``|J qdot - v|^2 + lambda^2 |qdot - b|^2`` with
+    With the singular value decomposition J = U S V^T, the rates of an exact inverse grow like
+    1/sigma along the last right singular vector w. Damping replaces that factor by
+    ``sigma / (sigma^2 + lambda^2)``. The rates are those that minimise
+    ``|J qdot - v|^2 + lambda^2 |qdot - b|^2`` with
 
     ``lambda = (below / 2) (1 - (sigma / below)^2)`` where sigma < below, and 0 elsewhere,
 
@@ -47,7 +45,7 @@ class Damped(Movable):
     command: a leg that is pushed against the boundary rests just before it and not on it, and so
     keeps the side on which its knee is bent. Rates are at most about ``1.3 |v| / below``.
 
-    With a box the rates are the least squares' within it, by SciPy's bounded-variable algorithm.
+    With a box the rates are the least squares within it, by SciPy's bounded-variable algorithm.
 
     Parameters
     ----------
@@ -93,7 +91,7 @@ class Damped(Movable):
         return Damped(self.exact.at(q), self._below, self._box) if self.varies else self
 
     def rates(self, q: Floats, v: Floats) -> Floats:
-        """Least squares' rates, within the box."""
+        """Least-squares rates, within the box."""
         here = self._damping_at(tuple(q))
         free: list[float] = self._free(q, v, here).tolist()
         if self._box is None or self._box.holds(q, free):
@@ -109,7 +107,7 @@ class Damped(Movable):
         v: Floats | None = None,
         w: Floats | None = None,
     ) -> Floats:
-        """Derivative of the rates: exact where they are, a difference elsewhere, which needs v."""
+        """Derivative of the rates: exact where they are, otherwise a difference, which needs v."""
         if self._is_exact_at(q, qdot):
             return self.exact.accelerations(q, qdot, a)
         if v is None:
@@ -173,7 +171,7 @@ class Damped(Movable):
         return self._box is None or not any(self._box.regime(q, qdot))
 
     def _rest(self, v: Array, here: _Damping) -> Array:
-        """Rates to which the damping draws: at rest sigma is about ``FLOOR`` of the damping."""
+        """Rates that the damping prefers: at rest sigma is about ``FLOOR`` of the damping."""
         rest: Array = FLOOR * float(np.linalg.norm(v)) / self._strongest * here.outwards
         return rest
 

@@ -57,7 +57,7 @@ def require_direction(
 def _straight(
     robot: Robot, moved: Movable, q0: Sequence[float], direction: Sequence[float] | Array
 ) -> bool:
-    """Tell whether a foot that can go along a direction stays on the line."""
+    """Tell whether a foot that starts along a direction stays on the line."""
     if not moved.varies:
         return True
     enough = STRAIGHT * size_of(robot.rows)

@@ -1,4 +1,4 @@
-"""What can be said of a posture before anyone simulates: rank, singularities, room to move."""
+"""What a posture allows, before anything is simulated: rank, singularities, room to move."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from drake_leg.singularity.families import Families, Nearness, families_of
 from drake_leg.singularity.rank import LostTwist, RankReport, WholeRank, examine, examine_whole
 from drake_leg.singularity.stroke import Stroke, chain_stroke, closed_stroke, greatest_amplitude
 
-ROUNDING = 1e-13  # of the length: singular values that are none
+ROUNDING = 1e-13  # of the length: singular values below it are zero
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,9 +51,9 @@ class Outside:
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
-    """Everything the doctor says of a posture; lengths in m, angles in rad."""
+    """All results of examining a posture; lengths in m, angles in rad."""
 
-    position: tuple[float, float, float | None]  # of the foot; no height where no lift is given
+    position: tuple[float, float, float | None]  # of the foot; no height without the lift
     orientation: tuple[float, float, float]  # of the foot: roll, pitch, yaw about x, y, z
     moved: str  # what the rank is of: the foot's translation, or part of it
     rank: RankReport
@@ -61,7 +61,7 @@ class Diagnosis:
     whole: WholeRank | None  # of the whole Jacobian; None where there are at most three joints
     nearness: tuple[Nearness, ...]  # nearest first; empty for a chain without named families
     outside: tuple[Outside, ...]
-    holds_orientation: bool  # while the foot goes its stroke
+    holds_orientation: bool  # along the stroke
     forward: Stroke | None  # None where the posture is singular already
     backward: Stroke | None
     greatest_amplitude: float | None  # [m/s], at the frequency asked for
@@ -69,7 +69,7 @@ class Diagnosis:
 
     @property
     def solutions(self) -> tuple[Solution, ...] | None:
-        """The ways of putting the foot where it was asked for; None where it was not."""
+        """Joint positions that put the foot where it was asked for; None if it was not."""
         return None if self.feet is None else self.feet.solutions
 
     def as_json(self) -> dict[str, Any]:
@@ -201,12 +201,12 @@ def examine_posture(
 
 
 def _is_regular(moved: Movable | None, q: Sequence[float], rounding: float) -> bool:
-    """Tell whether all that the foot can be commanded it can do in a posture."""
+    """Tell whether the foot can make every commanded motion in a posture."""
     return moved is None or examine(moved.jacobian_in_lengths(q), rounding).rank == moved.size
 
 
 def _lifted(robot: Robot, q: Sequence[float]) -> Sequence[float]:
-    """Put in a lift that was left out: nothing but the height depends on it."""
+    """Fill in a lift that was left out: only the height depends on it."""
     if isinstance(geometry_of(robot), ScaraGeometry) and len(q) == 3:
         low, high = lift_limits(robot)
         return [*q, low if math.isfinite(low) else min(high, 0.0)]
@@ -229,7 +229,7 @@ def _limited(
     direction: Sequence[float],
     moved: Movable | None,
 ) -> Stroke:
-    """Return the way to the first singularity, or to the limit of a joint that comes before it."""
+    """Return the stroke to the first singularity, or to a joint limit before it."""
     lifted, limits = _lifted(robot, q), limits_of(robot.moving)
     already = _outside(robot, lifted)
     if already:

@@ -1,4 +1,4 @@
-"""The edges of a workspace as distances from them, and where a path first meets one."""
+"""The boundaries of a workspace as distances from them, and where a path first meets one."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from drake_leg.kinematics.scara import ScaraGeometry
 Family = Literal["stretch", "hip-axis"]
 Path = Callable[[Array], Array]  # parameters (n,) -> points (n, 3), [m]
 
-TOUCH = 1e-12  # of the arm's length: a path that comes nearer to an edge than this meets it
-NEAR = 0.02  # of the arm's length: a path that comes nearer than this is looked at closely
+TOUCH = 1e-12  # of the arm's length: a path that comes nearer to a boundary than this meets it
+NEAR = 0.02  # of the arm's length: a path that comes nearer than this is searched for a minimum
 
 
 class Edge(NamedTuple):
-    """One edge of a workspace."""
+    """One boundary of a workspace."""
 
     family: Family
-    clearance: Callable[[Array], Array]  # points (n, 3) -> distance from the edge (n,), inside > 0
+    clearance: Callable[[Array], Array]  # points (n, 3) -> distance (n,), inside > 0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Edges:
-    """All the edges that a foot can meet without meeting another one before."""
+    """All the boundaries that a foot can meet before any other."""
 
     all: tuple[Edge, ...]
     size: float  # [m], length of the stretched arm
 
 
 class Approach(NamedTuple):
-    """How near a path comes to an edge."""
+    """How near a path comes to a boundary."""
 
     parameter: float  # of the path
     family: Family
@@ -45,7 +45,7 @@ class Approach(NamedTuple):
 
 
 def leg_edges(leg: LegGeometry, facing: float) -> Edges:
-    """Edges of a leg's workspace, its foot in front of the hip axis (facing +1) or behind (-1).
+    """Boundaries of a leg's workspace, its foot in front of the hip axis (facing +1) or behind.
 
     Seen from the knee, ``sqrt((facing h - l1)^2 + z^2)`` away with ``h = sqrt(x^2 + y^2)``, the
     foot is farthest on the stretched leg, at ``l2 + l3``, and nearest on the folded one, at
@@ -66,7 +66,7 @@ def leg_edges(leg: LegGeometry, facing: float) -> Edges:
 
 
 def scara_edges(arm: ScaraGeometry) -> Edges:
-    """Edges of a SCARA's workspace: the stretched and the folded arm."""
+    """Boundaries of a SCARA's workspace: the stretched and the folded arm."""
 
     def from_base(p: Array) -> Array:
         return np.hypot(p[:, 0], p[:, 1])
@@ -82,10 +82,10 @@ def _flat_arm(a: float, b: float, distance: Callable[[Array], Array]) -> tuple[E
 
 
 def leg_extremes(leg: LegGeometry, p: Array, d: Array) -> list[float]:
-    """Ways along a line [m] at which the foot's distance from the knee may be extreme.
+    """Distances along a line [m] at which the foot may be nearest to or farthest from the knee.
 
     With ``T = |p + s d|^2`` and ``H = h^2`` the distance is stationary where ``T' = l1 H' / h`` or,
-    behind the hip axis, its negative: a quartic, ``T'^2 H = l1^2 H'^2``. Among the ways are all
+    behind the hip axis, its negative: a quartic, ``T'^2 H = l1^2 H'^2``. Among them are all
     extremes on either side of the axis, and the point nearest to it. The line starts at p (3,) [m]
     in the direction of the unit vector d.
     """
@@ -101,12 +101,12 @@ def leg_extremes(leg: LegGeometry, p: Array, d: Array) -> list[float]:
 
 
 def line(p: Array, d: Array) -> Path:
-    """Straight path from p (3,) [m] along a unit vector d; its parameter is the way [m]."""
+    """Straight path from p (3,) [m] along a unit vector d; its parameter is a distance [m]."""
     return lambda ways: p + np.multiply.outer(ways, d)
 
 
 def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> list[Approach]:
-    """Say where a path meets edges, or comes near them and leaves again.
+    """Find where a path meets boundaries, or how near it comes to them.
 
     Parameters
     ----------
@@ -117,8 +117,8 @@ def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> lis
     Returns
     -------
     list of Approach
-        The first meeting of each edge, its clearance 0 or less; of an edge that is not met the
-        nearest approach.
+        For each boundary, the point where the path first meets it, with a clearance of 0 or less,
+        or else the nearest point.
     """
     found = []
     for family, clearance in edges.all:
@@ -145,7 +145,7 @@ def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> lis
 def _with_minima(
     at: Callable[[float], float], places: Array, heights: Array, near: float
 ) -> tuple[Array, Array]:
-    """Add the low minima between the given places."""
+    """Add the low minima between places."""
     lower = (heights[1:-1] <= heights[:-2]) & (heights[1:-1] <= heights[2:])
     low = np.flatnonzero(lower & (heights[1:-1] < near) & (heights[1:-1] > 0.0)) + 1
     if not len(low):

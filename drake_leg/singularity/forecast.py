@@ -12,6 +12,7 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import MovableChain
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
 from drake_leg.quantities import joint_entries
 from drake_leg.singularity.edges import Approach, Family, Path, approaches, line
@@ -98,34 +99,6 @@ class Forecast:
 
     encounter: Encounter | None = None
     graze: Graze | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class SineStep:
-    """The command ``v = A sin(w t) d``: a line of length ``2 A / w`` and back."""
-
-    amplitude: float  # A, of either sign [m/s]
-    frequency: float  # w [rad/s]
-    direction: tuple[float, float, float]  # d, unit vector
-
-    @property
-    def heading(self) -> Array:
-        """Where the foot goes first, (3,)."""
-        return math.copysign(1.0, self.amplitude) * np.array(self.direction)
-
-    @property
-    def length(self) -> float:
-        """Of the line [m]."""
-        return 2.0 * abs(self.amplitude) / self.frequency
-
-    def way(self, time: float) -> float:
-        """Return how far the foot has got when it first goes forward [m]."""
-        half = min(self.frequency * time, math.pi) / 2.0
-        return self.length * math.sin(half) ** 2
-
-    def time(self, way: float) -> float:
-        """Return when the foot first gets somewhere on the line [s]."""
-        return 2.0 / self.frequency * math.asin(min(math.sqrt(way / self.length), 1.0))
 
 
 def encounter_at(

@@ -1,4 +1,4 @@
-"""How fast joints and the foot may go: greatest rates, braking before a limit, greatest speed."""
+"""Limits of joint rates and of the foot's speed."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from drake_leg.kinematics.movable import Floats
 
-# A joint comes to rest so far before its limit: at a kink of its rate the step of an integrator
-# errs by some 1e-5 rad, and a limit that is approached to the last digit would be crossed.
+# A joint stops this far before its limit: where its rate has a kink, an integration step errs by
+# about 1e-5 rad, which would carry a joint that stopped exactly at its limit across it.
 MARGIN = 5e-4  # [rad or m], at most
-PART = 0.1  # of the way between the limits, at most
-RETREAT = 2.0  # [s] in which a joint that starts nearer than that goes back
-HEADROOM = 0.02  # part of the greatest rate that is kept for the same errors
+PART = 0.1  # of the distance between the limits, at most
+RETREAT = 2.0  # [s] in which a joint that starts nearer than that moves back
+HEADROOM = 0.02  # part of the greatest rate that is left for the same errors
 
 FREE, FASTEST, BRAKING = range(3)  # what bounds a rate
 
@@ -24,7 +24,7 @@ class _Joint(NamedTuple):
     settling: float  # [s]
 
     def allowed(self, room: float) -> float:
-        """Return the greatest rate towards a limit, with that room before it."""
+        """Return the greatest rate towards a limit that is ``room`` away."""
         rate = room / (self.settling if room >= 0.0 else RETREAT)
         return min(max(rate, -self.most), self.most)
 
@@ -33,16 +33,16 @@ class _Joint(NamedTuple):
         return min(-self.allowed(q - self.low), up - 1e-9 * self.most), up
 
     def kind(self, bound: float) -> int:
-        """Say what makes a bound of the rate what it is."""
+        """Tell which kind of bound limits the rate."""
         return FASTEST if bound >= self.most else BRAKING
 
 
 class RateBox:
-    """Bounds of the joints' rates at every posture.
+    """Bounds of the joint rates at every posture.
 
-    With the room that is left, ``room = upper - margin - q``, a rate is at most ``room / settling``
-    where there is room, and ``room / RETREAT`` where there is none: a joint comes to rest
-    exponentially, a little before its limit, and does not cross it. The lower limit is its mirror.
+    With ``room = upper - margin - q``, a rate is at most ``room / settling`` if the room is
+    positive, and ``room / RETREAT`` if it is not: a joint approaches a point just before its limit
+    exponentially, and does not cross it. The lower limit is treated alike.
 
     Parameters
     ----------

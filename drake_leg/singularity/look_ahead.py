@@ -4,7 +4,7 @@ The joints' rates and accelerations tell beforehand how far a step will change t
 Steps that change it by a small part approach a zero in a geometric sequence of instants, whether it
 falls linearly (the foot comes to the hip axis) or like the root of the time that is left (the leg
 stretches): where the determinant over its rate of change is less than ``TIME_LEFT``, the zero is
-not farther than that. A motion that turns away before, however near, goes on.
+not farther than that. A motion that turns away in time, however near, continues.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class LookAhead:
     def __call__(self, step: float) -> tuple[float, float]:
         """Greatest change of a joint in a step [rad or m], and of the determinant, relatively.
 
-        What rates and accelerations do is counted apart: it may cancel at the end of the step, but
+        Effects of rates and accelerations are added: they may cancel at the end of the step, but
         not within it.
         """
         half = 0.5 * step * step
@@ -136,7 +136,7 @@ def step_through(robot: Movable, at: Instant, step: float, *, disturbed: bool) -
 
 
 def step_at_kink(robot: Movable, at: Instant, step: float) -> float:
-    """How long a step may be in which something else comes to bound the joints' rates [s].
+    """Longest step in which the bound of a joint rate may change [s].
 
     Across the kink an integrator errs by a part of what the rate changes in the step: that is
     less than the headroom before a greatest rate, and than the margin before a limit. The answer is

@@ -21,7 +21,7 @@ STILL_MOVES = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class RankReport:
-    """What a singular value decomposition says of a Jacobian."""
+    """Rank, singular values and lost directions of a Jacobian."""
 
     rank: int
     full_rank: int  # the rank that it has elsewhere: its smaller dimension
@@ -31,29 +31,27 @@ class RankReport:
 
 
 def examine(J: Array, least: float = 0.0) -> RankReport:
-    """Take a Jacobian (m, n), its rows in one unit, apart.
+    """Find the rank of a Jacobian (m, n) whose rows are in one unit, and what it loses.
 
-    Singular values below ``least`` are nothing but rounding. A lost direction is one in which no
+    Singular values below ``least`` count as zero. A lost direction is one in which no
     joint rate moves the foot; its first component that is not zero is positive.
     """
     U, sigma, _ = np.linalg.svd(J)
     smaller = len(sigma)
     rank = int((sigma > max(RANK_TOLERANCE * sigma[0], least)).sum())
     lost = U[:, rank:smaller].T
-    cleaned = np.where(np.abs(lost) < 1e-12, 0.0, lost)
-    signs = [np.sign(row[np.flatnonzero(row)[0]]) for row in cleaned]
     return RankReport(
         rank=rank,
         full_rank=smaller,
         sigma_min=float(sigma[-1]),
         manipulability=float(np.prod(sigma)),
-        lost_directions=cleaned * np.array(signs).reshape(-1, 1) + 0.0,
+        lost_directions=np.array([_signed(row, 1e-12) for row in lost]).reshape(-1, len(J)),
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class LostTwist:
-    """A motion that no joint rates give, though they do nearby."""
+    """A motion of the foot that no joint rates make here, though they do nearby."""
 
     turning: Array | None  # unit axis, about which the foot does not turn while it stays in place
     moving: Array | None  # unit vector, along which it does not move while it holds its orientation
@@ -61,7 +59,7 @@ class LostTwist:
 
 @dataclass(frozen=True, kw_only=True)
 class WholeRank:
-    """What is known of the rank of the whole Jacobian, turning and moving."""
+    """Rank of the whole Jacobian, rotation and translation."""
 
     rank: int
     full_rank: int  # 6, or as many as there are joints
@@ -70,9 +68,9 @@ class WholeRank:
 
 
 def examine_whole(rows: Sequence[Row], q: ArrayLike, length: float) -> WholeRank:
-    """Take the whole Jacobian of a chain's foot apart, lengths measured by ``length`` [m].
+    """Find the rank of the whole Jacobian of a chain's foot, with ``length`` [m] as its unit.
 
-    Nothing is reported lost that no posture nearby has.
+    A motion counts as lost only if postures nearby have it.
     """
     posture = np.asarray(q, dtype=np.float64)
     unit = np.where([rows[index].joint == "revolute" for index in moving_rows(rows)], 1.0, length)
@@ -96,26 +94,29 @@ def examine_whole(rows: Sequence[Row], q: ArrayLike, length: float) -> WholeRank
 
 
 def _lost_twists(nothing: Array, regained: Array, most: int) -> tuple[LostTwist, ...]:
-    """Name the motions, of those that nothing gives here, that postures nearby have."""
+    """Of the motions that no joint rates make here, name those that postures nearby have."""
     if not most:
         return ()
     V, gain, _ = np.linalg.svd(regained, full_matrices=False)
     count = min(most, int((gain > 1e-6).sum()))
     lost = nothing @ V[:, :count]
-    _, _, Wt = np.linalg.svd(lost[3:], full_matrices=False)  # pure turning apart, where there is
+    _, _, Wt = np.linalg.svd(lost[3:], full_matrices=False)  # separates pure rotations
     return tuple(
         LostTwist(turning=_axis(twist[:3]), moving=_axis(twist[3:])) for twist in (lost @ Wt.T).T
     )
 
 
 def _axis(vector: Array) -> Array | None:
-    """Return a unit vector, its first component that is not zero positive; None of nothing."""
+    """Direction of a vector, as ``_signed``; None if the vector is zero to rounding."""
     size = float(np.linalg.norm(vector))
-    if size < 1e-6:
-        return None
-    one = np.where(np.abs(vector / size) < 1e-9, 0.0, vector / size)
-    axis: Array = np.sign(one[np.flatnonzero(one)[0]]) * one + 0.0
-    return axis
+    return None if size < 1e-6 else _signed(vector / size, 1e-9)
+
+
+def _signed(vector: Array, rounding: float) -> Array:
+    """Turn a vector so that its first component that is not zero is positive."""
+    cleaned = np.where(np.abs(vector) < rounding, 0.0, vector)
+    signed: Array = np.sign(cleaned[np.flatnonzero(cleaned)[0]]) * cleaned + 0.0
+    return signed
 
 
 def loses_turning(robot: Movable, q: Floats) -> bool:
@@ -125,7 +126,7 @@ def loses_turning(robot: Movable, q: Floats) -> bool:
 
 
 def lost_direction(robot: Movable, q: Floats) -> tuple[float, float, float]:
-    """Direction in which the foot moves least for all that its joints do, in a singular posture.
+    """Direction in which the foot of a singular posture moves least.
 
     Returns
     -------
@@ -139,14 +140,12 @@ def lost_direction(robot: Movable, q: Floats) -> tuple[float, float, float]:
         U, _, _ = np.linalg.svd(robot.jacobian_in_lengths(q))
         lost = robot.twists[:3] @ U[:, -1]
         lost = lost / np.linalg.norm(lost)
-    lost = np.where(np.abs(lost) < 1e-9, 0.0, lost)
-    sign = np.sign(lost[np.flatnonzero(lost)[0]])
-    x, y, z = (sign * lost + 0.0).tolist()
+    x, y, z = _signed(lost, 1e-9).tolist()
     return x, y, z
 
 
 def _translations(robot: Movable, q: Floats) -> tuple[Array, Array, int]:
-    """Take the foot's translation apart: directions, singular values, and how many it has."""
+    """Directions and singular values of the foot's translation, and how many there are."""
     moved = int(np.linalg.matrix_rank(robot.twists[3:]))
     U, sigma, _ = np.linalg.svd(robot.twists[3:] @ robot.jacobian_in_lengths(q))
     return U, sigma, moved

@@ -25,23 +25,23 @@ CHAIN_STEPS = 200  # steps of a numerical stroke over the length of the chain
 CHAIN_RESOLUTION = 1e-10  # smallest step, of the length of the chain
 LARGEST_CHANGE = 0.5  # [rad or m] of a joint in one step; more is a jump to another branch
 ROUNDING = 1e-13  # of the length of the chain: what a foot misses its goal by at best
-FARTHEST = 10.0  # of the length of the chain: what is looked at where nothing else is said
+FARTHEST = 10.0  # of the length of the chain: the longest search by default
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stroke:
-    """The way along a line to the first singularity, or to a joint's limit."""
+    """Distance along a line to the first singularity or joint limit."""
 
     length: float  # [m]
-    family: Family | None  # which singular family is met there; None where it has no name
-    joint: str | None = None  # whose limit comes first; None where none does
+    family: Family | None  # which singular family ends it; None if unnamed
+    joint: str | None = None  # whose limit ends it; None if none does
 
 
 def closed_stroke(families: Families, q: ArrayLike, direction: ArrayLike) -> Stroke:
-    """Way of a foot from a posture along a direction to the first singularity, in closed form.
+    """Distance from a posture along a direction to the first singularity, in closed form.
 
-    Along a line the distances from the edges are extreme at known ways, of a leg the roots of a
-    quartic; between two of them they are monotonic, and an edge is crossed at most once.
+    Along a line the distances from the boundaries have their extremes at known places, for a leg
+    the roots of a quartic; between two of them a boundary is crossed at most once.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def closed_stroke(families: Families, q: ArrayLike, direction: ArrayLike) -> Str
 def approaches_on_line(
     families: Families, q: Sequence[float], p: Array, d: Array, end: float
 ) -> list[Approach]:
-    """How near the foot comes to each edge on a line; its parameters are ways [m].
+    """How near the foot comes to each boundary on a line; parameters are distances [m].
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
 
 
 def greatest_amplitude(stroke: Stroke, frequency: float) -> float:
-    """Greatest speed A [m/s] of a sine of frequency w [rad/s] whose way ``2 A / w`` is a stroke."""
+    """Greatest speed A [m/s] of a sine of frequency w [rad/s] that spans a stroke: ``2 A / w``."""
     return stroke.length * frequency / 2.0
 
 
@@ -122,7 +122,7 @@ def unit(direction: ArrayLike) -> Array:
 
 
 class ChainStroke(NamedTuple):
-    """A way found numerically, and where it ends."""
+    """A stroke found numerically, and the posture where it ends."""
 
     stroke: Stroke
     q: Array  # (n,), [rad or m], just before its end
@@ -137,11 +137,11 @@ def chain_stroke(
     farthest: float | None = None,
     limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> ChainStroke:
-    """Way of any chain's foot along a direction to a singularity or a limit, numerically.
+    """Distance of any chain's foot along a direction to a singularity or joint limit, numerically.
 
     The posture is followed along the line in small steps, each closed by Newton's method, until
     a step fails, the determinant changes its sign or a joint passes a limit; the last step is then
-    bisected. A redundant chain takes the least rates on its way.
+    bisected. A redundant chain takes the smallest joint rates.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def chain_stroke(
     moved : Movable, optional
         What the foot is commanded; its translation by default.
     farthest : float, optional
-        Way that is looked at [m]; by default ten times the chain's length.
+        Longest distance that is searched [m]; by default ten times the chain's length.
     limits : mapping, optional
         Name of every moving joint, in order -> its lower and upper limit [rad or m]; they may be
         infinite.
@@ -200,7 +200,7 @@ def chain_stroke(
 def _room(
     moved: Movable, q: Array, way: Array, limits: Mapping[str, tuple[float, float]] | None
 ) -> tuple[Array, Array]:
-    """Return between what each joint may move: one that stays where it is may do so at a limit."""
+    """Return the range of each joint: one that does not move may be at its limit."""
     if limits is None:
         return np.full_like(q, -math.inf), np.full_like(q, math.inf)
     low, high = np.array(list(limits.values())).T
@@ -229,7 +229,7 @@ def _closed(rows: Sequence[Row], moved: Movable, q: Array, goal: Sweep, way: Arr
 
 
 def _ahead(moved: Movable, q: Array, v: Array) -> Array:
-    """Follow the least rates for a step by the midpoint rule; Newton's method does the rest."""
+    """Follow the smallest rates for a step by the midpoint rule, before Newton's method."""
     half = 0.5 * np.array(moved.rates(q.tolist(), v.tolist()))
     there = q + half * min(1.0, LARGEST_CHANGE / float(np.abs(half).max() or 1.0))
     ahead: Array = q + np.array(moved.rates(there.tolist(), v.tolist()))

@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Subject:
-    """A robot that is derived, and what of it a report makes its Jacobian of."""
+class DerivedRobot:
+    """A robot that is derived, and the velocities of a report's Jacobian."""
 
     robot: Robot
-    numbering: str  # what stands before an equation's number
+    numbering: str  # what is written before an equation's number
     task: tuple[int, ...]  # rows of the spatial Jacobian
 
 
 SUBJECTS = {
-    "leg-a": Subject(robot=LEG_A, numbering="Report A, eq.", task=(3, 4, 5)),
-    "leg-b": Subject(robot=LEG_B, numbering="Report B, section", task=(3, 4, 5)),
-    "scara": Subject(robot=SCARA, numbering="Report B, section", task=(3, 4, 2)),
+    "leg-a": DerivedRobot(robot=LEG_A, numbering="Report A, eq.", task=(3, 4, 5)),
+    "leg-b": DerivedRobot(robot=LEG_B, numbering="Report B, section", task=(3, 4, 5)),
+    "scara": DerivedRobot(robot=SCARA, numbering="Report B, section", task=(3, 4, 2)),
 }
 
 

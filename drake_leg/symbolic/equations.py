@@ -138,7 +138,7 @@ def findings(robot: Derivation) -> tuple[Equation, ...]:
 
 def zeros_of(family: SingularFamily) -> list[Equation]:
     """State where a factor of a determinant is zero."""
-    unsolved = "" if family.solutions else ", which SymPy solves for no joint alone"
+    unsolved = "" if family.solutions else " (SymPy solves this for no single joint)"
     title = f"singular where{unsolved}"
     stated = [Equation(title=title, left=family.factor, right=sp.Integer(0))]
     for solution in family.solutions:
@@ -214,10 +214,12 @@ def own_pieces(robot: Derivation) -> Iterator[Piece]:
     yield Piece(
         title="determinant",
         derive=determinant,
-        otherwise="none, as no rows of the Jacobian are as many as its columns",
+        otherwise="none, as no rows of the Jacobian make it square",
     )
     yield Piece(
-        title="singular postures", derive=families, otherwise="none is told by a determinant"
+        title="singular postures",
+        derive=families,
+        otherwise="not found, as there is no determinant",
     )
 
 

@@ -10,7 +10,7 @@ from drake_leg.singularity.look_ahead import Instant
 
 
 class InverseJacobian(LeafSystem):
-    """Joint rates and accelerations that give the foot its commanded motion.
+    """Joint rates and accelerations that make the foot follow its commanded motion.
 
     ========== ===== ===== ============ ===========================================
     port       kind  size  unit         meaning
@@ -25,7 +25,8 @@ class InverseJacobian(LeafSystem):
     ========== ===== ===== ============ ===========================================
 
     With as many joints n as commanded velocities m, ``qddot`` is ``J^-1 (a - dJ/dt qdot)``. With
-    more, ``qdot`` is the least of all rates that give v, and ``det_j`` is ``sqrt(det(J J^T))``.
+    more, ``qdot`` is the smallest of all rates that produce ``v``, and ``det_j`` is
+    ``sqrt(det(J J^T))``.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Joint limits that act: a plant that is continuous in time does not heed them by itself."""
+"""Joint limits that push back: a continuous-time plant does not enforce them by itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A commanded velocity, not faster than a given speed."""
+"""A commanded velocity, limited to a greatest speed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drake_leg.singularity.limits import limited_speed
 
 
 class SpeedLimit(LeafSystem):
-    """Shortens a velocity, and passes its direction on.
+    """Limits a velocity and keeps its direction.
 
     ================ ===== ===== ======= ==========================================
     port             kind  size  unit    meaning

@@ -13,7 +13,6 @@ from drake_leg.errors import LostMotionError, OutputError, PlaceError
         ("choose a smaller `max_step`", "choose a smaller --max-step"),
         ("`force=True` goes on", "--force goes on"),
         ("give `push=(0, 0, 0.1)`", "give --push 0,0,0.1"),
-        ("choose another `target`", "choose another --out"),
         ("the name `Own Name` stays", "the name `Own Name` stays"),
     ],
 )
@@ -30,6 +29,8 @@ def test_advice_of_an_error_is_for_whoever_reads_it():
 
 
 def test_the_option_that_gave_a_place_is_named():
-    with pytest.raises(OutputError) as caught, place_given_by("--still"):
-        raise PlaceError("a.png", "exists", replaceable=True)
-    assert as_options(caught.value) == "a.png exists: choose another --still, or add --overwrite"
+    error = PlaceError("a.png", "exists", replaceable=True)
+    assert str(error) == "a.png exists: choose another place, or add `overwrite=True`"
+    with pytest.raises(OutputError), place_given_by("--out"), place_given_by("--still"):
+        raise error
+    assert as_options(error) == "a.png exists: choose another --still, or add --overwrite"

@@ -80,7 +80,7 @@ def test_latex_of_ones_own_is_one_equation_a_line_under_a_comment(capsys):
         "c23 = cos(q2 + q3) and so on; l1 = 0.2 m"
     )
     assert "direct - indirect = 0" in lines
-    assert lines[-2] == "% determinant: none, as no rows of the Jacobian are as many as its columns"
+    assert lines[-2] == "% determinant: none, as no rows of the Jacobian make it square"
     assert all(line.startswith("% ") or "=" in line for line in lines)
 
 
@@ -119,23 +119,25 @@ def test_an_unknown_name_is_refused(capsys):
     )
 
 
-def test_without_sympy_it_says_how_to_get_it():
-    run = subprocess.run(
-        [sys.executable, "-c", WITHOUT_SYMPY, "derive", "leg-a"],
-        capture_output=True,
-        text=True,
-        check=False,
+def without_sympy(*words):
+    return subprocess.run(
+        [sys.executable, "-c", WITHOUT_SYMPY, *words], capture_output=True, text=True, check=False
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "purpose"),
+    [(("derive", "leg-a"), "the derivation of leg-a"), (("errata",), "the list of errata")],
+)
+def test_without_sympy_it_says_how_to_get_it(words, purpose):
+    run = without_sympy(*words)
     assert run.returncode == 2
     assert run.stdout == ""
-    assert run.stderr == (
-        "drake-leg: the derivation of leg-a needs SymPy: pip install 'drake-leg[symbolic]'\n"
-    )
+    assert run.stderr == f"drake-leg: {purpose} needs SymPy: pip install 'drake-leg[symbolic]'\n"
 
 
-def test_all_else_goes_without_sympy():
-    run = subprocess.run(
-        [sys.executable, "-c", WITHOUT_SYMPY, "errata"], capture_output=True, text=True, check=False
-    )
+@pytest.mark.parametrize("words", [("list",), ("doctor", "leg-b", "--q", "90,-50,-90")])
+def test_what_shows_no_formula_goes_without_sympy(words):
+    run = without_sympy(*words)
     assert run.returncode == 0
     assert run.stderr == ""

@@ -106,7 +106,7 @@ def test_the_reports_scara_is_compared_in_its_own_task(drake_frames):
     """A file's SCARA keeps height and yaw as the reports' does, and moves as that does."""
     from drake_leg.runs.leg import run_robot
     from drake_leg.runs.options import ScaraOptions, StraightOptions
-    from drake_leg.runs.scara import run_scara
+    from drake_leg.runs.scara import run as run_scara
 
     own = run_scara(ScaraOptions(duration=1.0))
     lift = float(own.recording["q4"][0])

@@ -11,10 +11,14 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.joint_mechanics import StateTarget
 from drake_leg.robots import LEG_B
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.leg_setup import ellipse_config, leg_of, straight_config
+from drake_leg.runs.configs import (
+    ellipse_config,
+    leg_of,
+    pendulum_config,
+    scara_config,
+    straight_config,
+)
 from drake_leg.runs.options import StraightOptions
-from drake_leg.runs.pendulum import pendulum_config
-from drake_leg.runs.scara import scara_config
 
 ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "notebooks" / "leg.slx")
@@ -89,7 +93,7 @@ MEANINGLESS = [
     ("doctor", "scara --yaw 3 --q 30,90,-120", "goes with --foot"),
     ("doctor", "leg-b --rpy 0,0,0 --foot 0.1,0,0", "cannot choose its orientation"),
     ("doctor", "scara --rpy 0,0,0 --foot 0.1,0,0", "only yaws"),
-    ("doctor", "leg-b --foot 0.1,0,0 --direction 1,0,0", "is of a posture"),
+    ("doctor", "leg-b --foot 0.1,0,0 --direction 1,0,0", "needs a posture"),
     ("sdf", "leg-b --overwrite", "means nothing without --out: leave"),
     ("check", f"leg-b --samples 32 --printed {PRINTED}/report_b_leg.toml", "with --printed"),
     ("check", f"leg-b --budget 9 --printed {PRINTED}/report_b_leg.toml", "with --printed"),
@@ -177,8 +181,8 @@ def with_targets():
 
 KINDS = {name: kind.options for name, kind in RUNS.items()} | {"robot.toml": StraightOptions}
 CONFIGS = {
-    "leg-a": lambda options: straight_config(leg_of("A", options), options),
-    "leg-b": lambda options: straight_config(leg_of("B", options), options),
+    "leg-a": lambda options: straight_config(leg_of(options), options),
+    "leg-b": lambda options: straight_config(leg_of(options), options),
     "robot.toml": lambda options: straight_config(with_targets(), options),
     "ellipse": ellipse_config,
     "scara": scara_config,

@@ -267,16 +267,16 @@ def test_results_whose_place_was_taken_meanwhile_are_beside_it(no_figures, monke
 
 
 def taking_the_place(monkeypatch):
-    from drake_leg.runs import leg
+    from drake_leg.runs import tip
 
-    simulate = leg.simulate
+    simulate = tip.simulate
 
     def simulated(*arguments, **keywords):
         Path("out").mkdir()
         Path("out/thesis.tex").touch()
         return simulate(*arguments, **keywords)
 
-    monkeypatch.setattr(leg, "simulate", simulated)
+    monkeypatch.setattr(tip, "simulate", simulated)
     return kind_of
 
 

@@ -21,7 +21,7 @@ from drake_leg.kinematics.configurations import greatest_reach, random_configura
 from drake_leg.models.proof import DrakeWitness
 from drake_leg.recording import read_csv
 from drake_leg.robot_file.read import load_robot
-from drake_leg.scene.teleop_control import at_rest, control_step, drive_of
+from drake_leg.scene.driven_foot import DrivenFoot
 
 # Work that is stopped at its budget may be in a weak reference's callback, which is only reported.
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"
@@ -188,9 +188,9 @@ def teleop(subject):
     """Drive the foot by the session's logic, without a server."""
     velocity, dt = np.array([0.01, -0.02, 0.015]), 1.0 / 30.0
     try:
-        drive = drive_of(subject.robot)
-        start = at_rest(drive, subject.q)
-        step = control_step(drive, start.q, velocity, dt)
+        drive = DrivenFoot(subject.robot)
+        start = drive.at_rest(subject.q)
+        step = drive.step(start.q, velocity, dt)
     except DrakeLegError:
         return
     before, after = (subject.witness.foot(one.q)[:3, 3] for one in (start, step))

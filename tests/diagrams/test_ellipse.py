@@ -5,18 +5,19 @@ from drake_leg.diagrams.ellipse import EllipseConfig, build
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.kinematics.motions import EllipticStep
 from drake_leg.robots import LEG_A, LEG_B
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 
 POSTURE = tuple(np.radians([90.0, -50.0, -90.0]))
 AMPLITUDE, LIFT = 0.030, 0.040  # [m/s], [m]
+MOTION = {"amplitude": AMPLITUDE, "lift": LIFT}
 
 
-def run_of(**changes):
-    settings = {"robot": LEG_B, "q0": POSTURE, "amplitude": AMPLITUDE, "lift": LIFT, **changes}
-    config = EllipseConfig(**settings)
+def run_of(robot=LEG_B, q0=POSTURE, **changes):
+    config = EllipseConfig(robot=robot, q0=q0, motion=EllipticStep(**{**MOTION, **changes}))
     start = foot_pose(config.robot.rows, config.q0)[:3, 3]
-    run = simulate(build(config), start=start_on_motion, duration=2 * np.pi / config.frequency)
+    run = simulate(build(config), start=start_on_motion, duration=config.motion.period)
     assert run.stop_reason is None
     return run, run.scopes["foot positions"] - start
 
@@ -78,9 +79,9 @@ def test_two_sines_a_quarter_period_apart_drive_it():
 @pytest.mark.parametrize("lift", [float("nan"), float("inf")])
 def test_a_senseless_lift_is_refused(lift):
     with pytest.raises(InvalidValueError, match=f"lift is {lift}"):
-        EllipseConfig(robot=LEG_B, q0=POSTURE, lift=lift)
+        EllipseConfig(robot=LEG_B, q0=POSTURE, motion=EllipticStep(lift=lift))
 
 
 def test_a_plane_that_is_not_vertical_is_refused():
     with pytest.raises(InvalidValueError, match="horizontal"):
-        EllipseConfig(robot=LEG_B, q0=POSTURE, direction=(0.6, 0.0, 0.8))
+        EllipseConfig(robot=LEG_B, q0=POSTURE, motion=EllipticStep(direction=(0.6, 0.0, 0.8)))

@@ -11,9 +11,10 @@ from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.models.files import sdf_folder
 from drake_leg.robots import LEG_A, LEG_B, SCARA
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 
 POSTURES = {
     LEG_A: tuple(np.radians([90.0, 50.0, 90.0])),
@@ -30,9 +31,16 @@ START = np.array(  # [m], by plane trigonometry: the femur dips by 50 degrees, t
 )
 
 
+def motion_of(changes):
+    """Take the motion's numbers out of a config's."""
+    names = ("amplitude", "frequency", "direction")
+    numbers = {name: changes.pop(name) for name in names if name in changes}
+    return {**changes, "motion": SineStep(**numbers)}
+
+
 @cache
 def step(robot=LEG_B, duration=20.0, **changes):
-    config = HexabotLegConfig(robot=robot, q0=POSTURES[robot], **changes)
+    config = HexabotLegConfig(robot=robot, q0=POSTURES[robot], **motion_of(changes))
     return simulate(build(config), start=start_on_motion, duration=duration)
 
 
@@ -48,7 +56,7 @@ def wires(diagram):
 
 
 def diagram_of(**changes):
-    return build(HexabotLegConfig(robot=LEG_B, q0=POSTURES[LEG_B], **changes))
+    return build(HexabotLegConfig(robot=LEG_B, q0=POSTURES[LEG_B], **motion_of(changes)))
 
 
 def test_the_foot_starts_where_the_reports_posture_puts_it():
@@ -279,7 +287,7 @@ NAN = float("nan")
 )
 def test_senseless_settings_are_refused(change, said):
     with pytest.raises(InvalidValueError, match=said):
-        HexabotLegConfig(**{"robot": LEG_B, "q0": POSTURES[LEG_B], **change})
+        HexabotLegConfig(**{"robot": LEG_B, "q0": POSTURES[LEG_B], **motion_of(dict(change))})
 
 
 @pytest.mark.parametrize("gravity", [-1.0, NAN, float("inf")])

@@ -6,17 +6,27 @@ import pytest
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.diagrams.scara import ScaraConfig, build
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.robots import LEG_B, SCARA
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 
 L1, L2 = 0.220, 0.240  # [m]
 Q0 = np.radians([30.0, 90.0, -120.0])
 
 
+def motion_of(changes):
+    """Take the motion's numbers out of a config's."""
+    names = ("amplitude", "frequency", "direction")
+    numbers = {name: changes.pop(name) for name in names if name in changes}
+    return {**changes, "motion": SineStep(**{"amplitude": 0.050, **numbers})}
+
+
 @cache
 def run_of(duration=20.0, **changes):
     return simulate(
-        build(ScaraConfig(robot=SCARA, **changes)), start=start_on_motion, duration=duration
+        build(ScaraConfig(robot=SCARA, **motion_of(changes))),
+        start=start_on_motion,
+        duration=duration,
     )
 
 
@@ -62,7 +72,9 @@ def test_the_tool_goes_straight_in_any_horizontal_direction(degrees):
 def test_the_lift_bears_the_tools_weight_and_the_arms_none():
     scopes = run_of(duration=0.04).scopes
     still = simulate(
-        build(ScaraConfig(robot=SCARA, amplitude=0.0)), start=start_on_motion, duration=1.0
+        build(ScaraConfig(robot=SCARA, motion=SineStep(amplitude=0.0))),
+        start=start_on_motion,
+        duration=1.0,
     )
     mass = 2700 * np.pi * 0.010**2 * 0.1124  # the tool
     np.testing.assert_allclose(still.scopes["joint torques"][:, :3], 0.0, atol=1e-9)
@@ -120,4 +132,4 @@ NAN = float("nan")
 )
 def test_senseless_settings_are_refused(change, said):
     with pytest.raises(InvalidValueError, match=said):
-        ScaraConfig(**{"robot": SCARA, **change})
+        ScaraConfig(**{"robot": SCARA, **motion_of(dict(change))})

@@ -423,7 +423,7 @@ def test_a_picture_that_nobody_can_read_is_refused(pictures):
     builder = ModelBuilder()
     for place in range(MOST_BLOCKS + 1):
         builder.add_block("Gain", f"K{place}")
-    with pytest.raises(InvalidValueError, match="301 blocks, of which at most 300"):
+    with pytest.raises(InvalidValueError, match="301 blocks; at most 300"):
         pictures(builder)
 
 

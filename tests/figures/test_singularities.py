@@ -128,7 +128,7 @@ def test_the_edges_in_the_leg_s_plane_are_where_the_leg_is_singular(lengths):
 
 
 def test_other_robots_have_none_and_are_told_what_to_do():
-    with pytest.raises(InvalidValueError, match=r"'pendulum'.*leave `target` out"):
+    with pytest.raises(InvalidValueError, match=r"'pendulum'.*without `out`"):
         maps_of_posture(PENDULUM, [0.5])
 
 

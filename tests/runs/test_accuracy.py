@@ -24,14 +24,14 @@ def test_an_error_shows_that_is_wider_than_a_curve():
     assert shows(1e-5, 0.0)
     assert shows(math.nan, 1.0)
     assert inaccuracy(0.001, 1.0, "angle", "rad", "do") is None
-    said = inaccuracy(3.7, 3.14, "angle", "rad", "choose a smaller --max-step")
+    said = inaccuracy(3.7, 3.14, "angle", "rad", "choose a smaller `max_step`")
     assert said.startswith("the angle is up to 3.7 rad from the exact motion")
-    assert said.endswith("choose a smaller --max-step")
+    assert said.endswith("choose a smaller `max_step`")
 
 
 def test_the_remedy_fits_the_integrator():
-    assert finer(IntegratorSettings()) == "choose a smaller --max-step"
-    assert finer(IntegratorSettings(accuracy=1e-3)) == "choose a finer --accuracy"
+    assert finer(IntegratorSettings()) == "choose a smaller `max_step`"
+    assert finer(IntegratorSettings(accuracy=1e-3)) == "choose a finer `accuracy`"
     assert "runge_kutta5" in finer(IntegratorSettings(scheme="explicit_euler"))
 
 
@@ -51,7 +51,7 @@ def test_the_remedy_fits_the_integrator():
 def test_an_error_that_can_be_seen_is_said(name, options):
     said = summary_of(name, **options)["inaccuracy"]
     assert "from the exact motion" in said
-    assert said.endswith("choose a smaller --max-step or --integrator runge_kutta5")
+    assert said.endswith("choose a smaller `max_step` or `integrator='runge_kutta5'`")
 
 
 @pytest.mark.parametrize("name", RUNS)

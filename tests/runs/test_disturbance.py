@@ -7,20 +7,23 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import HardStop, JointMechanics
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.models.plant import build_plant
-from drake_leg.robot import HardStop, JointMechanics
 from drake_leg.robots import LEG_B
-from drake_leg.runs.disturbance import disturbance_of, push_torques
-from drake_leg.runs.leg import run_ellipse, run_robot, run_straight
+from drake_leg.runs.configs import disturbance_of
+from drake_leg.runs.ellipse import run as run_ellipse
+from drake_leg.runs.leg import run as run_leg
+from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import EllipseOptions, LegBOptions, ScaraOptions, StraightOptions
-from drake_leg.runs.scara import run_scara
+from drake_leg.runs.scara import run as run_scara
+from drake_leg.runs.tip import push_torques
 
 UP = [0.0, 0.0, 0.1]  # [N], ten times the leg's weight
 
 
 def straight(duration=4.0, **changes):
-    return run_straight("B", LegBOptions(duration=duration, **changes))
+    return run_leg(LegBOptions(duration=duration, **changes))
 
 
 def columns(outcome, name):
@@ -40,7 +43,7 @@ def mass_and_bias(q, qdot):
 def test_a_pushed_leg_that_stands_obeys_the_linear_equation_of_its_error():
     push = {"push": [2e-4, -1e-4, 3e-4], "push_at": 0.2, "push_for": 0.1}
     options = LegBOptions(amplitude=0.0, duration=0.6, stiffness=400.0, **push)
-    outcome = run_straight("B", options)
+    outcome = run_leg(options)
     q0 = np.radians(options.q0)
     M, _ = mass_and_bias(q0, np.zeros(3))
     push = disturbance_of(options).push
@@ -74,7 +77,7 @@ def test_wrong_masses_displace_the_joints_as_the_balance_of_torques_says():
 
 def test_a_push_is_what_the_torques_do_not_explain():
     options = LegBOptions(duration=3.0, push=UP, mass_error=0.3, torque_limit=0.02)
-    outcome = run_straight("B", options)
+    outcome = run_leg(options)
     assert outcome.summary["max_torque_error_n_m"] < 1e-12
     wrong = replace(options, push=None, push_at=None)
     assert outcome.summary["disturbance"]["push_n"] == UP
@@ -183,7 +186,7 @@ def test_joints_with_stops_can_be_weak_too():
         ({"push": [1.0]}, "three numbers"),
         ({"push_at": 1.0}, "push_at is 1.0 and there is no push"),
         ({"push_for": 1.0}, "push_for is 1.0 and there is no push"),
-        ({"push": UP, "push_at": 4.0}, "earlier --push-at"),
+        ({"push": UP, "push_at": 4.0}, "earlier `push_at`"),
         ({"push": UP, "push_at": -1.0}, "-1.0"),
         ({"push": UP, "push_for": 0.0}, "0.0"),
         ({"push": [float("nan"), 0.0, 0.0]}, "nan"),

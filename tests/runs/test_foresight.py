@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import ForeseenSingularityError, InvalidValueError
-from drake_leg.robot import JointMechanics
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.robots import LEG_B
-from drake_leg.runs.leg import run_ellipse, run_robot, run_straight
+from drake_leg.runs.ellipse import run as run_ellipse
+from drake_leg.runs.leg import run as run_leg
+from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import EllipseOptions, LegBOptions, ScaraOptions, StraightOptions
-from drake_leg.runs.scara import run_scara
+from drake_leg.runs.scara import run as run_scara
 
 
 def straight(duration=4.0, **changes):
-    return run_straight("B", LegBOptions(duration=duration, **changes)).summary
+    return run_leg(LegBOptions(duration=duration, **changes)).summary
 
 
 def with_knee(**changes):
@@ -113,7 +115,7 @@ def test_other_inverses_go_on_and_recover(method):
 
 
 def test_a_command_far_outside_is_waited_for_at_a_bounded_speed_and_in_few_steps():
-    outcome = run_straight("B", LegBOptions(duration=6.4, amplitude=0.3, inverse="damped"))
+    outcome = run_leg(LegBOptions(duration=6.4, amplitude=0.3, inverse="damped"))
     assert outcome.summary["greatest_distance_from_command_m"] > 0.3
     assert outcome.summary["distance_from_command_at_the_end_m"] < 0.02
     assert outcome.summary["rows"] < 4000
@@ -130,7 +132,7 @@ def test_other_inverses_are_exact_inside(method, amplitude):
 
 def test_a_rate_limit_is_kept():
     options = LegBOptions(duration=6.4, amplitude=0.07, inverse="limited", rate_limit=40.0)
-    recording = run_straight("B", options).recording
+    recording = run_leg(options).recording
     assert np.abs(recording.stack("qdot1", "qdot2", "qdot3")).max() < np.radians(40.5)
 
 
@@ -164,8 +166,7 @@ def test_senseless_options_are_refused(change, named):
 def test_two_runs_are_the_same_to_the_bit():
     for changes in ({"force": True}, {"inverse": "limited"}):
         pair = [
-            run_straight("B", LegBOptions(duration=4.0, amplitude=0.1, **changes)).recording
-            for _ in range(2)
+            run_leg(LegBOptions(duration=4.0, amplitude=0.1, **changes)).recording for _ in range(2)
         ]
         for name, column in pair[0].columns.items():
             np.testing.assert_array_equal(column, pair[1].columns[name])

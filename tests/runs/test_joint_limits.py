@@ -11,7 +11,7 @@ from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.robots import LEG_B
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import FreePendulumOptions, SpringPendulumOptions, StraightOptions
-from drake_leg.runs.pendulum import run_pendulum
+from drake_leg.runs.pendulum import run as run_pendulum
 
 OPTIONS = StraightOptions(q0=[90.0, -50.0, -90.0], amplitude=0.07, duration=4.0)
 

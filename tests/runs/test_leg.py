@@ -5,10 +5,12 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError, JointLimitError, SingularConfigurationError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import foot_pose, jacobian
-from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_A, LEG_B
-from drake_leg.runs.leg import run_ellipse, run_robot, run_straight
+from drake_leg.runs.ellipse import run as run_ellipse
+from drake_leg.runs.leg import run as run_leg
+from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions, StraightOptions
 
 HEADER = (
@@ -23,7 +25,7 @@ HEADER = (
 def straight(variant="B", duration=20.0, **changes):
     changes = {name: list(v) if isinstance(v, tuple) else v for name, v in changes.items()}
     options = {"A": LegAOptions, "B": LegBOptions}[variant]
-    return run_straight(variant, options(duration=duration, **changes))
+    return run_leg(options(duration=duration, **changes))
 
 
 @cache

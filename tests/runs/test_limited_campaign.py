@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import DrakeLegError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.quantities import AT_LIMIT
-from drake_leg.robot import JointMechanics
 from drake_leg.robot_file.read import read_robot
 from drake_leg.robots import hexabot_leg
-from drake_leg.runs.foresight import Plan
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
 from drake_leg.singularity.forecast import Forecast
@@ -173,7 +172,7 @@ def faults(seed):
 @pytest.fixture
 def nothing_foreseen(monkeypatch):
     """Leave out what lies ahead, which takes longer than these short runs."""
-    monkeypatch.setattr(Plan, "forecast", lambda _plan: Forecast())
+    monkeypatch.setattr("drake_leg.runs.tip.foresee", lambda *_, **__: Forecast())
 
 
 @pytest.mark.slow

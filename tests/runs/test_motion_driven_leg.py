@@ -13,7 +13,8 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.robots import LEG_B
-from drake_leg.runs.leg import run_ellipse, run_straight
+from drake_leg.runs.ellipse import run as run_ellipse
+from drake_leg.runs.leg import run as run_leg
 from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions
 
 Q0 = np.radians([90.0, -50.0, -90.0])
@@ -49,7 +50,7 @@ def test_joint_angles_follow_their_command(max_step, within):
 def test_joint_angles_are_those_of_the_exact_path_and_torques_inverse_dynamics(
     variant, options, max_step, within
 ):
-    outcome = run_straight(variant, options(max_step=max_step))
+    outcome = run_leg(options(max_step=max_step))
     assert angle_error(outcome) <= within
     assert outcome.summary["max_torque_error_n_m"] <= 1e-12
 
@@ -87,7 +88,7 @@ def first_order_drift(tau, duration):
 
 @pytest.mark.slow
 def test_input_filters_make_the_foot_drift_as_in_the_published_model():
-    summary = run_straight("B", LegBOptions(filter_time_constant=LAG)).summary
+    summary = run_leg(LegBOptions(filter_time_constant=LAG)).summary
     assert summary["filter_time_constant_s"] == LAG
     np.testing.assert_allclose(summary["end_error_m"][1:], DRIFT, rtol=0, atol=DRIFT_WITHIN)
     assert summary["max_position_error_m"] > 1e-3  # and the run says so
@@ -107,7 +108,7 @@ def test_the_drift_is_the_integral_of_the_jacobians_rate_over_the_delay():
 def test_a_short_filtered_run_is_the_loop_of_lags_to_the_last_digits():
     tau = 0.02
     options = LegBOptions(duration=2.0, filter_time_constant=tau)
-    recording = run_straight("B", options).recording
+    recording = run_leg(options).recording
     foot = recording.stack("x", "y", "z")[-1]
     np.testing.assert_allclose(foot, loop_of_lags(tau, 2.0), rtol=0, atol=1e-8)
 
@@ -125,4 +126,4 @@ def test_the_ellipse_has_the_filters_too():
 @pytest.mark.parametrize("tau", [0.0, -1.0, float("nan")])
 def test_a_senseless_time_constant_is_refused(tau):
     with pytest.raises(InvalidValueError, match="filter's time constant is"):
-        run_straight("B", LegBOptions(filter_time_constant=tau))
+        run_leg(LegBOptions(filter_time_constant=tau))

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.robot import JointMechanics
 from drake_leg.robots import pendulum
 from drake_leg.runs.options import DampedPendulumOptions, SpringPendulumOptions
-from drake_leg.runs.pendulum import run_pendulum
+from drake_leg.runs.pendulum import run as run_pendulum
 from drake_leg.runs.pendulum_steps import MOST, Steps, implicit_step, steps_of
 
 
@@ -50,7 +50,7 @@ def test_a_strong_damper_is_right_with_few_steps(damping):
 
 
 def test_a_damper_too_strong_for_explicit_steps_names_the_integrator_that_works():
-    with pytest.raises(InvalidValueError, match="--integrator radau3") as refused:
+    with pytest.raises(InvalidValueError, match="integrator='radau3'") as refused:
         run_pendulum(DampedPendulumOptions(damping=1e3))
     assert "\n" not in str(refused.value)
     options = DampedPendulumOptions(damping=1e3, duration=0.5, integrator="radau3")

@@ -5,7 +5,7 @@ import pytest
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.runs.options import ScaraOptions
-from drake_leg.runs.scara import run_scara
+from drake_leg.runs.scara import run as run_scara
 
 
 @cache

@@ -8,9 +8,9 @@ from chains import PLANAR_2, PUMA, SIX, SLIDER, WHEEL
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot_file.read import read_robot
 from drake_leg.robots import LEG_A, LEG_B
-from drake_leg.scene.teleop_control import drive_of
+from drake_leg.scene.driven_foot import DrivenFoot
+from drake_leg.scene.scene import VIEWS
 from drake_leg.scene.teleop_page import teleop_page, teleop_scene
-from drake_leg.scene.views import VIEWS
 
 Q = np.radians([90.0, -50.0, -90.0])
 DESK = """
@@ -27,7 +27,7 @@ row = [
 
 
 def page_of(robot, q):
-    drive = drive_of(robot)
+    drive = DrivenFoot(robot)
     return teleop_page(drive, teleop_scene(drive, np.asarray(q)), "abc")
 
 
@@ -37,7 +37,7 @@ def data_of(page):
 
 @pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=lambda robot: robot.name)
 def test_every_place_of_the_foot_is_in_every_view(robot, rng):
-    scene = teleop_scene(drive_of(robot), Q)
+    scene = teleop_scene(DrivenFoot(robot), Q)
     feet = foot_pose(robot.rows, rng.uniform(-np.pi, np.pi, (3000, 3)))[:, :3, 3]
     for view in VIEWS.values():
         seen, held = feet @ view.axes, scene.hull() @ view.axes

@@ -2,21 +2,23 @@
 
 import math
 
+import kinematic_loop
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_leg.diagrams import hexabot_leg, kinematic_loop
+from drake_leg.diagrams import hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, foot_position
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
 from drake_leg.robots import hexabot_leg as leg_robot
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 from drake_leg.singularity.families import LegFamilies
-from drake_leg.singularity.forecast import SineStep, forecast_step
+from drake_leg.singularity.forecast import forecast_step
 
 ON_THE_LINE, IN_TIME = 1e-7, 1e-6  # [m], [s]
 LENGTHS = st.floats(0.02, 0.3)
@@ -128,9 +130,7 @@ def test_fifty_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
         config = hexabot_leg.HexabotLegConfig(
             robot=leg_robot("A" if leg.sign < 0 else "B", l1=leg.l1, l2=leg.l2, l3=leg.l3),
             q0=tuple(q0),
-            amplitude=step.amplitude,
-            frequency=step.frequency,
-            direction=step.direction,
+            motion=step,
         )
         run = simulate(
             hexabot_leg.build(config),

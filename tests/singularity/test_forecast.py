@@ -11,12 +11,12 @@ from scipy.optimize import brentq
 from drake_leg.kinematics.chain import MovableChain
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, determinant, foot_position
+from drake_leg.kinematics.motions import EllipticStep, SineStep
 from drake_leg.kinematics.movable import TRANSLATION
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.kinematics.paths import elliptic_path
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
 from drake_leg.robots import LEG_A, LEG_B, SCARA
-from drake_leg.singularity.forecast import SineStep, forecast_path, forecast_step
+from drake_leg.singularity.forecast import forecast_path, forecast_step
 from drake_leg.singularity.rank import loses_turning, lost_direction
 
 LEG = LegGeometry.from_robot(LEG_B)
@@ -147,12 +147,8 @@ def test_an_ellipse_is_met_where_a_fine_walk_meets_it():
     start = foot_position(LEG, POSTURE)
 
     def path(amplitude):
-        return lambda times: (
-            start
-            + elliptic_path(
-                times, amplitude=amplitude, frequency=1.0, direction=[1.0, 0.0, 0.0], lift=0.04
-            ).displacement
-        )
+        motion = EllipticStep(amplitude=amplitude, frequency=1.0, lift=0.04)
+        return lambda times: start + motion.displacement(times)
 
     forecast = forecast_path(
         ARM, POSTURE, path, amplitude=0.1, period=2 * math.pi, duration=2 * math.pi

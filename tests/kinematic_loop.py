@@ -1,4 +1,4 @@
-"""The signal half of the leg's diagram alone: joints that are where the integrators put them.
+"""The signal half of the leg's diagram alone, for tests: joints are where the integrators put them.
 
 The blocks, left to right::
 
@@ -16,8 +16,8 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Integrator, MatrixGain, Sine
 
 from drake_leg.diagrams.mechanism import add_scope
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
-from drake_leg.singularity.forecast import SineStep
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 

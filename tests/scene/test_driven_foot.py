@@ -8,7 +8,7 @@ from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.leg import LegGeometry, foot_position, inverse_kinematics
 from drake_leg.robot_file.read import read_robot
 from drake_leg.robots import LEG_A, LEG_B
-from drake_leg.scene.teleop_control import at_rest, control_step, drive_of
+from drake_leg.scene.driven_foot import DrivenFoot
 
 DT = 1.0 / 30.0
 Q = np.radians([90.0, -50.0, -90.0])
@@ -27,18 +27,18 @@ row = [
 
 def driven(drive, q, v, steps):
     """Hold a command for some steps."""
-    taken = [control_step(drive, q, v, DT)]
+    taken = [drive.step(q, v, DT)]
     while len(taken) < steps:
-        taken.append(control_step(drive, taken[-1].q, v, DT))
+        taken.append(drive.step(taken[-1].q, v, DT))
     return taken
 
 
 @pytest.mark.parametrize(("robot", "q"), [(LEG_A, -Q * [-1, 1, 1]), (LEG_B, Q)])
 def test_far_from_singularities_the_foot_goes_where_it_is_told(robot, q, rng):
-    drive, leg = drive_of(robot), LegGeometry.from_robot(robot)
+    drive, leg = DrivenFoot(robot), LegGeometry.from_robot(robot)
     for _ in range(20):
         v = rng.uniform(-0.1, 0.1, 3)
-        step = control_step(drive, q, v, DT)
+        step = drive.step(q, v, DT)
         goal = foot_position(leg, q) + v * DT
         np.testing.assert_allclose(foot_position(leg, step.q), goal, atol=1e-9)
         np.testing.assert_allclose(step.q, inverse_kinematics(leg, goal, q), atol=1e-8)
@@ -47,7 +47,7 @@ def test_far_from_singularities_the_foot_goes_where_it_is_told(robot, q, rng):
 
 
 def test_without_a_command_nothing_moves():
-    step = control_step(drive_of(LEG_B), Q, [0.0, 0.0, 0.0], DT)
+    step = DrivenFoot(LEG_B).step(Q, [0.0, 0.0, 0.0], DT)
     np.testing.assert_array_equal(step.q, Q)
     assert (step.state, step.share, step.sentence) == ("free", None, "")
 
@@ -63,14 +63,14 @@ def test_without_a_command_nothing_moves():
 )
 def test_at_rest_the_guard_says_what_it_would_do(ankle, state, said):
     q = np.radians([90.0, -50.0, ankle])
-    for step in (at_rest(drive_of(LEG_B), q), control_step(drive_of(LEG_B), q, [0, 0, 0], DT)):
+    for step in (DrivenFoot(LEG_B).at_rest(q), DrivenFoot(LEG_B).step(q, [0, 0, 0], DT)):
         assert (step.state, step.share, step.sentence) == (state, None, said)
 
 
 def test_at_the_boundary_a_halted_foot_is_not_called_free():
-    stopped = driven(drive_of(LEG_B), Q, [0.1, 0.0, 0.0], 200)[-1]
+    stopped = driven(DrivenFoot(LEG_B), Q, [0.1, 0.0, 0.0], 200)[-1]
     assert stopped.state == "stopped"
-    halted = control_step(drive_of(LEG_B), stopped.q, [0.0, 0.0, 0.0], DT)
+    halted = DrivenFoot(LEG_B).step(stopped.q, [0.0, 0.0, 0.0], DT)
     assert (halted.state, halted.share) == ("stopped", None)
     assert "nearly stretched" in halted.sentence
 
@@ -85,7 +85,7 @@ def test_at_the_boundary_a_halted_foot_is_not_called_free():
     ],
 )
 def test_the_guard_slows_the_foot_stops_it_and_lets_it_back(v, said):
-    drive = drive_of(LEG_B)
+    drive = DrivenFoot(LEG_B)
     knee = foot_position(LEG, Q) * 0 + [0.0, LEG.l1, 0.0]
     if "folded" in said:
         v = 0.1 * (knee - foot_position(LEG, Q)) / np.linalg.norm(knee - foot_position(LEG, Q))
@@ -107,7 +107,7 @@ def test_the_guard_slows_the_foot_stops_it_and_lets_it_back(v, said):
 
 
 def test_the_share_is_that_of_the_way_that_was_gone():
-    drive = drive_of(LEG_B)
+    drive = DrivenFoot(LEG_B)
     v = np.array([0.1, 0.0, 0.0])
     before = foot_position(LEG, Q)
     for step in driven(drive, Q, v, 120):
@@ -117,44 +117,44 @@ def test_the_share_is_that_of_the_way_that_was_gone():
 
 
 def test_beside_the_boundary_the_foot_goes_freely_where_it_leads_inwards():
-    drive = drive_of(LEG_B)
+    drive = DrivenFoot(LEG_B)
     stopped = driven(drive, Q, [0.1, 0.0, 0.0], 250)[-1]
     radial = np.array([*stopped.foot[:2], 0.0]) / np.linalg.norm(stopped.foot[:2])
     tangent = np.array([-radial[1], radial[0], 0.0])
-    step = control_step(drive, stopped.q, 0.05 * (tangent - 0.3 * radial), DT)
+    step = drive.step(stopped.q, 0.05 * (tangent - 0.3 * radial), DT)
     assert step.share > 0.9
 
 
 def test_no_joint_is_faster_than_its_greatest_rate(rng):
-    drive = drive_of(LEG_B)
+    drive = DrivenFoot(LEG_B)
     q = Q
     for _ in range(200):
-        step = control_step(drive, q, rng.uniform(-3.0, 3.0, 3), DT)
+        step = drive.step(q, rng.uniform(-3.0, 3.0, 3), DT)
         assert np.abs(step.q - q).max() <= drive.rate * DT * 1.1
         assert step.sigma_min >= drive.stop * (1.0 - 1e-9)
         q = step.q
 
 
 def test_a_joint_stays_inside_its_limits_and_comes_back():
-    drive = drive_of(read_robot(DESK, "desk"))
+    drive = DrivenFoot(read_robot(DESK, "desk"))
     steps = driven(drive, np.radians([0.0, 80.0, -90.0]), [0.0, 0.0, -0.1], 400)
     assert steps[-1].sentence.startswith(("the joint joint_2 is at its limit", "the robot is near"))
     assert min(step.q[1] for step in steps) >= math.radians(-30.0)
-    assert control_step(drive, steps[-1].q, [0.0, 0.0, 0.1], DT).share > 0.5
+    assert drive.step(steps[-1].q, [0.0, 0.0, 0.1], DT).share > 0.5
 
 
 def test_a_foot_halted_where_a_joint_is_at_its_limit_is_told_so():
-    drive = drive_of(read_robot(DESK, "desk"))
+    drive = DrivenFoot(read_robot(DESK, "desk"))
     stopped = driven(drive, np.radians([0.0, 0.0, -90.0]), [0.0, 0.0, -0.1], 400)[-1]
     assert stopped.sentence.startswith("the joint joint_2 is at its limit")
-    halted = control_step(drive, stopped.q, [0.0, 0.0, 0.0], DT)
+    halted = drive.step(stopped.q, [0.0, 0.0, 0.0], DT)
     assert (halted.state, halted.sentence) == ("near", "the joint joint_2 is at its limit")
 
 
 @pytest.mark.parametrize("name", [name for name in POSTURES if name not in ("planar_3", "slider")])
 def test_the_foot_of_any_chain_goes_where_it_is_told_as_far_as_it_can(name, drake_frames):
     robot, q = POSTURES[name]
-    drive = drive_of(robot)
+    drive = DrivenFoot(robot)
     v = np.array([0.03, 0.02, -0.01])
     step = driven(drive, q, v, 15)[-1]
     can = drive.moved.twists[3:] @ drive.moved.command(v)
@@ -167,11 +167,11 @@ def test_the_foot_of_any_chain_goes_where_it_is_told_as_far_as_it_can(name, drak
 
 
 def test_a_foot_on_a_circle_takes_the_part_of_a_command_along_it(drake_frames):
-    drive = drive_of(WHEEL)
+    drive = DrivenFoot(WHEEL)
     step = driven(drive, [0.3], [0.0, 0.1, 0.1], 30)[-1]
     assert np.hypot(*step.foot[:2]) == pytest.approx(0.3, abs=1e-12)
     assert step.q[0] > 0.55
-    stopped = control_step(drive, [0.0], [0.1, 0.0, 0.1], DT)
+    stopped = drive.step([0.0], [0.1, 0.0, 0.1], DT)
     assert stopped.state == "stopped"
     assert stopped.sentence == "the foot moves along (0, 1, 0) only; drive it another way"
 
@@ -180,33 +180,33 @@ def test_a_foot_may_turn_if_that_is_wanted():
     robot, q = POSTURES["puma560_classic"]
     wrist = [*q[:4], 0.0, q[5]]
     with pytest.raises(SingularConfigurationError):
-        at_rest(drive_of(robot), wrist)
-    assert at_rest(drive_of(robot, "position"), wrist).state == "free"
+        DrivenFoot(robot).at_rest(wrist)
+    assert DrivenFoot(robot, "position").at_rest(wrist).state == "free"
 
 
 def test_a_singular_start_is_refused():
     with pytest.raises(SingularConfigurationError, match="the Jacobian is singular") as refused:
-        at_rest(drive_of(LEG_B), [0.5, 0.3, 0.0])
+        DrivenFoot(LEG_B).at_rest([0.5, 0.3, 0.0])
     assert refused.value.sigma_min < np.finfo(float).eps  # what is left of 0 varies with LAPACK
 
 
 def test_from_inside_the_guard_one_can_only_go_out():
-    drive = drive_of(LEG_B)
+    drive = DrivenFoot(LEG_B)
     q = np.array([0.5, 0.3, -0.02])
-    assert at_rest(drive, q).sigma_min < drive.stop
+    assert drive.at_rest(q).sigma_min < drive.stop
     outwards = foot_position(LEG, q) - [LEG.l1 * math.cos(0.5), LEG.l1 * math.sin(0.5), 0.0]
     v = 0.05 * outwards / np.linalg.norm(outwards)
-    assert control_step(drive, q, v, DT).state == "stopped"
+    assert drive.step(q, v, DT).state == "stopped"
     assert driven(drive, q, -v, 30)[-1].state == "free"
 
 
 def test_what_cannot_be_driven_is_refused():
     with pytest.raises(InvalidValueError, match="no joint of 'spindle' moves its foot"):
-        drive_of(SPINDLE)
+        DrivenFoot(SPINDLE)
     with pytest.raises(InvalidValueError, match="cannot hold its foot's orientation"):
-        drive_of(LEG_B, "pose")
+        DrivenFoot(LEG_B, "pose")
     with pytest.raises(InvalidValueError):
-        control_step(drive_of(LEG_B), Q, [0.0, math.nan, 0.0], DT)
+        DrivenFoot(LEG_B).step(Q, [0.0, math.nan, 0.0], DT)
 
 
 GANTRY = """
@@ -221,8 +221,8 @@ row = [
 
 
 def test_three_sliding_joints_without_a_length_are_driven_up_to_a_limit():
-    drive = drive_of(read_robot(GANTRY, "gantry.toml"))
-    start = at_rest(drive, [0.05, 0.0, 0.0])
+    drive = DrivenFoot(read_robot(GANTRY, "gantry.toml"))
+    start = drive.at_rest([0.05, 0.0, 0.0])
     assert start.state == "free"
     rise = driven(drive, start.q, [0.0, 0.0, 0.3], 3)[-1]
     assert rise.q[0] == pytest.approx(0.05 + 0.3 * 3 * DT)
@@ -234,13 +234,13 @@ def test_three_sliding_joints_without_a_length_are_driven_up_to_a_limit():
 
 
 def test_however_slowly_a_joint_is_driven_it_stays_within_its_limit():
-    drive, q = drive_of(read_robot(GANTRY, "gantry.toml")), [0.0001, 0.0, 0.0]
+    drive, q = DrivenFoot(read_robot(GANTRY, "gantry.toml")), [0.0001, 0.0, 0.0]
     for _ in range(400):
-        q = control_step(drive, q, [0.0, 0.0, -2e-5], DT).q
+        q = drive.step(q, [0.0, 0.0, -2e-5], DT).q
     assert -1e-6 - 1e-12 <= q[0] <= 0.0
 
 
 def test_a_joint_at_its_limit_within_rounding_is_driven_along_it():
-    drive = drive_of(read_robot(GANTRY, "gantry.toml"))
-    along = control_step(drive, [-1.63e-21, 0.0, 0.0], [0.1, 0.0, -1e-9], DT)
+    drive = DrivenFoot(read_robot(GANTRY, "gantry.toml"))
+    along = drive.step([-1.63e-21, 0.0, 0.0], [0.1, 0.0, -1e-9], DT)
     assert along.share == pytest.approx(1.0)

@@ -1,0 +1,222 @@
+"""A robot whose foot is driven by hand, and what its guard says of each step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+
+from drake_leg.diagrams.driven_foot import BRAKE, COMMAND, JOINTS, WholeFoot, build
+from drake_leg.errors import SingularConfigurationError
+from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.kinematics.of_robot import movable
+from drake_leg.quantities import beyond
+from drake_leg.robot import Robot
+from drake_leg.singularity.directions import motion_in_words
+from drake_leg.singularity.driving import GREATEST_RATE, SLOW, STOP, room
+from drake_leg.singularity.families import singular_words
+from drake_leg.singularity.look_ahead import LookAhead
+
+State = Literal["free", "near", "slowed", "stopped"]
+
+LARGEST_TURN = 0.015  # [rad or m] of a joint in one step of the simulation
+APPROACH = 0.5  # part of the determinant that such a step may change: no singularity is jumped
+SHORTEST = 1e-9  # [s] of such a step
+AT_LIMIT = {"revolute": 0.02, "prismatic": 0.004}  # [rad], [m]: nearer a joint is at its limit
+FREE = 0.995  # share of the commanded way above which nothing is said
+LEAST = 1e-9  # [m/s], of a command that the joints can follow
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """What one step came to."""
+
+    q: Array  # (n,) [rad or m]
+    foot: Array  # (3,) p_BF [m]
+    sigma_min: float  # [m]
+    share: float | None  # of the commanded way that was gone: 0 ... 1; None at rest
+    state: State  # near: at rest where the guard would slow the foot
+    sentence: str  # for a person; empty where nothing is in the way
+
+
+class DrivenFoot:
+    """A robot ready to be driven: ``diagrams.driven_foot``, stepped by a Simulator.
+
+    Whatever lowers the smallest singular value of the foot's Jacobian is slowed below ``slow`` and
+    stopped at ``stop``; no joint goes too fast or further out of its limits. Of a command acts what
+    the foot can do.
+
+    Parameters
+    ----------
+    robot : Robot
+        Any whose foot its joints move.
+    keep : {"position", "pose"}, optional
+        Whether the foot may turn, as ``movable`` takes it.
+
+    Raises
+    ------
+    InvalidValueError
+        If the robot cannot do that.
+    """
+
+    rate = GREATEST_RATE  # [rad/s or m/s] of a joint
+
+    def __init__(self, robot: Robot, keep: str | None = None) -> None:
+        self.robot, self.moved = robot, movable(robot, keep=keep)
+        self.stop, self.slow = STOP * self.moved.length, SLOW * self.moved.length  # sigma_min [m]
+        self._whole = WholeFoot(self.moved)
+        diagram = build(self.moved)
+        self._simulator = Simulator(diagram)
+        ResetIntegratorFromFlags(self._simulator, "runge_kutta3", 1.0)
+        self._simulator.get_mutable_integrator().set_fixed_step_mode(True)
+        root = self._simulator.get_mutable_context()
+        command, brake, joints = map(diagram.GetSubsystemByName, (COMMAND, BRAKE, JOINTS))
+        self._command = command.get_mutable_source_value(command.GetMyMutableContextFromRoot(root))
+        self._brake, self._brake_context = brake, brake.GetMyContextFromRoot(root)
+        self._joints, self._joints_context = joints, joints.GetMyMutableContextFromRoot(root)
+        self._root = root
+
+    @property
+    def leg(self) -> LegGeometry | None:
+        """Lengths of a hexabot leg; None of another robot."""
+        geometry = self.moved.geometry
+        return geometry if isinstance(geometry, LegGeometry) else None
+
+    def sigma_min(self, q: Array) -> float:
+        """Smallest singular value of the foot's Jacobian [m]."""
+        posture = q.tolist()
+        return self.moved.at(posture).sigma_min(posture)
+
+    def at_rest(self, q: ArrayLike) -> Step:
+        """Describe a posture (n,) [rad or m] that nobody moves.
+
+        Raises
+        ------
+        InvalidValueError
+            If ``q`` has not n finite numbers.
+        SingularConfigurationError
+            If the posture is singular: no velocity has joint rates there.
+        """
+        posture = one_vector("q", q, len(self.robot.moving))
+        sigma_min = self.sigma_min(posture)
+        if sigma_min < 1e-3 * self.stop:
+            raise SingularConfigurationError(q=posture.tolist(), sigma_min=sigma_min)
+        return self._rest(posture)
+
+    def step(self, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
+        """Move the foot for a moment with a commanded velocity, as far as the guard lets it.
+
+        Parameters
+        ----------
+        q : (n,) array_like
+            Joint positions at the beginning [rad or m].
+        v : (3,) array_like
+            Commanded velocity of the foot, base frame [m/s].
+        dt : float
+            Duration [s].
+
+        Raises
+        ------
+        InvalidValueError
+            If ``q`` or ``v`` has another count of numbers, or one is not finite.
+        """
+        posture, velocity = one_vector("q", q, len(self.robot.moving)), one_vector("v", v, 3)
+        if not velocity.any() or dt <= 0.0:
+            return self._rest(posture)
+        here = self.moved.at(posture.tolist())
+        if float(np.linalg.norm(here.command(velocity))) < LEAST:
+            sentence = f"the foot {motion_in_words(here)}; drive it another way"
+            return self._described(posture, 0.0, "stopped", sentence)
+        self._command.set_value(velocity)
+        left, gone, obstacle = dt, 0.0, ""
+        while left > 1e-12 * dt:
+            try:
+                span = min(left, self._span(posture, velocity))
+                moved, share, reason = self._advance(posture, span)
+            except SingularConfigurationError:
+                obstacle = singular_words(self.moved.geometry, posture)
+                break
+            posture, gone, left = moved, gone + share * span, left - span
+            obstacle = reason or obstacle
+            if share == 0.0:
+                break
+        return self._after(posture, gone / dt, obstacle)
+
+    def _span(self, q: Array, v: Array) -> float:
+        """Choose how long the next step of the simulation is [s]."""
+        rates = self._whole.rates(q.tolist(), v.tolist())
+        peak = max(map(abs, rates))
+        if peak == 0.0:
+            return np.inf
+        slowed = [min(1.0, self.rate / peak) * rate for rate in rates]
+        ahead = LookAhead(self._whole.determinant, q.tolist(), slowed, None)
+        return ahead.shortened(LARGEST_TURN / max(map(abs, slowed)), APPROACH, SHORTEST)
+
+    def _advance(self, q: Array, span: float) -> tuple[Array, float, str]:
+        """Simulate a short time: posture, share of the command that acted, what was in the way."""
+        self._joints.set_integral_value(self._joints_context, q)
+        self._simulator.AdvanceTo(self._root.get_time() + span)
+        moved = self._joints_context.get_continuous_state_vector().CopyToVector()
+        stopped = _joint_beyond(self.robot, q, moved)
+        if stopped:
+            return q, 0.0, f"the joint {stopped} is at its limit"
+        held = self._brake.held(self._brake_context)
+        return moved, held.share, held.obstacle
+
+    def _after(self, q: Array, share: float, obstacle: str) -> Step:
+        state: State = "free" if share > FREE else "slowed" if share > 1.0 - FREE else "stopped"
+        sentence = ""
+        if state == "slowed":
+            sentence = f"{obstacle}: the foot is slowed"
+        elif state == "stopped":
+            sentence = f"{obstacle}: the foot is stopped; drive it another way"
+        return self._described(q, share, state, sentence)
+
+    def _rest(self, q: Array) -> Step:
+        """Describe a posture at rest by what the guard would do on the way to what is near."""
+        left = room(self.moved, self.sigma_min(q))
+        near = singular_words(self.moved.geometry, q)
+        if left <= 1.0 - FREE:
+            stop = f"{near}: the foot can only be driven away from it"
+            return self._described(q, None, "stopped", stop)
+        if left < 1.0:
+            slow = f"{near}: nearer to it the foot will be slowed"
+            return self._described(q, None, "near", slow)
+        joint = _joint_at_limit(self.robot, q)
+        if joint:
+            return self._described(q, None, "near", f"the joint {joint} is at its limit")
+        return self._described(q, None, "free", "")
+
+    def _described(self, q: Array, share: float | None, state: State, sentence: str) -> Step:
+        return Step(
+            q=q,
+            foot=self.moved.foot(q.tolist()),
+            sigma_min=self.sigma_min(q),
+            share=share,
+            state=state,
+            sentence=sentence,
+        )
+
+
+def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
+    """Name a joint that goes further out of its limits."""
+    for segment, now, then in zip(robot.moving, q, moved, strict=True):
+        outside = beyond(then, *segment.mechanics.bounds)
+        if outside * (then - now) > 0.0:
+            return segment.joint
+    return None
+
+
+def _joint_at_limit(robot: Robot, q: Array) -> str | None:
+    """Name a joint that is as near to a limit as one that was stopped there."""
+    for segment, now in zip(robot.moving, q, strict=True):
+        mechanics = segment.mechanics
+        near = AT_LIMIT[segment.row.joint]
+        below = mechanics.lower is not None and now < mechanics.lower + near
+        if below or (mechanics.upper is not None and now > mechanics.upper - near):
+            return segment.joint
+    return None
