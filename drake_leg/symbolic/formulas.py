@@ -2,7 +2,7 @@
 
 ``l2*c2 - 0`` stays a difference of a product and a zero. A difference is a sum with ``-1*x``, a
 quotient a product with ``x**-1``, and ``deg`` and ``rad`` are symbols with a fixed value. A *path*
-says where a part stands: the indices of SymPy's arguments from the outside in.
+says where a part is: the indices of SymPy's arguments from the outside in.
 """
 
 from __future__ import annotations
@@ -243,7 +243,7 @@ def _written(part: sp.Expr) -> tuple[str, int]:
 
 
 def _bound(part: sp.Expr, least: int) -> str:
-    """Write a part in brackets if it holds together less strongly than what stands around it."""
+    """Write a part in brackets if it holds together less strongly than what is around it."""
     text, strength = _written(part)
     return text if strength >= least else f"({text})"
 

@@ -393,7 +393,7 @@ def _reordered(subject: Subject) -> Iterator[Mistake]:
     for what, count, axis in (("columns", columns, -1), ("rows", rows, -2)):
         for order in _orders(count):
             moved = [place + 1 for place, index in enumerate(order) if place != index]
-            fault = f"its {what} stand in the order {', '.join(str(i + 1) for i in order)}"
+            fault = f"its {what} are in the order {', '.join(str(i + 1) for i in order)}"
             if len(moved) == 2:
                 fault = f"its {what} {moved[0]} and {moved[1]} have changed places"
             printed = partial(_in_order, subject, order, axis)

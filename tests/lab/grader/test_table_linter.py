@@ -92,7 +92,7 @@ def test_the_reports_robots_have_no_fault(robot):
         ),
         ("0|90°|L1|90°|θ1", "d is '90°', an angle; a length belongs there"),
         ("0|θ1|0|0|θ1", "d is 'θ1', a joint's variable; a length belongs there"),
-        ("0|L1|90°|0|0", "sigma is 0 and no variable stands in the row"),
+        ("0|L1|90°|0|0", "sigma is 0 and the row has no variable"),
         ("0|0|0|q1|0", "sigma is 0 and r has the variable q1; sigma = 0 moves by theta"),
         ("1|0|0|0|θ1", "sigma is 1 and theta has the variable θ1; sigma = 1 moves by r"),
         ("~|0|0|0|θ1", "sigma is ~ and theta has the variable θ1; a fixed row has no variable"),
