@@ -1,5 +1,7 @@
 """The linter: every slip with its row and its remedy."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -53,6 +55,18 @@ def test_report_bs_leg_table_is_read_as_it_stands_and_every_shifted_row_is_named
 def test_report_bs_scara_table_has_no_error():
     assert not errors(lint_table(read_printed(PRINTED / "report_b_scara_table.txt").table))
     assert not lint_table(read_printed(PRINTED / "report_b_scara.toml").table)
+
+
+def test_a_table_of_numbers_is_read_without_sympy():
+    code = (
+        "import sys\n"
+        "from drake_leg.lab.grader.table_linter import lint_table\n"
+        "from drake_leg.lab.grader.tables import table_of_document\n"
+        "row = {'sigma': 0, 'd': 0.1, 'alpha': -90.0, 'r': 1e-3, 'theta': 0}\n"
+        "assert not lint_table(table_of_document({'angles': 'deg', 'row': [row]}))\n"
+        "assert 'sympy' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_report_as_table_has_no_fault():

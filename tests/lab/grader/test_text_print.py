@@ -132,6 +132,7 @@ def test_rows_are_said_of_all_matrices_of_a_name():
     [
         ("T12 = [c2 -s2 0 L9; 0 0 1 0; -s2 -c2 0 0]", "formula in a line of its own, as a = 50"),
         (TABLE.replace("50", "L9"), "say its value in a line of its own, as L1 = 50"),
+        ("J = [1 0; 0 1]", "name every row in a line as rows,J,x y z, each one of wx"),
     ],
 )
 def test_advice_is_what_a_text_says(graded, text, said):
