@@ -140,7 +140,7 @@ def _grade_table(
 ) -> Iterator[Finding]:
     """Read a printed table as the linter does, then compare its cells with the robot's.
 
-    Rows that stand beside their headings are compared as they were meant.
+    Rows that are beside their headings are compared as they were meant.
     """
     if printed.table is None:
         return

@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
@@ -35,6 +36,7 @@ NEAR = 1e-4  # of a function's greatest value: counts as zero
 RARE = 0.03  # share of singular postures that may lie between two sets
 
 Function = Callable[[Mapping[str, Array]], Array]  # of N postures' variables, (N,)
+Mask = NDArray[np.bool_]  # of N postures
 
 
 def grade_singular_sets(
@@ -124,9 +126,9 @@ class _Arm:
         sizes = np.abs(function(self.named(self.starts)))
         return float(np.max(sizes[np.isfinite(sizes)], initial=1e-12))
 
-    def is_zero(self, function: Function, points: Array) -> Array:
+    def is_zero(self, function: Function, points: Array) -> Mask:
         """Whether a function is zero at postures, for all that matters."""
-        near: Array = np.abs(function(self.named(points))) <= NEAR * self.size(function)
+        near: Mask = np.abs(function(self.named(points))) <= NEAR * self.size(function)
         return near
 
     def points(self, alternative: Alternative) -> Array:
@@ -138,7 +140,7 @@ class _Arm:
         ]
         return np.concatenate(found)
 
-    def holds(self, alternative: Alternative, points: Array) -> Array:
+    def holds(self, alternative: Alternative, points: Array) -> Mask:
         """Whether an alternative holds at postures, (N,)."""
         holding = np.ones(len(points), dtype=bool)
         for condition in alternative.conditions:
