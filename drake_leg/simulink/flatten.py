@@ -118,7 +118,7 @@ class _Signals:
         return f"{outport.sid}#in:1" if outport else ""
 
     def _goto(self, block: Block) -> Block:
-        """Return the Goto of a From: that of the same system, or the only one that is visible here."""
+        """Return the Goto of a From: that of its system, or the only one that is visible there."""
         tag = str(block.parameters.get("GotoTag"))
         alike = self._gotos.get(tag, [])
         near = [goto for goto in alike if goto.system == block.system]
