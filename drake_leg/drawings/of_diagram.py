@@ -18,11 +18,9 @@ from pydrake.systems.primitives import (
     VectorLogSink,
 )
 
-from drake_leg.colours import Background
-from drake_leg.diagrams.wiring import Wire, wires
+from drake_leg.diagrams.wiring import LiveWire, wires
 from drake_leg.drawings.captions import SIGNAL_WIDTH, values_text
-from drake_leg.drawings.drawing import Drawing, draw
-from drake_leg.drawings.picture import Block, Net, Picture
+from drake_leg.drawings.picture import DrawnBlock, Net, Picture
 from drake_leg.drawings.signals import pretty, signal_names
 from drake_leg.drawings.text import spaced, wrapped
 
@@ -52,34 +50,6 @@ _INSIDE = {
 _PHYSICAL = ("MultibodyPlant", "PrescribedMotion", "FrameSensor", "EnergySensor")
 
 
-def block_diagram(
-    diagram: Diagram,
-    *,
-    title: str,
-    scopes: bool = True,
-    accelerations: bool = True,
-    background: Background = "auto",
-) -> Drawing:
-    """Draw a diagram's own blocks and wires, from left to right.
-
-    Parameters
-    ----------
-    scopes : bool
-        Whether the logs are drawn.
-    accelerations : bool
-        Whether the wires to inputs ``a`` and ``qddot`` are drawn, and what only they need.
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    Drawing
-        With every wire of ``diagram.connection_map()`` that was not left out.
-    """
-    picture = diagram_picture(diagram, title=title, scopes=scopes, accelerations=accelerations)
-    return draw(picture, background=background)
-
-
 def diagram_picture(
     diagram: Diagram, *, title: str, scopes: bool = True, accelerations: bool = True
 ) -> Picture:
@@ -103,7 +73,7 @@ def diagram_picture(
     return Picture(title=title, blocks=blocks, nets=_nets(systems, blocks, ports, shown))
 
 
-def _without_accelerations(shown: Sequence[Wire]) -> list[Wire]:
+def _without_accelerations(shown: Sequence[LiveWire]) -> list[LiveWire]:
     """Leave out wires to accelerations, then those of blocks that feed nothing any more."""
     feeding = {wire.source for wire in shown}
     kept = [wire for wire in shown if wire.input not in ACCELERATIONS]
@@ -115,7 +85,7 @@ def _without_accelerations(shown: Sequence[Wire]) -> list[Wire]:
         kept = fewer
 
 
-def _ports(system: System, name: str, shown: Sequence[Wire]) -> tuple[list[str], list[str]]:
+def _ports(system: System, name: str, shown: Sequence[LiveWire]) -> tuple[list[str], list[str]]:
     """Names of the inputs and outputs that have a wire, in the system's order."""
     used_inputs = {wire.input for wire in shown if wire.target == name}
     used_outputs = {wire.output for wire in shown if wire.source == name}
@@ -124,14 +94,14 @@ def _ports(system: System, name: str, shown: Sequence[Wire]) -> tuple[list[str],
     return [p for p in inputs if p in used_inputs], [p for p in outputs if p in used_outputs]
 
 
-def _block(system: System, inputs: list[str], outputs: list[str]) -> Block:
+def _block(system: System, inputs: list[str], outputs: list[str]) -> DrawnBlock:
     name = system.get_name()
     glyph = next((g for kind, g in _GLYPHS.items() if isinstance(system, kind)), "box")
     converter = name.startswith((TO_PHYSICAL, TO_SIGNAL))
     kind = type(system).__name__.partition("_")[0]
     boxed = glyph in ("box", "plant") and not converter
     sign = "+" if isinstance(system, Adder) else ""
-    return Block(
+    return DrawnBlock(
         name=name,
         caption=wrapped(name, SIGNAL_WIDTH) + _start(system, glyph),
         glyph=glyph,
@@ -180,12 +150,12 @@ def _response(system: Gain) -> Sequence[float]:
 
 def _nets(
     systems: dict[str, System],
-    blocks: Sequence[Block],
+    blocks: Sequence[DrawnBlock],
     ports: dict[str, tuple[list[str], list[str]]],
-    shown: Sequence[Wire],
+    shown: Sequence[LiveWire],
 ) -> tuple[Net, ...]:
     index = {name: place for place, name in enumerate(systems)}
-    targets: dict[tuple[str, str], list[Wire]] = {}
+    targets: dict[tuple[str, str], list[LiveWire]] = {}
     for wire in shown:
         targets.setdefault((wire.source, wire.output), []).append(wire)
     labels = signal_names(systems, shown)
@@ -208,7 +178,9 @@ def _nets(
     )
 
 
-def _is_physical(blocks: Sequence[Block], index: dict[str, int], net: Sequence[Wire]) -> bool:
+def _is_physical(
+    blocks: Sequence[DrawnBlock], index: dict[str, int], net: Sequence[LiveWire]
+) -> bool:
     """Tell whether all ends of a net are mechanical; scopes beside them do not matter."""
     ends = [blocks[index[w.target]] for w in net]
     inner = [block for block in ends if block.glyph != "scope"]

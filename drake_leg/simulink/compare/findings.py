@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from drake_leg.diagrams.wiring import Wire
+from drake_leg.diagrams.wiring import LiveWire
 from drake_leg.simulink.compare.signals import close
 from drake_leg.simulink.model import Block
 
@@ -47,7 +47,7 @@ class Verdict:
     item: Item
     block: str = ""  # SID of the block that it settles; the first verdict on a block counts
     live: tuple[str, ...] = ()  # blocks of the diagram that stand for this block
-    wires: tuple[Wire, ...] = ()  # connections of the diagram that stand for this wire
+    wires: tuple[LiveWire, ...] = ()  # connections of the diagram that stand for this wire
     wrong: str = ""  # the model's input that takes another signal than its counterpart
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.primitives import ConstantVectorSource, VectorLogSink
 
-from drake_leg.diagrams.wiring import Wire as LiveWire
+from drake_leg.diagrams.wiring import LiveWire
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.compare.diagram_signals import DiagramSignals
 from drake_leg.simulink.compare.findings import (
