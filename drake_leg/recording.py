@@ -51,17 +51,7 @@ class Recording:
             raise InvalidValueError(f"the columns differ in length: {lengths}")
 
     def __getitem__(self, name: str) -> Array:
-        """Return the column of a name, given with or without its unit.
-
-        Parameters
-        ----------
-        name : str
-            ``vx`` or ``vx[m/s]``.
-
-        Returns
-        -------
-        (rows,) ndarray
-            In the unit of its header.
+        """Return the column (rows,) of a name, ``vx`` or ``vx[m/s]``, in the unit of its header.
 
         Raises
         ------
@@ -71,17 +61,7 @@ class Recording:
         return self.columns[self._header(name)]
 
     def unit(self, name: str) -> str:
-        """Return the unit of a column, as its header says it.
-
-        Parameters
-        ----------
-        name : str
-            ``vx`` or ``vx[m/s]``.
-
-        Returns
-        -------
-        str
-            Empty where the header names none.
+        """Return the unit of a column, as its header says it; empty where it says none.
 
         Raises
         ------
@@ -102,11 +82,7 @@ class Recording:
         )
 
     def stack(self, *names: str) -> Array:
-        """Return several columns side by side.
-
-        Returns
-        -------
-        (rows, len(names)) ndarray
+        """Return several columns side by side, (rows, len(names)).
 
         Raises
         ------
@@ -126,7 +102,7 @@ class Recording:
         return html_table(headings, rows, title=f"Recording, {count} rows")
 
     def write_csv(self, path: Path) -> None:
-        """Write the columns with 17 significant digits, so that reading gives them back exactly.
+        """Write the columns with 17 significant digits, so that they are read back exactly.
 
         Raises
         ------
@@ -144,17 +120,7 @@ class Recording:
 
 
 def read_csv(path: Path) -> Recording:
-    """Read a recording back.
-
-    Parameters
-    ----------
-    path : Path
-        A file that ``Recording.write_csv`` wrote.
-
-    Returns
-    -------
-    Recording
-        The same numbers, bit by bit.
+    """Read back, bit by bit, what ``Recording.write_csv`` wrote.
 
     Raises
     ------
@@ -213,32 +179,21 @@ def _numbers(where: str, header: Sequence[str], row: Sequence[str]) -> list[floa
             numbers.append(float(text))
         except ValueError:
             raise OutputError(
-                f"{where}, has {text!r} in the column {name}, which is no number: mend the file, "
-                "or carry out the run again"
+                f"{where}, has {text!r} in the column {name}, which is no number: correct "
+                "the file, or carry out the run again"
             ) from None
     return numbers
 
 
 def numbered(name: str, units: Sequence[str], values: Array) -> dict[str, Array]:
-    """Make columns such as ``q1[rad]``, ``q2[rad]`` ... of an array.
-
-    Parameters
-    ----------
-    values : (rows, n) ndarray
-        One column each.
-    """
+    """Make columns such as ``q1[rad]``, ``q2[rad]`` ... of an array (rows, n)."""
     return {f"{name}{i + 1}[{unit}]": values[:, i] for i, unit in enumerate(units)}
 
 
 def lettered(prefix: str, letters: str, unit: str, values: Array) -> dict[str, Array]:
-    """Make columns such as ``vx[m/s]``, ``vy[m/s]`` ... of an array.
+    """Make columns such as ``vx[m/s]``, ``vy[m/s]`` ... of an array (rows, len(letters)).
 
-    Parameters
-    ----------
-    prefix, letters, unit : str
-        ``v``, ``xyz``, ``m/s``; an empty unit gives no brackets.
-    values : (rows, len(letters)) ndarray
-        One column each.
+    With an empty unit there are no brackets.
     """
     suffix = f"[{unit}]" if unit else ""
     return {f"{prefix}{letter}{suffix}": values[:, i] for i, letter in enumerate(letters)}
@@ -247,15 +202,7 @@ def lettered(prefix: str, letters: str, unit: str, values: Array) -> dict[str, A
 def without_sign_jumps(quaternions: ArrayLike) -> Array:
     """Choose of q and -q, the same rotation, the one nearest to the row before.
 
-    Parameters
-    ----------
-    quaternions : (rows, 4) array_like
-        w, x, y, z.
-
-    Returns
-    -------
-    (rows, 4) ndarray
-        The first row keeps its sign.
+    Quaternions (rows, 4) are w, x, y, z; the first row keeps its sign.
     """
     rows = np.asarray(quaternions, dtype=np.float64)
     flips = np.where((rows[1:] * rows[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)

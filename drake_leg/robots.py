@@ -13,19 +13,9 @@ from typing import Literal
 
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.quantities import require_positive
-from drake_leg.robot import (
-    LINK_COLOURS,
-    Brick,
-    Cylinder,
-    JointMechanics,
-    Link,
-    Robot,
-    Row,
-    Segment,
-    Solid,
-    Sphere,
-)
+from drake_leg.robot import LINK_COLOURS, Brick, Cylinder, Link, Robot, Row, Segment, Solid, Sphere
 
 LegVariant = Literal["A", "B"]
 
@@ -37,6 +27,12 @@ GREY = (0.35, 0.35, 0.35)
 
 HEXABOT_LENGTHS = (0.050, 0.100, 0.100)  # [m], report B, section 2.2
 SCARA_LENGTHS = (0.220, 0.240)  # [m], report B, table 1.2
+
+# Where the reports' motions start, hip to ankle or shoulder to wrist [deg]; the feet of both legs
+# are in the same place.
+LEG_A_POSTURE = (90.0, 50.0, 90.0)
+LEG_B_POSTURE = (90.0, -50.0, -90.0)
+SCARA_POSTURE = (30.0, 90.0, -120.0)
 SCARA_HEIGHT = 0.4524  # [m], report B, table 1.2
 SCARA_LOWEST = 0.340  # [m], height of the tool at R = 0, report B, table 1.2
 PENDULUM_SIZE = (0.40, 0.01, 0.01)  # [m], the assignment that report A answers

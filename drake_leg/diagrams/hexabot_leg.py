@@ -47,12 +47,12 @@ from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.quantities import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
 from drake_leg.robot import Robot
-from drake_leg.robots import LEG_B
+from drake_leg.robots import LEG_B, LEG_B_POSTURE
 from drake_leg.singularity.directions import require_direction
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 FEEDBACKS = ("sensed", "integrated")
-POSTURE = (math.radians(90.0), math.radians(-50.0), math.radians(-90.0))  # report B, hip to ankle
+POSTURE = tuple(map(math.radians, LEG_B_POSTURE))
 STEP = SineStep()
 
 

@@ -35,9 +35,10 @@ from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, lift_position, tool_position
 from drake_leg.quantities import STANDARD_GRAVITY, require_angle
 from drake_leg.robot import Robot
-from drake_leg.robots import SCARA
+from drake_leg.robots import SCARA, SCARA_POSTURE
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
+POSTURE = tuple(map(math.radians, SCARA_POSTURE))
 LINE = SineStep(amplitude=0.050)
 
 
@@ -75,7 +76,7 @@ class ScaraConfig:
     """
 
     robot: Robot = SCARA
-    q0: tuple[float, float, float] = (math.pi / 6, math.pi / 2, -2 * math.pi / 3)  # [rad]
+    q0: tuple[float, ...] = POSTURE  # [rad], where the command believes the three angles
     R: float = 0.050  # [m], height of the tool above its lowest position
     motion: SineStep = LINE  # of the tool
     gravity: float = STANDARD_GRAVITY  # [m/s^2]

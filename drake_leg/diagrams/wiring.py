@@ -12,7 +12,7 @@ from drake_leg.errors import InvalidValueError
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wire:
+class LiveWire:
     """A connection between two blocks of a diagram."""
 
     source: str  # block
@@ -53,7 +53,7 @@ def plant_of(diagram: Diagram) -> MultibodyPlant:
     return plants[0]
 
 
-def wires(diagram: Diagram) -> list[Wire]:
+def wires(diagram: Diagram) -> list[LiveWire]:
     """List the connections between a diagram's blocks, by the target blocks and their ports."""
     order = {system.get_name(): index for index, system in enumerate(diagram.GetSystems())}
     connections = sorted(
@@ -61,7 +61,7 @@ def wires(diagram: Diagram) -> list[Wire]:
         key=lambda pair: (order[pair[0][0].get_name()], int(pair[0][1])),
     )
     return [
-        Wire(
+        LiveWire(
             source=source.get_name(),
             output=source.get_output_port(output).get_name(),
             target=target.get_name(),

@@ -18,7 +18,7 @@ from pydrake.systems.primitives import (
     VectorLogSink,
 )
 
-from drake_leg.diagrams.wiring import Wire, wires
+from drake_leg.diagrams.wiring import LiveWire, wires
 from drake_leg.drawings.captions import SIGNAL_WIDTH, values_text
 from drake_leg.drawings.picture import DrawnBlock, Net, Picture
 from drake_leg.drawings.signals import pretty, signal_names
@@ -73,7 +73,7 @@ def diagram_picture(
     return Picture(title=title, blocks=blocks, nets=_nets(systems, blocks, ports, shown))
 
 
-def _without_accelerations(shown: Sequence[Wire]) -> list[Wire]:
+def _without_accelerations(shown: Sequence[LiveWire]) -> list[LiveWire]:
     """Leave out wires to accelerations, then those of blocks that feed nothing any more."""
     feeding = {wire.source for wire in shown}
     kept = [wire for wire in shown if wire.input not in ACCELERATIONS]
@@ -85,7 +85,7 @@ def _without_accelerations(shown: Sequence[Wire]) -> list[Wire]:
         kept = fewer
 
 
-def _ports(system: System, name: str, shown: Sequence[Wire]) -> tuple[list[str], list[str]]:
+def _ports(system: System, name: str, shown: Sequence[LiveWire]) -> tuple[list[str], list[str]]:
     """Names of the inputs and outputs that have a wire, in the system's order."""
     used_inputs = {wire.input for wire in shown if wire.target == name}
     used_outputs = {wire.output for wire in shown if wire.source == name}
@@ -152,10 +152,10 @@ def _nets(
     systems: dict[str, System],
     blocks: Sequence[DrawnBlock],
     ports: dict[str, tuple[list[str], list[str]]],
-    shown: Sequence[Wire],
+    shown: Sequence[LiveWire],
 ) -> tuple[Net, ...]:
     index = {name: place for place, name in enumerate(systems)}
-    targets: dict[tuple[str, str], list[Wire]] = {}
+    targets: dict[tuple[str, str], list[LiveWire]] = {}
     for wire in shown:
         targets.setdefault((wire.source, wire.output), []).append(wire)
     labels = signal_names(systems, shown)
@@ -178,7 +178,9 @@ def _nets(
     )
 
 
-def _is_physical(blocks: Sequence[DrawnBlock], index: dict[str, int], net: Sequence[Wire]) -> bool:
+def _is_physical(
+    blocks: Sequence[DrawnBlock], index: dict[str, int], net: Sequence[LiveWire]
+) -> bool:
     """Tell whether all ends of a net are mechanical; scopes beside them do not matter."""
     ends = [blocks[index[w.target]] for w in net]
     inner = [block for block in ends if block.glyph != "scope"]

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pydrake.systems.framework import System
 from pydrake.systems.primitives import Demultiplexer, Multiplexer
 
-from drake_leg.diagrams.wiring import Wire
+from drake_leg.diagrams.wiring import LiveWire
 
 End = tuple[str, str]  # block, and its output
 
@@ -30,7 +30,7 @@ def pretty(name: str) -> str:
     return _PRETTY.get(name, name.replace("_", " "))
 
 
-def signal_names(systems: Mapping[str, System], shown: Sequence[Wire]) -> dict[End, str]:
+def signal_names(systems: Mapping[str, System], shown: Sequence[LiveWire]) -> dict[End, str]:
     """Name the signals that leave nameless ports: output to name.
 
     A signal is called after the input that it feeds; one that a Mux joins, or a Demux takes apart,

@@ -1,4 +1,4 @@
-"""When an error is so large that a run's figures show another motion."""
+"""Whether an error is so large that a run's figures show another motion."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from drake_leg.integrator import IntegratorSettings
 
 BEST = IntegratorSettings().scheme
 SHOWN = 0.01  # of a motion's range: about the width of a curve in a figure as high as a thumb
-NOTHING = 1e-6  # [rad or m], an error that counts nowhere
+NOTHING = 1e-6  # [rad or m], an error that never matters
 
 
 def shows(error: float, span: float) -> bool:
@@ -28,7 +28,7 @@ def finer(settings: IntegratorSettings) -> str:
 
 
 def inaccuracy(error: float, span: float, what: str, unit: str, remedy: str) -> str | None:
-    """Say that a run is not the motion that was asked for; None where nobody sees the error."""
+    """Say that a run is not the motion that was asked for; None if the error cannot be seen."""
     if not shows(error, span):
         return None
     return (

@@ -5,7 +5,6 @@ Drake is imported only when a run is carried out, so that help is quick.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -24,14 +23,11 @@ from drake_leg.runs.options import (
 )
 
 if TYPE_CHECKING:
-    from pydrake.systems.framework import Context, Diagram
+    from pydrake.systems.framework import Diagram
 
     from drake_leg.robot import Robot
     from drake_leg.runs.outcome import Outcome
-
-Progress = Callable[[float], None]
-Start = Callable[["Diagram", "Context"], None]
-
+    from drake_leg.simulation.run import Progress, Start
 
 STEP = "the step"
 

@@ -1,4 +1,7 @@
-"""What a run simulates: its robot and its diagram's config, read off its options."""
+"""What a run simulates: its robot and its diagram's config, read from its options.
+
+An option that makes no sense raises InvalidValueError.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,11 @@ from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.pendulum import PendulumConfig
 from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics, StateTarget
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.kinematics.push import Push
 from drake_leg.models.state_targets import initial_state, starting_posture
-from drake_leg.robot import JointMechanics, Robot, Segment, StateTarget
+from drake_leg.robot import Robot, Segment
 from drake_leg.robots import hexabot_leg, pendulum, scara
 from drake_leg.runs.options import (
     EllipseOptions,
@@ -35,13 +39,7 @@ PUSH_AT, PUSH_FOR = 2.0, 0.1  # [s]
 
 
 def leg_of(options: LegOptions) -> Robot:
-    """Return the leg that the options describe.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    """
+    """Return the leg that the options describe."""
     return hexabot_leg(
         options.variant,
         l1=options.l1,
@@ -53,13 +51,7 @@ def leg_of(options: LegOptions) -> Robot:
 
 
 def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
-    """Say how the diagram of the straight step of any robot is built.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense, or the foot cannot go that way.
-    """
+    """Say how the diagram of the straight step of any robot is built."""
     _require_mass(robot)
     q0 = _posture(robot, options)
     direction = None
@@ -80,13 +72,7 @@ def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
 
 
 def ellipse_config(options: EllipseOptions) -> EllipseConfig:
-    """Say how the diagram of the elliptic step is built.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    """
+    """Say how the diagram of the elliptic step is built."""
     robot = leg_of(options)
     return EllipseConfig(
         robot=robot,
@@ -100,13 +86,7 @@ def ellipse_config(options: EllipseOptions) -> EllipseConfig:
 
 
 def scara_config(options: ScaraOptions) -> ScaraConfig:
-    """Say how the diagram of the SCARA's move is built.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    """
+    """Say how the diagram of the SCARA's move is built."""
     robot = scara(
         l1=options.l1, l2=options.l2, density=options.density, damping=options.si_damping()
     )
@@ -122,13 +102,7 @@ def scara_config(options: ScaraOptions) -> ScaraConfig:
 
 
 def pendulum_config(options: PendulumOptions) -> PendulumConfig:
-    """Say how the pendulum's diagram is built.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    """
+    """Say how the pendulum's diagram is built."""
     if len(options.size) != 3:
         raise InvalidValueError(
             f"the size is {options.size}; it must be length, width and height in m, "
@@ -142,13 +116,7 @@ def pendulum_config(options: PendulumOptions) -> PendulumConfig:
 
 
 def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
-    """Say how joints follow their command: inverse, correction, error of the start.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    """
+    """Say how joints follow their command: inverse, correction, error of the start."""
     rate = options.rate_limit
     if rate is not None and all(joint.row.joint == "prismatic" for joint in joints):
         raise InvalidValueError(
@@ -171,13 +139,7 @@ def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
 
 
 def disturbance_of(options: StepOptions) -> Disturbance:
-    """Say what disturbs a run.
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense, or a push begins after the run.
-    """
+    """Say what disturbs a run."""
     return Disturbance(
         push=_push(options),
         mass_error=options.mass_error,
@@ -187,13 +149,7 @@ def disturbance_of(options: StepOptions) -> Disturbance:
 
 
 def joint_values(name: str, values: Sequence[float], joints: Sequence[Segment]) -> list[float]:
-    """Take values in degrees where a joint turns, in m where it slides, to rad and m.
-
-    Raises
-    ------
-    InvalidValueError
-        If there are not as many finite numbers as joints.
-    """
+    """Take values in degrees where a joint turns, in m where it slides, to rad and m."""
     if len(values) != len(joints) or not all(map(math.isfinite, values)):
         raise InvalidValueError(
             f"{name} is {list(values)}; it must be {len(joints)} finite numbers, one for each "

@@ -12,7 +12,7 @@ from drake_leg.runs.leg import compared
 from drake_leg.runs.options import EllipseOptions
 from drake_leg.runs.outcome import Outcome
 from drake_leg.runs.tip import follow
-from drake_leg.simulation import Progress, Start
+from drake_leg.simulation.run import Progress, Start
 
 
 def run(options: EllipseOptions, progress: Progress | None = None) -> Outcome:

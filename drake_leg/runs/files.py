@@ -14,18 +14,7 @@ from drake_leg.runs.outcome import Outcome
 
 
 def figure_files(title: str, outcome: Outcome) -> Iterator[tuple[str, Callable[[Path], None]]]:
-    """Name a run's figures, and tell how each is written.
-
-    Parameters
-    ----------
-    title : str
-        Of the run, for the figures.
-
-    Yields
-    ------
-    tuple of str and callable
-        File name without ending, and a function that writes the figure into a folder.
-    """
+    """List a run's figures: file name without ending, and what writes the file into a folder."""
     for file_name, draw in figures_of_run(
         outcome.subject, title, outcome.robot, outcome.recording, outcome.summary
     ):

@@ -14,7 +14,7 @@ from drake_leg.errors import ForeseenSingularityError, SingularConfigurationErro
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
-from drake_leg.simulation import Run
+from drake_leg.simulation.run import Run
 from drake_leg.singularity.families import families_of
 from drake_leg.singularity.forecast import (
     Encounter,

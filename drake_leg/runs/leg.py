@@ -32,7 +32,7 @@ from drake_leg.runs.tip import (
     tip_inaccuracy,
     torque_error,
 )
-from drake_leg.simulation import Progress, Start
+from drake_leg.simulation.run import Progress, Start
 
 
 def run(options: LegBOptions, progress: Progress | None = None) -> Outcome:

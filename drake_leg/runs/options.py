@@ -1,7 +1,8 @@
 """What a person may change of a run, in a person's units and under the command line's names.
 
 One dataclass a family of runs; a YAML file has the same keys. The command line reads the
-annotations of the fields as types, so that they must not be postponed to strings here.
+annotations of the fields as types, so that they must not be postponed to strings here. Methods take
+the values to SI units; they raise InvalidValueError for one that makes no sense.
 """
 
 import math
@@ -16,8 +17,11 @@ from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, 
 from drake_leg.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
+    LEG_A_POSTURE,
+    LEG_B_POSTURE,
     PENDULUM_SIZE,
     SCARA_LENGTHS,
+    SCARA_POSTURE,
     WATER,
     LegVariant,
 )
@@ -85,13 +89,7 @@ class RunOptions:
     )
 
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
-        """Return how time is stepped: with ``default_step`` [s] at most where none is asked for.
-
-        Raises
-        ------
-        InvalidValueError
-            If the integrator is unknown, or a number makes no sense.
-        """
+        """Return how time is stepped: with ``default_step`` [s] at most where none is asked for."""
         return IntegratorSettings(
             scheme=self.integrator,
             accuracy=self.accuracy,
@@ -109,13 +107,7 @@ class DampingOptions(RunOptions):
     )
 
     def si_damping(self) -> float:
-        """Return the damping in N*m*s/rad.
-
-        Raises
-        ------
-        InvalidValueError
-            If the unit is unknown, or there is no damping whose unit it were.
-        """
+        """Return the damping in N*m*s/rad."""
         unit = _unit("damping", self.damping_unit, DAMPING_UNITS)
         if self.damping is not None:
             return in_si("damping", self.damping, unit, DAMPING_UNITS)
@@ -184,13 +176,7 @@ class StepOptions(RunOptions):
     )
 
     def motion(self, direction: Direction | None = None) -> "SineStep":
-        """Return the commanded motion, along a direction of the robot's if none was asked for.
-
-        Raises
-        ------
-        InvalidValueError
-            If amplitude, frequency or direction make no sense.
-        """
+        """Return the commanded motion, along a direction of the robot's if none was asked for."""
         from drake_leg.kinematics.motions import SineStep  # which needs NumPy, as help does not
 
         return SineStep(
@@ -200,13 +186,7 @@ class StepOptions(RunOptions):
         )
 
     def unit_direction(self) -> Direction:
-        """Return the direction with length 1.
-
-        Raises
-        ------
-        InvalidValueError
-            If it has not three finite numbers, or is zero.
-        """
+        """Return the direction with length 1."""
         if self.direction is None or len(self.direction) != 3:
             raise InvalidValueError(
                 f"the direction is {self.direction}; it must have three numbers, as 1,0,0"
@@ -220,13 +200,7 @@ class StepOptions(RunOptions):
         return x, y, z
 
     def posture(self) -> tuple[float, float, float]:
-        """Return q0 in rad.
-
-        Raises
-        ------
-        InvalidValueError
-            If it has not three finite angles.
-        """
+        """Return q0 in rad."""
         if self.q0 is None or len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(
                 f"q0 is {self.q0}; it must be three finite angles in degrees, as 90,-50,-90"
@@ -235,13 +209,7 @@ class StepOptions(RunOptions):
         return q1, q2, q3
 
     def refuse_ignored(self) -> None:
-        """Refuse what would mean nothing beside the other options.
-
-        Raises
-        ------
-        InvalidValueError
-            With the option and what makes it meaningless.
-        """
+        """Refuse what would mean nothing beside the other options."""
         if self.force and self.inverse != EXACT:
             raise InvalidValueError(
                 f"`force=True` means nothing with `inverse={self.inverse!r}`, which goes on past a "
@@ -271,7 +239,7 @@ class StepOptions(RunOptions):
 class LegOptions(StepOptions, DampingOptions):
     """The hexabot leg, in variant B's posture by default."""
 
-    q0: list[float] = option([90.0, -50.0, -90.0], Q0, "deg")
+    q0: list[float] = option(list(LEG_B_POSTURE), Q0, "deg")
     amplitude: float = option(0.070, AMPLITUDE, "m/s")
     direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION)
     l1: float = option(HEXABOT_LENGTHS[0], L1, "m")
@@ -315,7 +283,7 @@ class LegBOptions(LegOptions, StraightOptions):
 class LegAOptions(LegBOptions):
     """The straight step of variant A, from the same foot position."""
 
-    q0: list[float] = option([90.0, 50.0, 90.0], Q0, "deg")
+    q0: list[float] = option(list(LEG_A_POSTURE), Q0, "deg")
 
     @property
     def variant(self) -> LegVariant:
@@ -331,13 +299,7 @@ class EllipseOptions(LegOptions):
     filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
 
     def motion(self, direction: Direction | None = None) -> "EllipticStep":
-        """Return the commanded motion.
-
-        Raises
-        ------
-        InvalidValueError
-            If amplitude, frequency, direction or lift make no sense.
-        """
+        """Return the commanded motion."""
         from drake_leg.kinematics.motions import EllipticStep
 
         return EllipticStep(
@@ -357,7 +319,7 @@ class EllipseOptions(LegOptions):
 class ScaraOptions(StepOptions, DampingOptions):
     """The SCARA's straight move."""
 
-    q0: list[float] = option([30.0, 90.0, -120.0], Q0, "deg")
+    q0: list[float] = option(list(SCARA_POSTURE), Q0, "deg")
     amplitude: float = option(0.050, AMPLITUDE, "m/s")
     direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION)
     tool_height: float = option(0.050, "R, of the tool over its lowest position", "m")
@@ -387,14 +349,7 @@ class PendulumOptions(DampingOptions):
     )
 
     def limits(self) -> dict[str, Any]:
-        """Return bounds and stops in SI units, as ``JointMechanics`` takes them.
-
-        Raises
-        ------
-        InvalidValueError
-            If a bound is not finite, if stiffness, damping or width make no sense, or if there is
-            no limit to have them.
-        """
+        """Return bounds and stops in SI units, as ``JointMechanics`` takes them."""
         bounds = {"lower": self.lower_limit, "upper": self.upper_limit}
         of_stop = {
             "stiffness": self.limit_stiffness,
@@ -412,13 +367,7 @@ class PendulumOptions(DampingOptions):
         return {**given, **{f"{side}_stop": HardStop.rotational(**stop) for side in given}}
 
     def start(self) -> float:
-        """Return the initial angle in rad.
-
-        Raises
-        ------
-        InvalidValueError
-            If q0 is not one finite angle.
-        """
+        """Return the initial angle in rad."""
         return math.radians(_one_angle([0.0] if self.q0 is None else self.q0))
 
 
@@ -439,13 +388,7 @@ class DampedPendulumOptions(PendulumOptions):
     q0: list[float] | None = option(None, Q0, "deg", shown="as `target`")
 
     def start(self) -> float:
-        """Return the state target in rad, under either of its names.
-
-        Raises
-        ------
-        InvalidValueError
-            If it is not one finite angle, or the two names disagree.
-        """
+        """Return the state target in rad, under either of its names."""
         if self.q0 is None:
             target = STATE_TARGET if self.target is None else self.target
             return math.radians(_one_angle([target]))
@@ -472,13 +415,7 @@ class SpringPendulumOptions(PendulumOptions):
     target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
 
     def equilibrium(self) -> float:
-        """Return the angle in rad at which the spring is at rest.
-
-        Raises
-        ------
-        InvalidValueError
-            If there is no spring whose rest it were.
-        """
+        """Return the angle in rad at which the spring is at rest."""
         if self.target is not None and self.spring_stiffness == 0.0:
             raise InvalidValueError(
                 f"the target is {self.target:g} deg and the spring stiffness is 0, so that nothing "
@@ -488,13 +425,7 @@ class SpringPendulumOptions(PendulumOptions):
         return math.radians(STATE_TARGET if self.target is None else self.target)
 
     def si_stiffness(self) -> float:
-        """Return the spring's stiffness in N*m/rad.
-
-        Raises
-        ------
-        InvalidValueError
-            If the unit is unknown.
-        """
+        """Return the spring's stiffness in N*m/rad."""
         unit = _unit("spring", self.spring_unit, SPRING_UNITS)
         return in_si("spring", self.spring_stiffness, unit, SPRING_UNITS)
 

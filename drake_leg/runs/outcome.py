@@ -12,7 +12,7 @@ from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
 from drake_leg.recording import Recording
 from drake_leg.robot import Robot
-from drake_leg.simulation import Run
+from drake_leg.simulation.run import Run
 
 if TYPE_CHECKING:
     from drake_leg.figures.of_runs import Subject
@@ -24,7 +24,7 @@ class Outcome:
 
     robot: Robot
     recording: Recording
-    exact: Mapping[str, Array]  # by column name: what the recording ought to hold
+    exact: Mapping[str, Array]  # by column name: the exact values, where they are known
     summary: Mapping[str, Any]  # as in summary.json
     subject: Subject  # what it shows
 
@@ -60,19 +60,7 @@ def outcome_of(
     findings: Mapping[str, Any],
     subject: Subject = "foot",
 ) -> Outcome:
-    """Put a run's summary together: first what all runs have, then the findings.
-
-    Parameters
-    ----------
-    settings : IntegratorSettings
-        How time was stepped.
-    duration : float
-        What was asked for [s].
-    exact : mapping of str to (rows,) ndarray
-        Exact values of some of the columns.
-    findings : mapping
-        The entries of the summary that belong to this kind of run.
-    """
+    """Put a run's summary together: first what all runs have, then this run's ``findings``."""
     common = {
         "robot": robot.name,
         "duration_s": duration,

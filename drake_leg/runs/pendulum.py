@@ -30,7 +30,7 @@ from drake_leg.runs.configs import pendulum_config
 from drake_leg.runs.options import PendulumOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.pendulum_steps import LONGEST, implicit_step, steps_of
-from drake_leg.simulation import LongestStep, Progress, Start, simulate
+from drake_leg.simulation.run import LongestStep, Progress, Start, simulate
 
 # Relative, of the error control: what each integrator reaches at a limit in bounded time.
 ACCURACY_AT_LIMITS = {
@@ -210,13 +210,13 @@ def _ill_conditioned(growth: float, rate: float) -> str | None:
 def _inaccuracy(
     error: float, growth: float, exact_q: Array, settings: IntegratorSettings
 ) -> str | None:
-    """Say that the recorded motion is another one, or that nobody can tell."""
+    """Say that the recorded motion is another one, or that it cannot be predicted."""
     span = min(float(np.ptp(exact_q)), 2.0 * math.pi)
     if growth >= ILL_CONDITIONED and shows(error, span):
         return inaccuracy(error, span, "angle", "rad", "start farther from upright")
     if growth * float(np.finfo(float).eps) > SHOWN:
         return (
             "the rounding of the start alone grows to an error that can be seen: no computation "
-            "tells this motion; start farther from upright"
+            "can predict this motion; start farther from upright"
         )
     return inaccuracy(error, span, "angle", "rad", finer(settings))

@@ -1,4 +1,4 @@
-"""How a pendulum's time is stepped where nobody says how: as finely as its stiffness needs."""
+"""The time steps of a pendulum where none is asked for: as short as its stiffness needs."""
 
 from __future__ import annotations
 

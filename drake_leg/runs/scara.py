@@ -25,7 +25,7 @@ from drake_leg.runs.tip import (
     tip_inaccuracy,
     torque_error,
 )
-from drake_leg.simulation import Progress, Start
+from drake_leg.simulation.run import Progress, Start
 
 
 def run(options: ScaraOptions, progress: Progress | None = None) -> Outcome:

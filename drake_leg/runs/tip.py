@@ -27,7 +27,7 @@ from drake_leg.robot import Robot
 from drake_leg.runs.accuracy import finer, inaccuracy
 from drake_leg.runs.foresight import foresee, require_passable, singularity_findings
 from drake_leg.runs.options import StepOptions
-from drake_leg.simulation import Progress, Run, simulate
+from drake_leg.simulation.run import Progress, Run, simulate
 
 OFF_COMMAND = 1e-6  # [m]: a tip that is farther from its command than this is off it
 BAND = 1e-3  # [m]: the same for a tip that something disturbs

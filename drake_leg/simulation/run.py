@@ -1,4 +1,10 @@
-"""Running a diagram to its end, or to where it must stop."""
+"""Running a diagram to its end, or to where it must stop.
+
+Drake's error control has a trap: when it rejects a step it puts the old state back without
+telling the caches, so that whatever depends on the state alone (a plant's kinematics) is used
+stale in the repeated step. Runs with error control therefore go without caching; runs at a
+given step, the default, reject nothing and keep it.
+"""
 
 from __future__ import annotations
 
@@ -142,56 +148,21 @@ def simulate(
             advice="choose a shorter duration or a larger `max_step` and, where a light link's "
             "damping or a stiff spring forbids that, `integrator='radau3'`",
         )
-    simulator = Simulator(diagram)
-    ResetIntegratorFromFlags(simulator, settings.scheme, settings.max_step)
-    integrator = simulator.get_mutable_integrator()
-    context = simulator.get_mutable_context()
-    if settings.accuracy is None:
-        integrator.set_fixed_step_mode(True)
-    else:
-        integrator.set_target_accuracy(settings.accuracy)
-        context.DisableCaching()
+    simulator = _simulator(diagram, settings)
+    integrator, context = simulator.get_mutable_integrator(), simulator.get_mutable_context()
     _start(start or _default_start(diagram), diagram, context)
-
-    guard = Guard(diagram, context, settings.max_step)
-    limits = _Limits(diagram)
-    steps = 0
-
-    def next_step(root: Context) -> float:
-        step = guard.next_step(root)
-        return step if longest_step is None else min(step, longest_step(root.get_time()))
+    watch = _Watch(diagram, context, settings, longest_step, progress)
 
     def after_step(root: Context) -> EventStatus:
-        nonlocal steps
-        steps += 1
-        now = root.get_time()
-        if progress:
-            progress(now)
-        if steps > STEP_BUDGET:
-            raise StepBudgetError(steps=steps, time=now)
-        greatest = np.abs(root.get_continuous_state_vector().CopyToVector()).max()
-        if not greatest <= RUNAWAY:
-            raise UnstableRunError(time=now, max_step=settings.max_step, scheme=settings.scheme)
-        limits.check(root)
-        integrator.set_maximum_step_size(next_step(root))
+        watch.see(root)
+        integrator.set_maximum_step_size(watch.next_step(root))
         return EventStatus.DidNothing()
 
-    limits.check(context)
     simulator.Initialize()
-    integrator.set_maximum_step_size(next_step(context))
+    integrator.set_maximum_step_size(watch.next_step(context))
     simulator.set_monitor(after_step)
-    reason, cause = None, None
     began = clock.perf_counter()
-    try:
-        simulator.AdvanceTo(duration)
-    except KeyboardInterrupt:
-        reason = "interrupted"
-    except STOPS as error:
-        reason, cause = str(error), error.with_traceback(None)  # which would hold the diagram
-    except (RuntimeError, SystemExit) as error:
-        reason = f"the integrator gave up: {' '.join(str(error).split())}"
-    finally:
-        simulator.clear_monitor()  # it holds the integrator, which holds all
+    reason, cause = _advance(simulator, duration)
     wall_time = clock.perf_counter() - began
     times, scopes = _read_scopes(diagram, context)
     return Run(
@@ -204,8 +175,35 @@ def simulate(
     )
 
 
+def _simulator(diagram: Diagram, settings: IntegratorSettings) -> Simulator:
+    simulator = Simulator(diagram)
+    ResetIntegratorFromFlags(simulator, settings.scheme, settings.max_step)
+    integrator = simulator.get_mutable_integrator()
+    if settings.accuracy is None:
+        integrator.set_fixed_step_mode(True)
+    else:
+        integrator.set_target_accuracy(settings.accuracy)
+        simulator.get_mutable_context().DisableCaching()
+    return simulator
+
+
+def _advance(simulator: Simulator, duration: float) -> tuple[str | None, DrakeLegError | None]:
+    """Advance to the end; return why it stopped before, and the error of this package if any."""
+    try:
+        simulator.AdvanceTo(duration)
+    except KeyboardInterrupt:
+        return "interrupted", None
+    except STOPS as error:
+        return str(error), error.with_traceback(None)  # which would hold the diagram
+    except (RuntimeError, SystemExit) as error:
+        return f"the integrator gave up: {' '.join(str(error).split())}", None
+    finally:
+        simulator.clear_monitor()  # it holds the integrator, which holds all
+    return None, None
+
+
 def _default_start(diagram: Diagram) -> Start:
-    """Return how a diagram starts when nobody says it."""
+    """Return how a diagram starts if no ``start`` is given."""
     if diagram.HasSubsystemNamed(MOTION):
         return start_on_motion
     return lambda _diagram, _context: None
@@ -223,8 +221,48 @@ def _start(start: Start, diagram: Diagram, context: Context) -> None:
         ) from None
 
 
+class _Watch:
+    """Looks at a run after every step, and says how far the next step may go."""
+
+    def __init__(
+        self,
+        diagram: Diagram,
+        context: Context,
+        settings: IntegratorSettings,
+        longest_step: LongestStep | None,
+        progress: Progress | None,
+    ) -> None:
+        self._guard = Guard(diagram, context, settings.max_step)
+        self._limits = _Limits(diagram)
+        self._settings, self._longest_step, self._progress = settings, longest_step, progress
+        self._steps = 0
+        self._limits.check(context)
+
+    def see(self, root: Context) -> None:
+        """Stop where the run must not go on."""
+        self._steps += 1
+        now = root.get_time()
+        if self._progress:
+            self._progress(now)
+        if self._steps > STEP_BUDGET:
+            raise StepBudgetError(steps=self._steps, time=now)
+        greatest = np.abs(root.get_continuous_state_vector().CopyToVector()).max()
+        if not greatest <= RUNAWAY:
+            raise UnstableRunError(
+                time=now, max_step=self._settings.max_step, scheme=self._settings.scheme
+            )
+        self._limits.check(root)
+
+    def next_step(self, root: Context) -> float:
+        """Return how far the next step may go [s]."""
+        step = self._guard.next_step(root)
+        if self._longest_step is None:
+            return step
+        return min(step, self._longest_step(root.get_time()))
+
+
 class _Limits:
-    """The joint limits of the plants that have any: a continuous plant does not heed them."""
+    """The joint limits of the plants that have any: a continuous plant does not stop at them."""
 
     def __init__(self, diagram: Diagram) -> None:
         weaker = ", or a weaker disturbance" if is_disturbed(diagram) else ""

@@ -1,4 +1,4 @@
-"""The command with a pull back to where it ought to have brought the foot."""
+"""A command that pulls the foot back to where it should be."""
 
 from __future__ import annotations
 
@@ -56,25 +56,29 @@ class DriftCorrection(Diagram):
         super().__init__()
         require_non_negative("the gain of the drift correction", gain, "1/s")
         builder = DiagramBuilder()
+        one = np.eye(3)
+        weighted_sum = np.hstack([one, gain * one, -gain * one])
+
+        # Blocks: p_d, and two sums of three signals.
         commanded = builder.AddNamedSystem("commanded position", Integrator(np.asarray(start)))
-        for result, rate, reference, sensed in (
-            ("velocity", "v", None, "p"),
-            ("acceleration", "a", "v", "pdot"),
-        ):
-            signals = builder.AddNamedSystem(f"signals of the {result}", Multiplexer([3, 3, 3]))
-            sum_ = builder.AddNamedSystem(result, MatrixGain(_sum(gain)))
-            builder.Connect(signals.get_output_port(), sum_.get_input_port())
-            builder.ExportInput(signals.get_input_port(0), rate)
-            if reference is None:
-                builder.Connect(commanded.get_output_port(), signals.get_input_port(1))
-                builder.ConnectInput(rate, commanded.get_input_port())
-            else:
-                builder.ConnectInput(reference, signals.get_input_port(1))
-            builder.ExportInput(signals.get_input_port(2), sensed)
-            builder.ExportOutput(sum_.get_output_port(), result)
+        signals_v = builder.AddNamedSystem("signals of the velocity", Multiplexer([3, 3, 3]))
+        velocity = builder.AddNamedSystem("velocity", MatrixGain(weighted_sum))
+        signals_a = builder.AddNamedSystem("signals of the acceleration", Multiplexer([3, 3, 3]))
+        acceleration = builder.AddNamedSystem("acceleration", MatrixGain(weighted_sum))
+
+        # Wires: v + K (p_d - p).
+        v = builder.ExportInput(signals_v.get_input_port(0), "v")
+        builder.ConnectInput(v, commanded.get_input_port())
+        builder.Connect(commanded.get_output_port(), signals_v.get_input_port(1))
+        builder.ExportInput(signals_v.get_input_port(2), "p")
+        builder.Connect(signals_v.get_output_port(), velocity.get_input_port())
+
+        # Wires: a + K (v - pdot).
+        builder.ExportInput(signals_a.get_input_port(0), "a")
+        builder.ConnectInput(v, signals_a.get_input_port(1))
+        builder.ExportInput(signals_a.get_input_port(2), "pdot")
+        builder.Connect(signals_a.get_output_port(), acceleration.get_input_port())
+
+        builder.ExportOutput(velocity.get_output_port(), "velocity")
+        builder.ExportOutput(acceleration.get_output_port(), "acceleration")
         builder.BuildInto(self)
-
-
-def _sum(gain: float) -> np.ndarray:
-    one = np.eye(3)
-    return np.hstack([one, gain * one, -gain * one])

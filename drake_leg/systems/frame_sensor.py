@@ -61,20 +61,21 @@ class FrameSensor(LeafSystem):
     Ports marked (a) exist with ``acceleration=True``, (r) with ``rotation_matrix=True``, (e) with
     ``euler="..."``.
 
-    By default B observes, which gives the spatial velocity and acceleration of F in B: a frame at
-    rest on a turning base has velocity 0, and its acceleration in B is what is left when the
-    base's acceleration, Coriolis and centrifugal terms have been taken off. With
-    ``observed_in="world"`` the plain difference of both origins' velocities in the world is
-    sensed. Simscape's Transform Sensor ties both settings together; ``MEASUREMENT_FRAMES`` has
-    its five, as in ``FrameSensor(plant, F, B, **MEASUREMENT_FRAMES["Non-Rotating Base"])``. Its
-    joints sense as in "Base".
+    By default B observes: the outputs are the spatial velocity and acceleration of F in B. A frame
+    at rest on a turning base has velocity 0; its acceleration in B is free of the base's
+    acceleration, Coriolis and centrifugal terms. With ``observed_in="world"`` the velocity is the
+    difference between both origins' velocities in the world. Simscape's Transform Sensor has one
+    setting for both; ``MEASUREMENT_FRAMES`` has its five values, as in
+    ``FrameSensor(plant, F, B, **MEASUREMENT_FRAMES["Non-Rotating Base"])``. Its joints sense as in
+    "Base".
 
-    Body rates are components of one vector along the axes of one frame; a Bushing joint's rates
-    belong to three axes that are not at right angles. They differ, but for a rotation about one
-    axis. Rotation outputs depend on neither setting. Where the sequence is in gimbal lock the
-    angles stay such that they give the rotation, the first one 0, and the rates and accelerations
-    are the least ones (never NaN: what is only logged stops no run); ``gimbal_distance`` tells
-    where not to trust them. ``euler.continuous_angles`` takes the jumps out of recorded angles.
+    Body rates are the components of one vector along the axes of one frame; a Bushing joint's
+    rates belong to three axes that are not at right angles. The two differ unless the frame turns
+    about one axis only. Rotation outputs depend on neither setting. In gimbal lock the angles still
+    describe the rotation, with the first angle 0, and the rates and accelerations are the smallest
+    possible ones; they are never NaN, so that a signal that is only logged stops no run. Do not
+    trust them where ``gimbal_distance`` is small. ``euler.continuous_angles`` removes the jumps
+    from recorded angles.
 
     The plant's own context for the computation is scratch: nothing in it outlives a call.
 

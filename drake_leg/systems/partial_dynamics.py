@@ -18,11 +18,6 @@ _ONE_AXIS = ("revolute", "prismatic")
 def require_plant(plant: MultibodyPlant) -> None:
     """Refuse what is no finalised plant.
 
-    Parameters
-    ----------
-    plant : MultibodyPlant
-        To be looked at.
-
     Raises
     ------
     InvalidValueError
@@ -37,19 +32,9 @@ def require_plant(plant: MultibodyPlant) -> None:
 
 
 def joints_of_one_axis(plant: MultibodyPlant, joints: Iterable[str | Joint]) -> list[Joint]:
-    """Find the joints that are named, each of them revolute or prismatic.
+    """Find the joints that are named, each of them revolute or prismatic, in the order given.
 
-    Parameters
-    ----------
-    plant : MultibodyPlant
-        Finalised.
-    joints : iterable of str or Joint
-        Joints or their names; ``instance::joint`` where two models have joints of one name.
-
-    Returns
-    -------
-    list of Joint
-        In the order given.
+    Names are ``instance::joint`` where two models have joints of one name.
 
     Raises
     ------

@@ -72,8 +72,8 @@ class PrescribedMotion(Diagram):
     Raises
     ------
     InvalidValueError
-        If all joints shall be driven and one has no actuator, if the joints named are not joints of
-        one axis, if the plant has constraints, or if the stiffness is negative.
+        If every joint is driven and one has no actuator, if the joints named are not joints of one
+        axis, if the plant has constraints, or if the stiffness is negative.
 
     Examples
     --------

@@ -68,57 +68,26 @@ class RelativeMotion:
         self._scratch = plant.CreateDefaultContext()
 
     def at(self, state: Array) -> RelativeMotion:
-        """Put the plant to a state.
-
-        Parameters
-        ----------
-        state : (n,) ndarray
-            Positions, then velocities.
-
-        Returns
-        -------
-        RelativeMotion
-            This one.
-        """
+        """Put the plant into a state (positions, then velocities), and return this motion."""
         self._plant.SetPositionsAndVelocities(self._scratch, state)
         return self
 
     def position(self) -> Array:
-        """Position of F's origin from B's.
-
-        Returns
-        -------
-        (3,) ndarray
-            p_BF_E [m].
-        """
+        """Position of F's origin from B's: p_BF_E, (3,) [m]."""
         p_BF: Array = self._F.CalcPose(self._scratch, self._B).translation()
         if self._E is not self._B:
             p_BF = self._B.CalcRotationMatrix(self._scratch, self._E).multiply(p_BF)
         return p_BF
 
     def velocity(self) -> Array:
-        """Velocity of F's origin: the derivative of the position as observed in O.
-
-        Returns
-        -------
-        (3,) ndarray
-            In E [m/s].
-        """
+        """Velocity of F's origin, the derivative of the position as observed in O; in E [m/s]."""
         v_B = self._velocity_in_base()
         return v_B if self._O_is_B else v_B + np.cross(self._w_OB(), self.position())
 
     def acceleration(self, vdot: Array) -> Array:
-        """Acceleration of F's origin: the derivative of the velocity as observed in O.
+        """Acceleration of F's origin, the derivative of the velocity as observed in O.
 
-        Parameters
-        ----------
-        vdot : (n_v,) ndarray
-            The plant's generalised accelerations.
-
-        Returns
-        -------
-        (3,) ndarray
-            In E [m/s^2].
+        ``vdot`` (n_v,) has the plant's generalised accelerations; the result is in E [m/s^2].
         """
         a_B = self._spatial_acceleration(vdot, self._F, self._B, self._E)[3:]
         if self._O_is_B:
@@ -130,102 +99,38 @@ class RelativeMotion:
         return a_O
 
     def rotation(self) -> Array:
-        """Rotation of F against B.
-
-        Returns
-        -------
-        (3, 3) ndarray
-            R_BF.
-        """
+        """Rotation of F against B: R_BF, (3, 3)."""
         R_BF: Array = self._F.CalcRotationMatrix(self._scratch, self._B).matrix()
         return R_BF
 
     def quaternion(self) -> Array:
-        """Rotation of F against B.
-
-        Returns
-        -------
-        (4,) ndarray
-            w, x, y, z of R_BF, w not negative.
-        """
+        """Rotation of F against B: w, x, y, z of R_BF, w not negative."""
         R_BF = self._F.CalcRotationMatrix(self._scratch, self._B)
         wxyz: Array = R_BF.ToQuaternion().wxyz()
         return wxyz
 
     def angular_velocity(self) -> Array:
-        """Angular velocity of F in B, the body rates; every observer agrees on it.
-
-        Returns
-        -------
-        (3,) ndarray
-            w_BF_E [rad/s].
-        """
+        """Angular velocity of F in B, w_BF_E [rad/s]; every observer agrees on it."""
         return self._angular_velocity(self._F, self._B, self._E)
 
     def angular_acceleration(self, vdot: Array) -> Array:
-        """Derivative of the angular velocity as observed in O.
-
-        Parameters
-        ----------
-        vdot : (n_v,) ndarray
-            The plant's generalised accelerations.
-
-        Returns
-        -------
-        (3,) ndarray
-            In E [rad/s^2].
-        """
+        """Derivative of the angular velocity as observed in O, in E [rad/s^2]."""
         alpha_B = self._spatial_acceleration(vdot, self._F, self._B, self._E)[:3]
         return (
             alpha_B if self._O_is_B else alpha_B + np.cross(self._w_OB(), self.angular_velocity())
         )
 
     def angles(self, sequence: str) -> Array:
-        """Euler angles of R_BF.
-
-        Parameters
-        ----------
-        sequence : str
-            One of ``euler.SEQUENCES``.
-
-        Returns
-        -------
-        (3,) ndarray
-            Principal values [rad].
-        """
+        """Euler angles of R_BF in one of ``euler.SEQUENCES``, principal values [rad]."""
         return euler_angles(sequence, self.rotation())
 
     def angle_rates(self, sequence: str) -> Array:
-        """Derivatives of the Euler angles.
-
-        Parameters
-        ----------
-        sequence : str
-            One of ``euler.SEQUENCES``.
-
-        Returns
-        -------
-        (3,) ndarray
-            [rad/s].
-        """
+        """Derivatives of the Euler angles, (3,) [rad/s]."""
         w_BF_B = self._angular_velocity(self._F, self._B, self._B)
         return angle_rates(sequence, self.angles(sequence), w_BF_B)
 
     def angle_accelerations(self, sequence: str, vdot: Array) -> Array:
-        """Second derivatives of the Euler angles.
-
-        Parameters
-        ----------
-        sequence : str
-            One of ``euler.SEQUENCES``.
-        vdot : (n_v,) ndarray
-            The plant's generalised accelerations.
-
-        Returns
-        -------
-        (3,) ndarray
-            [rad/s^2].
-        """
+        """Second derivatives of the Euler angles, (3,) [rad/s^2]."""
         angles, rates = self.angles(sequence), self.angle_rates(sequence)
         alpha_BF_B = self._spatial_acceleration(vdot, self._F, self._B, self._B)[:3]
         return angle_accelerations(sequence, angles, rates, alpha_BF_B)

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pydrake.systems.primitives import Saturation
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource, Saturation
 
 from drake_leg.diagrams import hexabot_leg, scara
 from drake_leg.diagrams.disturbance import (
@@ -16,7 +17,7 @@ from drake_leg.diagrams.disturbance import (
     Disturbance,
     is_disturbed,
 )
-from drake_leg.diagrams.mechanism import MOTION
+from drake_leg.diagrams.mechanism import MOTION, add_mechanism
 from drake_leg.diagrams.wiring import wires
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.push import Push
@@ -66,6 +67,15 @@ def test_the_push_goes_to_the_plant():
 def test_a_diagram_is_known_to_be_disturbed(changes, disturbed):
     assert Disturbance(**changes).acts is disturbed
     assert is_disturbed(leg(**changes)) is disturbed
+
+
+def test_a_saturation_that_limits_no_torque_disturbs_nothing():
+    builder = DiagramBuilder()
+    signal = builder.AddNamedSystem("signal", ConstantVectorSource([2.0]))
+    saturation = builder.AddNamedSystem("Saturation", Saturation([-1.0], [1.0]))
+    builder.Connect(signal.get_output_port(), saturation.get_input_port())
+    add_mechanism(builder, LEG_B, gravity=9.80665)
+    assert not is_disturbed(builder.Build())
 
 
 def test_the_pull_is_firm_where_something_disturbs():

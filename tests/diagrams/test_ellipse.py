@@ -7,7 +7,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.motions import EllipticStep
 from drake_leg.robots import LEG_A, LEG_B
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 
 POSTURE = tuple(np.radians([90.0, -50.0, -90.0]))
 AMPLITUDE, LIFT = 0.030, 0.040  # [m/s], [m]

@@ -14,7 +14,7 @@ from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.models.files import sdf_folder
 from drake_leg.robots import LEG_A, LEG_B, SCARA
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 
 POSTURES = {
     LEG_A: tuple(np.radians([90.0, 50.0, 90.0])),

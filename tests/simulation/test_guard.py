@@ -16,7 +16,7 @@ from drake_leg.kinematics.leg import LegGeometry, MovableLeg, foot_position
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
 from drake_leg.robots import hexabot_leg as leg_robot
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 from drake_leg.singularity.families import LegFamilies
 from drake_leg.singularity.forecast import forecast_step
 

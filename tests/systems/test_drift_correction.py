@@ -10,7 +10,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robots import LEG_B, SCARA
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 from drake_leg.systems.drift_correction import DriftCorrection
 
 POSTURE = tuple(np.radians([90.0, -50.0, -90.0]))

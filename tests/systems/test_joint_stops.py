@@ -11,7 +11,7 @@ from drake_leg.kinematics.joint_stop import limit_energy, limit_force
 from drake_leg.kinematics.pendulum import PendulumModel, acceleration, energy
 from drake_leg.models.plant import build_plant
 from drake_leg.robots import PENDULUM, SCARA, pendulum
-from drake_leg.simulation import simulate
+from drake_leg.simulation.run import simulate
 from drake_leg.systems.joint_stops import JointStops
 
 SOFT = HardStop(stiffness=20.0, damping=0.05, transition_width=0.02)

@@ -24,7 +24,7 @@ from pydrake.systems.primitives import (
     VectorLogSink,
 )
 
-from drake_leg.diagrams.wiring import Wire, wires
+from drake_leg.diagrams.wiring import LiveWire, wires
 from drake_leg.kinematics.batches import Array
 from drake_leg.simulink.compare.signals import (
     Atom,
@@ -66,7 +66,7 @@ class DiagramSignals:
 
     def __init__(self, diagram: Diagram, root: Context) -> None:
         self.systems: dict[str, System] = {s.get_name(): s for s in diagram.GetSystems()}
-        self.wires: list[Wire] = wires(diagram)
+        self.wires: list[LiveWire] = wires(diagram)
         self._root = root
         self._sources = {(wire.target, wire.input): wire for wire in self.wires}
         self._known: dict[tuple[str, str], Signal] = {}

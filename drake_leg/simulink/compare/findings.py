@@ -1,4 +1,4 @@
-"""What a comparison finds: verdicts, which its steps pass on as values, and the report of them."""
+"""The verdicts of a comparison, which its steps pass on as values, and the report of them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from drake_leg.diagrams.wiring import Wire
+from drake_leg.diagrams.wiring import LiveWire
 from drake_leg.simulink.compare.signals import close
 from drake_leg.simulink.model import Block
 
@@ -18,7 +18,7 @@ Quantity = float | str | tuple[float, ...]  # of a parameter, in SI
 class Comparison:
     """Every block, wire and parameter of the model, and what became of it.
 
-    The items are plain dictionaries, ready for JSON. ``what`` says what they are about:
+    The items are plain dictionaries, ready for JSON. ``what`` tells what they are about:
     ``block``, ``wire``, ``node`` (a physical connection), ``parameter``, ``scale`` (one factor of
     all lengths).
     """
@@ -53,7 +53,7 @@ class Verdict:
     item: Item
     block: str = ""  # SID of the block that it settles; the first verdict on a block counts
     live: tuple[str, ...] = ()  # blocks of the diagram that stand for this block
-    wires: tuple[Wire, ...] = ()  # connections of the diagram that stand for this wire
+    wires: tuple[LiveWire, ...] = ()  # connections of the diagram that stand for this wire
     wrong: str = ""  # the model's input that takes another signal than its counterpart
 
 
