@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain import size_of
+from drake_leg.kinematics.configurations import table_length
 from drake_leg.lab.grader.chains import Chain, chain_of
 from drake_leg.lab.grader.definitions import Reader
 from drake_leg.lab.grader.lengths import Binding, Cell, cell_values, same
@@ -81,7 +81,7 @@ class Sampler:
         variables: list[str] = []
         for index, segment in enumerate(robot.moving):
             turning = segment.row.joint == "revolute"
-            greatest = math.pi if turning else size_of(robot.rows) / self.metres
+            greatest = math.pi if turning else table_length(robot.rows) / self.metres
             formula = self._reader.joint(index)
             for name in sorted(names_in(formula) - set(values)):
                 values[name] = rng.uniform(-greatest, greatest, COUNT)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain import size_of
+from drake_leg.kinematics.configurations import table_length
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.lab.grader.claims import POSITION, task_rows
 from drake_leg.lab.grader.comparison import Sampler
@@ -193,7 +193,7 @@ class _Arm:
 
 def _arm(robot: Robot, reader: Reader, rng: np.random.Generator) -> _Arm:
     """Take a robot as it is; refuse one without a square Jacobian."""
-    length = size_of(robot.rows) * reader.units["m"]
+    length = table_length(robot.rows) * reader.units["m"]
     spans: dict[str, float] = {}
     for index, segment in enumerate(robot.moving):
         names = names_in(reader.joint(index)) - set(reader.symbols) - set(reader.units)
