@@ -19,10 +19,10 @@ from drake_leg.diagrams.disturbance import (
     UNDISTURBED,
     Disturbance,
     add_push,
-    require_actuators,
     with_torque_limit,
 )
 from drake_leg.diagrams.wiring import plant_of
+from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.models.state_targets import initial_state
 from drake_leg.robot import Robot
@@ -94,7 +94,7 @@ def add_mechanism(
     # Wires: the torque, and what disturbs.
     torque = motion.GetOutputPort("torque")
     if disturbance.torque_limit is not None:
-        require_actuators(robot, plant)
+        _require_actuators(robot, plant)
         torque = with_torque_limit(builder, disturbance.torque_limit, torque)
     if disturbance.push is not None:
         add_push(builder, plant, foot_frame, disturbance.push)
@@ -117,6 +117,15 @@ def add_mechanism(
         torque=torque,
         is_disturbed=disturbance.acts,
     )
+
+
+def _require_actuators(robot: Robot, plant: MultibodyPlant) -> None:
+    """Refuse to limit the torque of joints that have no actuator."""
+    if plant.num_actuators() != plant.num_velocities():
+        raise InvalidValueError(
+            f"{robot.name!r} has {plant.num_actuators()} actuators for its "
+            f"{plant.num_velocities()} joints; a torque limit needs one at every joint"
+        )
 
 
 def _connect_stops(
