@@ -111,11 +111,12 @@ class HexabotLegConfig:
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; its numbers must be finite")
+        moved = self.movable
         for angle in self.start:
             require_angle("an angle of q0", angle)
         if not LEAST <= abs(self.gain) <= MOST:
             raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
-        require_direction(self.robot, self.movable, self.q0, self.motion.direction)
+        require_direction(self.robot, moved, self.q0, self.motion.direction)
         if self.feedback not in FEEDBACKS:
             raise InvalidValueError(
                 f"the feedback is {self.feedback!r}; it must be {' or '.join(FEEDBACKS)}"
