@@ -21,7 +21,7 @@ from drake_leg.colours import (
 )
 from drake_leg.errors import InvalidValueError
 from drake_leg.html_table import html_table
-from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.names import (
     BASE,
     BASE_WELD,
@@ -33,24 +33,6 @@ from drake_leg.names import (
     require_unique,
 )
 from drake_leg.quantities import LEAST, require_positive
-
-# What describes a robot can be imported from here.
-__all__ = [
-    "Brick",
-    "Cylinder",
-    "HardStop",
-    "Inertial",
-    "JointMechanics",
-    "JointType",
-    "Link",
-    "Robot",
-    "Row",
-    "Segment",
-    "Shape",
-    "Solid",
-    "Sphere",
-    "StateTarget",
-]
 
 JointType = Literal["revolute", "prismatic", "fixed"]
 

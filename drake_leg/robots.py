@@ -13,19 +13,9 @@ from typing import Literal
 
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.quantities import require_positive
-from drake_leg.robot import (
-    LINK_COLOURS,
-    Brick,
-    Cylinder,
-    JointMechanics,
-    Link,
-    Robot,
-    Row,
-    Segment,
-    Solid,
-    Sphere,
-)
+from drake_leg.robot import LINK_COLOURS, Brick, Cylinder, Link, Robot, Row, Segment, Solid, Sphere
 
 LegVariant = Literal["A", "B"]
 

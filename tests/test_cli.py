@@ -589,6 +589,15 @@ def test_help_is_quick_for_it_imports_neither_drake_nor_matplotlib(words):
     assert process("-c", code).returncode == 0
 
 
+def test_only_the_command_that_is_asked_for_is_imported():
+    code = (
+        "import sys, drake_leg.cli as c\n"
+        "c.main(['list'])\n"
+        "sys.exit(any(name in sys.modules for name in ('drake_leg.runs.leg', 'tomllib', 'yaml')))"
+    )
+    assert process("-c", code).returncode == 0
+
+
 def test_bad_input_is_one_sentence_on_the_standard_error(tmp_path):
     done = process("-m", "drake_leg", "run", "leg-b", "--out", tmp_path / "a" / "b", "--l1", "-1")
     assert done.returncode == 2

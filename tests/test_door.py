@@ -22,8 +22,12 @@ MOST_IMPORTS = 5  # lines of a notebook that import from the package
 
 
 def load(name):
-    """Return a name of the door, whatever module of that name was imported before."""
-    return drake_leg.__getattr__(name)
+    """Return a name of the door, and leave a module of that name where it was."""
+    value = drake_leg.__getattr__(name)
+    module = sys.modules.get(f"drake_leg.{name}")
+    if module is not None:
+        vars(drake_leg)[name] = module
+    return value
 
 
 @pytest.fixture(scope="module")

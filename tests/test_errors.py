@@ -32,9 +32,9 @@ from drake_leg.errors import (
 )
 from drake_leg.files import check_target, read_text
 from drake_leg.imports import BrokenPackageError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.movable import exact_rates
 from drake_leg.report.replays import UnlikeReplaysError
-from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B
 from drake_leg.runs import pendulum, tip
 from drake_leg.runs.leg import run as run_leg

@@ -8,19 +8,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.quantities import LEAST, MOST, require_non_negative, require_positive
-from drake_leg.robot import (
-    Brick,
-    Cylinder,
-    Inertial,
-    JointMechanics,
-    Link,
-    Robot,
-    Row,
-    Segment,
-    Solid,
-    Sphere,
-)
+from drake_leg.robot import Brick, Cylinder, Inertial, Link, Robot, Row, Segment, Solid, Sphere
 
 NOT_FINITE = (math.nan, math.inf, -math.inf)
 BALL = Sphere(radius=0.01)

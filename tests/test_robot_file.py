@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import HardStop, StateTarget
+from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.lab.grader.findings import errors
 from drake_leg.lab.grader.table_linter import lint_table
 from drake_leg.lab.grader.tables import table_of_document
@@ -19,7 +19,6 @@ from drake_leg.robot import (
     Brick,
     Cylinder,
     Inertial,
-    JointMechanics,
     Link,
     Robot,
     Row,

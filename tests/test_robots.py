@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import row_transform
-from drake_leg.robot import JointMechanics, Sphere
+from drake_leg.robot import Sphere
 from drake_leg.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA, hexabot_leg, pendulum, scara
 
 BAD_SIZES = (0.0, -0.1, math.nan, math.inf)

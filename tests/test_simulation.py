@@ -12,8 +12,8 @@ from drake_leg.diagrams import ellipse, hexabot_leg, pendulum, scara
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.integrator import INTEGRATORS, IntegratorSettings
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.robots import pendulum as pendulum_robot
 from drake_leg.simulation import run as simulation_run

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.units import parse_unit
+from drake_leg.units import DAMPING_UNITS, LENGTH_UNITS, SPRING_UNITS, parse_unit, value_in_si
 
 
 @pytest.mark.parametrize(
@@ -71,3 +71,10 @@ def test_infinite_values_stay_infinite():
 def test_radians_count_for_nothing():
     assert parse_unit("N*m*s").is_like(parse_unit("N*m/(deg/s)"))
     assert not parse_unit("m").is_like(parse_unit("deg"))
+
+
+def test_the_units_to_choose_from_are_exact_quotients():
+    assert LENGTH_UNITS == {"m": 1.0, "cm": 0.01, "mm": 0.001}
+    assert {"N*m*s/rad": 1.0, "N*m/(deg/s)": 180 / math.pi} == DAMPING_UNITS
+    assert {"N*m/rad": 1.0, "N*m/deg": 180 / math.pi} == SPRING_UNITS
+    assert value_in_si("in") == 0.0254

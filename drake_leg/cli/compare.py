@@ -89,14 +89,14 @@ def _refuse_options_of_runs(kind: RunKind, options: RunOptions, chosen: argparse
     for name in ONLY_OF_RUNS:
         option = f"--{name.replace('_', '-')}"
         refuse_ignored(
-            {option: name in chosen}, "means nothing to compare, which simulates nothing"
+            {option: name in chosen}, "has no effect on compare, which simulates nothing"
         )
         if getattr(options, name, None) != getattr(defaults, name, None):
-            remark(f"{name} of {chosen.config} means nothing to compare, which simulates nothing")
+            remark(f"{name} of {chosen.config} has no effect on compare, which simulates nothing")
 
 
 def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
-    yield f"{chosen.model} beside {chosen.name}"
+    yield f"{chosen.model} compared with {chosen.name}"
     for title, items, line in (
         ("matched", found.matched, _matched),
         ("missing in the Drake diagram", found.missing, _missing),
@@ -114,8 +114,8 @@ def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
         yield f"Every block and wire of the model has its counterpart, and the values agree{but}."
     else:
         yield (
-            f"{len(found.missing)} missing, {len(found.different)} different: the diagram is not "
-            "the model's."
+            f"{len(found.missing)} missing, {len(found.different)} different: the diagram "
+            "differs from the model."
         )
 
 

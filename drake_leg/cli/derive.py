@@ -17,7 +17,7 @@ from drake_leg.cli.common import (
 from drake_leg.cli.robot_source import ROBOT_NAMES, robot_source
 from drake_leg.errors import TimeBudgetError
 from drake_leg.progress import ProgressBar, TimeBudget
-from drake_leg.symbolic.catalogue import SUBJECTS, Subject, derived_equations, require_subject
+from drake_leg.symbolic.catalogue import SUBJECTS, DerivedRobot, derived_equations, require_subject
 from drake_leg.symbolic.optional import require_sympy
 
 if TYPE_CHECKING:
@@ -124,6 +124,6 @@ def _print_equation(title: str, equation: Equation, chosen: argparse.Namespace) 
         print(f"\n{title}\n\n{textwrap.indent(equation.text(), '  ')}", flush=True)
 
 
-def _title(subject: Subject, equation: Equation) -> str:
+def _title(subject: DerivedRobot, equation: Equation) -> str:
     where = f"{subject.numbering} {equation.label}: " if equation.label else ""
     return where + equation.title

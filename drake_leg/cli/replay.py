@@ -52,7 +52,7 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
 
 def _replay(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.replay import check_show, write_show
-    from drake_leg.scene.views import as_view
+    from drake_leg.scene.scene import as_view
 
     view = as_view(chosen.view)
     check_show(chosen.out, overwrite=chosen.overwrite)

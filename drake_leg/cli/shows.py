@@ -117,7 +117,7 @@ class Shows:
     def _write_stills(
         self, motion: Callable[[], PlantMotion], folder: ResultsFolder, pictures: Pictures
     ) -> None:
-        from drake_leg.scene.views import VIEWS
+        from drake_leg.scene.scene import VIEWS
 
         for view in VIEWS.values():
             with pictures.trying(f"the still {view.name}"), folder.more() as scratch:

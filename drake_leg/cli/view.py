@@ -52,8 +52,8 @@ def _view(chosen: argparse.Namespace) -> int:
     refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --still")
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)
+    from drake_leg.scene.scene import as_view
     from drake_leg.scene.viewer import view_served
-    from drake_leg.scene.views import as_view
 
     view = as_view(chosen.view)
     try:
@@ -68,7 +68,7 @@ def _view(chosen: argparse.Namespace) -> int:
 def _still(chosen: argparse.Namespace) -> int:
     from drake_leg.files import whole_file
     from drake_leg.scene.images import still
-    from drake_leg.scene.views import as_view
+    from drake_leg.scene.scene import as_view
 
     robot = robot_source(chosen.robot).robot()
     q = posture(chosen.robot, robot, chosen.q)

@@ -8,7 +8,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.tree import RigidBody
 
 from drake_leg.drawings.captions import mass_words, transform_words
-from drake_leg.drawings.picture import Block, Net, Picture
+from drake_leg.drawings.picture import DrawnBlock, Net, Picture
 from drake_leg.simulink.bodies import SHAPES
 
 _KINDS = {shape: kind for kind, shape in SHAPES.items()}
@@ -20,11 +20,11 @@ class Chain:
     """Blocks that are attached to each other's frames."""
 
     def __init__(self) -> None:
-        self.blocks: list[Block] = []
+        self.blocks: list[DrawnBlock] = []
         self.attached: dict[Output, list[tuple[int, int]]] = {}
         self.labels: dict[Output, list[str]] = {}
 
-    def add(self, block: Block, *frames: Output) -> Output:
+    def add(self, block: DrawnBlock, *frames: Output) -> Output:
         """Attach a block to frames; return its own frame, the first one if it has several."""
         index = len(self.blocks)
         self.blocks.append(replace(block, inputs=("",) * len(frames), physical=True))
@@ -42,7 +42,7 @@ class Chain:
         if not words:
             return frame
         name = f"Rigid Transform of {what}"
-        return self.add(Block(name=name, caption=tuple(words), glyph="transform"), frame)
+        return self.add(DrawnBlock(name=name, caption=tuple(words), glyph="transform"), frame)
 
     def picture(self, title: str) -> Picture:
         """Make a picture of the blocks."""
@@ -64,16 +64,16 @@ class Chain:
         return Picture(title=title, blocks=tuple(blocks), nets=tuple(nets))
 
 
-def solid_of(body: RigidBody, shape: str) -> Block:
+def solid_of(body: RigidBody, shape: str) -> DrawnBlock:
     """Draw the solid of a body; a shape other than brick, cylinder and sphere is a box."""
     caption = (body.name(), _KINDS.get(shape, "Solid"), mass_words(body.default_mass()))
     return solid_block(f"Solid of {body.name()}", caption, shape)
 
 
-def solid_block(name: str, caption: tuple[str, ...], shape: str) -> Block:
+def solid_block(name: str, caption: tuple[str, ...], shape: str) -> DrawnBlock:
     """Draw a solid; its name is unique in its picture."""
     known = shape in _KINDS
-    return Block(
+    return DrawnBlock(
         name=name,
         caption=caption,
         glyph=shape if known else "solid",
@@ -81,6 +81,6 @@ def solid_block(name: str, caption: tuple[str, ...], shape: str) -> Block:
     )
 
 
-def connection_of(name: str) -> Block:
+def connection_of(name: str) -> DrawnBlock:
     """Draw a subsystem's connection to the outside, by the name of the frame there."""
-    return Block(name=name, glyph="connection", text=(name,))
+    return DrawnBlock(name=name, glyph="connection", text=(name,))

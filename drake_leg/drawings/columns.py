@@ -1,9 +1,4 @@
-"""Which column every block is in, and which columns a net passes: layers and lanes.
-
-After Sugiyama, Tagawa and Toda, "Methods for visual understanding of hierarchical system
-structures", 1981, with nets instead of single edges. A wire that runs against the flow passes
-lanes, too, so that it never crosses a block.
-"""
+"""Which column every block is in, and which columns a net passes: layers and lanes."""
 
 from __future__ import annotations
 
@@ -52,7 +47,9 @@ class Columns:
 def columns_of(picture: Picture) -> Columns:
     """Put every block into a column and lay lanes for the nets that pass columns.
 
-    Every wire goes from left to right, except those that close a loop.
+    Every wire goes from left to right, except those that close a loop. They pass lanes, too, so
+    that no wire crosses a block. After Sugiyama, Tagawa and Toda, "Methods for visual understanding
+    of hierarchical system structures", 1981, with nets instead of single edges.
     """
     column = _layers(picture)
     spots = [Spot(column=c, block=block) for block, c in enumerate(column)]

@@ -12,7 +12,7 @@ from drake_leg.drawings.glyphs import draw_block
 from drake_leg.drawings.layout import Layout
 from drake_leg.drawings.parts import lay_out_parts
 from drake_leg.drawings.paths import rounded
-from drake_leg.drawings.picture import Block, Picture
+from drake_leg.drawings.picture import DrawnBlock, Picture
 from drake_leg.drawings.sizes import LABELLED
 from drake_leg.drawings.svg import SMALL, Point, document, element, text_at
 from drake_leg.drawings.text import text_width
@@ -132,7 +132,7 @@ def _square(place: Point) -> str:
     return element("rect", classes="dot", x=x - 2.5, y=y - 2.5, width=5, height=5)
 
 
-def _block(layout: Layout, index: int, block: Block) -> str:
+def _block(layout: Layout, index: int, block: DrawnBlock) -> str:
     """Draw a block, the labels of its ports, and its caption."""
     parts = [element("title", escape(block.name)), draw_block(block, layout.boxes[index])]
     if block.glyph in LABELLED:

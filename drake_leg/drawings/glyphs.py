@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from drake_leg.drawings.picture import Block
+from drake_leg.drawings.picture import DrawnBlock
 from drake_leg.drawings.sizes import Box
 from drake_leg.drawings.svg import SMALL, element, line, polyline, text_at
 from drake_leg.drawings.text import LINE
 
-Glyph = Callable[[Block, Box], str]
+Glyph = Callable[[DrawnBlock, Box], str]
 
 
-def draw_block(block: Block, box: Box) -> str:
+def draw_block(block: DrawnBlock, box: Box) -> str:
     """Draw a block without its caption and its wires."""
     return GLYPHS[block.glyph](block, box)
 
@@ -24,15 +24,15 @@ def _frame(box: Box, classes: str = "face", rx: float = 0.0) -> str:
     )
 
 
-def _box(block: Block, box: Box) -> str:
+def _box(block: DrawnBlock, box: Box) -> str:
     return _frame(box, rx=2) + _inside(block, box)
 
 
-def _plant(block: Block, box: Box) -> str:
+def _plant(block: DrawnBlock, box: Box) -> str:
     return _frame(box, "face strong", rx=6) + _inside(block, box)
 
 
-def _converter(block: Block, box: Box) -> str:
+def _converter(block: DrawnBlock, box: Box) -> str:
     """Draw a slope, what comes in above it and what goes out below it."""
     slope = polyline([(box.x, box.bottom), (box.right, box.y)], "thin")
     texts = [
@@ -42,7 +42,7 @@ def _converter(block: Block, box: Box) -> str:
     return _frame(box) + slope + "".join(texts)
 
 
-def _inside(block: Block, box: Box) -> str:
+def _inside(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     top = y - LINE * (len(block.text) - 1) / 2
     return "".join(
@@ -50,7 +50,7 @@ def _inside(block: Block, box: Box) -> str:
     )
 
 
-def _sine(block: Block, box: Box) -> str:
+def _sine(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     wide, high = 11.0, 10.0
     points = [
@@ -61,14 +61,14 @@ def _sine(block: Block, box: Box) -> str:
     return _frame(box) + axes + polyline(points, "stroke")
 
 
-def _gain(block: Block, box: Box) -> str:
+def _gain(block: DrawnBlock, box: Box) -> str:
     y = box.middle[1]
     corners = f"{box.x:.1f},{box.y:.1f} {box.right:.1f},{y:.1f} {box.x:.1f},{box.bottom:.1f}"
     inside = text_at(block.text[0], box.x + 0.36 * box.width, y, baseline=4.0) if block.text else ""
     return element("polygon", classes="face", points=corners) + inside
 
 
-def _integrator(block: Block, box: Box) -> str:
+def _integrator(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     return (
         _frame(box)
@@ -78,11 +78,11 @@ def _integrator(block: Block, box: Box) -> str:
     )
 
 
-def _bar(block: Block, box: Box) -> str:
+def _bar(block: DrawnBlock, box: Box) -> str:
     return _frame(box, "bar")
 
 
-def _scope(block: Block, box: Box) -> str:
+def _scope(block: DrawnBlock, box: Box) -> str:
     screen = Box(box.x + 5, box.y + 5, box.width - 10, box.height - 14)
     y = screen.middle[1]
     points = [
@@ -103,20 +103,20 @@ def _triad(x: float, y: float, size: float) -> str:
     )
 
 
-def _world(block: Block, box: Box) -> str:
+def _world(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     ground = line(x - 13, y + 14, x + 13, y + 14, "stroke")
     return _frame(box) + _triad(x - 2, y + 3, 13.0) + ground
 
 
-def _transform(block: Block, box: Box) -> str:
+def _transform(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     arc = f"M{x - 11:.1f} {y - 8:.1f} q10.5 -11 21 -1 m-5.5 -0.5 l5.5 0.5 l0.5 -5.5"
     arrow = element("path", classes="thin", d=arc)
     return _frame(box) + _triad(x - 11, y + 9, 9.0) + _triad(x + 10, y + 9, 9.0) + arrow
 
 
-def _revolute(block: Block, box: Box) -> str:
+def _revolute(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     ring = element("circle", classes="stroke", cx=x, cy=y, r=9)
     pin = element("circle", classes="dot", cx=x, cy=y, r=2.4)
@@ -126,7 +126,7 @@ def _revolute(block: Block, box: Box) -> str:
     return _frame(box) + ring + pin + arms + turn
 
 
-def _prismatic(block: Block, box: Box) -> str:
+def _prismatic(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     sleeve = element("rect", classes="stroke", x=x - 8, y=y - 7, width=16, height=14)
     rod = line(box.x, y, box.right, y, "stroke")
@@ -135,12 +135,12 @@ def _prismatic(block: Block, box: Box) -> str:
     return _frame(box) + sleeve + rod + arrow
 
 
-def _six_dof(block: Block, box: Box) -> str:
+def _six_dof(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     return _frame(box) + _triad(x - 1, y + 1, 13.0) + text_at("6", box.right - 8, box.y + 9, 4.0)
 
 
-def _brick(block: Block, box: Box) -> str:
+def _brick(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     left, right, top, bottom, skew = x - 15, x + 9, y - 4, y + 10, 6.0
     front = element("rect", classes="body", x=left, y=top, width=right - left, height=14)
@@ -153,7 +153,7 @@ def _brick(block: Block, box: Box) -> str:
     return _frame(box) + front + lid + side
 
 
-def _cylinder(block: Block, box: Box) -> str:
+def _cylinder(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     body = element(
         "path",
@@ -163,14 +163,14 @@ def _cylinder(block: Block, box: Box) -> str:
     return _frame(box) + body + element("ellipse", classes="body", cx=x, cy=y - 9, rx=8, ry=3.5)
 
 
-def _sphere(block: Block, box: Box) -> str:
+def _sphere(block: DrawnBlock, box: Box) -> str:
     x, y = box.middle
     ball = element("circle", classes="body", cx=x, cy=y, r=12)
     belt = element("path", classes="thin", d=f"M{x - 12:.1f} {y:.1f} a12 4 0 0 0 24 0")
     return _frame(box) + ball + belt
 
 
-def _connection(block: Block, box: Box) -> str:
+def _connection(block: DrawnBlock, box: Box) -> str:
     return _frame(box, rx=box.height / 2) + _inside(block, box)
 
 

@@ -18,11 +18,9 @@ from pydrake.systems.primitives import (
     VectorLogSink,
 )
 
-from drake_leg.colours import Background
 from drake_leg.diagrams.wiring import LiveWire, wires
 from drake_leg.drawings.captions import SIGNAL_WIDTH, values_text
-from drake_leg.drawings.drawing import Drawing, draw
-from drake_leg.drawings.picture import Block, Net, Picture
+from drake_leg.drawings.picture import DrawnBlock, Net, Picture
 from drake_leg.drawings.signals import pretty, signal_names
 from drake_leg.drawings.text import spaced, wrapped
 
@@ -50,34 +48,6 @@ _INSIDE = {
 
 # Blocks of the mechanical side, drawn as Simscape's are.
 _PHYSICAL = ("MultibodyPlant", "PrescribedMotion", "FrameSensor", "EnergySensor")
-
-
-def block_diagram(
-    diagram: Diagram,
-    *,
-    title: str,
-    scopes: bool = True,
-    accelerations: bool = True,
-    background: Background = "auto",
-) -> Drawing:
-    """Draw a diagram's own blocks and wires, from left to right.
-
-    Parameters
-    ----------
-    scopes : bool
-        Whether the logs are drawn.
-    accelerations : bool
-        Whether the wires to inputs ``a`` and ``qddot`` are drawn, and what only they need.
-    background : {"auto", "white", "none"}
-        White or dark as the reader's system is, always white, or none, for light places.
-
-    Returns
-    -------
-    Drawing
-        With every wire of ``diagram.connection_map()`` that was not left out.
-    """
-    picture = diagram_picture(diagram, title=title, scopes=scopes, accelerations=accelerations)
-    return draw(picture, background=background)
 
 
 def diagram_picture(
@@ -124,14 +94,14 @@ def _ports(system: System, name: str, shown: Sequence[LiveWire]) -> tuple[list[s
     return [p for p in inputs if p in used_inputs], [p for p in outputs if p in used_outputs]
 
 
-def _block(system: System, inputs: list[str], outputs: list[str]) -> Block:
+def _block(system: System, inputs: list[str], outputs: list[str]) -> DrawnBlock:
     name = system.get_name()
     glyph = next((g for kind, g in _GLYPHS.items() if isinstance(system, kind)), "box")
     converter = name.startswith((TO_PHYSICAL, TO_SIGNAL))
     kind = type(system).__name__.partition("_")[0]
     boxed = glyph in ("box", "plant") and not converter
     sign = "+" if isinstance(system, Adder) else ""
-    return Block(
+    return DrawnBlock(
         name=name,
         caption=wrapped(name, SIGNAL_WIDTH) + _start(system, glyph),
         glyph=glyph,
@@ -180,7 +150,7 @@ def _response(system: Gain) -> Sequence[float]:
 
 def _nets(
     systems: dict[str, System],
-    blocks: Sequence[Block],
+    blocks: Sequence[DrawnBlock],
     ports: dict[str, tuple[list[str], list[str]]],
     shown: Sequence[LiveWire],
 ) -> tuple[Net, ...]:
@@ -208,7 +178,9 @@ def _nets(
     )
 
 
-def _is_physical(blocks: Sequence[Block], index: dict[str, int], net: Sequence[LiveWire]) -> bool:
+def _is_physical(
+    blocks: Sequence[DrawnBlock], index: dict[str, int], net: Sequence[LiveWire]
+) -> bool:
     """Tell whether all ends of a net are mechanical; scopes beside them do not matter."""
     ends = [blocks[index[w.target]] for w in net]
     inner = [block for block in ends if block.glyph != "scope"]

@@ -22,7 +22,7 @@ from drake_leg.drawings.captions import (
     spring_words,
 )
 from drake_leg.drawings.chain import Chain, Output, solid_of
-from drake_leg.drawings.picture import Block, Picture
+from drake_leg.drawings.picture import DrawnBlock, Picture
 from drake_leg.drawings.text import wrapped
 from drake_leg.names import frame_name
 
@@ -59,9 +59,11 @@ class _Mechanism:
         self.chain = Chain()
 
     def picture(self, title: str) -> Picture:
-        world = self.chain.add(Block(name="World Frame", caption=("World Frame",), glyph="world"))
+        world = self.chain.add(
+            DrawnBlock(name="World Frame", caption=("World Frame",), glyph="world")
+        )
         self.chain.add(
-            Block(
+            DrawnBlock(
                 name="Mechanism Configuration",
                 caption=wrapped("Mechanism Configuration", CAPTION_WIDTH)
                 + gravity_words(self.plant.gravity_field().gravity_vector()),
@@ -118,17 +120,17 @@ class _Mechanism:
 
     def _sense(self, frame: Output) -> None:
         base = self.chain.add(
-            Block(name="World Frame of the sensor", caption=("World Frame",), glyph="world")
+            DrawnBlock(name="World Frame of the sensor", caption=("World Frame",), glyph="world")
         )
         self.chain.add(
-            Block(
+            DrawnBlock(
                 name="6-DOF Joint", caption=("6-DOF Joint", "senses the motion"), glyph="six_dof"
             ),
             frame,
             base,
         )
 
-    def _joint(self, joint: Joint) -> Block:
+    def _joint(self, joint: Joint) -> DrawnBlock:
         kind = {"revolute": "Revolute Joint", "prismatic": "Prismatic Joint"}
         caption = [joint.name(), kind.get(joint.type_name(), f"{joint.type_name()} joint")]
         if joint.name() in self.driven:
@@ -138,7 +140,7 @@ class _Mechanism:
             caption += damping_words(joint.default_damping_vector()[0], turning=turning)
         caption += self.springs.get(joint.name(), ())
         glyph = joint.type_name() if joint.type_name() in kind else "solid"
-        return Block(name=joint.name(), caption=tuple(caption), glyph=glyph)
+        return DrawnBlock(name=joint.name(), caption=tuple(caption), glyph=glyph)
 
 
 def _springs(plant: MultibodyPlant) -> dict[str, tuple[str, ...]]:

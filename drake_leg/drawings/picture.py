@@ -10,7 +10,7 @@ SIGNALS, MECHANISM, ALL = "signals", "mechanism", "all"  # what can be asked for
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block:
+class DrawnBlock:
     """One block; its inputs are on its left side, its outputs on its right."""
 
     name: str  # unique; for what reads the picture
@@ -40,7 +40,7 @@ class Picture:
     """Blocks and nets, not yet laid out."""
 
     title: str
-    blocks: tuple[Block, ...]
+    blocks: tuple[DrawnBlock, ...]
     nets: tuple[Net, ...]
 
     def __post_init__(self) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 
 from drake_leg.drawings.captions import SIGNAL_WIDTH, number_text, values_text
-from drake_leg.drawings.picture import Block as Drawn
+from drake_leg.drawings.picture import DrawnBlock
 from drake_leg.drawings.simulink_bodies import JOINT_GLYPHS
 from drake_leg.drawings.simulink_names import cut, name_lines
 from drake_leg.drawings.simulink_network import TO_PHYSICAL, TO_SIGNAL
@@ -55,7 +55,7 @@ _SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 
 def signal_block(
     block: Block, *, name: str, inputs: Sequence[str], outputs: Sequence[str], script: str
-) -> Drawn:
+) -> DrawnBlock:
     """Draw a block of the signals, with the parameters that tell most.
 
     ``inputs`` and ``outputs`` are its ports that are wired, as ``SID#in:1``; ``script`` is the code
@@ -66,7 +66,7 @@ def signal_block(
     labels_in, labels_out = _port_labels(block, function)
     details = _DETAILS.get(block.kind)
     words = details(block) if details else ()
-    return Drawn(
+    return DrawnBlock(
         name=name,
         caption=name_lines(block.name, SIGNAL_WIDTH) + tuple(map(cut, words)),
         glyph=glyph,

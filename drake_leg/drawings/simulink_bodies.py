@@ -17,7 +17,7 @@ from drake_leg.drawings.captions import (
     transform_words,
 )
 from drake_leg.drawings.chain import connection_of, solid_block
-from drake_leg.drawings.picture import Block as Drawn
+from drake_leg.drawings.picture import DrawnBlock
 from drake_leg.drawings.simulink_names import cut, name_lines
 from drake_leg.drawings.text import wrapped
 from drake_leg.errors import InvalidValueError
@@ -39,7 +39,7 @@ _GLYPHS = JOINT_GLYPHS | {
 _INSIDE = {"Mechanism Configuration": ("g ↓",), "Solver Configuration": ("f(x) = 0",)}
 
 
-def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> Drawn:
+def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> DrawnBlock:
     """Draw a mechanical block: its name, its kind where nothing else tells it, its parameters.
 
     ``turned`` tells whether its follower is on the left, towards the world; ``senses`` whether
@@ -57,10 +57,10 @@ def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> Drawn:
         solid = read_solid(block)
         return solid_block(name, (*caption, *_kind(block), *_size(block, solid)), solid.shape)
     if block.kind not in _GLYPHS:
-        return Drawn(name=name, caption=caption, text=wrapped(block.kind, CAPTION_WIDTH))
+        return DrawnBlock(name=name, caption=caption, text=wrapped(block.kind, CAPTION_WIDTH))
     details = _DETAILS.get(block.kind)
     notes = {"senses the motion": senses and block.kind == "6-DOF Joint", "drawn F to B": turned}
-    return Drawn(
+    return DrawnBlock(
         name=name,
         caption=(
             *caption,

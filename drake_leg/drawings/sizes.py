@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drake_leg.drawings.picture import Block
+from drake_leg.drawings.picture import DrawnBlock
 from drake_leg.drawings.svg import SMALL
 from drake_leg.drawings.text import LINE, text_width
 
@@ -60,7 +60,7 @@ class Size:
     centred: bool = True  # whether a single port is at half its height
 
 
-def size_of(block: Block) -> Size:
+def size_of(block: DrawnBlock) -> Size:
     """How much room a block needs."""
     sides = [ports for ports in (block.inputs, block.outputs) if ports]
     ports = 2 * PORT_PAD + PORT_PITCH * (max(map(len, sides), default=1) - 1)

@@ -86,7 +86,8 @@ def _no_rotation(name: str) -> Values:
 
 def _first_rows(name: str) -> Values:
     """Show the rows in which a matrix is wrong, and the abbreviations in them."""
-    matrices, found = leg_b_matrices(), {}
+    matrices = leg_b_matrices()
+    found: dict[str, str] = {}
     for kind, sigmas in (("printed", SIGMAS_PRINTED), ("right", SIGMAS_RIGHT)):
         rows = getattr(matrices, kind)[name][:2, :]
         used = (f"{sigma} = {text(value)}" for sigma, value in sigmas.items() if rows.has(sigma))

@@ -58,7 +58,7 @@ def _third_rows(name: str) -> Values:
 
 def _height() -> Values:
     true, wrong = _tool()[2], _tool_with("T01")[2]
-    return _third_rows("T03") | {"low": true - wrong, "wrong": wrong, "true": true}
+    return {**_third_rows("T03"), "low": true - wrong, "wrong": wrong, "true": true}
 
 
 def _no_rotation(name: str) -> Values:

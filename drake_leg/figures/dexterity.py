@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -31,7 +31,7 @@ from drake_leg.singularity.sets import axis_reach
 SIDES = (1, -1)  # the foot in front of the hip, and behind it
 
 
-def dexterity(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
+def dexterity(leg: LegGeometry, start: Sequence[float] | Array, title: str) -> Figure:
     """Draw the smallest singular value over the leg's own plane, for both ways of facing the foot.
 
     The posture ``start`` (3,) [rad] is marked.

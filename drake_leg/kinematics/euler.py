@@ -1,10 +1,4 @@
-"""Euler angles of all twelve sequences, also at gimbal lock and over time.
-
-A sequence such as ``"ZXZ"`` is body-fixed (intrinsic), as Simscape's rotation sequences and its
-Bushing and Gimbal joints ("XYZ") are: ``R_BF = R_z(a) R_x(b) R_z(c)``. Space-fixed angles are the
-same numbers read backwards: roll, pitch, yaw about the base's x, y, z are "ZYX" angles yaw, pitch,
-roll. At gimbal lock the first and the third axis are parallel.
-"""
+"""Euler angles of all twelve sequences, also at gimbal lock and over time."""
 
 from __future__ import annotations
 
@@ -18,6 +12,10 @@ from numpy.typing import ArrayLike
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array, finite_vectors
 
+# A sequence such as "ZXZ" is body-fixed (intrinsic), as Simscape's rotation sequences and its
+# Bushing and Gimbal joints ("XYZ") are: R_BF = R_z(a) R_x(b) R_z(c). Space-fixed angles are the
+# same numbers read backwards: roll, pitch, yaw about the base's x, y, z are "ZYX" angles yaw,
+# pitch, roll. At gimbal lock the first and the third axis are parallel.
 TAIT_BRYAN = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 PROPER = ("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ")
 SEQUENCES = TAIT_BRYAN + PROPER

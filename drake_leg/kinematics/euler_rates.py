@@ -1,9 +1,4 @@
-"""How Euler angles change: a Bushing or Gimbal joint's rates against an angular velocity.
-
-**Angle rates are not an angular velocity.** The rates are derivatives of the three angles, about
-three axes that are not at right angles; an angular velocity has components along the three axes
-of one frame. ``w_BF = E(angles) rates``, and E is singular at gimbal lock.
-"""
+"""How Euler angles change: a Bushing or Gimbal joint's rates against an angular velocity."""
 
 from __future__ import annotations
 
@@ -17,7 +12,10 @@ from drake_leg.kinematics.euler import LOCK, euler_rotation
 def rate_matrix(sequence: str, angles: ArrayLike) -> Array:
     """The matrix E of ``w_BF = E rates`` at Euler angles (..., 3) [rad], (..., 3, 3).
 
-    Its columns are the three axes of rotation in the base frame; it is singular at gimbal lock.
+    **Angle rates are not an angular velocity.** The rates are derivatives of the three angles,
+    about three axes that are not at right angles; an angular velocity has components along the
+    three axes of one frame. The columns of E are the three axes of rotation in the base frame; E
+    is singular at gimbal lock.
     ``R_BF.T @ E`` is the one in the follower's axes.
     """
     R_BF = euler_rotation(sequence, angles)

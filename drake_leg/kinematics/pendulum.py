@@ -1,8 +1,4 @@
-"""The pendulum's closed forms: inertia, energy, exact undamped motion, rest angles.
-
-q = 0 is horizontal and positive q turns the link downwards, so that the link hangs at
-q = pi/2; the swing angle from there is ``phi = q - pi/2``.
-"""
+"""The pendulum's closed forms: inertia, energy, exact undamped motion, rest angles, stability."""
 
 from __future__ import annotations
 
@@ -19,10 +15,11 @@ from scipy.optimize import brentq
 from scipy.special import ellipj, ellipkm1
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_energy, limit_force
 from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative, require_positive
-from drake_leg.robot import Brick, JointMechanics, Robot, Row, Solid
+from drake_leg.robot import Brick, Robot, Row, Solid
 
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright
 IN_AND_OUT = 0.002  # [s], greatest step where a limit may be met: none is stepped over
@@ -33,7 +30,9 @@ STIFF = 1e5  # time constants of the damper in a run from which an implicit meth
 class PendulumModel:
     """What the equation of motion ``I qddot = m g (L/2) cos q - c qdot - k (q - q_ref)`` needs.
 
-    On its right side is also the force of the joint's limits, where they push back.
+    On its right side is also the force of the joint's limits, where they push back. q = 0 is
+    horizontal and positive q turns the link downwards, so that the link hangs at q = pi/2; the
+    swing angle from there is ``phi = q - pi/2``.
     """
 
     mass: float  # [kg]

@@ -14,11 +14,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.models.solids import mass_properties
 from drake_leg.names import BASE, BASE_WELD, PLACES, frame_name, place_name
 from drake_leg.quantities import LEAST
-from drake_leg.robot import Brick, Cylinder, JointMechanics, Link, Robot, Row, Segment, Shape
+from drake_leg.robot import Brick, Cylinder, Link, Robot, Row, Segment, Shape
 
 PACKAGE = "drake_leg"
 CENTRED = (0.0, 0.0, 0.0)

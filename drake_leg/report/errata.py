@@ -32,20 +32,21 @@ def errata_entries(numbers: Iterable[int] | None = None) -> Markup:
     InvalidValueError
         If there is no erratum of such a number.
     """
-    chosen = [_numbered(number) for number in (_by_number() if numbers is None else numbers)]
+    chosen = [_numbered(number) for number in (errata_by_number() if numbers is None else numbers)]
     return Markup("\n").join(piece("entry", erratum, *_beside(erratum)) for erratum in chosen)
 
 
 def _numbered(number: int) -> Erratum:
-    if number not in _by_number():
+    if number not in errata_by_number():
         raise InvalidValueError(
-            f"there is no erratum {number}; they are numbered from 1 to {len(_by_number())}"
+            f"there is no erratum {number}; they are numbered from 1 to {len(errata_by_number())}"
         )
-    return _by_number()[number]
+    return errata_by_number()[number]
 
 
 @cache
-def _by_number() -> Mapping[int, Erratum]:
+def errata_by_number() -> Mapping[int, Erratum]:
+    """List the errata, computed once."""
     return {erratum.number: erratum for erratum in errata()}
 
 

@@ -1,4 +1,4 @@
-"""What the page shows of each item, by its kind: made, written beside the page, and proved."""
+"""The items of the page, by kind: made, written beside it, compared with the exact answer."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ NARROW = 600  # [px], a block diagram that need not be larger than the text is w
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exhibit:
+class ShownItem:
     """One item, ready for the page."""
 
     body: Markup
@@ -49,27 +49,27 @@ class Exhibit:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Workshop:
-    """Where exhibits are made, and what from."""
+class ItemMaker:
+    """Makes the page's items from the runs' outcomes, with files in a folder."""
 
     folder: Path
     outcomes: Mapping[str, Outcome]  # of all ``RUNS``
 
-    def make(self, item: Item) -> Exhibit:
-        """Make an item's exhibit, and write its files."""
+    def make(self, item: Item) -> ShownItem:
+        """Make an item, and write its files."""
         return KINDS[item.kind](item, self)
 
 
-def missing(error: PictureError) -> Exhibit:
+def missing(error: PictureError) -> ShownItem:
     """Stand in for an item that could not be made."""
-    return Exhibit(body=Markup("<p>{}</p>").format(str(error)), commands=())
+    return ShownItem(body=Markup("<p>{}</p>").format(str(error)), commands=())
 
 
-def _plot(item: Item, workshop: Workshop) -> Exhibit:
-    plot, outcome = PLOTS[item.show], workshop.outcomes[item.subject]
+def _plot(item: Item, maker: ItemMaker) -> ShownItem:
+    plot, outcome = PLOTS[item.show], maker.outcomes[item.subject]
     title = f"{item.label}: {RUNS[item.subject].title}"
-    body, files = _saved(item, workshop, plot.draw(outcome, title))
-    return Exhibit(
+    body, files = _saved(item, maker, plot.draw(outcome, title))
+    return ShownItem(
         body=body,
         commands=(command(item.subject),),
         result=f"{item.subject}/{plot.file}.svg",
@@ -80,12 +80,12 @@ def _plot(item: Item, workshop: Workshop) -> Exhibit:
     )
 
 
-def _map(item: Item, workshop: Workshop) -> Exhibit:
+def _map(item: Item, maker: ItemMaker) -> ShownItem:
     subject = SUBJECTS[item.subject]
     draw = maps_of_posture(subject.robot, subject.q)[item.show]
-    body, files = _saved(item, workshop, draw())
+    body, files = _saved(item, maker, draw())
     folder = f"{item.subject}-maps"
-    return Exhibit(
+    return ShownItem(
         body=body,
         commands=(f"drake-leg doctor {subject.name} --q {subject.option} --out {folder}",),
         result=f"{folder}/{item.show}.svg",
@@ -93,46 +93,46 @@ def _map(item: Item, workshop: Workshop) -> Exhibit:
     )
 
 
-def _frames(item: Item, workshop: Workshop) -> Exhibit:
-    robot = workshop.outcomes[item.subject].robot
+def _frames(item: Item, maker: ItemMaker) -> ShownItem:
+    robot = maker.outcomes[item.subject].robot
     title = f"{item.label}: {robot.title}"
-    body, files = _saved(item, workshop, free_body(robot, title=title))
-    return Exhibit(
+    body, files = _saved(item, maker, free_body(robot, title=title))
+    return ShownItem(
         body=body,
         commands=(f"drake-leg diagram {item.subject} --part frames --out {item.id}.svg",),
         files=files,
     )
 
 
-def _blocks(item: Item, workshop: Workshop) -> Exhibit:
+def _blocks(item: Item, maker: ItemMaker) -> ShownItem:
     kind = run_kind(item.subject)
     diagram, _ = kind.diagram(kind.options())
-    robot = workshop.outcomes[item.subject].robot
+    robot = maker.outcomes[item.subject].robot
     pictures = run_pictures(diagram, robot, title=kind.title, part=item.show)
     svg = draw(*pictures).svg
-    file = workshop.folder / f"{item.id}.svg"
+    file = maker.folder / f"{item.id}.svg"
     file.write_text(svg, encoding="utf-8")
     part = "" if item.show == ALL else f" --part {item.show}"
     found = re.search(r'width="([\d.]+)"', svg)
     width = round(float(found[1])) if found else 0
     large = width >= NARROW
     place = DRAWING.format("drawing large" if large else "drawing", item.title, width)
-    return Exhibit(
+    return ShownItem(
         body=_figure(item, svg, place, file.name if large else ""),
         commands=(f"drake-leg diagram {item.subject}{part} --out {item.id}.svg",),
         files=(file.name,),
     )
 
 
-def _still(item: Item, workshop: Workshop) -> Exhibit:
+def _still(item: Item, maker: ItemMaker) -> ShownItem:
     subject = SUBJECTS[item.subject]
-    file = workshop.folder / f"{item.id}.png"
+    file = maker.folder / f"{item.id}.png"
     light, dark = (
         still(subject.robot, subject.q, view=item.show, paper=paper).png for paper in (LIGHT, DARK)
     )
     file.write_bytes(light)
     image = picture(light, f"{item.title}. {item.caption}", dark=dark)
-    return Exhibit(
+    return ShownItem(
         body=piece("still", image, item),
         commands=(
             f"drake-leg view {subject.name} --q {subject.option} --from {item.show} "
@@ -142,17 +142,17 @@ def _still(item: Item, workshop: Workshop) -> Exhibit:
     )
 
 
-def _replay(item: Item, workshop: Workshop) -> Exhibit:
-    outcome = workshop.outcomes[item.subject]
+def _replay(item: Item, maker: ItemMaker) -> ShownItem:
+    outcome = maker.outcomes[item.subject]
     motion = motion_of(outcome.robot, outcome.recording)
-    file = workshop.folder / f"{item.id}.html"
+    file = maker.folder / f"{item.id}.html"
     page = replay(outcome.robot, motion, title=run_kind(RUNS[item.subject].name).heading).html
     file.write_text(page, encoding="utf-8")
     light, dark = (
         still(outcome.robot, motion.q[0], motion=motion, paper=paper).png for paper in (LIGHT, DARK)
     )
     poster = picture(light, item.caption, dark=dark)
-    return Exhibit(
+    return ShownItem(
         body=piece("still", poster, item, file.name),
         commands=(
             command(item.subject),
@@ -162,9 +162,9 @@ def _replay(item: Item, workshop: Workshop) -> Exhibit:
     )
 
 
-def _saved(item: Item, workshop: Workshop, figure: Figure) -> tuple[Markup, tuple[str, ...]]:
+def _saved(item: Item, maker: ItemMaker, figure: Figure) -> tuple[Markup, tuple[str, ...]]:
     """Write a figure beside the page; return its HTML and the names of its files."""
-    paths = save(figure, workshop.folder, item.id)
+    paths = save(figure, maker.folder, item.id)
     svg = for_light_and_dark(paths["svg"].read_text(encoding="utf-8"))
     height = figure.get_figheight()
     narrow(figure)
@@ -181,37 +181,37 @@ def _figure(
     return piece("figure", image, item, attributes, full)
 
 
-def _text(item: Item, body: Markup, *commands: str) -> Exhibit:
+def _text(item: Item, body: Markup, *commands: str) -> ShownItem:
     caption = Markup("<p>{}</p>\n").format(prose(item.caption)) if item.caption else ""
-    return Exhibit(body=caption + body, commands=commands)
+    return ShownItem(body=caption + body, commands=commands)
 
 
-def _table(item: Item, _workshop: Workshop) -> Exhibit:
+def _table(item: Item, _workshop: ItemMaker) -> ShownItem:
     body = mathematics.khalil_table(SUBJECTS[item.subject].robot)
     return _text(item, body, f"drake-leg sdf {item.subject} --toml")
 
 
-def _equations(item: Item, _workshop: Workshop) -> Exhibit:
+def _equations(item: Item, _workshop: ItemMaker) -> ShownItem:
     return _text(item, mathematics.equations(item), f"drake-leg derive {item.subject}")
 
 
-def _methods(item: Item, _workshop: Workshop) -> Exhibit:
+def _methods(item: Item, _workshop: ItemMaker) -> ShownItem:
     commands = (f"drake-leg check {item.subject}", f"drake-leg derive {item.subject}")
     return _text(item, mathematics.both_methods(item), *commands)
 
 
-def _singular(item: Item, _workshop: Workshop) -> Exhibit:
+def _singular(item: Item, _workshop: ItemMaker) -> ShownItem:
     commands = mathematics.singular_commands(item)
     return _text(item, mathematics.singular_postures(item), *commands)
 
 
-def _stroke(item: Item, _workshop: Workshop) -> Exhibit:
+def _stroke(item: Item, _workshop: ItemMaker) -> ShownItem:
     subject = SUBJECTS[item.subject]
     doctor = f"drake-leg doctor {subject.name} --q {subject.option} --direction 1,0,0"
     return _text(item, mathematics.stroke(item), doctor)
 
 
-KINDS: Mapping[str, Callable[[Item, Workshop], Exhibit]] = {
+KINDS: Mapping[str, Callable[[Item, ItemMaker], ShownItem]] = {
     "plot": _plot,
     "map": _map,
     "frames": _frames,

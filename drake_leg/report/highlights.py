@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 
 from markupsafe import Markup
 
-from drake_leg.errata import errata
 from drake_leg.errata.erratum import number
 from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.report.errata import errata_by_number
 from drake_leg.report.markup import power, prose
 from drake_leg.report.runs import GAIN, RUNS
 from drake_leg.runs.options import LegBOptions
@@ -76,7 +76,7 @@ def highlights(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, Markup, s
     )
     yield (
         "What is wrong in print?",
-        Markup(f"{len(errata())} errata, each with its effect in numbers."),
+        Markup(f"{len(errata_by_number())} errata, each with its effect in numbers."),
         "errata",
         "errata",
     )

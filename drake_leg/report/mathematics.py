@@ -16,7 +16,7 @@ from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
 from drake_leg.report.contents import Item
 from drake_leg.report.markup import number, piece, power, prose
 from drake_leg.report.matrices import POSTURES, Comparison, comparisons, methods
-from drake_leg.report.subjects import SUBJECTS, Subject, angles, option
+from drake_leg.report.subjects import SUBJECTS, PosedRobot, angles, option
 from drake_leg.robot import Robot
 from drake_leg.runs.options import LegBOptions
 from drake_leg.singularity.doctor import examine_posture
@@ -59,7 +59,7 @@ def _turn(angle: float) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class EquationLine:
     """One equation of the page, or a statement; what it does not have is empty."""
 
     name: str = ""
@@ -78,7 +78,7 @@ def equations(item: Item) -> Markup:
     lines = [
         _matrix(label, name, found[name], subject)
         if name in found
-        else Line(text=name, label=label)
+        else EquationLine(text=name, label=label)
         for label, name in item.equations
     ]
     said = f"Evaluated at q = ({subject.posture}), lengths in m."
@@ -90,14 +90,14 @@ def equations(item: Item) -> Markup:
     return _lines(said, lines)
 
 
-def _lines(said: str, lines: Iterable[Line]) -> Markup:
+def _lines(said: str, lines: Iterable[EquationLine]) -> Markup:
     shown = Markup("\n").join(piece("equation", line) for line in lines)
     return Markup("<p>{}</p>\n{}").format(said, shown)
 
 
-def _matrix(label: str, name: str, comparison: Comparison, subject: Subject) -> Line:
+def _matrix(label: str, name: str, comparison: Comparison, subject: PosedRobot) -> EquationLine:
     value = comparison.value
-    return Line(
+    return EquationLine(
         name=NAMES.get(name, name),
         formula=[[Markup(html(entry)) for entry in row] for row in comparison.formula.tolist()],
         value=() if value is None else _numbers(value),
@@ -115,7 +115,7 @@ def _numbers(value: Array) -> list[list[str]]:
     return [[number(entry) for entry in row] for row in value]
 
 
-def _unit(name: str, comparison: Comparison, subject: Subject) -> Markup | str:
+def _unit(name: str, comparison: Comparison, subject: PosedRobot) -> Markup | str:
     """Write the unit of a determinant, and its value in the reports' millimetres."""
     if not name.startswith("det J") or comparison.value is None:
         return ""
@@ -124,12 +124,12 @@ def _unit(name: str, comparison: Comparison, subject: Subject) -> Markup | str:
     return Markup("m<sup>{0}</sup> = {1} mm<sup>{0}</sup>").format(power, in_mm.replace("-", "−"))
 
 
-def _length_power(subject: Subject) -> int:
+def _length_power(subject: PosedRobot) -> int:
     """Count the rows of the task that are lengths: those of translation."""
     return sum(row >= 3 for row in subject.task)
 
 
-def _product(name: str, subject: Subject) -> Markup:
+def _product(name: str, subject: PosedRobot) -> Markup:
     """Write what the direct method multiplies: the joint's axis and the way to the foot."""
     if name not in RATES:
         return Markup("")
@@ -154,9 +154,9 @@ def both_methods(item: Item) -> Markup:
         "; in symbols, by SymPy, for every q" if symbols else "",
     )
     lines = (
-        Line(name="J direct", value=_numbers(found.direct)),
-        Line(name="J indirect", value=_numbers(found.indirect)),
-        Line(name="J direct − J indirect", text="0", proof=proof),
+        EquationLine(name="J direct", value=_numbers(found.direct)),
+        EquationLine(name="J indirect", value=_numbers(found.indirect)),
+        EquationLine(name="J direct − J indirect", text="0", proof=proof),
     )
     return _lines(f"Evaluated at q = ({subject.posture}), lengths in m:", lines)
 
@@ -201,7 +201,7 @@ def singular_commands(item: Item) -> list[str]:
     ]
 
 
-def _determinant(subject: Subject, q: list[float]) -> float:
+def _determinant(subject: PosedRobot, q: list[float]) -> float:
     full = [*q, *subject.q[len(q) :]]
     J = jacobian(subject.robot.rows, full)[list(subject.task), : len(subject.task)]
     return float(np.linalg.det(J))

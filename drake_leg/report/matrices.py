@@ -24,7 +24,7 @@ from drake_leg.kinematics.khalil import (
     row_transform,
 )
 from drake_leg.models.plant import build_plant
-from drake_leg.report.subjects import Subject
+from drake_leg.report.subjects import PosedRobot
 from drake_leg.robot import Robot
 from drake_leg.symbolic.catalogue import derived
 from drake_leg.symbolic.chain import evaluate
@@ -53,7 +53,7 @@ class BothMethods:
     difference: float  # greatest of an entry, at ``POSTURES`` random postures
 
 
-def comparisons(subject: Subject) -> Mapping[str, Comparison]:
+def comparisons(subject: PosedRobot) -> Mapping[str, Comparison]:
     """Compare all matrices of a leg or the SCARA at its posture, by their names.
 
     The names are T, T01 ..., V1 ..., P, J, J⁻¹, det J, det J expanded.
@@ -66,18 +66,20 @@ def comparisons(subject: Subject) -> Mapping[str, Comparison]:
     for name, formula in matrices(derived(subject.name)).items():
         if name == "T":
             continue
-        chain, drake = (side(name, subject.task) for side in (witness.by_chain, witness.by_drake))
+        by_chain, by_drake = (
+            side(name, subject.task) for side in (witness.by_chain, witness.by_drake)
+        )
         value = evaluate(formula, values)
         found[name] = Comparison(
             formula=formula,
             value=value,
-            from_chain=float(np.abs(value - chain).max()),
-            from_drake=float(np.abs(value - drake).max()),
+            from_chain=float(np.abs(value - by_chain).max()),
+            from_drake=float(np.abs(value - by_drake).max()),
         )
     return found
 
 
-def methods(subject: Subject) -> BothMethods:
+def methods(subject: PosedRobot) -> BothMethods:
     """Compare the direct with the indirect method, for a leg or the SCARA."""
     rows = subject.robot.rows
     size = len(subject.task)

@@ -1,4 +1,4 @@
-"""The page: runs carried out, every item made, one HTML file with its figures inside."""
+"""The page: runs simulated, every item made, one HTML file with its figures inside."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from markupsafe import Markup
 from drake_leg.errors import PictureError
 from drake_leg.report.contents import chapters
 from drake_leg.report.errata import errata_entries, erratum_notes
-from drake_leg.report.exhibits import Workshop, missing
+from drake_leg.report.exhibits import ItemMaker, missing
 from drake_leg.report.highlights import highlights
 from drake_leg.report.markup import piece, power, template
 from drake_leg.report.replays import packed
@@ -42,11 +42,11 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> list[Pictur
     for key, run in RUNS.items():
         outcomes[key] = run.carry_out()
         count()
-    workshop = Workshop(folder=folder, outcomes=outcomes)
+    maker = ItemMaker(folder=folder, outcomes=outcomes)
     exhibits, failures = {}, []
     for item in (item for chapter in chapters() for item in chapter.items):
         try:
-            exhibits[item.id] = workshop.make(item)
+            exhibits[item.id] = maker.make(item)
         except (OSError, MissingSymPyError):
             raise
         except Exception as error:

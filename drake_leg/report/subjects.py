@@ -14,7 +14,7 @@ from drake_leg.symbolic.catalogue import SUBJECTS as DERIVED
 
 
 @dataclass(frozen=True, kw_only=True)
-class Subject:
+class PosedRobot:
     """A robot in a posture."""
 
     name: str  # on the command line
@@ -36,12 +36,12 @@ def option(degrees: Sequence[float]) -> str:
     return ",".join(f"{angle:.17g}" for angle in degrees)
 
 
-def _leg(name: str, robot: Robot, options: LegBOptions) -> Subject:
+def _leg(name: str, robot: Robot, options: LegBOptions) -> PosedRobot:
     knee = options.q0[1]
     side = math.copysign(1.0, knee)
     l1, l2, l3 = HEXABOT_LENGTHS
     above_itself = math.degrees(math.acos(-l1 / (l2 + l3)))
-    return Subject(
+    return PosedRobot(
         name=name,
         robot=robot,
         q=options.posture(),
@@ -57,10 +57,10 @@ def _leg(name: str, robot: Robot, options: LegBOptions) -> Subject:
     )
 
 
-def _scara() -> Subject:
+def _scara() -> PosedRobot:
     options = ScaraOptions()
     lift = lift_position(ScaraGeometry.from_robot(SCARA), options.tool_height)
-    return Subject(
+    return PosedRobot(
         name="scara",
         robot=SCARA,
         q=(*options.posture(), lift),
@@ -71,10 +71,10 @@ def _scara() -> Subject:
     )
 
 
-SUBJECTS: Mapping[str, Subject] = {
+SUBJECTS: Mapping[str, PosedRobot] = {
     subject.name: subject
     for subject in (
-        Subject(
+        PosedRobot(
             name="pendulum",
             robot=PENDULUM,
             q=(math.radians(STATE_TARGET),),

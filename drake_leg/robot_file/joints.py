@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from drake_leg.joint_mechanics import PRIORITIES, HardStop, StateTarget
-from drake_leg.robot import JointMechanics
+from drake_leg.joint_mechanics import PRIORITIES, HardStop, JointMechanics, StateTarget
 from drake_leg.robot_file.keys import Keys
 from drake_leg.units import JointUnits
 

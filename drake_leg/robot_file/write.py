@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 
-from drake_leg.joint_mechanics import HardStop, StateTarget
-from drake_leg.robot import Inertial, JointMechanics, Link, Robot, Segment, Solid
+from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
+from drake_leg.robot import Inertial, Link, Robot, Segment, Solid
 from drake_leg.robot_file.bodies import ORIGIN, SHAPES
 from drake_leg.units import AngleUnit, JointUnits, exact_degrees, joint_units
 

@@ -42,8 +42,7 @@ from drake_leg.figures.style import STYLE
 from drake_leg.kinematics.batches import Array
 from drake_leg.scene.lettering import LIGHT, Paper, Pixels
 from drake_leg.scene.parts import Part
-from drake_leg.scene.scene import Scene
-from drake_leg.scene.views import MARGIN, View
+from drake_leg.scene.scene import MARGIN, Scene, View
 
 EDGE = 0.06  # of the picture's width: room around what a scene holds, for what is thick
 
@@ -63,7 +62,7 @@ import numpy as np
 from drake_leg.robots import PENDULUM
 from drake_leg.scene.artists import Renderer
 from drake_leg.scene.scene import at_rest, scene_of
-from drake_leg.scene.views import VIEWS
+from drake_leg.scene.scene import VIEWS
 motion = at_rest(PENDULUM, [0.3])
 image = Renderer(scene_of(motion), width=64, height=48).image(motion.poses()[0], VIEWS["front"])
 assert np.ptp(image) > 0, "the picture is empty"

@@ -12,6 +12,7 @@ from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from drake_leg.diagrams.driven_foot import BRAKE, COMMAND, JOINTS, WholeFoot, build
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.quantities import beyond
 from drake_leg.robot import Robot
@@ -78,6 +79,12 @@ class DrivenFoot:
         self._brake, self._brake_context = brake, brake.GetMyContextFromRoot(root)
         self._joints, self._joints_context = joints, joints.GetMyMutableContextFromRoot(root)
         self._root = root
+
+    @property
+    def leg(self) -> LegGeometry | None:
+        """Lengths of a hexabot leg; None of another robot."""
+        geometry = self.moved.geometry
+        return geometry if isinstance(geometry, LegGeometry) else None
 
     def sigma_min(self, q: Array) -> float:
         """Smallest singular value of the foot's Jacobian [m]."""

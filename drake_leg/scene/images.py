@@ -22,9 +22,18 @@ from drake_leg.scene.artists import (
     require_rendering,
 )
 from drake_leg.scene.lettering import LIGHT, AxisNames, Paper, Pixels, Words, reduced, write_on
-from drake_leg.scene.scene import PlantMotion, Record, Scene, at_rest, motion_of, scene_of
+from drake_leg.scene.scene import (
+    VIEWS,
+    PlantMotion,
+    Record,
+    Scene,
+    View,
+    as_view,
+    at_rest,
+    motion_of,
+    scene_of,
+)
 from drake_leg.scene.shown_plant import Showable
-from drake_leg.scene.views import VIEWS, View, as_view
 
 WIDTH, HEIGHT = 960, 720  # [pixels] of a still
 SMOOTHING = 2  # a still is rendered larger by this factor

@@ -21,8 +21,7 @@ from PIL import Image, ImageDraw, ImageFont
 from drake_leg.colours import Colour
 from drake_leg.kinematics.batches import Array
 from drake_leg.scene.parts import triad_lengths
-from drake_leg.scene.scene import Scene
-from drake_leg.scene.views import View
+from drake_leg.scene.scene import Scene, View
 
 Pixels = NDArray[np.uint8]  # (height, width, 3), red, green, blue
 

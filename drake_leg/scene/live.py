@@ -15,8 +15,7 @@ from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.scene.parts import BLUE, GREEN, RED, TRACE, TRACE_RADIUS, TRACE_SPACING
-from drake_leg.scene.scene import Scene
-from drake_leg.scene.views import View
+from drake_leg.scene.scene import Scene, View
 from drake_leg.scene.web_page import stage_data
 
 MOST_PIECES = 500  # of a trace; its oldest pieces go when it is longer

@@ -1,4 +1,4 @@
-"""Pages, their states and their commands over HTTP, on this machine unless told otherwise."""
+"""Pages, their states and their commands over HTTP, for this machine unless others are let in."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Thread
-from typing import Any, Protocol, Self, cast
+from typing import Any, Self, cast
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.scene.live import Command, Feed
@@ -134,10 +134,6 @@ class Site:
     names: tuple[str, ...]  # of this machine, as in a URL; "*" stands for all its addresses
 
 
-class _Owner(Protocol):
-    site: Site
-
-
 class RefusedError(DrakeLegError):
     """A request that is not answered, with its status."""
 
@@ -173,7 +169,7 @@ class Answers(BaseHTTPRequestHandler):
 
     @property
     def _site(self) -> Site:
-        return cast("_Owner", self.server).site
+        return cast("_Listener", self.server).site
 
     def _answer(self, answers: dict[str, Callable[[], None]], paths: str) -> None:
         try:
@@ -266,13 +262,7 @@ class _Listener(ThreadingHTTPServer):
 
 
 def open_browser(url: str) -> bool:
-    """Open a page in the person's browser, where there is a screen to show it.
-
-    Returns
-    -------
-    bool
-        Whether one was opened.
-    """
+    """Open a page in the person's browser; tell whether there is a screen to show it."""
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):
@@ -286,17 +276,10 @@ def open_browser(url: str) -> bool:
 def require_own(host: str | None, origin: str | None, names: tuple[str, ...]) -> None:
     """Refuse what another site sends through a browser of this machine.
 
-    Parameters
-    ----------
-    host, origin : str or None
-        Headers of the request.
-    names : tuple of str
-        Of this machine, as in a URL.
-
     Raises
     ------
     RefusedError
-        If the host is none of the names, or the origin is another host.
+        If the Host header is none of this machine's names, or Origin is another host.
     """
     name = (host or "").lower().rpartition(":")[0] if _has_port(host) else (host or "").lower()
     known = name in map(str.lower, names) or ("*" in names and _is_address(name))
@@ -307,13 +290,7 @@ def require_own(host: str | None, origin: str | None, names: tuple[str, ...]) ->
 
 
 def parse_command(text: bytes) -> Command:
-    """Read a command.
-
-    Raises
-    ------
-    InvalidValueError
-        If it is no object of JSON.
-    """
+    """Read a command; what is no object of JSON is an ``InvalidValueError``."""
     try:
         command = json.loads(text)
     except (ValueError, RecursionError):

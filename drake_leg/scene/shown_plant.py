@@ -12,6 +12,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from threading import Lock
 from typing import TypeAlias
 
 import numpy as np
@@ -67,7 +68,7 @@ class ShownPlant:
     Frame 0 is the world. Then come the frames of Khalil tables, ``frame_1`` and so on, where the
     plant has them, and the frames of all other bodies that move.
 
-    The context is scratch: two threads must not use one ``ShownPlant``.
+    Its context is scratch, and locked while it is used: pages are served from several threads.
 
     Parameters
     ----------
@@ -101,7 +102,7 @@ class ShownPlant:
         self.plant, self.name = plant, _name_of(plant)
         self.title = title or self.name
         self.coordinates = _coordinates_of(plant)
-        self._context = plant.CreateDefaultContext()
+        self._context, self._lock = plant.CreateDefaultContext(), Lock()
         self.default: Array = plant.GetPositions(self._context)  # where it is shown first
         self._anchored = {body.index() for body in plant.GetBodiesWeldedTo(plant.world_body())}
         self._all_frames = [
@@ -145,10 +146,11 @@ class ShownPlant:
         positions = self.positions(q)
         rows = positions.reshape(-1, positions.shape[-1])
         X_WF = np.empty((len(rows), len(self.frames), 4, 4))
-        for row, X in zip(rows, X_WF, strict=True):
-            self.plant.SetPositions(self._context, row)
-            for index, frame in enumerate(self.frames):
-                X[index] = frame.CalcPoseInWorld(self._context).GetAsMatrix4()
+        with self._lock:
+            for row, X in zip(rows, X_WF, strict=True):
+                self.plant.SetPositions(self._context, row)
+                for index, frame in enumerate(self.frames):
+                    X[index] = frame.CalcPoseInWorld(self._context).GetAsMatrix4()
         return X_WF.reshape(*positions.shape[:-1], *X_WF.shape[1:])
 
     def traced(self, X_WF: Array) -> Array:
@@ -219,7 +221,7 @@ class ShownPlant:
             start = stop.point(stop.place)
             if stop.frame == 0 and ends:
                 yield Part(
-                    path=f"block/{body.name()}",
+                    path=f"block/{_label(body)}",
                     frame=0,
                     shape=Box(edge, edge, edge / 2.0),
                     X_FP=self._stops[body.index()][0].X_NB,
@@ -230,7 +232,7 @@ class ShownPlant:
                 if np.linalg.norm(end - stop.place) > edge:
                     shape, pose = rod(start, stop.point(end), edge / 4.0)
                     yield Part(
-                        path=f"post/{body.name()}_{number}",
+                        path=f"post/{_label(body)}_{number}",
                         frame=stop.frame,
                         shape=shape,
                         X_FP=pose,
@@ -253,7 +255,7 @@ class ShownPlant:
                     continue
                 shape, pose = rod(start, end, radius)
                 yield Part(
-                    path=f"rod/{body.name()}_{len(seen)}",
+                    path=f"rod/{_label(body)}_{len(seen)}",
                     frame=stop.frame,
                     shape=shape,
                     X_FP=pose,
@@ -339,7 +341,7 @@ class ShownPlant:
                 clear = 1.0 if isinstance(shape, Sphere) else SOLID_OPACITY
                 shapes.append(
                     Part(
-                        path=f"solid/{body.name()}_{number}",
+                        path=f"solid/{_label(body)}_{number}",
                         frame=stop.frame,
                         shape=shape,
                         X_FP=stop.X_NB @ inspector.GetPoseInFrame(geometry).GetAsMatrix4(),
@@ -461,6 +463,11 @@ def _systems(diagram: Diagram, kind: type) -> Iterator[System]:
             yield system
         elif isinstance(system, Diagram):
             yield from _systems(system, kind)
+
+
+def _label(body: RigidBody) -> str:
+    """Name a body, as no other body of the plant is named."""
+    return str(body.scoped_name()).replace("::", ".")
 
 
 def _coordinates_of(plant: MultibodyPlant) -> tuple[Coordinate, ...]:

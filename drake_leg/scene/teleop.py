@@ -1,4 +1,4 @@
-"""A foot driven by hand from a page: what it commands in, posture and guard out."""
+"""A foot driven by hand from a page: the page's commands in, posture and guard out."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import is_hexabot_leg
 from drake_leg.robot import Robot
 from drake_leg.scene.driven_foot import DrivenFoot, Step
 from drake_leg.scene.live import (
@@ -31,22 +30,22 @@ from drake_leg.scene.teleop_page import FASTEST, teleop_page, teleop_scene
 from drake_leg.scene.web_page import pose_rows
 
 PERIOD = 1.0 / 30.0  # [s] of a step
-LONGEST_STEP = 0.1  # [s]: what a late look at the commands may move
-FREED = "nothing is in the way: the foot goes as it is told"
+LONGEST_STEP = 0.1  # [s], however late the commands are read
+FREED = "nothing is in the way: the foot follows its command"
 AT_REST = "the foot is at rest, and nothing is near"
-LAPSED = "nothing is heard from the page that drives: the foot halts"
-SILENCE = 1.0  # [s] without a word of the driving page, after which the foot halts
+LAPSED = "the page that drives is silent: the foot halts"
+SILENCE = 1.0  # [s] of the driving page, after which the foot halts
 ACTIONS = ("drive", "alive", "halt", "start", "clear", "quit")
 REST = [0.0, 0.0, 0.0]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Orders:
-    """What has been commanded since one last asked."""
+    """What the pages have commanded since they were last read."""
 
     velocity: list[float]  # (3,) [mm/s]
     tab: str  # of the page that drives; empty at rest
-    halts: int  # how often the foot was halted, and what pages held let go
+    halts: int  # how often the foot was halted; pages then release what they hold
     lapsed: bool  # whether the driving page has fallen silent just now
     start: bool
     clear: bool
@@ -136,7 +135,7 @@ def drive_robot(
     wait: Callable[[float], None] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
 ) -> Step:
-    """Let somebody drive a robot's foot, until that somebody quits or interrupts.
+    """Let a person drive a robot's foot, until the page quits or Ctrl-C.
 
     Parameters
     ----------
@@ -195,7 +194,7 @@ def drive_robot(
 
 def _state(drive: DrivenFoot, step: Step, orders: Orders) -> dict[str, Any]:
     poses = shown(drive.robot).poses(step.q)[1:]
-    if is_hexabot_leg(drive.robot):
+    if drive.leg is not None:
         poses = np.concatenate([poses, _hip(step.q[0])])
     return {
         "poses": np.round(pose_rows(poses), 7).tolist(),

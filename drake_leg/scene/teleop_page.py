@@ -9,15 +9,13 @@ from pydrake.geometry import Meshcat, Rgba
 
 from drake_leg.colours import BLUE, GREEN, ORANGE, VERMILLION, rgb
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import LegGeometry, is_hexabot_leg
-from drake_leg.robot import Robot
+from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.scene.driven_foot import DrivenFoot
 from drake_leg.scene.live import AXES, Entry, live_data
 from drake_leg.scene.parts import TRACE
-from drake_leg.scene.scene import Scene, at_rest, scene_of
+from drake_leg.scene.scene import VIEWS, Scene, at_rest, scene_of
 from drake_leg.scene.shown_plant import ShownPlant, shown
 from drake_leg.scene.viewer import slider_range
-from drake_leg.scene.views import VIEWS
 from drake_leg.scene.web_page import drake_path, web_page
 from drake_leg.singularity.directions import motion_in_words
 
@@ -41,22 +39,16 @@ CORNERS = 96  # of a circle
 
 
 def teleop_scene(drive: DrivenFoot, q: Array) -> Scene:
-    """Make a scene that holds everything that the foot reaches.
-
-    Parameters
-    ----------
-    q : (n,) ndarray
-        Where it starts [rad or m].
-    """
-    return scene_of(at_rest(drive.robot, q), room=ROOM_AROUND, around=_reach(drive.robot))
+    """Make a scene that holds everything that the foot reaches, from where it starts, q (n,)."""
+    return scene_of(at_rest(drive.robot, q), room=ROOM_AROUND, around=_reach(drive))
 
 
-def _reach(robot: Robot) -> Array:
+def _reach(drive: DrivenFoot) -> Array:
     """Places of the foot around all others, (n, 3) [m]."""
-    if not is_hexabot_leg(robot):
-        plant = shown(robot)
+    if drive.leg is None:
+        plant = shown(drive.robot)
         return plant.traced(plant.poses(_postures(plant)))[:, 0]
-    _, outer = section_circles(LegGeometry.from_robot(robot))
+    _, outer = section_circles(drive.leg)
     turns = 2.0 * np.pi * np.arange(TURNS) / TURNS
     return np.concatenate([outer @ _turned(turn).T for turn in turns])
 
@@ -73,30 +65,22 @@ def _postures(plant: ShownPlant) -> Array:
 
 
 def teleop_page(drive: DrivenFoot, scene: Scene, session: str) -> str:
-    """Make the page.
-
-    Parameters
-    ----------
-    scene : Scene
-        As ``teleop_scene`` makes it.
-    session : str
-        Of the feed that the page follows.
+    """Make the page of a ``teleop_scene`` that follows the feed of a session.
 
     Raises
     ------
     MeshcatError
         If Meshcat finds no free port.
     """
-    robot = drive.robot
-    leg = LegGeometry.from_robot(robot) if is_hexabot_leg(robot) else None
+    title = drive.robot.title
     return web_page(
         scene,
         "teleop.html",
-        title=f"{robot.title}: drake-leg teleop",
+        title=f"{title}: drake-leg teleop",
         data={**live_data(scene, VIEWS["3d"], session), **_data(drive, scene)},
-        draw_more=lambda meshcat: _draw_region(meshcat, leg),
-        heading=f"{robot.title}: drive the foot",
-        legend=_legend(leg),
+        draw_more=lambda meshcat: _draw_region(meshcat, drive.leg),
+        heading=f"{title}: drive the foot",
+        legend=_legend(drive.leg),
         stop=f"{1e3 * drive.stop:.3g}",
         slow=f"{1e3 * drive.slow:.3g}",
         note=_note(drive),
@@ -130,7 +114,7 @@ def _movable(drive: DrivenFoot) -> list[bool]:
 
 def _data(drive: DrivenFoot, scene: Scene) -> dict[str, Any]:
     count = len(drive.robot.rows)
-    region = ["/drake/region"] if is_hexabot_leg(drive.robot) else []
+    region = ["/drake/region"] if drive.leg is not None else []
     lines = [
         ("/drake/region/inner", REGION, BRIGHT_REGION),
         ("/drake/region/outer", REGION, BRIGHT_REGION),

@@ -25,10 +25,9 @@ from drake_leg.scene.live import (
     numbers_of,
 )
 from drake_leg.scene.parts import TRACE
-from drake_leg.scene.scene import Scene, at_rest, scene_of
+from drake_leg.scene.scene import Scene, View, as_view, at_rest, scene_of
 from drake_leg.scene.server import Server, open_browser
 from drake_leg.scene.shown_plant import Coordinate, Showable, ShownPlant, shown
-from drake_leg.scene.views import View, as_view
 from drake_leg.scene.web_page import pose_rows, web_page
 
 PERIOD = 1.0 / 30.0  # [s], between readings of the sliders
@@ -160,7 +159,7 @@ def view(
     port: int | None = None,
     browser: bool = True,
 ) -> Array:
-    """Open a plant in the browser, its joints on sliders, until somebody quits or interrupts.
+    """Open a plant in the browser, its joints on sliders, until the page quits or Ctrl-C.
 
     Parameters
     ----------

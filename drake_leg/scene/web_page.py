@@ -20,8 +20,7 @@ from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.batches import Array
 from drake_leg.scene.lettering import PLACEMENT
 from drake_leg.scene.parts import triad_lengths
-from drake_leg.scene.scene import Scene
-from drake_leg.scene.views import MARGIN, VIEWS, View
+from drake_leg.scene.scene import MARGIN, VIEWS, Scene, View
 
 ROOT = "robot"  # Meshcat puts it under /drake
 

@@ -73,32 +73,12 @@ class Parts:
         return content
 
 
-class _LimitedBuilder(TreeBuilder):
-    """A tree builder that refuses trees that no model has."""
-
-    def __init__(self, part: str) -> None:
-        super().__init__()
-        self._part = part
-        self._depth = self._count = 0
-
-    def start(self, tag: str, attributes: dict[str, str]) -> Element:
-        self._depth += 1
-        self._count += 1
-        if self._depth > DEEPEST or self._count > MOST_ELEMENTS:
-            raise InvalidValueError(
-                f"its part {self._part} is deeper than {DEEPEST} levels or longer than "
-                f"{MOST_ELEMENTS} elements, which no model is"
-            )
-        return super().start(tag, attributes)
-
-    def end(self, tag: str) -> Element:
-        self._depth -= 1
-        return super().end(tag)
-
-
 def parse_markup(content: bytes, part: str) -> Element:
     """Parse one part, which must have no document type and no entities."""
-    parser = XMLParser(target=_LimitedBuilder(part), forbid_dtd=True)
+    tree = TreeBuilder()
+    parser = XMLParser(target=tree, forbid_dtd=True)
+    if content.count(b"<") - content.count(b"</") > MOST_ELEMENTS:
+        raise _too_large(part)
     try:
         parser.feed(content)
         root: Element = parser.close()
@@ -108,16 +88,33 @@ def parse_markup(content: bytes, part: str) -> Element:
             "save the model again in Simulink"
         ) from None
     except ParseError as error:
+        _require_shallow(tree.close(), part)
         raise InvalidValueError(
-            f"its part {part} is no XML ({expat.ErrorString(error.code)}, line "
+            f"its part {part} is not XML ({expat.ErrorString(error.code)}, line "
             f"{error.position[0]}): save the model again in Simulink"
         ) from None
     except (LookupError, UnicodeError) as error:
         raise InvalidValueError(
-            f"its part {part} is in an encoding that is not known here ({error}): save the model "
+            f"its part {part} is in an encoding that is not supported ({error}): save the model "
             "again in Simulink"
         ) from None
+    _require_shallow(root, part)
     return root
+
+
+def _require_shallow(root: Element | None, part: str) -> None:
+    level = [] if root is None else [root]
+    for _ in range(DEEPEST):
+        level = [child for element in level for child in element]
+    if level:
+        raise _too_large(part)
+
+
+def _too_large(part: str) -> InvalidValueError:
+    return InvalidValueError(
+        f"its part {part} is deeper than {DEEPEST} levels or longer than {MOST_ELEMENTS} elements, "
+        "which no model is"
+    )
 
 
 def parameters(element: Element) -> dict[str, str]:
@@ -138,7 +135,7 @@ def one_line(text: str) -> str:
 
 
 def _content(path: Path) -> bytes:
-    """Read the file, or say what it is if it is no .slx."""
+    """Read the file, or explain why it is not a .slx."""
     try:
         content = read_bytes(path, most=LARGEST_FILE)
     except UnreadableFileError as error:
@@ -154,12 +151,12 @@ def _content(path: Path) -> bytes:
             "it is a .mdl, Simulink's older text format: open it in Simulink and save it as .slx"
         )
     if not head.startswith(b"PK"):
-        raise InvalidValueError("it is no ZIP archive, which every .slx is: give a model's .slx")
+        raise InvalidValueError("it is not a ZIP archive, as every .slx is: choose a model's .slx")
     end = tail.rfind(b"PK\x05\x06")
     if end < 0 or len(tail) - end < _END_OF_DIRECTORY.size:
         raise InvalidValueError(_DAMAGED)
     if _END_OF_DIRECTORY.unpack_from(tail, end)[5] > LARGEST_DIRECTORY:
-        raise InvalidValueError("it lists more parts than any model has: it is no .slx")
+        raise InvalidValueError("it lists more parts than any model has: it is not a .slx")
     return content
 
 
@@ -185,7 +182,7 @@ def _checked(entries: list[zipfile.ZipInfo]) -> Mapping[str, zipfile.ZipInfo]:
         if entry.file_size > LARGEST_PART or total > LARGEST_TOTAL:
             raise InvalidValueError(
                 f"its parts unpack to more than {LARGEST_TOTAL >> 20} MiB (one: "
-                f"{LARGEST_PART >> 20} MiB), at {name!r}: it is no .slx, or a ZIP bomb"
+                f"{LARGEST_PART >> 20} MiB), at {name!r}: it is not a .slx, or it is a ZIP bomb"
             )
         if entry.file_size > max(_SMALL, HIGHEST_RATIO * entry.compress_size):
             raise InvalidValueError(

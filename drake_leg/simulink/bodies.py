@@ -194,13 +194,13 @@ SOLIDS = (
 
 @dataclass(frozen=True, kw_only=True)
 class SolidProperties:
-    """A solid, homogeneous or with its mass said outright."""
+    """A solid, homogeneous or with its mass given."""
 
     shape: str  # "brick", "cylinder", "sphere", "other"
     size: tuple[float, ...]  # [m]: three edges; radius and length; radius
-    density: float | None  # [kg/m^3]; None where the mass is said outright
+    density: float | None  # [kg/m^3]; None where the mass is given
     mass: float  # [kg]; 0 where it follows from a shape that is not known
-    moments: tuple[float, ...] = ()  # [kg*m^2], said outright or of a plant's body
+    moments: tuple[float, ...] = ()  # [kg*m^2], given, or of a plant's body
     offsets: tuple[float, ...] = ()  # centre of mass [m] and products [kg*m^2]; none means zero
     colour: tuple[float, ...] = ()  # red, green, blue in 0...1
 
@@ -257,7 +257,7 @@ def _size(block: Block, shape: str) -> tuple[float, ...]:
 
 
 def _inertia(block: Block) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Read moments and offsets that are said outright; a point mass has no moments."""
+    """Read moments and offsets that are given; a point mass has no moments."""
     get = block.parameters.get
     centre = vector(get("CenterOfMass"))
     if get("InertiaType") != "Custom":

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
 from drake_leg.simulink.archive import one_line, parameters
-from drake_leg.simulink.diagram import MATLAB_FUNCTION, Diagram, DrawnBlock
-from drake_leg.simulink.model import Function
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,28 +23,15 @@ class Charts:
     def __init__(self, stateflow: Iterable[Element]) -> None:
         self._charts = _charts(list(stateflow))
 
-    def is_function(self, block: DrawnBlock, tag: str) -> bool:
+    def is_function(self, path: str, name: str, tag: str) -> bool:
         """Whether a block's chart, by the tag of the S-Function inside, is a MATLAB function."""
-        fits = _fitting(block, tag, self._charts)
+        fits = _fitting(path, name, tag, self._charts)
         return bool(fits) and all(chart.is_function for chart in fits)
 
-    def script(self, block: DrawnBlock, tag: str) -> str:
+    def script(self, path: str, name: str, tag: str) -> str:
         """Return the code of a MATLAB Function block; "" where the file has none, or several."""
-        fits = _fitting(block, tag, [chart for chart in self._charts if chart.script])
+        fits = _fitting(path, name, tag, [chart for chart in self._charts if chart.script])
         return fits[0].script if fits else ""
-
-
-def functions_of(diagram: Diagram, charts: Charts) -> tuple[Function, ...]:
-    """Find the code of every MATLAB Function block, "" where the file has none."""
-    return tuple(
-        Function(
-            sid=block.sid,
-            name=block.name,
-            script=charts.script(block, diagram.tags.get(block.sid, "")),
-        )
-        for block in diagram.blocks
-        if block.texts.get("SFBlockType") == MATLAB_FUNCTION
-    )
 
 
 def _charts(roots: list[Element]) -> list[_Chart]:
@@ -78,9 +63,9 @@ def _is_function(chart: Element, kind: str | None) -> bool:
     return chart.find("eml") is not None if kind is None else kind == "EML_CHART"
 
 
-def _fitting(block: DrawnBlock, tag: str, charts: list[_Chart]) -> list[_Chart]:
+def _fitting(path: str, name: str, tag: str, charts: list[_Chart]) -> list[_Chart]:
     """Choose a block's chart: by its path, by the number that its machinery names, by its name."""
-    path, name = _plain(block.path), _plain(block.name.replace("/", "//"))
+    path, name = _plain(path), _plain(name.replace("/", "//"))
     number = tag.rpartition(" ")[2]
     for fits in (
         [chart for chart in charts if path in chart.names],

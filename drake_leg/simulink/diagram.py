@@ -4,16 +4,28 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import one_line, parameters
+from drake_leg.simulink.charts import Charts
 from drake_leg.simulink.masks import Mask, read_mask
-from drake_leg.simulink.model import split_port
+from drake_leg.simulink.model import Function, split_port
 
 _PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")
 _PHYSICAL = ("lconn", "rconn")
+_OLD_PORTS = {"in": 0, "out": 1, "lconn": 5, "rconn": 6}  # places in <P Name="Ports">
+_DEEPEST = 100  # subsystems in subsystems
+_OF_THE_DRAWING = """
+Position ZOrder BlockRotation BlockMirror ShowName HideAutomaticName NameLocation NamePlacement
+FontName FontSize FontWeight FontAngle ForegroundColor BackgroundColor DropShadow IconDisplay
+Ports LibraryVersion SourceType SourceProductName SourceProductBaseCode LibrarySourceBlock
+SourceBlock ContentPreviewEnabled GraphicalSettings WindowPosition ScopeSpecificationString
+ScopeGraphics Location WasSavedAsWebScope OpenFcn AttributesFormatString Description
+"""
+_DRAWING = frozenset(_OF_THE_DRAWING.split())
+MATLAB_FUNCTION = "MATLAB Function"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,28 +65,15 @@ def _port(text: str) -> str:
     found = _PORT.fullmatch(text.strip())
     if not found:
         raise InvalidValueError(
-            f"a line ends at {text[:60]!r}, which is no port (5#in:1): save the model again in "
+            f"a line ends at {text[:60]!r}, which is not a port (5#in:1): save the model again in "
             "Simulink"
         )
     return f"{found['sid']}#{found['kind']}:{int(found['number'] or 1)}"
 
 
-_OLD_PORTS = {"in": 0, "out": 1, "lconn": 5, "rconn": 6}  # places in <P Name="Ports">
-_DEEPEST = 100  # subsystems in subsystems
-_OF_THE_DRAWING = """
-Position ZOrder BlockRotation BlockMirror ShowName HideAutomaticName NameLocation NamePlacement
-FontName FontSize FontWeight FontAngle ForegroundColor BackgroundColor DropShadow IconDisplay
-Ports LibraryVersion SourceType SourceProductName SourceProductBaseCode LibrarySourceBlock
-SourceBlock ContentPreviewEnabled GraphicalSettings WindowPosition ScopeSpecificationString
-ScopeGraphics Location WasSavedAsWebScope OpenFcn AttributesFormatString Description
-"""
-_DRAWING = frozenset(_OF_THE_DRAWING.split())
-MATLAB_FUNCTION = "MATLAB Function"
-
-
 @dataclass(frozen=True, kw_only=True)
 class DrawnBlock:
-    """A block as it stands in the file."""
+    """A block as it is in the file."""
 
     sid: str
     name: str
@@ -82,7 +81,7 @@ class DrawnBlock:
     type: str
     source: str
     system: str
-    texts: dict[str, str]  # parameters that stand in the file
+    texts: dict[str, str]  # parameters in the file
     ports: dict[str, int]  # counts of in, out, lconn, rconn; missing ones are not told
     mask: Mask
 
@@ -94,55 +93,32 @@ class DrawnBlock:
 class Diagram:
     """All systems of a model."""
 
-    blocks: tuple[DrawnBlock, ...]
-    lines: tuple[DrawnLine, ...]
-    commented: frozenset[str]  # SIDs of blocks that are commented out, and of all inside them
-    through: tuple[DrawnBlock, ...]  # those of them that are commented through: wires, in effect
-    tags: dict[str, str]  # SID of a MATLAB Function block to the tag of the S-Function inside
+    blocks: dict[str, DrawnBlock] = field(default_factory=dict)  # by SID
+    lines: list[DrawnLine] = field(default_factory=list)
+    functions: list[Function] = field(default_factory=list)
+    commented: set[str] = field(default_factory=set)  # SIDs of blocks commented out, and inside
+    through: dict[str, DrawnBlock] = field(default_factory=dict)  # of them, those that are wires
 
 
-def read_diagram(
-    root: Element,
-    fetch: Callable[[str], Element],
-    is_function: Callable[[DrawnBlock, str], bool],
-) -> Diagram:
+def read_diagram(root: Element, fetch: Callable[[str], Element], charts: Charts) -> Diagram:
     """Read the ``<System>`` of the top and all systems inside it.
 
-    Parameters
-    ----------
-    fetch : callable
-        From the name of a system, as ``<System Ref="...">`` has it, to its ``<System>``.
-    is_function : callable
-        From a block that holds some chart, and the tag of the S-Function inside, to whether the
-        chart is a MATLAB function: files of about R2012 do not tell at the block.
+    ``fetch`` finds the ``<System>`` that a ``<System Ref="...">`` names.
     """
-    return _Walk(fetch, is_function).all(root)
+    walk = _Walk(fetch, charts)
+    walk.read_system(root, "", "", depth=0, commented=False)
+    return walk.diagram
 
 
 class _Walk:
-    def __init__(
-        self, fetch: Callable[[str], Element], is_function: Callable[[DrawnBlock, str], bool]
-    ) -> None:
-        self._fetch = fetch
-        self._is_function = is_function
-        self._blocks: dict[str, DrawnBlock] = {}
-        self._lines: list[DrawnLine] = []
-        self._commented: set[str] = set()
-        self._through: list[DrawnBlock] = []
-        self._tags: dict[str, str] = {}
+    def __init__(self, fetch: Callable[[str], Element], charts: Charts) -> None:
+        self.diagram = Diagram()
+        self._fetch, self._charts = fetch, charts
         self._seen: set[str] = set()
 
-    def all(self, root: Element) -> Diagram:
-        self._system(root, "", "", depth=0, commented=False)
-        return Diagram(
-            blocks=tuple(self._blocks.values()),
-            lines=tuple(self._lines),
-            commented=frozenset(self._commented),
-            through=tuple(self._through),
-            tags=self._tags,
-        )
-
-    def _system(self, system: Element, sid: str, path: str, *, depth: int, commented: bool) -> None:
+    def read_system(
+        self, system: Element, sid: str, path: str, *, depth: int, commented: bool
+    ) -> None:
         if depth > _DEEPEST:
             raise InvalidValueError(
                 f"its subsystems lie more than {_DEEPEST} deep, which no model does: save the "
@@ -150,43 +126,37 @@ class _Walk:
             )
         for child in system:
             if child.tag == "Block":
-                self._block(child, sid, path, depth=depth, commented=commented)
+                self._read_block(child, sid, path, depth=depth, commented=commented)
             elif child.tag == "Line":
-                self._lines.append(read_line(child))
+                self.diagram.lines.append(read_line(child))
 
-    def _block(
+    def _read_block(
         self, element: Element, system: str, path: str, *, depth: int, commented: bool
     ) -> None:
-        block = _drawn_block(element, system, path)
-        if block.sid in self._blocks or block.sid in self._commented:
+        block, found = _drawn_block(element, system, path), self.diagram
+        if block.sid in found.blocks or block.sid in found.commented:
             raise InvalidValueError(
                 f"two blocks have the SID {block.sid}, the second is {block.name!r}: save the "
                 "model again in Simulink"
             )
         systems = [self._resolve(inner, block) for inner in element if inner.tag == "System"]
-        block = self._with_chart(block, systems)
-        how = block.texts.get("Commented", "off")
+        names = block.path, block.name, _chart_tag(systems)
+        if _is_unnamed_chart(block) and systems and self._charts.is_function(*names):
+            block = replace(block, texts=block.texts | {"SFBlockType": MATLAB_FUNCTION})
+        how, chart = block.texts.get("Commented", "off"), block.texts.get("SFBlockType", "NONE")
         if how == "through":
-            self._through.append(block)
-        commented = commented or how != "off"
-        if commented:
-            self._commented.add(block.sid)
+            found.through[block.sid] = block
+        if commented or how != "off":
+            commented = True
+            found.commented.add(block.sid)
         else:
-            self._blocks[block.sid] = block
-        for inside in systems:
-            if block.texts.get("SFBlockType", "NONE") == "NONE":
-                path = f"{block.path}/"
-                self._system(inside, block.sid, path, depth=depth + 1, commented=commented)
-            else:
-                self._tags[block.sid] = _chart_tag(inside)
-
-    def _with_chart(self, block: DrawnBlock, systems: list[Element]) -> DrawnBlock:
-        """Tell at the block that it is a MATLAB Function where only its chart tells."""
-        if "SFBlockType" in block.texts or block.mask.type != "Stateflow" or not systems:
-            return block
-        if not self._is_function(block, _chart_tag(systems[0])):
-            return block
-        return replace(block, texts=block.texts | {"SFBlockType": MATLAB_FUNCTION})
+            found.blocks[block.sid] = block
+            if chart == MATLAB_FUNCTION:
+                script = self._charts.script(*names)
+                found.functions.append(Function(sid=block.sid, name=block.name, script=script))
+        for inside in systems if chart == "NONE" else ():
+            path = f"{block.path}/"
+            self.read_system(inside, block.sid, path, depth=depth + 1, commented=commented)
 
     def _resolve(self, system: Element, block: DrawnBlock) -> Element:
         name = system.get("Ref")
@@ -236,9 +206,14 @@ def _ports(element: Element, texts: dict[str, str]) -> dict[str, int]:
     return {kind: int(places[at]) for kind, at in _OLD_PORTS.items() if at < len(places)}
 
 
-def _chart_tag(system: Element) -> str:
+def _is_unnamed_chart(block: DrawnBlock) -> bool:
+    """Tell whether a block holds a chart, as of about R2012, but not of what kind."""
+    return "SFBlockType" not in block.texts and block.mask.type == "Stateflow"
+
+
+def _chart_tag(systems: list[Element]) -> str:
     """Return what the machinery inside a MATLAB Function block is tagged with."""
-    for block in system:
+    for block in (block for system in systems for block in system):
         if block.get("BlockType") == "S-Function":
             return parameters(block).get("Tag", "")
     return ""

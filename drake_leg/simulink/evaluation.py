@@ -81,7 +81,7 @@ def _valued(block: DrawnBlock, name: str, around: Names) -> Numbers:
     text = mask.values[name]
     about = f"mask parameter {name} of {block} is {text[:60]!r}"
     if name in mask.literal:
-        raise InvalidValueError(f"{about}, which is a choice or a text, no number")
+        raise InvalidValueError(f"{about}, which is a choice or a text, not a number")
     try:
         number = _oriented(text, dict(around.used_in(text)))
     except InvalidValueError as error:
@@ -147,7 +147,7 @@ def _evaluated(text: str, unit: str, quantity: str, used: Used) -> Value:
         scale = parse_unit(unit)
     except InvalidValueError:
         raise InvalidValueError(
-            f"has the unit {_shortened(unit)}, which is not known here: choose one like {quantity}"
+            f"has the unit {_shortened(unit)}, which is not supported: choose one like {quantity}"
         ) from None
     if not scale.is_like(parse_unit(quantity)):
         raise InvalidValueError(

@@ -25,7 +25,7 @@ def flatten(model: Model) -> Model:
     Raises
     ------
     InvalidValueError
-        If a From has no Goto or several, or a signal runs in a circle of such blocks alone.
+        If a From has no Goto or several, or a signal runs in a circle of such blocks only.
     """
     blocks = {block.sid: block for block in model.blocks}
     leaves = tuple(block for block in model.blocks if _is_leaf(block))
@@ -118,7 +118,7 @@ class _Signals:
         return f"{outport.sid}#in:1" if outport else ""
 
     def _goto(self, block: Block) -> Block:
-        """Return the Goto of a From: the one beside it, or the only one that reaches this far."""
+        """Return the Goto of a From: that of the same system, or the only one that is visible here."""
         tag = str(block.parameters.get("GotoTag"))
         alike = self._gotos.get(tag, [])
         near = [goto for goto in alike if goto.system == block.system]

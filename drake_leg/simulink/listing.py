@@ -132,7 +132,7 @@ def _counted(number: int, what: str) -> str:
 
 
 def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """Align all columns but the last, which goes on below itself."""
+    """Align all columns but the last, which continues on the next lines."""
     widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)][:-1]
     lines = []
     for row in (head, *rows):

@@ -1,4 +1,4 @@
-"""What the mask of a block says: the names that it gives to the blocks inside, still as text."""
+"""The mask of a block: names for the blocks inside, with their values still as text."""
 
 from __future__ import annotations
 

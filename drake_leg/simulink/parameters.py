@@ -20,7 +20,7 @@ def values_of(block: DrawnBlock, names: Names) -> dict[str, Value]:
     """Evaluate a block's parameters, those included that its mask adds.
 
     Those that the file leaves out have their defaults; a value with a unit is in SI, and so is the
-    unit beside it; what is no number is text. ``Inputs`` of a Sum are its signs alone: ``+-``.
+    unit beside it; what is not a number is text. ``Inputs`` of a Sum are its signs alone: ``+-``.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def default_values(block_type: str, source: str) -> Mapping[str, Value]:
 def _convert_others(
     block: DrawnBlock, others: Mapping[str, str], found: dict[str, Value], names: Names
 ) -> None:
-    """Convert what is in no table but has its unit beside it."""
+    """Convert parameters that are not in the catalogue but have a unit."""
     for suffix in _UNIT_SUFFIXES:
         for key in [key for key in others if key.endswith(suffix)]:
             name = key.removesuffix(suffix)
@@ -105,7 +105,7 @@ def _convert_others(
 
 
 def _counted(block: DrawnBlock, parameter: str) -> str | None:
-    """Return what the file says only by the number of drawn ports."""
+    """Return what the file states only by the number of drawn ports."""
     ports = {("Mux", "Inputs"): "in", ("Demux", "Outputs"): "out", ("Names", "NumInputPorts"): "in"}
     count = block.ports.get(ports.get((block.type, parameter), ""))
     return str(count) if count else None
@@ -124,12 +124,12 @@ def _unknown(block: DrawnBlock) -> str:
         return f"{block} names no library block: restore its library link in Simulink"
     if block.type == "Reference":
         return (
-            f"{block} comes from {block.source!r}, which is no block of {_LIBRARIES} that is known "
-            "here: break its library link (Library Link > Break Link), or replace it"
+            f"{block} comes from {block.source!r}, which is not a known block of {_LIBRARIES}: "
+            "break its library link (Library Link > Break Link), or replace it"
         )
     if block.type == "ModelReference":
         return f"{block} is another model in a file of its own: copy that model into a subsystem"
     return (
-        f"{block} is of type {block.type!r}, which is no block of {_LIBRARIES} that is known here: "
+        f"{block} is of type {block.type!r}, which is not a known block of {_LIBRARIES}: "
         "replace it, or comment it out"
     )

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import Parts, parameters, parse_markup
-from drake_leg.simulink.charts import Charts, functions_of
+from drake_leg.simulink.charts import Charts
 from drake_leg.simulink.diagram import read_diagram
 from drake_leg.simulink.evaluation import evaluate, names_of, require_finite
 from drake_leg.simulink.model import Block, Model, Value
@@ -67,8 +67,8 @@ class _File:
     def model(self, name: str) -> Model:
         top = self._top()
         charts = Charts(self._stateflow())
-        diagram = read_diagram(top, self._system, charts.is_function)
-        names = names_of(diagram.blocks)
+        diagram = read_diagram(top, self._system, charts)
+        names = names_of(diagram.blocks.values())
         return Model(
             name=name,
             blocks=tuple(
@@ -81,11 +81,11 @@ class _File:
                     parameters=values_of(block, names[block.sid]),
                     mask=tuple(block.mask.values),
                 )
-                for block in diagram.blocks
+                for block in diagram.blocks.values()
             ),
             wires=wires_of(diagram),
             nodes=nodes_of(diagram),
-            functions=functions_of(diagram, charts),
+            functions=tuple(diagram.functions),
             solver=_solver(self._configuration()),
         )
 
@@ -102,8 +102,8 @@ class _File:
         whole = self._tree(_WHOLE)
         if whole is None:
             raise InvalidValueError(
-                f"it has no part {_ROOT} and no {_WHOLE}: it is no model, or a protected one; give "
-                "a .slx that Simulink saved"
+                f"it has no part {_ROOT} and no {_WHOLE}: it is not a model, or a protected "
+                "one; choose a .slx that Simulink saved"
             )
         for holder in ("Model", "Library", "Subsystem"):
             system = whole.find(f"{holder}/System")

@@ -16,8 +16,8 @@ def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
     Lines that hang, and those at blocks that are commented out, are left out; what goes into a
     block that is commented through comes out of it.
     """
-    through = {block.sid for block in diagram.through}
-    blocks = {block.sid: block for block in (*diagram.blocks, *diagram.through)}
+    through = diagram.through
+    blocks = diagram.blocks | through
     wires: dict[str, Wire] = {}
     for line in diagram.lines:
         if line.physical or not line.source:
@@ -62,14 +62,14 @@ def nodes_of(diagram: Diagram) -> tuple[tuple[str, ...], ...]:
 
     A block that is commented through joins its first ports on both sides.
     """
-    through = {block.sid for block in diagram.through}
-    blocks = {block.sid: block for block in (*diagram.blocks, *diagram.through)}
+    through = diagram.through
+    blocks = diagram.blocks | through
     groups: list[list[str]] = []
     for line in diagram.lines:
         if line.physical:
             _require_blocks(line, blocks, diagram.commented)
             groups.append([end for end in line.ends if _has_blocks((end,), blocks)])
-    groups += [[f"{block.sid}#lconn:1", f"{block.sid}#rconn:1"] for block in diagram.through]
+    groups += [[f"{sid}#lconn:1", f"{sid}#rconn:1"] for sid in through]
     kept = (
         tuple(port for port in node if split_port(port)[0] not in through) for node in join(groups)
     )
@@ -110,7 +110,7 @@ def _has_blocks(ports: Iterable[str], blocks: Mapping[str, DrawnBlock]) -> bool:
 
 
 def _require_blocks(
-    line: DrawnLine, blocks: Mapping[str, DrawnBlock], commented: frozenset[str]
+    line: DrawnLine, blocks: Mapping[str, DrawnBlock], commented: Container[str]
 ) -> None:
     for port in (line.source, *line.ends):
         sid = split_port(port)[0] if port else ""

@@ -1,9 +1,4 @@
-"""Joint rates that stay bounded at a singularity: least squares, damped and within limits.
-
-With the singular value decomposition J = U S V^T, the rates of an exact inverse grow like 1/sigma
-along the last right singular vector w. Damping replaces that factor by
-``sigma / (sigma^2 + lambda^2)``, with a lambda that is zero unless sigma is small.
-"""
+"""Joint rates that stay bounded at a singularity: least squares, damped and within limits."""
 
 from __future__ import annotations
 
@@ -38,7 +33,10 @@ class _Damping(NamedTuple):
 class Damped(Movable):
     """A robot whose rates are damped where its Jacobian is nearly singular.
 
-    The rates are those that minimise ``|J qdot - v|^2 + lambda^2 |qdot - b|^2`` with
+    With the singular value decomposition J = U S V^T, the rates of an exact inverse grow like
+    1/sigma along the last right singular vector w. Damping replaces that factor by
+    ``sigma / (sigma^2 + lambda^2)``. The rates are those that minimise
+    ``|J qdot - v|^2 + lambda^2 |qdot - b|^2`` with
 
     ``lambda = (below / 2) (1 - (sigma / below)^2)`` where sigma < below, and 0 elsewhere,
 

@@ -1,8 +1,4 @@
-"""The singular families that have names, of the leg and the SCARA, and how near a posture is.
-
-The leg has two: ``stretch``, ``sin q3 = 0``, where it is stretched or folded, and ``hip-axis``,
-where the foot is on the hip axis. The SCARA has the first one alone, ``sin q2 = 0``.
-"""
+"""The named singular families of the leg and the SCARA, and how near a posture is to them."""
 
 from __future__ import annotations
 
@@ -35,7 +31,11 @@ class Nearness:
 
 
 class LegFamilies:
-    """Those of the hexabot's leg."""
+    """The two of the hexabot's leg: ``stretch`` and ``hip-axis``.
+
+    It is stretched or folded where ``sin q3 = 0``; elsewhere it is singular with its foot on the
+    hip axis.
+    """
 
     moved = "the foot's translation"
 
@@ -92,7 +92,7 @@ class LegFamilies:
 
 
 class ScaraFamilies:
-    """The one of the SCARA in its plane."""
+    """The one of the SCARA in its plane: ``stretch``, where ``sin q2 = 0``."""
 
     moved = "the tool's horizontal motion"
 

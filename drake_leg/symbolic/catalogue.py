@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Subject:
+class DerivedRobot:
     """A robot that is derived, and the velocities of a report's Jacobian."""
 
     robot: Robot
@@ -26,9 +26,9 @@ class Subject:
 
 
 SUBJECTS = {
-    "leg-a": Subject(robot=LEG_A, numbering="Report A, eq.", task=(3, 4, 5)),
-    "leg-b": Subject(robot=LEG_B, numbering="Report B, section", task=(3, 4, 5)),
-    "scara": Subject(robot=SCARA, numbering="Report B, section", task=(3, 4, 2)),
+    "leg-a": DerivedRobot(robot=LEG_A, numbering="Report A, eq.", task=(3, 4, 5)),
+    "leg-b": DerivedRobot(robot=LEG_B, numbering="Report B, section", task=(3, 4, 5)),
+    "scara": DerivedRobot(robot=SCARA, numbering="Report B, section", task=(3, 4, 2)),
 }
 
 

@@ -29,7 +29,7 @@ def test_a_difference_is_one_line_with_both_values_and_exit_1(slx, capsys):
     lines = capsys.readouterr().out.splitlines()
     (line,) = [line for line in lines if "Amplitude is" in line]
     assert line.endswith("Amplitude is 0.05 m/s, in Drake 0.07 m/s")
-    assert lines[-1] == "0 missing, 1 different: the diagram is not the model's."
+    assert lines[-1] == "0 missing, 1 different: the diagram differs from the model."
 
 
 def test_another_unit_is_one_line(slx, capsys):

@@ -93,7 +93,7 @@ MEANINGLESS = [
     ("doctor", "scara --yaw 3 --q 30,90,-120", "goes with --foot"),
     ("doctor", "leg-b --rpy 0,0,0 --foot 0.1,0,0", "cannot choose its orientation"),
     ("doctor", "scara --rpy 0,0,0 --foot 0.1,0,0", "only yaws"),
-    ("doctor", "leg-b --foot 0.1,0,0 --direction 1,0,0", "is of a posture"),
+    ("doctor", "leg-b --foot 0.1,0,0 --direction 1,0,0", "needs a posture"),
     ("sdf", "leg-b --overwrite", "means nothing without --out: leave"),
     ("check", f"leg-b --samples 32 --printed {PRINTED}/report_b_leg.toml", "with --printed"),
     ("check", f"leg-b --budget 9 --printed {PRINTED}/report_b_leg.toml", "with --printed"),

@@ -4,7 +4,7 @@ import pytest
 from drake_leg.diagrams.pendulum import PendulumConfig, build, start_at_target
 from drake_leg.errors import InvalidValueError
 from drake_leg.integrator import IntegratorSettings
-from drake_leg.robot import JointMechanics
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.robots import LEG_B, PENDULUM, pendulum
 from drake_leg.simulation.run import simulate
 

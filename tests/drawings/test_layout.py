@@ -5,7 +5,7 @@ import pytest
 from drake_leg.drawings.columns import columns_of
 from drake_leg.drawings.layout import lay_out
 from drake_leg.drawings.paths import length
-from drake_leg.drawings.picture import Block, Net, Picture
+from drake_leg.drawings.picture import DrawnBlock, Net, Picture
 from drake_leg.errors import InvalidValueError
 
 GLYPHS = ("box", "gain", "integrator", "scope", "plant", "mux")
@@ -18,7 +18,7 @@ def chance_picture(rng):
         inputs, outputs = rng.integers(0, 4), rng.integers(0, 4)
         glyph = GLYPHS[rng.integers(len(GLYPHS))]
         blocks.append(
-            Block(
+            DrawnBlock(
                 name=f"block {number}",
                 caption=("some words",) * rng.integers(0, 4),
                 glyph=glyph,
@@ -49,7 +49,9 @@ def chain(count, *more):
     wires = [*((i, i + 1) for i in range(count - 1)), *more]
     fed = [sum(target == b for _, target in wires) for b in range(count)]
     blocks = tuple(
-        Block(name=f"b{b}", inputs=("u",) * fed[b], outputs=("y",) * any(s == b for s, _ in wires))
+        DrawnBlock(
+            name=f"b{b}", inputs=("u",) * fed[b], outputs=("y",) * any(s == b for s, _ in wires)
+        )
         for b in range(count)
     )
     place = [0] * count
@@ -94,8 +96,8 @@ def test_columns_follow_the_flow_but_for_loops():
 
 def test_a_source_stands_beside_what_it_feeds():
     picture = chain(5)
-    constant = Block(name="constant", outputs=("y",))
-    last = Block(name="b4", inputs=("u", "u"))
+    constant = DrawnBlock(name="constant", outputs=("y",))
+    last = DrawnBlock(name="b4", inputs=("u", "u"))
     blocks = (*picture.blocks[:4], last, constant)
     nets = (*picture.nets, Net(source=(5, 0), targets=((4, 1),)))
     columns = columns_of(Picture(title="", blocks=blocks, nets=nets))
@@ -127,13 +129,13 @@ def test_layout_is_the_same_every_time(rng):
 
 
 def test_two_blocks_of_one_name_are_refused():
-    block = Block(name="twin")
+    block = DrawnBlock(name="twin")
     with pytest.raises(InvalidValueError, match="twin"):
         Picture(title="", blocks=(block, block), nets=())
 
 
 def test_an_input_takes_one_wire():
-    blocks = (Block(name="a", outputs=("", "")), Block(name="b", inputs=("",)))
+    blocks = (DrawnBlock(name="a", outputs=("", "")), DrawnBlock(name="b", inputs=("",)))
     nets = tuple(Net(source=(0, port), targets=((1, 0),)) for port in (0, 1))
     with pytest.raises(InvalidValueError, match="two wires"):
         Picture(title="", blocks=blocks, nets=nets)

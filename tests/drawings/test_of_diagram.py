@@ -15,7 +15,8 @@ from pydrake.systems.primitives import (
 
 from drake_leg.drawings.drawing import draw
 from drake_leg.drawings.layout import lay_out
-from drake_leg.drawings.of_diagram import block_diagram, diagram_picture
+from drake_leg.drawings.of_diagram import diagram_picture
+from drake_leg.pictures.block_diagram import block_diagram
 from drake_leg.runs.catalogue import RUNS
 
 SVG = "{http://www.w3.org/2000/svg}"

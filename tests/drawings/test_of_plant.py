@@ -11,8 +11,8 @@ from drake_leg.drawings.of_link import link_picture
 from drake_leg.drawings.of_plant import mechanism_picture
 from drake_leg.drawings.of_runs import run_pictures
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.models.plant import build_plant
-from drake_leg.robot import JointMechanics
 from drake_leg.robots import LEG_A, LEG_B, ROBOTS, pendulum
 
 

@@ -4,13 +4,13 @@ import pytest
 
 from drake_leg.drawings.layout import lay_out
 from drake_leg.drawings.parts import ROW, lay_out_parts
-from drake_leg.drawings.picture import Block, Net, Picture
+from drake_leg.drawings.picture import DrawnBlock, Net, Picture
 
 
 def chains(count, length):
     """Rows of boxes, wired within each."""
     blocks = tuple(
-        Block(name=f"{row} {place}", caption=("box",), inputs=("",), outputs=("",))
+        DrawnBlock(name=f"{row} {place}", caption=("box",), inputs=("",), outputs=("",))
         for place in range(length)
         for row in range(count)
     )
@@ -41,7 +41,7 @@ def test_parts_stand_apart(require_clean, count):
 
 
 def test_blocks_without_wires_stand_in_rows(require_clean):
-    blocks = tuple(Block(name=f"b{index}", caption=("alone",)) for index in range(20))
+    blocks = tuple(DrawnBlock(name=f"b{index}", caption=("alone",)) for index in range(20))
     layout = lay_out_parts(Picture(title="", blocks=blocks, nets=()))
     require_clean(layout)
     assert layout.boxes[1].x > layout.boxes[0].x

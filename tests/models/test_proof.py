@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.chain import size_of
 from drake_leg.kinematics.configurations import greatest_reach, random_configurations, ranges
 from drake_leg.models.proof import TOLERANCE, DrakeWitness, difference_jacobian, prove
-from drake_leg.robot import JointMechanics, Link, Robot, Row, Segment
+from drake_leg.robot import Link, Robot, Row, Segment
 from drake_leg.robots import LEG_B, ROBOTS, SCARA
 from drake_leg.symbolic.optional import MissingSymPyError
 

@@ -14,7 +14,7 @@ from drake_leg.report.exhibits import KINDS
 from drake_leg.report.plots import PLOTS
 from drake_leg.report.runs import RUNS, command
 from drake_leg.report.subjects import SUBJECTS
-from drake_leg.scene.views import VIEWS
+from drake_leg.scene.scene import VIEWS
 
 ITEMS = [item for chapter in chapters() for item in chapter.items]
 REPORT_A = [f"A {number}" for number in range(1, 17)]

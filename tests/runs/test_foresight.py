@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import ForeseenSingularityError, InvalidValueError
-from drake_leg.robot import JointMechanics
+from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.robots import LEG_B
 from drake_leg.runs.ellipse import run as run_ellipse
 from drake_leg.runs.leg import run as run_leg

@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 from PIL import Image
-from pydrake.geometry import Box, Cylinder
+from pydrake.geometry import Box, Cylinder, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
@@ -18,6 +18,8 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.models.sdf import sdf_text
+from drake_leg.robots import LEG_B
 from drake_leg.scene.images import still, write_video
 from drake_leg.scene.replay import replay
 from drake_leg.scene.scene import PlantMotion, at_rest, scene_of
@@ -103,11 +105,13 @@ def test_a_pendulums_shapes_come_from_its_sdf():
     parts = parts_of(plant)
     assert plant.title == "swing"
     assert plant.names == ("world", "bob")
-    rod, ball = parts["solid/bob_0"], parts["solid/bob_1"]
+    rod, ball = parts["solid/swing.bob_0"], parts["solid/swing.bob_1"]
     assert rod.colour == pytest.approx((0.9, 0.1, 0.1))
     assert (rod.opacity, ball.opacity) == (SOLID_OPACITY, 1.0)
     np.testing.assert_allclose(rod.X_FP[:3, 3], [0.0, 0.0, -0.25], atol=1e-12)
-    post = parts["post/world_0"]  # from the world's origin to where the pin is
+    (post,) = (
+        part for path, part in parts.items() if path.startswith("post")
+    )  # from the world's origin to where the pin is
     assert post.shape.length() == pytest.approx(1.0)
 
 
@@ -150,6 +154,23 @@ def test_six_legs_are_six_traces_and_a_trunk_that_floats_needs_no_base(walker):
     poses = at_rest(seen).poses()[0]
     np.testing.assert_allclose(poses[1, :3, 3], [0.0, 0.0, HEIGHT], atol=1e-15)
     assert plant.num_positions() == len(seen.coordinates) == 13
+
+
+def test_two_models_of_one_kind_are_told_apart():
+    plant, graph = MultibodyPlant(time_step=0.0), SceneGraph()
+    plant.RegisterAsSourceForSceneGraph(graph)
+    parser = Parser(plant)
+    parser.SetAutoRenaming(True)
+    legs = [parser.AddModelsFromString(sdf_text(LEG_B), "sdf")[0] for _ in range(2)]
+    plant.Finalize()
+    seen = shown(plant)
+    assert seen.names == ("world", *2 * ("frame_1", "frame_2", "frame_3", "frame_4"))
+    motion = at_rest(seen, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
+    assert len(motion.paths()) == len(legs) == 2
+    np.testing.assert_allclose(motion.poses()[0, 4, :3, 3], [0.25, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(motion.poses()[0, 8, 0, 3], 0.25 * np.cos(1.0), atol=1e-12)
+    paths = [(part.frame, part.path) for part in scene_of(motion).parts]
+    assert len(set(paths)) == len(paths)
 
 
 def test_a_ground_of_any_size_leaves_the_picture_to_the_plant(walker):

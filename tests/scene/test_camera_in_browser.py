@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_leg.scene.replay import replay
-from drake_leg.scene.views import MARGIN
+from drake_leg.scene.scene import MARGIN
 
 pytestmark = pytest.mark.slow
 

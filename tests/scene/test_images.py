@@ -12,8 +12,7 @@ from drake_leg.scene import images
 from drake_leg.scene.artists import Renderer, Sketcher
 from drake_leg.scene.images import require_video, still, write_stills, write_video
 from drake_leg.scene.lettering import DARK, LIGHT
-from drake_leg.scene.scene import at_rest, scene_of
-from drake_leg.scene.views import VIEWS
+from drake_leg.scene.scene import VIEWS, at_rest, scene_of
 
 
 def picture(png):

@@ -9,9 +9,8 @@ from drake_leg.scene import lettering
 from drake_leg.scene.artists import Sketcher
 from drake_leg.scene.lettering import DARK, PLACEMENT, AxisNames, Words, reduced, width_of, write_on
 from drake_leg.scene.parts import triad_tips
-from drake_leg.scene.scene import PlantMotion, at_rest, scene_of
+from drake_leg.scene.scene import VIEWS, PlantMotion, at_rest, scene_of
 from drake_leg.scene.shown_plant import shown
-from drake_leg.scene.views import VIEWS
 
 POSTURES = (
     (LEG_B, np.radians([90.0, -50.0, -90.0])),

@@ -9,8 +9,8 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot_file.read import read_robot
 from drake_leg.robots import LEG_A, LEG_B
 from drake_leg.scene.driven_foot import DrivenFoot
+from drake_leg.scene.scene import VIEWS
 from drake_leg.scene.teleop_page import teleop_page, teleop_scene
-from drake_leg.scene.views import VIEWS
 
 Q = np.radians([90.0, -50.0, -90.0])
 DESK = """

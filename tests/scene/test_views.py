@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.scene.views import VIEWS, as_view, frame
+from drake_leg.scene.scene import VIEWS, as_view, frame
 
 
 @pytest.mark.parametrize("view", VIEWS.values(), ids=str)

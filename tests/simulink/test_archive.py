@@ -30,7 +30,7 @@ def test_no_zip(tmp_path):
     path = tmp_path / "m.slx"
     for content in (b"", b"\x00" * 100, b"%PDF-1.7", "Modell".encode("utf-16")):
         path.write_bytes(content)
-        refused(path, "it is no ZIP archive")
+        refused(path, "it is not a ZIP archive")
 
 
 def test_missing_file_folder_and_pipe(tmp_path):
@@ -180,11 +180,11 @@ def test_entities_and_document_types(tmp_path, content):
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        ("", "is no XML .no element found, line 1"),
-        ("<System>", "is no XML .no element found"),
-        ("<System></Block>", "is no XML .mismatched tag"),
-        ("<System>&a;</System>", "is no XML .undefined entity"),
-        (b"<System>\xff\xfe</System>", "is no XML .not well-formed"),
+        ("", "is not XML .no element found, line 1"),
+        ("<System>", "is not XML .no element found"),
+        ("<System></Block>", "is not XML .mismatched tag"),
+        ("<System>&a;</System>", "is not XML .undefined entity"),
+        (b"<System>\xff\xfe</System>", "is not XML .not well-formed"),
         ("<?xml version='1.0' encoding='klingon'?><System/>", "is in an encoding"),
         ("<a>" * 300, "deeper than 200 levels"),
     ],

@@ -109,7 +109,7 @@ def test_a_column_stays_a_column(gain, text):
             {"L": "L0"},
             {},
             "L/2",
-            "mask parameter L of block 'S' .SID 1. is 'L0': 'L0' is no number",
+            "mask parameter L of block 'S' .SID 1. is 'L0': 'L0' is not a known function",
         ),
         ({"L": ""}, {}, "L", "is '': the text is empty"),
         ({"L": "9^9^9^9^9"}, {}, "L", "is '9.9.9.9.9', which is infinite"),

@@ -132,7 +132,7 @@ def test_units_that_nobody_here_needs_stay(parameters):
         (
             BRICK,
             {"DensityUnits": "stone"},
-            "parameter Density has the unit 'stone', which is not known",
+            "parameter Density has the unit 'stone', which is not supported",
         ),
         ("sm_lib/F/Internal Force", {"X": "a", "XUnits": "m"}, "parameter X is 'a', which cannot"),
     ],

@@ -340,7 +340,7 @@ def edited(tmp_path, old, new, builder=None):
         ("1#out:1", "9#out:1", "a line ends at 9#out:1, but there is no block with SID 9"),
         ("2#in:1", "2#out:1", "a line ends at 2#out:1, which is no input"),
         ("1#out:1", "1#in:1", "a line begins at 1#in:1, which is no output"),
-        ("2#in:1", "somewhere", "a line ends at 'somewhere', which is no port"),
+        ("2#in:1", "somewhere", "a line ends at 'somewhere', which is not a port"),
         ('"Scope"', '"Quantum"', "block 'S' .SID 2. is of type 'Quantum'"),
         ('"Scope"', '"ModelReference"', "block 'S' .SID 2. is another model in a file of its own"),
         ('"Scope"', '"Reference"', "block 'S' .SID 2. names no library block"),

@@ -8,7 +8,7 @@ const stage = (() => {
   if (typeof viewer === "undefined") {
     const message = document.createElement("p");
     message.id = "page-message";
-    message.textContent = "This page needs WebGL, which this browser has not or has switched off.";
+    message.textContent = "This page needs WebGL, which this browser lacks or has turned off.";
     document.body.append(message);
     return null;
   }

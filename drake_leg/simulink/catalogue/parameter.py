@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """A parameter as a block has it before anybody touches it."""
+    """A parameter of a kind of block, with its default."""
 
     name: str
     default: str  # MATLAB text, in `unit`
@@ -40,7 +40,7 @@ def choices(**defaults: str) -> Parameters:
 
 
 def quantities(unit: str, **defaults: str) -> Parameters:
-    """Return numeric parameters that have their unit beside them."""
+    """Return numeric parameters that have a unit."""
     return tuple(
         Parameter(name=name, default=text, numeric=True, unit=unit)
         for name, text in defaults.items()
@@ -53,7 +53,7 @@ def unbounded(parameters: Parameters) -> Parameters:
 
 
 def switches(*names: str) -> Parameters:
-    """Return what is off until somebody switches it on."""
+    """Return switches that are off by default."""
     return choices(**dict.fromkeys(names, "off"))
 
 

@@ -1,1 +1,1 @@
-"""A Simulink model beside the live diagram: which block is which, and what differs."""
+"""A Simulink model compared with a live diagram: which block is which, and what differs."""

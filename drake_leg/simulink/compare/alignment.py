@@ -40,7 +40,7 @@ class Miss:
 
 @dataclass(frozen=True, kw_only=True)
 class Alignment:
-    """Both chains beside each other."""
+    """Both chains, place by place."""
 
     pairs: list[list[Pair]] = field(default_factory=list)  # of each body
     gauges: list[Array] = field(default_factory=list)  # of each body: the model's M in the plant's

@@ -147,7 +147,7 @@ def _product(block: Block, inputs: Inputs, place: int) -> Signal | None:
 
 
 def _switch(block: Block, inputs: Inputs, place: int) -> Signal:
-    """Follow a Manual Switch as it stands."""
+    """Follow a Manual Switch in its present position."""
     lower = str(block.parameters.get("CurrentSetting", "1")) == "0"
     wired = [*inputs, None][:2]
     return wired[lower] or OPEN

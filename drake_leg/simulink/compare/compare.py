@@ -1,4 +1,4 @@
-"""A Simulink model against a run's live diagram."""
+"""A comparison of a Simulink model with a run's live diagram: the steps, in order."""
 
 from __future__ import annotations
 

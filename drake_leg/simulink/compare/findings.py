@@ -1,4 +1,4 @@
-"""What a comparison finds: verdicts, which its steps pass on as values, and the report of them."""
+"""The verdicts of a comparison, which its steps pass on as values, and the report of them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Quantity = float | str | tuple[float, ...]  # of a parameter, in SI
 class Comparison:
     """Every block, wire and parameter of the model, and what became of it.
 
-    The items are plain dictionaries, ready for JSON. ``what`` says what they are about:
+    The items are plain dictionaries, ready for JSON. ``what`` tells what they are about:
     ``block``, ``wire``, ``node`` (a physical connection), ``parameter``, ``scale`` (one factor of
     all lengths).
     """

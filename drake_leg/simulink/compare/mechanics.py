@@ -120,7 +120,7 @@ def compare_sensor(sides: Sides) -> Iterator[Verdict]:
 
 
 def compare_settings(sides: Sides) -> Iterator[Verdict]:
-    """Compare gravity and the times of the run; name what stands for world and solver."""
+    """Compare gravity and the times of the run; name the counterparts of world and solver."""
     live_gravity = tuple(sides.plant.gravity_field().gravity_vector().tolist())
     name, scheme, duration = sides.plant.get_name(), sides.run.scheme, sides.run.duration
     has_gravity = has_solver = False
@@ -157,7 +157,7 @@ def compare_settings(sides: Sides) -> Iterator[Verdict]:
 
 
 def locate_nodes(sides: Sides, judged: Blocks) -> Iterator[Verdict]:
-    """Name the frame, or the signal at a joint, that every physical connection stands for."""
+    """Name the frame, or the signal at a joint, that every physical connection is."""
     frames = _frames(sides)
     for index, node in enumerate(sides.flat.nodes):
         if index not in sides.network.frames:
@@ -198,7 +198,7 @@ def _compare_joint(
 
 
 def _counts(ours: ChainJoint, theirs: ChainJoint, target: str) -> bool:
-    """Tell whether a state target counts: one of low priority gives way to a motion."""
+    """Tell whether a state target counts: a motion overrides one of low priority."""
     driven = theirs.parameters["MotionActuationMode"] == "InputMotion"
     priority = ours.priorities.get(f"{target.removesuffix('Value')}Priority")
     return not driven or (target in ours.parameters and priority == "High")

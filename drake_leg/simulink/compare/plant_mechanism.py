@@ -142,7 +142,7 @@ def _size(shape: str, mass: float, moments: Array) -> tuple[float, ...]:
 
 
 def _tidy(value: float) -> float:
-    """Leave out the digits that the way through the moments of inertia has made up."""
+    """Round off the digits that are noise of the computation from moments of inertia."""
     return float(f"{value:.{DIGITS}g}")
 
 
@@ -188,7 +188,7 @@ def _stop_parameters(mechanics: JointMechanics | None) -> dict[str, Parameter]:
 def _spring(plant: MultibodyPlant, joint: PlantJoint) -> tuple[float, float]:
     """Stiffness and rest position of the spring at a joint, from the torques of the live plant.
 
-    A spring's torque stands among the generalised forces, gravity among the bodies' forces.
+    A spring's torque is one of the generalised forces, gravity one of the bodies' forces.
     """
     context = plant.CreateDefaultContext()
     torques = []

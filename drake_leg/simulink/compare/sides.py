@@ -191,7 +191,7 @@ def _mechanism(run: LiveModel, plant: MultibodyPlant) -> Mechanism:
 def _aligned(flat: Model, drake: Mechanism) -> tuple[Network, Alignment, float]:
     """Align the mechanisms in one unit of length; joints that point backwards the likelier way."""
 
-    def beside(network: Network) -> Alignment:
+    def aligned(network: Network) -> Alignment:
         sensor = next((b for b in flat.blocks if b.sid == network.sensor), None)
         orientation = sensor is not None and senses_rotation(sensor)
         return align(network.mechanism, drake, orientation=orientation)
@@ -204,6 +204,6 @@ def _aligned(flat: Model, drake: Mechanism) -> tuple[Network, Alignment, float]:
         for exchanged in combinations(turned, count)
     ]
     scale = scale_of(network.mechanism, drake)
-    both = [(reading, beside(reading)) for reading in (shrunk(one, scale) for one in readings)]
+    both = [(reading, aligned(reading)) for reading in (shrunk(one, scale) for one in readings)]
     best = min(both, key=lambda pair: 2 * len(pair[1].misses) + len(pair[0].exchanged))
     return (*best, scale)

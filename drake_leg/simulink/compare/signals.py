@@ -2,7 +2,7 @@
 
 Every scalar signal is a constant plus multiples of atoms: a sine, an integrator's integral, an
 output of a function, a sensed quantity. Muxes, demuxes, gains, sums and constants dissolve in
-it, so that two diagrams that say the same in other blocks have the same signals.
+it, so that two diagrams that mean the same in different blocks have the same signals.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Atom:
             "function": f"output {self.index + 1} of {self.name!r}",
             "sensed": f"sensed {self.what} of joint {self.of}",
             "foot": f"{self.what} {self.index + 1} of the foot",
-            "other": f"what {self.name!r} gives",
+            "other": f"the output of {self.name!r}",
         }
         role = self.kind == "function" and not self.name
         return f"{self.what} {self.index + 1}" if role else words[self.kind]

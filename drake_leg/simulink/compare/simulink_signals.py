@@ -92,7 +92,8 @@ class SimulinkSignals:
         self._under_way: set[str] = set()
         self._lawless: set[str] = set()  # SIDs of blocks whose law is not known or not followed
         self._settle_sizes()
-        for source in self._targets_of:
+        order = {block.sid: index for index, block in enumerate(model.blocks)}
+        for source in sorted(self._targets_of, key=lambda port: order[port.partition("#")[0]]):
             self.output(source)
 
     def _parsed(self, sid: str, script: str) -> Code:

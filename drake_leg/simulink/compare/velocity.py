@@ -42,7 +42,7 @@ WAVES = ("Sin", "SignalGenerator")
 
 @dataclass(frozen=True, kw_only=True)
 class Inverse:
-    """The MATLAB Function that stands for the inverse Jacobian, and how it relates to it."""
+    """The MATLAB Function that is compared with the inverse Jacobian, and how they are related."""
 
     sid: str
     name: str  # of the live block
@@ -129,7 +129,7 @@ def _commanded(sides: Sides) -> dict[int, Scalar]:
 
 
 def _in_order(sides: Sides, sid: str, block: InverseJacobian) -> dict[Atom, Atom]:
-    """Name the outputs of a function by their order alone."""
+    """Name the outputs of a function by their order."""
     size = block.GetOutputPort("qdot").size()
     outputs = [
         atom

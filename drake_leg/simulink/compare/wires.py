@@ -166,7 +166,7 @@ def _carrier(sides: Sides, roles: Roles, block: Block) -> Verdict:
         if names
     ]
     if scalars and not best:
-        return missing(block, f"no block of the diagram gives {scalars[0]}")
+        return missing(block, f"no block of the diagram has an output {scalars[0]}")
     names = list(dict.fromkeys(best or sides.live.of_type(ConstantVectorSource)))
     return matched(block, listed(names), names)
 
@@ -234,7 +234,7 @@ def _compare_unit(block: Block, wanted: str) -> Iterator[Verdict]:
 def _carrying(
     sides: Sides, shapes: list[Shape], target: Block, sources: set[str], judged: Blocks
 ) -> list[LiveWire]:
-    """Find the live connections that carry signals of these shapes, the likeliest alone.
+    """Find the live connections that carry signals of these shapes, only the likeliest of each.
 
     The list is empty where none of the signals is in the diagram.
     """

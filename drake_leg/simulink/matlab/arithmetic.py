@@ -106,7 +106,7 @@ def power(left: Value, right: Value) -> Array:
 
 
 Operator = Callable[[Value, Value], Value]
-COMPLEX = "is complex; only real numbers are known here"
+COMPLEX = "is complex; only real numbers are supported"
 
 
 def elementwise(ufunc: Callable[[Any, Any], Any], left: Value, right: Value) -> Value:
@@ -135,7 +135,7 @@ times = _combined(np.multiply, operator.mul)
 
 
 def over(left: Value, right: Value) -> Value:
-    """``left ./ right``; a zero divisor gives an infinity, or NaN."""
+    """``left ./ right``; a division by zero is infinite, or NaN."""
     if type(left) is float and type(right) is float and right:
         return left / right
     return elementwise(np.divide, left, right)

@@ -74,7 +74,7 @@ def enter(
     missing = [output for output in routine.outputs[:wanted] if output not in frame.values]
     if missing:
         raise located(
-            MatlabError(f"the output '{missing[0]}' is never given a value"), name, routine.line
+            MatlabError(f"the output '{missing[0]}' never gets a value"), name, routine.line
         )
     return [frame.values[output] for output in routine.outputs[:wanted]]
 
@@ -106,13 +106,13 @@ def compile_call(name: str, given: list[Compiled], meanings: Meanings) -> Compil
         constant = CONSTANTS[name]
         return lambda frame: constant
     if name in SILENT:
-        raise MatlabError(f"'{name}' gives no value")
+        raise MatlabError(f"'{name}' returns no value")
     if name == "error":
         return _error(given)
     if name not in KNOWN:
         if name in CONSTANTS:
             raise MatlabError(f"'{name}' takes no arguments here")
-        raise MatlabError(f"'{name}' is no number and no function known here")
+        raise MatlabError(f"'{name}' is not a known function or constant")
     least, most, function = KNOWN[name]
     if not least <= len(given) <= most:
         counts = f"{least}" if least == most else f"{least} to {most}"
@@ -151,7 +151,7 @@ _HEAVY = ("*", "/", "\\", "^")
 
 @dataclass(frozen=True, kw_only=True)
 class _Place:
-    """Where ``end`` stands: in which index of how many, of which variable."""
+    """The place of an ``end``: in which index of how many, of which variable."""
 
     name: str
     index: int
@@ -191,9 +191,9 @@ def compiled(node: syntax.Expression, meanings: Meanings, place: _Place | None =
         case syntax.End() if place:
             return _end(place)
         case syntax.End():
-            raise MatlabError("'end' stands in the index of no variable")
+            raise MatlabError("'end' is used outside the index of a variable")
         case syntax.Colon():
-            raise MatlabError("':' stands in the index of no variable")
+            raise MatlabError("':' is used outside the index of a variable")
 
 
 def compile_indices(

@@ -127,7 +127,7 @@ def _assign(store: _Store, value: Compiled) -> _Step:
     def assign(frame: Frame) -> None:
         new = value(frame)
         if isinstance(new, str):
-            raise MatlabError(f"the text '{new:.40}' is no value here")
+            raise MatlabError(f"the text '{new:.40}' is not a number")
         store(frame, new)
 
     return assign

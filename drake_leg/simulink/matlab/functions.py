@@ -224,7 +224,7 @@ def _wanted_size(given: list[Value]) -> tuple[int, int]:
 def _scalar(value: Value) -> float:
     array = numbers(value)
     if array.size != 1:
-        raise MatlabError(f"an array of {measure(value)} stands where a number should be")
+        raise MatlabError(f"an array of {measure(value)} is used where a number is needed")
     return float(array.item())
 
 
@@ -242,7 +242,7 @@ def _norm(value: Value, order: Value = 2.0) -> Value:
         return float(np.sqrt(np.sum(array**2)))
     kind = _scalar(order)
     if kind not in (1.0, 2.0, math.inf):
-        raise MatlabError(f"norm of order {kind:g} is not known here: 1, 2, inf or 'fro'")
+        raise MatlabError(f"norm of order {kind:g} is not supported: 1, 2, inf or 'fro'")
     if 1 in array.shape:
         return float(np.linalg.norm(array.ravel(), kind))
     if kind == 2.0:

@@ -56,7 +56,7 @@ def _element(array: Array, index: float, name: str) -> Value:
 
 
 def _read_shape(source: Array, index: Index, count: int) -> tuple[int, int]:
-    """Shape of what one index reads: a vector keeps its direction, else the index gives it."""
+    """Shape of what one index reads: a vector keeps its direction, else it is that of the index."""
     if isinstance(index, All):
         return count, 1
     given = grid(index)

@@ -62,10 +62,10 @@ class ExpressionParser:
         if kind == "stop" or text == "\n":
             return MatlabError("it ends too early", line)
         if kind == "symbol" and text == "=":
-            return MatlabError("'=' stands in an expression; to compare, write '=='", line)
+            return MatlabError("'=' is not allowed in an expression; to compare, write '=='", line)
         if kind == "symbol" and text == ".":
-            return MatlabError("structures (a.b) are not known here", line)
-        return MatlabError(f"'{text}' stands {where}", line)
+            return MatlabError("structures (a.b) are not supported", line)
+        return MatlabError(f"unexpected '{text}' {where}", line)
 
     def enter(self) -> None:
         """Count one thing inside another."""
@@ -131,9 +131,7 @@ class ExpressionParser:
                 continue
             signs, exponent = self._signs(), self._operand()
             if signs and self.sees(*_POWERS, *_TRANSPOSES):
-                raise MatlabError(
-                    "a signed exponent goes on; put it into parentheses", self.next.line
-                )
+                raise MatlabError("put the signed exponent into parentheses", self.next.line)
             if signs:
                 exponent = syntax.Signs(signs=signs, operand=exponent)
             rest.append((symbol, exponent))
@@ -164,7 +162,7 @@ class ExpressionParser:
             return syntax.End()
         if self.sees("."):
             raise MatlabError(
-                f"'{name}.{self._tokens[self._at + 1].text}' is not known here: "
+                f"'{name}.{self._tokens[self._at + 1].text}' is not supported: "
                 "no structures, no packages",
                 self.next.line,
             )
@@ -241,7 +239,7 @@ class ScriptParser(ExpressionParser):
         if self.next.kind != "name" or self.next.text == "end":
             raise self.unexpected("where a name should be")
         if self.next.text in _LISTS:
-            raise MatlabError(f"'{self.next.text}' is not known here", self.next.line)
+            raise MatlabError(f"'{self.next.text}' is not supported", self.next.line)
         return self.take().text
 
     def _function(self) -> syntax.Function:
@@ -271,7 +269,7 @@ class ScriptParser(ExpressionParser):
             if not self.sees(closing):
                 self.expect(",")
         if len(set(names) - {"~"}) + names.count("~") < len(names):
-            raise MatlabError("a name stands twice in a function's head", self.next.line)
+            raise MatlabError("a name is used twice in a function's head", self.next.line)
         return tuple(names)
 
     def _block(self, *ends: str) -> tuple[syntax.Statement, ...]:
@@ -294,7 +292,7 @@ class ScriptParser(ExpressionParser):
         if self.next.kind != "keyword":
             return self._simple(line)
         if keyword in REFUSED:
-            raise MatlabError(f"'{keyword}' is not known here", line)
+            raise MatlabError(f"'{keyword}' is not supported", line)
         if keyword in JUMPS:
             self.take()
             return syntax.Jump(line=line, keyword=keyword)
@@ -377,4 +375,4 @@ def _target(left: syntax.Expression, line: int) -> syntax.Target:
         return syntax.Target(name=left.name)
     if isinstance(left, syntax.Apply):
         return syntax.Target(name=left.name, indices=left.arguments)
-    raise MatlabError("what stands before '=' is no variable", line)
+    raise MatlabError("what is assigned to is not a variable", line)

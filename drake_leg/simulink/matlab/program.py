@@ -92,7 +92,7 @@ def variable(name: str, given: ArrayLike | float, *, column: bool = False) -> Va
 
 def _plain(result: Value) -> Numbers:
     if isinstance(result, str):
-        raise MatlabError(f"'{result:.40}' is a text, no number")
+        raise MatlabError(f"'{result:.40}' is a text, not a number")
     if not isinstance(result, np.ndarray):
         if math.isnan(result):
             raise MatlabError("it is not a number (NaN)")
@@ -169,7 +169,7 @@ def program(script: str) -> Program:
     Raises
     ------
     InvalidValueError
-        With function and line, if the code is not well formed, or needs what is not known here.
+        With function and line, if the code is not well formed, or needs what is not supported.
     """
     if len(script) > SCRIPT_LENGTH:
         raise InvalidValueError(f"MATLAB code of more than {SCRIPT_LENGTH} characters is refused")

@@ -69,7 +69,7 @@ class Chain:
 
 @dataclass(frozen=True, kw_only=True)
 class Logic:
-    """Operands of ``&&`` or ``||``: looked at only until the answer is known."""
+    """Operands of ``&&`` or ``||``: evaluated only until the answer is known."""
 
     symbol: str
     operands: tuple[Expression, ...]
@@ -104,7 +104,7 @@ class Assign:
 
 @dataclass(frozen=True, kw_only=True)
 class Evaluate:
-    """An expression alone."""
+    """An expression that is not assigned."""
 
     line: int
     value: Expression

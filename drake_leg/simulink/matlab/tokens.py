@@ -75,7 +75,7 @@ class _Scanner:
     def _take(self) -> None:
         match = _PATTERN.match(self._text, self._at)
         if match is None:
-            raise MatlabError(f"{self._text[self._at]!r} is no sign of MATLAB's", self._line)
+            raise MatlabError(f"{self._text[self._at]!r} is not used in MATLAB", self._line)
         kind, text = str(match.lastgroup), match[0]
         if kind == "symbol" and text in _TEXTS and not self._is_transpose(text):
             match = self._quoted(text)
@@ -90,9 +90,9 @@ class _Scanner:
 
     def _add(self, kind: str, text: str) -> None:
         if kind == "number" and (wrong := _LETTERS.match(self._text, self._at)):
-            raise MatlabError(f"'{text}{wrong[0]}' is no number that is known here", self._line)
+            raise MatlabError(f"'{text}{wrong[0]}' is not a number", self._line)
         if text in _UNKNOWN and kind == "symbol":
-            raise MatlabError(f"{_UNKNOWN[text]} are not known here", self._line)
+            raise MatlabError(f"{_UNKNOWN[text]} are not supported", self._line)
         if kind == "name" and text in KEYWORDS and not (text == "end" and self._open):
             kind = "keyword"
         if self._in_matrix() and self._gap and self._ends_operand() and self._starts(kind, text):

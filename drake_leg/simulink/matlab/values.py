@@ -64,7 +64,7 @@ def settle(array: Array) -> Value:
 def number(value: Value) -> float | Array:
     """Take a value for numbers: true is 1, false is 0."""
     if isinstance(value, str):
-        raise MatlabError(f"the text '{value}' stands where a number should be")
+        raise MatlabError(f"the text '{value}' is used where a number is needed")
     if isinstance(value, np.ndarray):
         return value if value.dtype == np.float64 else value.astype(np.float64)
     return float(value)
@@ -73,7 +73,7 @@ def number(value: Value) -> float | Array:
 def grid(value: Value) -> Array:
     """Take a value for an array, scalars included."""
     if isinstance(value, str):
-        raise MatlabError(f"the text '{value}' stands where a number should be")
+        raise MatlabError(f"the text '{value}' is used where a number is needed")
     return value if isinstance(value, np.ndarray) else np.array([[value]])
 
 
