@@ -69,7 +69,7 @@ def main(duration: float = ENDS[-1]) -> plt.Figure:
         axes.text(begin, 210.0, key, weight="bold")
     axes.set(xlabel="time [s]", ylabel="foot [mm]", title="The foot, driven by keys")
     axes.set_ylim(-160.0, 230.0)
-    axes.legend(loc="center left")
+    axes.legend(loc="center right")
     return figure
 
 

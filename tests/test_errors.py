@@ -65,7 +65,7 @@ def errors_of_the_package():
 PROVOKED_ELSEWHERE = {
     MeshcatError: "tests/scene/test_web_page.py",
     PageError: "tests/scene/test_web_page.py",
-    RefusedError: "tests/scene/test_requests.py",
+    RefusedError: "tests/scene/test_server_requests.py",
     UnlikeReplaysError: "tests/report/test_replays.py",
     ServerError: "tests/scene/test_server.py",
     OtherRobotError: "tests/scene/test_scene.py",

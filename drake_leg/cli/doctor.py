@@ -72,7 +72,8 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
-    from drake_leg.kinematics.scara import is_scara
+    from drake_leg.kinematics.of_robot import geometry_of
+    from drake_leg.kinematics.scara import ScaraGeometry
     from drake_leg.singularity.doctor import examine_posture
 
     if chosen.overwrite and not chosen.out:
@@ -81,7 +82,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
     if chosen.q is None:
         return _foot_alone(chosen, robot, place)
     values = numbers("--q", chosen.q)
-    lift_left_out = len(values) == 3 and is_scara(robot)
+    lift_left_out = len(values) == 3 and isinstance(geometry_of(robot), ScaraGeometry)
     q = joint_positions(robot, values, moving=robot.moving[:3] if lift_left_out else ())
     folder, maps = _maps(chosen, robot, q) if chosen.out else (None, {})
     motion: dict[str, Any] = {}

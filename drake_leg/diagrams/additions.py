@@ -17,11 +17,13 @@ from pydrake.systems.primitives import Gain, MatrixGain
 from drake_leg.kinematics.batches import Array
 from drake_leg.systems.drift_correction import DriftCorrection
 from drake_leg.systems.input_filter import InputFilter
+from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.speed_limit import SpeedLimit
 
 CORRECTION = "Drift Correction"
 SPEED_LIMIT = "Speed Limit"
 FILTERS = "Input Filters"
+FEEDBACKS = ("sensed", "integrated")
 
 
 class Command(NamedTuple):
@@ -135,6 +137,26 @@ def with_filters(
     builder.AddNamedSystem(FILTERS, filters)
     builder.Connect(motion.q, filters.get_input_port())
     return JointMotion(*(filters.GetOutputPort(name) for name in JointMotion._fields))
+
+
+def connect_feedback(
+    builder: DiagramBuilder,
+    feedback: str,
+    inverse_jacobian: InverseJacobian,
+    *,
+    sensed: tuple[OutputPort, OutputPort],
+    integrated: OutputPort,
+) -> None:
+    """Let an inverse Jacobian know the joints: their sensed positions and rates, or the integrals.
+
+    ``feedback`` is one of ``FEEDBACKS``.
+    """
+    if feedback == "integrated":
+        builder.Connect(integrated, inverse_jacobian.GetInputPort("q"))
+        return
+    q, qdot = sensed
+    builder.Connect(q, inverse_jacobian.GetInputPort("q"))
+    builder.Connect(qdot, inverse_jacobian.GetInputPort("w"))
 
 
 def through_matrix(builder: DiagramBuilder, name: str, matrix: Array, command: Command) -> Command:

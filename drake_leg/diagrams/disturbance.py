@@ -80,21 +80,6 @@ def with_torque_limit(builder: DiagramBuilder, limit: float, torque: OutputPort)
     return saturation.get_output_port()
 
 
-def require_actuators(robot: Robot, plant: MultibodyPlant) -> None:
-    """Refuse to limit the torque of joints that have no actuator.
-
-    Raises
-    ------
-    InvalidValueError
-        With the counts.
-    """
-    if plant.num_actuators() != plant.num_velocities():
-        raise InvalidValueError(
-            f"{robot.name!r} has {plant.num_actuators()} actuators for its "
-            f"{plant.num_velocities()} joints; a torque limit needs one at every joint"
-        )
-
-
 def add_push(builder: DiagramBuilder, plant: MultibodyPlant, frame: Frame, push: Push) -> None:
     """Push on a frame of a plant."""
     block = builder.AddNamedSystem(PUSH, FootPush(frame, push))

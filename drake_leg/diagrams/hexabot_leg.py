@@ -27,8 +27,10 @@ from pydrake.systems.primitives import (
 )
 
 from drake_leg.diagrams.additions import (
+    FEEDBACKS,
     Command,
     JointMotion,
+    connect_feedback,
     with_correction,
     with_direction,
     with_filters,
@@ -51,7 +53,6 @@ from drake_leg.robots import LEG_B, LEG_B_POSTURE
 from drake_leg.singularity.directions import require_direction
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
-FEEDBACKS = ("sensed", "integrated")
 POSTURE = tuple(map(math.radians, LEG_B_POSTURE))
 STEP = SineStep()
 
@@ -110,11 +111,12 @@ class HexabotLegConfig:
     def __post_init__(self) -> None:
         if not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; its numbers must be finite")
+        moved = self.movable
         for angle in self.start:
             require_angle("an angle of q0", angle)
         if not LEAST <= abs(self.gain) <= MOST:
             raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
-        require_direction(self.robot, self.movable, self.q0, self.motion.direction)
+        require_direction(self.robot, moved, self.q0, self.motion.direction)
         if self.feedback not in FEEDBACKS:
             raise InvalidValueError(
                 f"the feedback is {self.feedback!r}; it must be {' or '.join(FEEDBACKS)}"
@@ -169,15 +171,15 @@ def build(config: HexabotLegConfig) -> Diagram:
     builder = DiagramBuilder()
     motion = config.motion
 
-    # Blocks, in the order of the signal: the foot's velocity along x, y and z.
-    sine = Sine(motion.amplitude / config.gain, motion.frequency, 0.0, 1)
+    # Blocks, in the order of the signal.
+    sine = Sine(motion.amplitude / config.gain, motion.frequency, 0.0, 1)  # speed of the foot
     builder.AddNamedSystem("Sine Wave", sine)
-    dy = builder.AddNamedSystem("dy", ConstantVectorSource([0.0]))
+    dy = builder.AddNamedSystem("dy", ConstantVectorSource([0.0]))  # no speed across
     dz = builder.AddNamedSystem("dz", ConstantVectorSource([0.0]))
-    mux = builder.AddNamedSystem("Mux", Multiplexer(3))
-    mux_a = builder.AddNamedSystem("Mux of the derivatives", Multiplexer(3))
+    mux = builder.AddNamedSystem("Mux", Multiplexer(3))  # velocity of the foot
+    mux_a = builder.AddNamedSystem("Mux of the derivatives", Multiplexer(3))  # acceleration
 
-    # Wires.
+    # Wires; a gain and another direction add blocks to them.
     along = Command(v=sine.GetOutputPort("y0"), a=sine.GetOutputPort("y1"))
     along = with_gain(builder, config.gain, along)
     for signal, into in ((along.v, mux), (along.a, mux_a)):
@@ -197,15 +199,16 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
     robot, control = config.robot, config.control
     joints = len(config.start)
 
-    # Blocks, in the order of the signal: from the foot's velocity to the joints' motion.
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(config.inverted))
-    demux = builder.AddNamedSystem("Demux", Demultiplexer(joints))
-    integrators = [
+    # Blocks, in the order of the signal.
+    inverse_jacobian = InverseJacobian(config.inverted)  # velocity of the foot to joint rates
+    builder.AddNamedSystem("inverseJacobian", inverse_jacobian)
+    demux = builder.AddNamedSystem("Demux", Demultiplexer(joints))  # to single rates
+    integrators = [  # a joint's rate to its position
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q]))
         for i, q in enumerate(config.start, start=1)
     ]
     converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(joints))
-    leg = add_mechanism(
+    leg = add_mechanism(  # the leg itself, driven by its joints' motion, and its sensors
         builder,
         robot,
         gravity=config.gravity,
@@ -213,7 +216,7 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
         disturbance=config.disturbance,
     )
 
-    # Wires: the command to the inverse Jacobian.
+    # Wires: the command to the inverse Jacobian; a correction and a task add blocks to them.
     wanted = with_correction(
         builder,
         control.correction,
@@ -226,13 +229,15 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
     wanted = with_task(builder, config.movable.twists, wanted)
     builder.Connect(wanted.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(wanted.a, inverse_jacobian.GetInputPort("a"))
-    if config.feedback == "sensed":
-        builder.Connect(leg.q, inverse_jacobian.GetInputPort("q"))
-        builder.Connect(leg.qdot, inverse_jacobian.GetInputPort("w"))
-    else:
-        builder.Connect(converters.get_output_port(), inverse_jacobian.GetInputPort("q"))
+    connect_feedback(
+        builder,
+        config.feedback,
+        inverse_jacobian,
+        sensed=(leg.q, leg.qdot),
+        integrated=converters.get_output_port(),
+    )
 
-    # Wires: the joints' rates through the integrators to the leg.
+    # Wires: the joints' rates through the integrators to the leg; filters add blocks to them.
     builder.Connect(inverse_jacobian.GetOutputPort("qdot"), demux.get_input_port())
     for i, integrator in enumerate(integrators):
         builder.Connect(demux.get_output_port(i), integrator.get_input_port())
@@ -248,8 +253,6 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
     builder.Connect(motion.qddot, leg.motion.GetInputPort("qddot"))
 
     # Scopes.
-    add_mechanism_scopes(builder, leg)
-    if config.disturbance.acts:
-        add_scope(builder, "prescribed positions", motion.q)
+    add_mechanism_scopes(builder, leg, motion.q)
     add_scope(builder, "commanded velocities", command.v)
     add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))

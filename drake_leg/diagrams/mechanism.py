@@ -19,10 +19,10 @@ from drake_leg.diagrams.disturbance import (
     UNDISTURBED,
     Disturbance,
     add_push,
-    require_actuators,
     with_torque_limit,
 )
 from drake_leg.diagrams.wiring import plant_of
+from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.models.state_targets import initial_state
 from drake_leg.robot import Robot
@@ -45,6 +45,7 @@ class Mechanism(NamedTuple):
     qdot: OutputPort  # sensed joint velocities
     foot: FrameSensor
     torque: OutputPort  # as it acts, behind a limit if there is one
+    is_disturbed: bool  # whether the joints may leave their motion
 
 
 def add_mechanism(
@@ -93,7 +94,7 @@ def add_mechanism(
     # Wires: the torque, and what disturbs.
     torque = motion.GetOutputPort("torque")
     if disturbance.torque_limit is not None:
-        require_actuators(robot, plant)
+        _require_actuators(robot, plant)
         torque = with_torque_limit(builder, disturbance.torque_limit, torque)
     if disturbance.push is not None:
         add_push(builder, plant, foot_frame, disturbance.push)
@@ -114,7 +115,17 @@ def add_mechanism(
         qdot=converters.get_output_port(1),
         foot=foot,
         torque=torque,
+        is_disturbed=disturbance.acts,
     )
+
+
+def _require_actuators(robot: Robot, plant: MultibodyPlant) -> None:
+    """Refuse to limit the torque of joints that have no actuator."""
+    if plant.num_actuators() != plant.num_velocities():
+        raise InvalidValueError(
+            f"{robot.name!r} has {plant.num_actuators()} actuators for its "
+            f"{plant.num_velocities()} joints; a torque limit needs one at every joint"
+        )
 
 
 def _connect_stops(
@@ -159,19 +170,28 @@ def add_stops(builder: DiagramBuilder, robot: Robot, plant: MultibodyPlant) -> J
     return stops
 
 
-def add_mechanism_scopes(builder: DiagramBuilder, mechanism: Mechanism) -> None:
-    """Log what the mechanical half senses, each log named like the scope it stands for."""
-    plant, motion, q, qdot, foot, torque = mechanism
+def add_mechanism_scopes(
+    builder: DiagramBuilder, mechanism: Mechanism, prescribed: OutputPort
+) -> None:
+    """Log what the mechanical half senses, each log named like its scope in Simulink.
+
+    ``prescribed`` has the joints' prescribed positions: what disturbed joints are compared with.
+    """
+    foot = mechanism.foot
+    acceleration = mechanism.plant.get_generalized_acceleration_output_port()
+    asked_for = mechanism.motion.GetOutputPort("torque")
     add_scope(builder, "foot positions", foot.GetOutputPort("position"))
     add_scope(builder, "foot velocities", foot.GetOutputPort("velocity"))
     add_scope(builder, "Q", foot.GetOutputPort("quaternion"))
     add_scope(builder, "foot angular velocities", foot.GetOutputPort("angular_velocity"))
-    add_scope(builder, "joint positions", q)
-    add_scope(builder, "joint velocities", qdot)
-    add_scope(builder, "joint accelerations", plant.get_generalized_acceleration_output_port())
-    add_scope(builder, "joint torques", torque)
-    if torque.get_system() is not motion:
-        add_scope(builder, "torques asked for", motion.GetOutputPort("torque"))
+    add_scope(builder, "joint positions", mechanism.q)
+    add_scope(builder, "joint velocities", mechanism.qdot)
+    add_scope(builder, "joint accelerations", acceleration)
+    add_scope(builder, "joint torques", mechanism.torque)
+    if mechanism.torque.get_system() is not mechanism.motion:
+        add_scope(builder, "torques asked for", asked_for)
+    if mechanism.is_disturbed:
+        add_scope(builder, "prescribed positions", prescribed)
 
 
 def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:

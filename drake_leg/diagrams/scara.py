@@ -198,9 +198,7 @@ def build(config: ScaraConfig) -> Diagram:
 
     # Scopes.
     add_scope(builder, "input", along.v)
-    add_mechanism_scopes(builder, scara)
-    if config.disturbance.acts:
-        add_scope(builder, "prescribed positions", q.get_output_port())
+    add_mechanism_scopes(builder, scara, q.get_output_port())
     add_scope(builder, "commanded velocities", command.v)
     add_scope(builder, "singularity check", inverse_jacobian.GetOutputPort("det_j"))
     return built(builder)

@@ -233,8 +233,8 @@ class MovableChain(Movable):
 
 
 def size_of(rows: Sequence[Row]) -> float:
-    """Return the sum of all lengths in a table [m]; 1 m where there are none."""
-    return sum(abs(row.d) + abs(row.r) for row in rows) or 1.0
+    """Sum of the distances between the origins of a table's frames [m]; 1 m if there are none."""
+    return sum(math.hypot(row.d, row.r) for row in rows) or 1.0
 
 
 @lru_cache(maxsize=16)

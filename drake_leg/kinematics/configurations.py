@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain import size_of
-from drake_leg.robot import Robot, Segment
+from drake_leg.robot import Robot, Row, Segment
+
+
+def table_length(rows: Sequence[Row]) -> float:
+    """Sum of all d and r of a table [m]; 1 m if there are none."""
+    return sum(abs(row.d) + abs(row.r) for row in rows) or 1.0
 
 
 def ranges(robot: Robot) -> list[tuple[float, float]]:
@@ -16,7 +21,7 @@ def ranges(robot: Robot) -> list[tuple[float, float]]:
 
     Its limits; without them a full turn, or twice the table's length.
     """
-    length = size_of(robot.rows)
+    length = table_length(robot.rows)
     return [_range(segment, length) for segment in robot.moving]
 
 
@@ -41,4 +46,4 @@ def greatest_reach(robot: Robot) -> float:
         for bounds, segment in zip(ranges(robot), robot.moving, strict=True)
         if segment.row.joint == "prismatic"
     )
-    return size_of(robot.rows) + sum(strokes)
+    return table_length(robot.rows) + sum(strokes)

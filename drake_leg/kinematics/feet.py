@@ -12,9 +12,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import within_turns
 from drake_leg.kinematics.chain_inverse import Limits, find_postures
 from drake_leg.kinematics.euler import euler_rotation
-from drake_leg.kinematics.leg import LegGeometry, branches, is_hexabot_leg
-from drake_leg.kinematics.of_robot import joints_in_words
-from drake_leg.kinematics.scara import ScaraGeometry, branch_angles, is_scara
+from drake_leg.kinematics.leg import LegGeometry, branches
+from drake_leg.kinematics.of_robot import geometry_of, joints_in_words
+from drake_leg.kinematics.scara import ScaraGeometry, branch_angles
 from drake_leg.quantities import beyond
 from drake_leg.robot import Robot, Segment
 
@@ -76,8 +76,9 @@ def feet(
     InvalidValueError
         If a yaw or an orientation is given to a robot that cannot choose it, or a SCARA has none.
     """
-    if is_scara(robot):
-        return _scara_feet(robot, foot, q, yaw, rpy)
+    geometry = geometry_of(robot)
+    if isinstance(geometry, ScaraGeometry):
+        return _scara_feet(robot, geometry, foot, q, yaw, rpy)
     if yaw is not None:
         otherwise = ", or give the orientation by `rpy`" if len(robot.moving) > 3 else ""
         raise InvalidValueError(
@@ -90,11 +91,13 @@ def feet(
             f"{joints_in_words(robot)}",
             advice="leave `rpy` out",
         )
-    return _leg_feet(robot, foot) if is_hexabot_leg(robot) else _chain_feet(robot, foot, rpy)
+    if isinstance(geometry, LegGeometry):
+        return _leg_feet(robot, geometry, foot)
+    return _chain_feet(robot, foot, rpy)
 
 
-def _leg_feet(robot: Robot, foot: Sequence[float]) -> Feet:
-    found = branches(LegGeometry.from_robot(robot), foot, limits_of(robot.moving))
+def _leg_feet(robot: Robot, leg: LegGeometry, foot: Sequence[float]) -> Feet:
+    found = branches(leg, foot, limits_of(robot.moving))
     return Feet(
         solutions=tuple(
             Solution(name=branch.name, q=branch.q, within_limits=branch.within_limits)
@@ -107,6 +110,7 @@ def _leg_feet(robot: Robot, foot: Sequence[float]) -> Feet:
 
 def _scara_feet(
     robot: Robot,
+    arm: ScaraGeometry,
     foot: Sequence[float],
     q: Sequence[float] | None,
     yaw: float | None,
@@ -114,7 +118,7 @@ def _scara_feet(
 ) -> Feet:
     if rpy is not None:
         raise InvalidValueError("a SCARA's tool only yaws", advice="give `yaw` instead of `rpy`")
-    arm, whose = ScaraGeometry.from_robot(robot), "as asked for"
+    whose = "as asked for"
     if yaw is None:
         if q is None:
             raise InvalidValueError(

@@ -43,20 +43,20 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> list[Pictur
         outcomes[key] = run.carry_out()
         count()
     maker = ItemMaker(folder=folder, outcomes=outcomes)
-    exhibits, failures = {}, []
+    shown, failures = {}, []
     for item in (item for chapter in chapters() for item in chapter.items):
         try:
-            exhibits[item.id] = maker.make(item)
+            shown[item.id] = maker.make(item)
         except (OSError, MissingSymPyError):
             raise
         except Exception as error:
             failures.append(PictureError(f"{item.id} ({item.title})", error))
-            exhibits[item.id] = missing(failures[-1])
+            shown[item.id] = missing(failures[-1])
         count()
     page = template("report.html").render(
         chapters=chapters(),
-        exhibits=exhibits,
-        lead=exhibits[LEAD].body,
+        shown=shown,
+        lead=shown[LEAD].body,
         highlights=highlights(outcomes),
         runs=_overview(outcomes),
         errata=errata_entries(),

@@ -13,6 +13,7 @@ from scipy.integrate import trapezoid
 
 from drake_leg.diagrams.control import Control
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
+from drake_leg.diagrams.ellipse import EllipseConfig
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.diagrams.scara import ScaraConfig
@@ -39,7 +40,7 @@ STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
 STEP_OF_PULL = 0.25  # greatest step times the square root of the motion's stiffness
 STEP_OF_FILTER = 1.5  # greatest step over the filters' time constant; 2 is unstable with Euler
 
-Config = TypeVar("Config", HexabotLegConfig, ScaraConfig)
+Config = TypeVar("Config", HexabotLegConfig, EllipseConfig, ScaraConfig)
 
 
 class Followed(NamedTuple):

@@ -19,6 +19,7 @@ from pydrake.geometry import (
     Capsule,
     ClippingRange,
     ColorRenderCamera,
+    Convex,
     Cylinder,
     Ellipsoid,
     FramePoseVector,
@@ -26,11 +27,13 @@ from pydrake.geometry import (
     GeometryInstance,
     LightParameter,
     MakeRenderEngineVtk,
+    Mesh,
     PerceptionProperties,
     RenderCameraCore,
     RenderEngineVtkParams,
     Rgba,
     SceneGraph,
+    Shape,
     Sphere,
 )
 from pydrake.math import RigidTransform, RotationMatrix
@@ -61,8 +64,7 @@ TRIAL = """
 import numpy as np
 from drake_leg.robots import PENDULUM
 from drake_leg.scene.artists import Renderer
-from drake_leg.scene.scene import at_rest, scene_of
-from drake_leg.scene.scene import VIEWS
+from drake_leg.scene.scene import VIEWS, at_rest, scene_of
 motion = at_rest(PENDULUM, [0.3])
 image = Renderer(scene_of(motion), width=64, height=48).image(motion.poses()[0], VIEWS["front"])
 assert np.ptp(image) > 0, "the picture is empty"
@@ -108,14 +110,21 @@ class Renderer:
             for index in range(len(scene.shown.frames))
         ]
         for index, part in enumerate(scene.parts):
-            instance = GeometryInstance(
-                RigidTransform(part.X_FP), part.shape, f"{index}: {part.path}"
-            )
-            properties = PerceptionProperties()
-            properties.AddProperty("phong", "diffuse", Rgba(*part.colour, part.opacity))
-            instance.set_perception_properties(properties)
-            self._graph.RegisterGeometry(self._source, self._frames[part.frame], instance)
+            name = f"{index}: {part.path}"
+            try:
+                self._add(part, part.shape, name)
+            except RuntimeError:  # VTK needs an OBJ's normals; its convex hull has some
+                if not isinstance(part.shape, Mesh):
+                    raise
+                self._add(part, Convex(part.shape.source(), part.shape.scale3()), f"{name}, hull")
         self._context = self._graph.CreateDefaultContext()
+
+    def _add(self, part: Part, shape: Shape, name: str) -> None:
+        instance = GeometryInstance(RigidTransform(part.X_FP), shape, name)
+        properties = PerceptionProperties()
+        properties.AddProperty("phong", "diffuse", Rgba(*part.colour, part.opacity))
+        instance.set_perception_properties(properties)
+        self._graph.RegisterGeometry(self._source, self._frames[part.frame], instance)
 
     def image(self, X_WF: Array, view: View) -> Pixels:
         """Render the frames' poses, (n, 4, 4) as one row of ``PlantMotion.poses``."""

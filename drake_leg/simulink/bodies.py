@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.model import Block, number, senseless, vector
+from drake_leg.simulink.model import Block, invalid_parameter, number, vector
 
 Array = NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def _rotation(block: Block) -> Array:
         axis = _vector(block, "RotationArbitraryAxis", 3)
         length = np.linalg.norm(axis)
         if length == 0.0:
-            raise senseless(block, "RotationArbitraryAxis", "it must not be zero")
+            raise invalid_parameter(block, "RotationArbitraryAxis", "it must not be zero")
         return _about(axis / length, _number(block, "RotationAngle"))
     if method == "AlignedAxes":
         return _aligned(block)
@@ -106,7 +106,7 @@ def _rotation(block: Block) -> Array:
     if method == "Quaternion":
         quaternion = _vector(block, "RotationQuaternion", 4)
         if not np.any(quaternion):
-            raise senseless(block, "RotationQuaternion", "it must not be zero")
+            raise invalid_parameter(block, "RotationQuaternion", "it must not be zero")
         return _clean(Rotation.from_quat(np.roll(quaternion, -1)).as_matrix())
     raise _unknown(block, "RotationMethod", method)
 
@@ -119,7 +119,7 @@ def _aligned(block: Block) -> Array:
     ]
     (f1, b1), (f2, b2) = pairs
     if abs(f1 @ f2) > 0.5 or abs(b1 @ b2) > 0.5:
-        raise senseless(block, "BaseAlignAxisB", "the two axes must be at a right angle")
+        raise invalid_parameter(block, "BaseAlignAxisB", "the two axes must be at a right angle")
     base = np.column_stack([b1, b2, np.cross(b1, b2)])
     follower = np.column_stack([f1, f2, np.cross(f1, f2)])
     R: Array = base @ follower.T
@@ -130,7 +130,7 @@ def _proper(block: Block) -> Array:
     rows = block.parameters.get("RotationMatrix")
     R = np.array(rows, dtype=float) if isinstance(rows, tuple) else np.zeros(0)
     if R.shape != (3, 3) or not np.allclose(R @ R.T, np.eye(3), atol=1e-6) or np.linalg.det(R) < 0:
-        raise senseless(block, "RotationMatrix", "it must be a proper rotation, 3 x 3")
+        raise invalid_parameter(block, "RotationMatrix", "it must be a proper rotation, 3 x 3")
     return R
 
 
@@ -163,14 +163,14 @@ def _number(block: Block, name: str) -> float:
 def _vector(block: Block, name: str, size: int) -> Array:
     value = block.parameters.get(name)
     if not isinstance(value, tuple) or np.shape(value) != (size,):
-        raise senseless(block, name, f"it must be {size} numbers")
+        raise invalid_parameter(block, name, f"it must be {size} numbers")
     return np.array(value, dtype=float)
 
 
 def _unknown(block: Block, name: str, value: object) -> InvalidValueError:
     return InvalidValueError(
         f"the block {block.name!r} (SID {block.sid}) has {name} {value!r}, which is not "
-        "known here: choose another setting that says the same"
+        "supported: choose another setting that means the same"
     )
 
 

@@ -110,7 +110,7 @@ def evaluate(text: str, unit: str, quantity: str, names: Names = NO_NAMES) -> Va
     try:
         used = names.used_in(text)
     except InvalidValueError as error:
-        raise _senseless(text, error) from None
+        raise _not_evaluated(text, error) from None
     return _evaluated(text, unit, quantity, used)
 
 
@@ -140,7 +140,7 @@ def _evaluated(text: str, unit: str, quantity: str, used: Used) -> Value:
     try:
         number = value(text, dict(used))
     except InvalidValueError as error:
-        raise _senseless(text, error) from None
+        raise _not_evaluated(text, error) from None
     if not quantity:
         return number
     try:
@@ -162,7 +162,7 @@ def _mapped(number: Value, convert: Callable[[float], float]) -> Value:
     return convert(float(number))
 
 
-def _senseless(text: str, error: InvalidValueError) -> InvalidValueError:
+def _not_evaluated(text: str, error: InvalidValueError) -> InvalidValueError:
     return InvalidValueError(
         f"is {_shortened(text)}, which cannot be evaluated ({error}): put the number itself there"
     )

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.model import Block, Model, Wire, split_port
+from drake_leg.simulink.model import Block, Model, SignalWire, split_port
 from drake_leg.simulink.wiring import join
 
 _GATES = {"enable": "EnablePort", "trigger": "TriggerPort", "ifaction": "ActionPort"}
@@ -65,7 +65,7 @@ class _Signals:
                 tag = str(block.parameters.get("GotoTag"))
                 self._gotos.setdefault(tag, []).append(block)
 
-    def wires(self) -> tuple[Wire, ...]:
+    def wires(self) -> tuple[SignalWire, ...]:
         """Return the wires between leaf blocks."""
         found = []
         for wire in self._drivers.values():
@@ -78,7 +78,7 @@ class _Signals:
                 continue
             source, name = self._origin(wire)
             if source:
-                found.append(Wire(source=source, target=target, name=name))
+                found.append(SignalWire(source=source, target=target, name=name))
         return tuple(found)
 
     def _gate(self, subsystem: Block, kind: str) -> str:
@@ -90,7 +90,7 @@ class _Signals:
             f"{_GATES[kind]} block inside: save the model again in Simulink"
         )
 
-    def _origin(self, wire: Wire | None) -> tuple[str, str]:
+    def _origin(self, wire: SignalWire | None) -> tuple[str, str]:
         """Return the leaf output at the wire's beginning, "" where there is none, and a name."""
         name = ""
         seen = set()
@@ -118,7 +118,7 @@ class _Signals:
         return f"{outport.sid}#in:1" if outport else ""
 
     def _goto(self, block: Block) -> Block:
-        """Return the Goto of a From: that of the same system, or the only one that is visible here."""
+        """Return the Goto of a From: that of its system, or the only one that is visible there."""
         tag = str(block.parameters.get("GotoTag"))
         alike = self._gotos.get(tag, [])
         near = [goto for goto in alike if goto.system == block.system]

@@ -35,7 +35,7 @@ class Block:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wire:
+class SignalWire:
     """A signal from one output to one input; a branched line is several wires."""
 
     source: str  # "SID#out:1"
@@ -58,7 +58,7 @@ class Model:
 
     name: str
     blocks: tuple[Block, ...]
-    wires: tuple[Wire, ...]  # as drawn: they end at a subsystem's own ports
+    wires: tuple[SignalWire, ...]  # as drawn: they end at a subsystem's own ports
     nodes: tuple[tuple[str, ...], ...]  # physical ports that one connection joins: "SID#lconn:1"
     functions: tuple[Function, ...]
     solver: Mapping[str, Value]  # StopTime [s], Solver, RelTol, MaxStep, ...
@@ -86,7 +86,7 @@ def number(value: Value | None, default: float = 0.0) -> float:
     return numbers[0] if len(numbers) == 1 else default
 
 
-def senseless(block: Block, name: str, why: str) -> InvalidValueError:
+def invalid_parameter(block: Block, name: str, why: str) -> InvalidValueError:
     """Make the error of a parameter that makes no sense; ``why`` says what it must be."""
     return InvalidValueError(
         f"the block {block.name!r} (SID {block.sid}) has {name} "

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine
-from drake_leg.simulink.model import Wire, split_port
+from drake_leg.simulink.model import SignalWire, split_port
 
 
-def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
+def wires_of(diagram: Diagram) -> tuple[SignalWire, ...]:
     """Make one wire of every way from an output to an input.
 
     Lines that hang, and those at blocks that are commented out, are left out; what goes into a
@@ -18,7 +18,7 @@ def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
     """
     through = diagram.through
     blocks = diagram.blocks | through
-    wires: dict[str, Wire] = {}
+    wires: dict[str, SignalWire] = {}
     for line in diagram.lines:
         if line.physical or not line.source:
             continue
@@ -32,13 +32,15 @@ def wires_of(diagram: Diagram) -> tuple[Wire, ...]:
                     f"two lines end at input {end} of {blocks[split_port(end)[0]]}: save the "
                     "model again in Simulink"
                 )
-            wires[end] = Wire(source=line.source, target=end, name=line.name)
+            wires[end] = SignalWire(source=line.source, target=end, name=line.name)
     ends = [wire for wire in wires.values() if split_port(wire.target)[0] not in through]
     bridged = (_bridged(wire, wires, through) for wire in ends)
     return tuple(wire for wire in bridged if wire is not None)
 
 
-def _bridged(wire: Wire, wires: Mapping[str, Wire], through: Container[str]) -> Wire | None:
+def _bridged(
+    wire: SignalWire, wires: Mapping[str, SignalWire], through: Container[str]
+) -> SignalWire | None:
     """Follow a wire backwards through blocks that are commented through."""
     seen: set[str] = set()
     while True:

@@ -2,13 +2,14 @@
 
 ``l2*c2 - 0`` stays a difference of a product and a zero. A difference is a sum with ``-1*x``, a
 quotient a product with ``x**-1``, and ``deg`` and ``rad`` are symbols with a fixed value. A *path*
-says where a part stands: the indices of SymPy's arguments from the outside in.
+says where a part is: the indices of SymPy's arguments from the outside in.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ import sympy as sp
 from drake_leg.errors import InvalidValueError
 
 Path = tuple[int, ...]
+Parts = tuple[tuple[Path, sp.Expr], ...]
 Change = Callable[[sp.Expr], sp.Expr | None]  # of a part; None leaves it as it is
 
 DEGREE, RADIAN = sp.Symbol("deg"), sp.Symbol("rad")
@@ -73,18 +75,20 @@ def names_in(formula: sp.Expr) -> set[str]:
     return {symbol.name for symbol in formula.free_symbols} - set(UNITS)
 
 
-def inside(part: sp.Expr) -> list[tuple[Path, sp.Expr]]:
+@lru_cache(maxsize=10_000)
+def inside(part: sp.Expr) -> Parts:
     """List what a part is made of, as people read it: exponents and the -1 of signs left out."""
     if is_negative(part):
-        return [((1,), part.args[1])]
+        return (((1,), part.args[1]),)
     if is_quotient(part):
-        return [((0,), part.args[0]), ((1, 0), part.args[1].args[0])]
+        return ((0,), part.args[0]), ((1, 0), part.args[1].args[0])
     if part.is_Pow:
-        return [((0,), part.args[0])]
-    return [((index,), argument) for index, argument in enumerate(part.args)]
+        return (((0,), part.args[0]),)
+    return tuple(((index,), argument) for index, argument in enumerate(part.args))
 
 
-def parts(formula: sp.Expr, *, of_functions: bool = True) -> list[tuple[Path, sp.Expr]]:
+@lru_cache(maxsize=1000)
+def parts(formula: sp.Expr, *, of_functions: bool = True) -> Parts:
     """List a formula and all formulas in it, the outer ones first, with their paths.
 
     Parameters
@@ -96,7 +100,7 @@ def parts(formula: sp.Expr, *, of_functions: bool = True) -> list[tuple[Path, sp
     for path, part in found:
         if of_functions or not part.is_Function:
             found += [((*path, *below), child) for below, child in inside(part)]
-    return found
+    return tuple(found)
 
 
 def distinct(formulas: Iterable[sp.Expr]) -> Iterator[sp.Expr]:
@@ -239,7 +243,7 @@ def _written(part: sp.Expr) -> tuple[str, int]:
 
 
 def _bound(part: sp.Expr, least: int) -> str:
-    """Write a part in brackets if it holds together less strongly than what stands around it."""
+    """Write a part in brackets if it holds together less strongly than what is around it."""
     text, strength = _written(part)
     return text if strength >= least else f"({text})"
 

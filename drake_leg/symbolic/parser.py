@@ -129,7 +129,7 @@ class _Parser:
             raise InvalidValueError("it is empty; write 0 where there is nothing")
         formula = self._sum()
         if self._next is not END:
-            raise InvalidValueError(f"{self._next.text!r} stands where nothing opens it")
+            raise InvalidValueError(f"nothing opens the {self._next.text!r} in it")
         return formula
 
     @property
@@ -185,7 +185,7 @@ class _Parser:
         token = self._next
         if token.kind == "number" and self._peek(-1).kind == "number":
             raise InvalidValueError(
-                f"{self._peek(-1).text} and {token.text} stand side by side; write a sign between"
+                f"{self._peek(-1).text} and {token.text} have no sign between them; write one"
             )
         return token is not END and (token.kind != "sign" or token.text == "(")
 
@@ -255,7 +255,7 @@ class _Parser:
         if token.kind == "sign" and token.text == "(":
             return self._bracket()
         if token.kind == "sign":
-            raise InvalidValueError(f"{token.text!r} stands where a number or a name belongs")
+            raise InvalidValueError(f"there is {token.text!r} in the place of a number or a name")
         if token is END:
             before = self._peek(-1).text
             raise InvalidValueError(f"it ends with {before!r}; write what follows")

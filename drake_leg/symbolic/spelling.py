@@ -63,7 +63,7 @@ _ARGUMENT = re.compile(r"\s*(?:(?P<open>\{)|(?P<one>\d|(?:\\[a-z]+|[a-z])(?:_\{?
 
 
 def quoted(text: str, longest: int = 60) -> str:
-    """Quote what is printed as it stands, cut at so many characters."""
+    """Quote what is printed, cut at so many characters."""
     text = " ".join(text.split())
     return f"'{text}'" if len(text) <= longest else f"'{text[: longest - 3]}...'"
 

@@ -76,7 +76,7 @@ def _numbers(formula: str) -> str:
 
 
 def _words(run: str, known: list[str], weak: bool, glued: bool) -> Iterator[Token]:
-    """Split letters and digits that stand together."""
+    """Split letters and digits without spaces."""
     if len(run) > _LONGEST_WORD:
         raise InvalidValueError(f"has {run[:20]}... in it, a name of {len(run)} letters")
     words = _split(run, known, weak)
@@ -101,7 +101,7 @@ def _split(run: str, known: list[str], weak: bool) -> list[Token] | None:
 
 
 def _candidates(run: str, at: int, known: list[str], weak: bool) -> Iterator[tuple[Token, int]]:
-    """List the words that can stand at a place, the likeliest first, with their ends."""
+    """List the words that can begin at a place, the likeliest first, with their ends."""
     for name in known:
         end = at + len(name)
         if run.startswith(name, at) and not run[end : end + 1].isdigit():

@@ -42,9 +42,8 @@ class JointStops(LeafSystem):
 
     Examples
     --------
-    >>> from dataclasses import replace
     >>> from drake_leg import PENDULUM, JointStops, build_plant
-    >>> from drake_leg.robot import HardStop, JointMechanics
+    >>> from drake_leg.joint_mechanics import HardStop, JointMechanics
     >>> mechanics = JointMechanics(upper=1.0, upper_stop=HardStop.rotational())
     >>> block = JointStops(build_plant(PENDULUM), {"pivot": mechanics})
     >>> context = block.CreateDefaultContext()

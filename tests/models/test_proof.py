@@ -10,8 +10,12 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.chain import size_of
-from drake_leg.kinematics.configurations import greatest_reach, random_configurations, ranges
+from drake_leg.kinematics.configurations import (
+    greatest_reach,
+    random_configurations,
+    ranges,
+    table_length,
+)
 from drake_leg.models.proof import TOLERANCE, DrakeWitness, difference_jacobian, prove
 from drake_leg.robot import Link, Robot, Row, Segment
 from drake_leg.robots import LEG_B, ROBOTS, SCARA
@@ -142,7 +146,7 @@ def test_a_joint_without_a_limit_goes_round_once(mechanics, expected):
 
 
 def test_a_chain_without_lengths_counts_as_a_metre_long():
-    assert size_of([Row(joint="revolute")]) == 1.0
+    assert table_length([Row(joint="revolute")]) == 1.0
 
 
 def test_what_the_budget_does_not_reach_is_missing_and_said(monkeypatch):

@@ -136,6 +136,41 @@ def test_a_model_file_is_shown_as_its_text(tmp_path):
         assert parts_of(shown(what)).keys() == parts_of(shown(PENDULUM)).keys()
 
 
+MESH = """v 0 0 0
+v 0.3 0 0
+v 0 0.2 0
+v 0 0 0.4
+f 1 3 2
+f 1 2 4
+f 2 3 4
+f 1 4 3
+"""
+EVERY_SHAPE = """<sdf version="1.7"><model name="toys"><link name="body">
+  <inertial><mass>1</mass></inertial>
+  <visual name="wedge"><geometry><mesh><uri>wedge.obj</uri></mesh></geometry></visual>
+  <visual name="egg"><pose>1 0 0 0 0 0</pose>
+    <geometry><ellipsoid><radii>0.1 0.2 0.3</radii></ellipsoid></geometry></visual>
+  <visual name="pill"><pose>-1 0 0 0 0 0</pose>
+    <geometry><capsule><radius>0.1</radius><length>0.3</length></capsule></geometry></visual>
+  <visual name="ground"><geometry><plane><normal>0 0 1</normal></plane></geometry></visual>
+</link></model></sdf>"""
+
+
+@pytest.mark.usefixtures("rendering")
+def test_meshes_and_all_other_shapes_are_shown(tmp_path, monkeypatch):
+    (tmp_path / "wedge.obj").write_text(MESH)
+    (tmp_path / "toys.sdf").write_text(EVERY_SHAPE)
+    plant = shown(tmp_path / "toys.sdf")
+    low, high = (getattr(np.concatenate(plant.held()), end)(axis=0) for end in ("min", "max"))
+    np.testing.assert_allclose(
+        [low[0], high[0], high[1], high[2]], [-1.1, 1.1, 0.2, 0.4], atol=0.05
+    )
+    assert np.ptp(pixels(still(plant))) > 100.0
+    assert len(replay(plant, at_rest(plant)).html) > 1e6
+    monkeypatch.setattr("drake_leg.scene.images.rendering_fault", lambda: "no light")
+    assert np.ptp(pixels(still(plant))) > 100.0
+
+
 @pytest.mark.parametrize("model", ["<sdf>nothing</sdf>", "nowhere.sdf"])
 def test_what_drake_cannot_read_is_refused_in_a_sentence(model):
     with pytest.raises(InvalidValueError, match="Drake refuses the model"):
@@ -249,6 +284,21 @@ def test_both_can_be_filmed(walker, fall, tmp_path):
         gif.seek(10)
         last = np.asarray(gif.convert("RGB")).astype(float)
     assert np.abs(last - first).max() > 50.0
+
+
+@pytest.mark.slow
+def test_six_legs_play_in_a_browser(walker, fall, open_page, tmp_path):
+    replay(walker[0], fall).write(tmp_path / "fall.html")
+    visit = open_page((tmp_path / "fall.html").as_uri())
+    np.testing.assert_allclose(visit.frame(1), [0.0, 0.0, HEIGHT], atol=1e-6)
+    visit.click("Play")
+    visit.page.wait_for_function("document.getElementById('replay-play').textContent === 'Play'")
+    np.testing.assert_allclose(visit.frame(1)[2], HEIGHT - 9.81 / 2.0 * 0.1**2, atol=1e-4)
+    names = visit.page.locator(".axis-name:visible").all_inner_texts()
+    assert {"z0", "z1", "z7"} <= {name.replace("\n", "") for name in names}
+    assert "1 trunk, 2 leg_0" in visit.page.get_by_role("button", name="Frames").get_attribute(
+        "title"
+    )
 
 
 def test_sliders_move_all_joints_but_what_floats(walker):

@@ -1,141 +1,104 @@
+import math
+
 import numpy as np
 import pytest
-from pydrake.geometry import Box, Cylinder, Role, SceneGraph, Sphere
-from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
 
-from drake_leg.models.sdf import sdf_text
-from drake_leg.robot import LINK_COLOURS, Brick, Link, Robot, Row, Segment, Solid
-from drake_leg.robots import LEG_B, ROBOTS, SCARA, SCARA_HEIGHT
-from drake_leg.scene.parts import LEAST_SIZE, size_of
-from drake_leg.scene.scene import PlantMotion, at_rest, scene_of
-from drake_leg.scene.shown_plant import shown
+from drake_leg.robots import LEG_B
+from drake_leg.scene.parts import (
+    BLUE,
+    DASH,
+    GREEN,
+    RED,
+    TRACE_SPACING,
+    floor_parts,
+    floor_square,
+    trace_parts,
+    triad_parts,
+    triad_tips,
+)
+from drake_leg.scene.scene import at_rest
 
-
-def sizes(shape):
-    if isinstance(shape, Box):
-        return tuple(shape.size())
-    return (shape.radius(), shape.length()) if isinstance(shape, Cylinder) else (shape.radius(),)
-
-
-def drake_visuals(robot):
-    """Shape, pose on its link and link of every visual that Drake reads from the SDF."""
-    graph, plant = SceneGraph(), MultibodyPlant(time_step=0.0)
-    plant.RegisterAsSourceForSceneGraph(graph)
-    Parser(plant).AddModelsFromString(sdf_text(robot), "sdf")
-    plant.Finalize()
-    inspector = graph.model_inspector()
-    for frame in inspector.GetAllFrameIds():
-        for geometry in inspector.GetGeometries(frame, Role.kIllustration):
-            link = inspector.GetName(frame).rpartition("::")[2]
-            yield link, inspector.GetShape(geometry), inspector.GetPoseInFrame(geometry)
+Q = [1.5, -0.9, -1.6]
+FRAMES = len(LEG_B.rows) + 1
 
 
-@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
-def test_the_solids_are_those_that_drake_reads_from_the_sdf(robot):
-    rows = {s.link.name: i for i, s in enumerate(robot.segments, start=1) if s.link}
-    ours = {part.frame: part for part in shown(robot).parts(0.2) if part.path.startswith("solid")}
-    theirs = {rows[link]: (shape, pose) for link, shape, pose in drake_visuals(robot)}
-    assert ours.keys() == theirs.keys()
-    for frame, (shape, pose) in theirs.items():
-        assert isinstance(ours[frame].shape, type(shape))
-        assert sizes(ours[frame].shape) == pytest.approx(sizes(shape))
-        np.testing.assert_allclose(ours[frame].X_FP, pose.GetAsMatrix4(), atol=1e-15)
+def ends_of(part):
+    """Both ends of a rod, on its frame."""
+    half = part.X_FP[:3, 2] * part.shape.length() / 2.0
+    return part.X_FP[:3, 3] - half, part.X_FP[:3, 3] + half
 
 
-def arm(*rows):
-    """A robot of rows that are given as (Row, Link or None)."""
-    return Robot(
-        name="arm",
-        title="Arm",
-        source="none",
-        segments=tuple(
-            Segment(row=row, joint=None if link is None else f"joint_{link.name}", link=link)
-            for row, link in rows
-        ),
-    )
+def test_every_frame_has_red_green_and_blue_rods_along_x_y_and_z():
+    parts = triad_parts(FRAMES, 0.2)
+    assert len(parts) == 3 * FRAMES
+    for part in parts:
+        start, end = ends_of(part)
+        axis = "xyz".index(part.path[-1])
+        assert part.colour == (RED, GREEN, BLUE)[axis]
+        np.testing.assert_allclose(start, 0.0, atol=1e-15)
+        np.testing.assert_allclose(end / np.linalg.norm(end), np.eye(3)[axis], atol=1e-15)
+        assert np.linalg.det(part.X_FP[:3, :3]) == pytest.approx(1.0)
 
 
-def rods(robot):
-    """Frame, end and colour of every rod."""
-    for part in shown(robot).parts(0.2):
-        if part.path.startswith("rod"):
-            end = part.X_FP[:3, 3] + part.X_FP[:3, 2] * part.shape.length() / 2.0
-            yield part.frame, tuple(np.round(end, 9).tolist()), part.colour
+def test_the_tips_are_where_the_rods_end():
+    X_WF = at_rest(LEG_B, Q).poses()[0]
+    tips = triad_tips(X_WF, 0.2).reshape(-1, 3)
+    for part, tip in zip(triad_parts(FRAMES, 0.2), tips, strict=True):
+        X = X_WF[part.frame]
+        np.testing.assert_allclose(X[:3, :3] @ ends_of(part)[1] + X[:3, 3], tip, atol=1e-15)
 
 
-def test_the_reports_robots_have_no_rods():
-    assert not [rod for robot in ROBOTS for rod in rods(robot)]
+def test_a_trace_follows_its_way():
+    angles = np.linspace(0.0, 2.0 * math.pi, 1000)
+    circle = np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
+    pieces = trace_parts([circle], 2.0)
+    length = sum(part.shape.length() for part in pieces)
+    assert length == pytest.approx(2.0 * math.pi * (DASH - 1) / DASH, rel=0.01)
+    middles = np.array([part.X_FP[:3, 3] for part in pieces])
+    np.testing.assert_allclose(np.linalg.norm(middles, axis=1), 1.0, atol=1e-3)
 
 
-def test_a_link_without_a_solid_is_a_rod_to_its_end_or_to_the_next_joint():
-    turn = Row(joint="revolute", d=0.1)
-    ending = arm((turn, Link(name="a", end=(0.1, 0.0, 0.0))), (turn, Link(name="b")))
-    assert list(rods(ending)) == [(1, (0.1, 0.0, 0.0), LINK_COLOURS[0])]
-    endless = arm((turn, Link(name="a")), (Row(joint="revolute", r=0.2), Link(name="b")))
-    assert list(rods(endless)) == [(1, (0.0, 0.0, 0.2), LINK_COLOURS[0])]
+def test_an_axis_inside_the_trace_is_seen_in_its_gaps():
+    radii = {part.shape.radius() for part in triad_parts(FRAMES, 2.0)}
+    way = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 50)
+    dashes = trace_parts([way], 2.0)
+    assert min(part.shape.radius() for part in dashes) > max(radii)
+    starts, ends = np.array([ends_of(part) for part in dashes])[:, :, 0].T
+    gaps = starts[1:] - ends[:-1]
+    assert gaps.max() == pytest.approx(TRACE_SPACING * 2.0, rel=0.05)
+    assert (gaps > 0.5 * TRACE_SPACING).sum() >= 8
 
 
-def test_a_tool_row_is_a_rod_where_no_solid_leads_to_it():
-    turn, tool = Row(joint="revolute"), Row(joint="fixed", d=0.2)
-    long, short = (
-        Link(
-            name="bar",
-            solid=Solid(
-                shape=Brick(length=length, width=0.01, height=0.01),
-                density=1e3,
-                centre=(length / 2.0, 0.0, 0.0),
-                colour=(1.0, 0.0, 0.0),
-            ),
-        )
-        for length in (0.2, 0.1)
-    )
-    assert not list(rods(arm((turn, long), (tool, None))))
-    assert list(rods(arm((turn, short), (tool, None)))) == [(1, (0.2, 0.0, 0.0), (1.0, 0.0, 0.0))]
-    two = arm((turn, Link(name="bare")), (tool, None), (tool, None))
-    assert [frame for frame, *_ in rods(two)] == [1, 2]
+def test_a_way_gone_many_times_is_traced_once():
+    back_and_forth = np.zeros((4000, 3))
+    back_and_forth[:, 0] = np.sin(np.linspace(0.0, 60.0, 4000))
+    pieces = trace_parts([back_and_forth], 2.0)
+    assert len(pieces) < 2.0 / (0.5 * TRACE_SPACING * 2.0)
+    points = np.sort([end[0] for part in pieces for end in ends_of(part)])
+    assert points[0] == pytest.approx(-1.0, abs=0.04)
+    assert points[-1] == pytest.approx(1.0, abs=0.04)
+    assert np.diff(points).max() < 0.04
 
 
-def test_a_post_leads_to_a_first_joint_wherever_it_is():
-    (post,) = (part for part in shown(SCARA).parts(0.5) if part.path.startswith("post"))
-    assert post.shape.length() == pytest.approx(SCARA_HEIGHT)
-    aside = arm((Row(joint="revolute", d=0.3, r=0.4), Link(name="a")))
-    (post,) = (part for part in shown(aside).parts(0.5) if part.path.startswith("post"))
-    assert post.shape.length() == pytest.approx(0.5)
-    np.testing.assert_allclose(post.X_FP[:3, 3], [0.15, 0.0, 0.2])
+def test_what_does_not_move_leaves_no_trace():
+    assert trace_parts([np.ones((5, 3))], 0.2) == ()
 
 
-def test_a_ball_stays_a_ball():
-    foot = next(part for part in shown(LEG_B).parts(0.2) if part.frame == 4)
-    assert isinstance(foot.shape, Sphere)
+@pytest.mark.parametrize(
+    ("size", "square"), [(0.25, 0.05), (0.24, 0.02), (1.0, 0.2), (5.0, 1.0), (0.05, 0.01)]
+)
+def test_the_floors_squares_are_1_2_or_5(size, square):
+    assert floor_square(size) == pytest.approx(square)
 
 
-def test_the_outline_holds_the_ends_and_the_foots_ball():
-    points = shown(LEG_B).outline(at_rest(LEG_B, [0.0, 0.0, 0.0]).poses())
-    np.testing.assert_allclose(points.max(axis=0), [0.256, 0.006, 0.006], atol=1e-12)
-    assert points[:, 0].min() == pytest.approx(0.0, abs=1e-12)
-
-
-def test_a_robot_without_any_size_has_a_scene():
-    wheel = Robot(name="wheel", title="Wheel", source="none", segments=LEG_B.segments[:1])
-    bare = Robot(
-        name="bare",
-        title="Bare",
-        source="none",
-        segments=(Segment(row=Row(joint="revolute"), joint="turn", link=Link(name="l")),),
-    )
-    assert scene_of(at_rest(wheel, [0.3])).size > 0.04
-    scene = scene_of(at_rest(bare, [0.0]))
-    assert scene.size == size_of(np.zeros((2, 3))) == LEAST_SIZE
-
-
-def test_a_scene_holds_its_motion():
-    q = np.array([[1.5, -0.9, -1.6], [0.0, -0.5, -1.2]])
-    motion = PlantMotion(shown=shown(LEG_B), time=np.array([0.0, 1.0]), q=q)
-    scene = scene_of(motion)
-    seen = motion.poses()[..., :3, 3].reshape(-1, 3)
-    assert (scene.points.min(axis=0) <= seen.min(axis=0)).all()
-    assert (scene.points.max(axis=0) >= seen.max(axis=0)).all()
-    wide = scene_of(motion, room=0.5)
-    gained = np.ptp(wide.points, axis=0) - np.ptp(scene.points, axis=0)
-    np.testing.assert_allclose(gained, scene.size)
+def test_the_floor_lies_under_everything():
+    points = np.array([[-0.1, 0.0, -0.14], [0.1, 0.25, 0.0]])
+    parts = floor_parts(points)
+    heights = {round(float(part.X_FP[2, 3]), 12) for part in parts}
+    assert len(heights) == 1
+    assert heights.pop() < -0.14
+    along_x = [part for part in parts if "/x" in part.path]
+    gaps = np.diff([part.X_FP[1, 3] for part in along_x])
+    np.testing.assert_allclose(gaps, 0.05)
+    assert along_x[0].X_FP[1, 3] <= 0.0
+    assert along_x[-1].X_FP[1, 3] >= 0.25 - 1e-12

@@ -4,7 +4,7 @@ from slx_writer import ModelBuilder
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.flatten import flatten
-from drake_leg.simulink.model import Wire
+from drake_leg.simulink.model import SignalWire
 from drake_leg.simulink.reader import read_model
 
 
@@ -54,8 +54,8 @@ def test_signals_go_through_subsystems(flat, depth, layout, atomic):
     model = flat(builder, layout)
     assert {block.name for block in model.blocks} == {"Clock", "K", "Scope"}
     assert set(model.wires) == {
-        Wire(source=f"{clock}#out:1", target=f"{gain}#in:1", name="t"),
-        Wire(source=f"{gain}#out:1", target=f"{scope}#in:1", name=""),
+        SignalWire(source=f"{clock}#out:1", target=f"{gain}#in:1", name="t"),
+        SignalWire(source=f"{gain}#out:1", target=f"{scope}#in:1", name=""),
     }
 
 
@@ -138,7 +138,7 @@ def test_goto_and_from(flat):
         builder.connect(source, scopes[-1])
     model = flat(builder)
     assert set(model.wires) == {
-        Wire(source=f"{clock}#out:1", target=f"{scope}#in:1", name="time") for scope in scopes
+        SignalWire(source=f"{clock}#out:1", target=f"{scope}#in:1", name="time") for scope in scopes
     }
 
 

@@ -5,7 +5,7 @@ from slx_models import JACOB_INV, published_leg, published_pendulum
 from slx_writer import ModelBuilder, write_parts
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.model import Wire
+from drake_leg.simulink.model import SignalWire
 from drake_leg.simulink.reader import read_model
 
 LAYOUTS = ("new", "old")
@@ -92,7 +92,7 @@ def test_branches_at_any_depth(read, targets):
     scopes = [builder.add_block("Scope", f"Scope{place}") for place in range(targets)]
     builder.connect(source, *scopes, name="t")
     assert read(builder).wires == tuple(
-        Wire(source=f"{source}#out:1", target=f"{scope}#in:1", name="t") for scope in scopes
+        SignalWire(source=f"{source}#out:1", target=f"{scope}#in:1", name="t") for scope in scopes
     )
 
 
@@ -125,7 +125,7 @@ def test_subsystems_hold_their_blocks(read, layout):
         ("K", inner),
         ("f", inner),
     ]
-    assert model.wires == (Wire(source=f"{gain}#out:1", target=f"{function}#in:1", name=""),)
+    assert model.wires == (SignalWire(source=f"{gain}#out:1", target=f"{function}#in:1", name=""),)
     assert model.functions[0].script == script
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drake_leg.simulink.model import Block, number, senseless, vector
+from drake_leg.simulink.model import Block, invalid_parameter, number, vector
 
 
 @pytest.mark.parametrize(
@@ -35,5 +35,5 @@ def test_complaint_names_block_parameter_and_value():
     block = Block(
         sid="12:3", name="Bar", type="Gain", source="", system="", parameters={"Gain": "k"}
     )
-    error = senseless(block, "Gain", "it must be one number")
+    error = invalid_parameter(block, "Gain", "it must be one number")
     assert str(error) == "the block 'Bar' (SID 12:3) has Gain 'k'; it must be one number"

@@ -27,7 +27,7 @@ JACOBIAN_ROWS = {
     **{"x": 3, "y": 4, "z": 5, "vx": 3, "vy": 4, "vz": 5},
 }
 _KINDS: dict[str, Kind] = {
-    **dict.fromkeys("tha", "transform"),  # type: ignore[dict-item]
+    **dict.fromkeys("tha", "transform"),
     "r": "rotation",
     "p": "position",
 }
@@ -61,7 +61,7 @@ def read_name(text: str) -> MatrixName:
     """Read the name of a matrix, or refuse one that means nothing.
 
     ``T12`` is the pose of frame 2 in frame 1, ``T21`` that of frame 1 in frame 2, its inverse.
-    Where one number stands above and the other below, as in ``T_1^2`` and ``T_2^1``, prints differ
+    Where one number is above and the other below, as in ``T_1^2`` and ``T_2^1``, prints differ
     on which is which: both are T12. In front, ``{}^1T_2`` and ``{}^1_2T``, the upper one is the
     frame that is looked from.
     """

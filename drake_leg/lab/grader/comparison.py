@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain import size_of
+from drake_leg.kinematics.configurations import table_length
 from drake_leg.lab.grader.chains import Chain, chain_of
 from drake_leg.lab.grader.definitions import Reader
 from drake_leg.lab.grader.lengths import Binding, Cell, cell_values, same
@@ -35,7 +35,7 @@ from drake_leg.symbolic.formulas import (
 COUNT = 8  # postures; two formulas that agree on all of them are the same
 MOST_READINGS = 64  # of an entry's numbers as lengths
 _LEAST, _MOST = 0.6, 1.6  # times its own value: how long a length is drawn
-FEWEST_DIGITS = 3  # of a rounded number; 0.5 and 1.2 are meant as they stand
+FEWEST_DIGITS = 3  # of a rounded number; 0.5 and 1.2 are exact
 _MOST_DECIMALS = 20  # rounded numbers in one entry
 _NEXT = 1e-3  # of half a unit: so near its next number, nobody cuts a number off
 _ALIKE = 1e-3  # of the largest: what numbers change counts as one and the same below that
@@ -81,7 +81,7 @@ class Sampler:
         variables: list[str] = []
         for index, segment in enumerate(robot.moving):
             turning = segment.row.joint == "revolute"
-            greatest = math.pi if turning else size_of(robot.rows) / self.metres
+            greatest = math.pi if turning else table_length(robot.rows) / self.metres
             formula = self._reader.joint(index)
             for name in sorted(names_in(formula) - set(values)):
                 values[name] = rng.uniform(-greatest, greatest, COUNT)

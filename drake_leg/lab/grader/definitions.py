@@ -27,8 +27,9 @@ from drake_leg.symbolic.formulas import (
     substitute,
     written,
 )
-from drake_leg.symbolic.parser import ANGLE_LETTERS, parse_formula
+from drake_leg.symbolic.parser import parse_formula
 from drake_leg.symbolic.spelling import is_joint_variable, plain, quoted
+from drake_leg.symbolic.tokens import ANGLE_LETTERS
 
 # Names that people give to a result: Δ, J11, P4, T, x04. Other symbols may be lengths.
 _RESULT = re.compile(r"(?:[jptxyz]|delta|det\w*)_?\(?[\d, ]*\)?")
@@ -45,7 +46,7 @@ class Reader:
     def __init__(self, printed: Printed, robot: Robot) -> None:
         self._origin = printed.origin
         self.degrees = printed.angles == "deg"
-        said = [*printed.symbols.items(), *printed.where.items()]
+        said: list[tuple[str, float | str]] = [*printed.symbols.items(), *printed.where.items()]
         _require_free(said, printed.origin)
         _require_one_meaning(said, printed.origin)
         self.symbols = {plain(name): value for name, value in printed.symbols.items()}
@@ -139,12 +140,11 @@ def _require_free(said: Iterable[tuple[str, object]], origin: str) -> None:
     """Refuse a symbol that the notation reads as something else."""
     for name, _ in said:
         try:
-            read: sp.Expr | None = parse_formula(name, weak=False)
+            read, own = parse_formula(name, weak=False), plain(name)
+            meaning = written(read)
         except InvalidValueError:
-            read = None
-        free = read is not None and read.is_Symbol and read.name == plain(name)
-        if not free or read.name in UNITS or is_joint_variable(read.name):
-            meaning = "no name" if read is None else written(read)
+            read, own, meaning = None, "", "no name"
+        if read != sp.Symbol(own) or own in UNITS or is_joint_variable(own):
             raise InvalidValueError(
                 f"{origin}: the symbol {quoted(name)} is read as {meaning}; choose another name"
             )

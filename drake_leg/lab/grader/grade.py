@@ -15,7 +15,7 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain import size_of
+from drake_leg.kinematics.configurations import table_length
 from drake_leg.kinematics.khalil import moving_rows
 from drake_leg.lab.grader.comparison import Comparison, Sampler, agrees_within_digits
 from drake_leg.lab.grader.definitions import Reader, unused_definitions, with_lengths_as_symbols
@@ -140,7 +140,7 @@ def _grade_table(
 ) -> Iterator[Finding]:
     """Read a printed table as the linter does, then compare its cells with the robot's.
 
-    Rows that stand beside their headings are compared as they were meant.
+    Rows that are beside their headings are compared as they were meant.
     """
     if printed.table is None:
         return
@@ -179,7 +179,7 @@ class _Cell:
         self._text = table.rows[row].cells[column]
         self._spelling = " ".join(text for each in table.rows for text in table.texts(each))
         self._degrees = table.kind(self._text) == "number" and table.angles != "rad"
-        self._sampler, self._length = sampler, size_of(robot.rows)
+        self._sampler, self._length = sampler, table_length(robot.rows)
         self._right: float = getattr(robot.rows[row], column)
         moves = {"revolute": "theta", "prismatic": "r", "fixed": ""}[robot.rows[row].joint]
         self._joint = moving_rows(robot.rows).index(row) if moves == column else None

@@ -82,7 +82,7 @@ def said_cells(said: Mapping[str, str], values: Mapping[Cell, float], origin: st
 def printed_cells(
     table: Table | None, symbols: Mapping[str, float], values: Mapping[Cell, float]
 ) -> Binding:
-    """Find symbols that stand alone in a printed table where their value is the robot's."""
+    """Find symbols that are alone in a cell of a printed table where their value is the robot's."""
     found: dict[str, set[Cell]] = {}
     for cell, value in values.items():
         if table is None or cell.row >= len(table.rows):

@@ -10,7 +10,7 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain import size_of
+from drake_leg.kinematics.configurations import table_length
 from drake_leg.lab.grader.chains import scales
 from drake_leg.lab.grader.claims import Claim, claim_of
 from drake_leg.lab.grader.comparison import Comparison, Meaning, Target
@@ -121,7 +121,7 @@ def read_matrix(
         caption=matrix.caption,
         shape=matrix.shape,
         spelling=" ".join([*cells, *matrix.where.values(), *printed.where.values()]),
-        margin=TOLERANCE * scales(claim, size_of(robot.rows) / printed.metres),
+        margin=TOLERANCE * scales(claim, table_length(robot.rows) / printed.metres),
         right=Meaning(subject.right),
         entries={
             (i, j): _read_entry(text.strip(), reader, own, known)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -261,8 +261,10 @@ def _matching(
 ) -> Iterator[Explanation]:
     """Look for a misunderstanding that brings about what is printed."""
     formulas = matrix.formulas
-    printed = {place: comparison.values(formula) for place, formula in formulas.items()}
-    readable_places = set(printed)
+    printed = np.full((COUNT, *matrix.shape), np.nan)
+    for (i, j), formula in formulas.items():
+        printed[:, i, j] = comparison.values(formula)
+    readable_places = set(formulas)
 
     def explains(same: set[Place], mistake: Mistake) -> bool:
         explained, exceptions = len(same & set(wrong)), len(readable_places - same)
@@ -272,7 +274,10 @@ def _matching(
     for mistake in candidates:
         meaning = Meaning(mistake.printed)
         margin = mistake.rough * matrix.margin
-        same = _same_in_number(printed, meaning.at(comparison.sampler.as_it_is), margin)
+        values = meaning.at(comparison.sampler.as_it_is)
+        with np.errstate(all="ignore"):
+            near = np.all(np.abs(printed - values) <= margin, axis=0)
+        same = {place for place in readable_places if near[place]}
         if not explains(same, mistake):
             continue
         same = {
@@ -288,14 +293,6 @@ def _matching(
                 explained=tuple(place for place in wrong if place in same),
                 exceptions=len(readable_places - same),
             )
-
-
-def _same_in_number(printed: Mapping[Place, Array], values: Array, margin: Array) -> set[Place]:
-    return {
-        (i, j)
-        for (i, j), found in printed.items()
-        if np.all(np.abs(found - values[:, i, j]) <= margin[i, j])
-    }
 
 
 def _grade_caption(matrix: Matrix, robot: Robot) -> Iterator[Finding]:

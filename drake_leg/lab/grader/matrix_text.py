@@ -1,4 +1,4 @@
-r"""A matrix pasted as one text: LaTeX, MATLAB, Python, Markdown, or rows as they stand.
+r"""A matrix pasted as one text: LaTeX, MATLAB, Python, Markdown, or plain rows.
 
 ``\begin{bmatrix} a & b \\ c & d \end{bmatrix}``, ``[a b; c d]``, ``Matrix([[a, b], [c, d]])``,
 ``| a | b |``, lines separated by tabs or spaces, and the boxes that SymPy draws.
@@ -85,7 +85,7 @@ def _latex_rows(text: str) -> list[list[str]]:
 
 
 def _is_transposed(tail: str) -> bool:
-    """Whether a transposition stands behind a matrix; refuse what changes it otherwise."""
+    """Whether a transposition follows a matrix; refuse what changes it otherwise."""
     transposed, at = False, 0
     while at < len(tail):
         found = _TAIL.match(tail, at)
@@ -99,10 +99,10 @@ def _is_transposed(tail: str) -> bool:
 def _something_beside(text: str) -> InvalidValueError:
     if "=" in text:
         return InvalidValueError(
-            f"{quoted(text, 30)} stands on its line too; write each matrix in a line of its own"
+            f"{quoted(text, 30)} is on its line, too; write each matrix in a line of its own"
         )
     return InvalidValueError(
-        f"{quoted(text, 30)} stands beside the matrix; multiply it in, and write the one matrix "
+        f"{quoted(text, 30)} is beside the matrix; multiply it in, and write the one matrix "
         "that comes out"
     )
 
@@ -136,7 +136,7 @@ def _bracketed_rows(text: str, column: bool) -> list[list[str]]:
 
 
 def _rows_of_call(text: str) -> list[list[str]]:
-    """Read what stands in the brackets of Matrix(...)."""
+    """Read what is in the brackets of Matrix(...)."""
     text = re.sub(r",\s*dtype\s*=[^,\[\]]*$", "", text.strip().rstrip(",")).strip()
     flat = _FLAT.match(text)
     if flat:
@@ -159,7 +159,7 @@ def _rows_of_call(text: str) -> list[list[str]]:
 
 
 def _rows_inside(inside: str, column: bool) -> list[list[str]]:
-    """Read what stands in the brackets of a matrix."""
+    """Read what is in the brackets of a matrix."""
     inner = [part for part in _split(inside, ",") if part.strip()]
     rows = [_inside(part) for part in inner]
     if inner and None not in rows:
@@ -239,7 +239,7 @@ def _require_no_matrix(text: str) -> None:
             raise _something_beside(before or text[end:])
         begin = text.find("[", end)
     if text.count("]") > text.count("["):
-        raise InvalidValueError(f"in {quoted(text)} ] stands where no [ is open; write both")
+        raise InvalidValueError(f"in {quoted(text)} ] closes no bracket; write [ before it")
 
 
 def _unframed(line: str, sign: str) -> str:
@@ -274,7 +274,7 @@ def spaced_cells(row: str) -> list[str]:
 
 
 def _split(text: str, sign: str) -> list[str]:
-    """Split a text at a sign that stands in no brackets."""
+    """Split a text at a sign outside brackets."""
     parts, begin = [], 0
     for index, letter, depth in _depths(text):
         if letter == sign and depth == 0:

@@ -393,11 +393,16 @@ def _reordered(subject: Subject) -> Iterator[Mistake]:
     for what, count, axis in (("columns", columns, -1), ("rows", rows, -2)):
         for order in _orders(count):
             moved = [place + 1 for place, index in enumerate(order) if place != index]
-            fault = f"its {what} stand in the order {', '.join(str(i + 1) for i in order)}"
+            fault = f"its {what} are in the order {', '.join(str(i + 1) for i in order)}"
             if len(moved) == 2:
                 fault = f"its {what} {moved[0]} and {moved[1]} have changed places"
-            printed = partial(lambda o, a, c: np.take(subject.right(c), o, axis=a), order, axis)
+            printed = partial(_in_order, subject, order, axis)
             yield Mistake(f"order of {what}", fault, "put them in their order", printed)
+
+
+def _in_order(subject: Subject, order: Sequence[int], axis: int, chain: Chain) -> Array:
+    right: Array = np.take(subject.right(chain), order, axis=axis)
+    return right
 
 
 def _orders(count: int) -> Iterator[tuple[int, ...]]:

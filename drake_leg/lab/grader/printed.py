@@ -138,7 +138,7 @@ def printed_of_document(
     InvalidValueError
         With file, key and value; also if there is neither a table nor a matrix.
     """
-    keys = Keys(document, where, _KEYS, {"row": "a printed table's rows stand under [[table]]"})
+    keys = Keys(document, where, _KEYS, {"row": "write a printed table's rows under [[table]]"})
     angles = keys.choice("angles", ("deg", "rad")) if keys.has("angles") else None
     lengths = keys.choice("lengths", tuple(METRES)) if keys.has("lengths") else None
     table = _table(keys, angles, lengths) if keys.has("table") else None

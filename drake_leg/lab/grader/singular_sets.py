@@ -10,10 +10,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain import size_of
+from drake_leg.kinematics.configurations import table_length
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.lab.grader.claims import POSITION, task_rows
 from drake_leg.lab.grader.comparison import Sampler
@@ -35,6 +36,7 @@ NEAR = 1e-4  # of a function's greatest value: counts as zero
 RARE = 0.03  # share of singular postures that may lie between two sets
 
 Function = Callable[[Mapping[str, Array]], Array]  # of N postures' variables, (N,)
+Mask = NDArray[np.bool_]  # of N postures
 
 
 def grade_singular_sets(
@@ -124,9 +126,9 @@ class _Arm:
         sizes = np.abs(function(self.named(self.starts)))
         return float(np.max(sizes[np.isfinite(sizes)], initial=1e-12))
 
-    def is_zero(self, function: Function, points: Array) -> Array:
+    def is_zero(self, function: Function, points: Array) -> Mask:
         """Whether a function is zero at postures, for all that matters."""
-        near: Array = np.abs(function(self.named(points))) <= NEAR * self.size(function)
+        near: Mask = np.abs(function(self.named(points))) <= NEAR * self.size(function)
         return near
 
     def points(self, alternative: Alternative) -> Array:
@@ -138,7 +140,7 @@ class _Arm:
         ]
         return np.concatenate(found)
 
-    def holds(self, alternative: Alternative, points: Array) -> Array:
+    def holds(self, alternative: Alternative, points: Array) -> Mask:
         """Whether an alternative holds at postures, (N,)."""
         holding = np.ones(len(points), dtype=bool)
         for condition in alternative.conditions:
@@ -191,7 +193,7 @@ class _Arm:
 
 def _arm(robot: Robot, reader: Reader, rng: np.random.Generator) -> _Arm:
     """Take a robot as it is; refuse one without a square Jacobian."""
-    length = size_of(robot.rows) * reader.units["m"]
+    length = table_length(robot.rows) * reader.units["m"]
     spans: dict[str, float] = {}
     for index, segment in enumerate(robot.moving):
         names = names_in(reader.joint(index)) - set(reader.symbols) - set(reader.units)

@@ -195,7 +195,7 @@ def _operands(part: sp.Expr, kind: type[sp.Expr]) -> Iterator[sp.Expr]:
 
 
 def _other_angle_sums(formula: sp.Expr) -> Iterator[Change]:
-    """Read q2 - q3 as q2 + q3, wherever it stands in a sine or cosine."""
+    """Read q2 - q3 as q2 + q3, wherever it is in a sine or cosine."""
     for old in distinct(part for call in _calls(formula) for _, part in parts(call.args[0])):
         if old.is_Add:
             yield _should_be("sum of angles", formula, old, _opposite(old))
@@ -250,7 +250,7 @@ def _other_angles(formula: sp.Expr, joints: list[str]) -> Iterator[Change]:
 
 
 def _other_names(kind: str, formula: sp.Expr, names: list[str]) -> Iterator[Change]:
-    """Read one name as another, wherever it stands, or two as one another."""
+    """Read one name as another, everywhere, or two as one another."""
     found = {part.name for _, part in parts(formula) if part.is_Symbol}
     used = [name for name in names if name in found]
     for old in used:
@@ -280,7 +280,7 @@ def _other_places(formula: sp.Expr, symbols: Mapping[str, float]) -> Iterator[Ch
 def _other_multiples(
     formula: sp.Expr, path: Path, whole: sp.Expr, symbols: Mapping[str, float]
 ) -> Iterator[Change]:
-    """Read a number times a length as another length; the number may stand elsewhere in it."""
+    """Read a number times a length as another length; the number may be elsewhere in it."""
     factors = list(_factors(whole, (), divides=False))
     lengths = [(at, part.name) for at, part, _ in factors if part.is_Symbol]
     for length_at, name in lengths:

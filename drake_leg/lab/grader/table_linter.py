@@ -126,7 +126,7 @@ def _misplaced_finding(
     if better.swapped:
         said = f"{' and '.join(better.swapped)} have changed places"
     else:
-        verb = "they stand" if len(misplaced) > 1 else "it stands"
+        verb = "they are" if len(misplaced) > 1 else "it is"
         said = f"{verb} one column to the {better.side}, and {better.missing} is missing"
     cells = zip(table.columns, better.cells, strict=True)
     return Finding(
@@ -148,7 +148,7 @@ def _lint_variables(table: Table) -> Iterator[Finding]:
         expected = {"0": {turn}, "1": {offset}, "~": set()}[sigma]
         if moving != expected and not (sigma == "0" and turn in moving):
             variables = [f"{c} has the variable {texts[c]}" for c in sorted(moving)]
-            said = " and ".join(variables) or "no variable stands in the row"
+            said = " and ".join(variables) or "the row has no variable"
             remedy = _variables_remedy(sigma, turn, offset)
             yield Finding(place=place, fault=f"sigma is {sigma} and {said}", remedy=remedy)
         for variable in sorted(cell_names(texts[turn])):

@@ -161,11 +161,11 @@ class Repair:
     cells: tuple[str, ...]  # in the columns' order
     swapped: tuple[str, ...] = ()  # two columns whose cells have changed places; or else
     missing: str = ""  # the column that has no cell of its own, and
-    side: str = ""  # left or right: where the other cells stand, seen from their headings
+    side: str = ""  # left or right: where the other cells are, seen from their headings
 
 
 def find_repair(table: Table, row: TableRow) -> Repair | None:
-    """Look for two cells that have changed places, or for cells that stand one column off."""
+    """Look for two cells that have changed places, or for cells one column off."""
     return _find_swap(table, row) or _find_shift(table, row)
 
 
@@ -201,7 +201,7 @@ def _find_shift(table: Table, row: TableRow) -> Repair | None:
 
 
 def likely_sigma(table: Table, cells: list[str]) -> str:
-    """Guess a row's joint from where its variable stands; ? in a table without variables."""
+    """Guess a row's joint from where its variable is; ? in a table without variables."""
     if not table.symbolic:
         return UNKNOWN
     for sort, text in zip(table.columns.values(), cells, strict=True):
@@ -211,7 +211,7 @@ def likely_sigma(table: Table, cells: list[str]) -> str:
 
 
 def repaired(table: Table) -> Table:
-    """Put rows right whose cells stand under another heading, as far as that can be told."""
+    """Put rows right whose cells are under another heading, as far as that can be told."""
     rows = []
     for row in table.rows:
         texts = table.texts(row)

@@ -178,7 +178,7 @@ class _Statements:
             yield _Statement("row", number, first, cells=others)
         else:
             sentence = (
-                f"{quoted(first)} stands alone; a line has a name and what belongs to it, "
+                f"{quoted(first)} is alone on its line; a line has a name and what belongs to it, "
                 "separated by =, commas, semicolons or tabs"
             )
             yield _Statement("unread", number, text=sentence)
@@ -224,7 +224,7 @@ class _Document:
     def __init__(self) -> None:
         self.content: Document = {}
         self._matrices: dict[str, list[dict[str, Any]]] = {}
-        self._last = ""  # name of the matrix whose rows stand directly above
+        self._last = ""  # name of the matrix whose rows are directly above
 
     def add(self, statement: _Statement) -> None:
         """Put a statement where TOML has it."""
@@ -256,10 +256,12 @@ class _Document:
         return known[-1]
 
     def _add_row(self, statement: _Statement) -> None:
-        """Read a row of a matrix; rows that stand apart from others are another's."""
+        """Read a row of a matrix; rows apart from others are another's."""
         name = statement.name
         if isinstance(self._matrix(name).get("entries"), str):
-            self._leave_out(statement.line, f"{name} stands above as a whole; write it once")
+            self._leave_out(
+                statement.line, f"{name} is already written above as a whole; write it once"
+            )
             return
         matrix = self._matrix(name, new=self._last != name)
         matrix.setdefault("entries", []).append(list(statement.cells))
@@ -274,7 +276,7 @@ class _Document:
         kind, said = ("where", value) if number is None else ("symbols", number)
         known = {**self.content.get("symbols", {}), **self.content.get("where", {})}
         if name in known and known[name] != said:
-            sentence = f"{name} stands above with another value; write it once"
+            sentence = f"{name} already has another value above; write it once"
             self._leave_out(statement.line, sentence)
         else:
             self.content.setdefault(kind, {})[name] = said
@@ -305,7 +307,7 @@ def _tidy(line: str) -> str:
 
 
 def _block_begins(line: str) -> tuple[str, str] | None:
-    """Return the name of a matrix that begins on a line, and what stands behind its last =."""
+    """Return the name of a matrix that begins on a line, and what follows its last =."""
     if len(line) > _LONGEST_LINE or line.lstrip().startswith(_COMMENTS):
         return None
     found = _STATEMENT.match(line)

@@ -13,7 +13,7 @@ from drake_leg.simulink.compare.signals import Scalar, Signal, constants, mixed,
 from drake_leg.simulink.matlab import value
 from drake_leg.simulink.model import Block, number, vector
 
-Inputs = Sequence[Signal | None]  # by port; None where nothing is connected
+Inputs = Sequence[Signal]  # by port; zero where nothing is connected
 Law = Callable[[Block, Inputs, int], Signal | None]  # None where the law cannot be followed
 
 SINE = (("Amplitude", 1.0), ("Bias", 0.0), ("Frequency", 1.0), ("Phase", 0.0))
@@ -66,24 +66,8 @@ def _sine(block: Block, inputs: Inputs, place: int) -> Signal | None:
     )
 
 
-def _constant(block: Block, inputs: Inputs, place: int) -> Signal:
-    return constants(vector(block.parameters.get("Value", 1.0)))
-
-
-def _ground(block: Block, inputs: Inputs, place: int) -> Signal:
-    return OPEN
-
-
-def _pass(block: Block, inputs: Inputs, place: int) -> Signal:
-    return inputs[0] or OPEN
-
-
-def _minus(block: Block, inputs: Inputs, place: int) -> Signal:
-    return tuple(scalar.scaled(-1.0) for scalar in inputs[0] or OPEN)
-
-
 def _gain(block: Block, inputs: Inputs, place: int) -> Signal | None:
-    signal, gain = inputs[0] or OPEN, block.parameters.get("Gain", 1.0)
+    signal, gain = inputs[0], block.parameters.get("Gain", 1.0)
     how = str(block.parameters.get("Multiplication", ""))
     if isinstance(gain, str):
         return None
@@ -105,17 +89,17 @@ def _sum(block: Block, inputs: Inputs, place: int) -> Signal | None:
     signs = [sign for sign in str(block.parameters.get("Inputs", "++")) if sign in "+-"]
     factors = [1.0 if sign == "+" else -1.0 for sign in signs]
     if len(factors) == 1:
-        signal = inputs[0] or OPEN
+        signal = inputs[0]
         return (total(signal, factors * len(signal)),)
     if not factors:
         return None
-    wired = [*inputs, *[None] * len(factors)][: len(factors)]
-    return added([signal or OPEN for signal in wired], factors)
+    wired = [*inputs, *[OPEN] * len(factors)]
+    return added(wired[: len(factors)], factors)
 
 
 def _bias(block: Block, inputs: Inputs, place: int) -> Signal:
     bias = constants(vector(block.parameters.get("Bias", 0.0)))
-    return added([inputs[0] or OPEN, bias], [1.0, 1.0])
+    return added([inputs[0], bias], [1.0, 1.0])
 
 
 def _generator(block: Block, inputs: Inputs, place: int) -> Signal:
@@ -129,8 +113,8 @@ def _product(block: Block, inputs: Inputs, place: int) -> Signal | None:
     signs = str(block.parameters.get("Inputs", "2"))
     if signs.strip("*") and not signs.isdigit():
         return None
-    size = max(len(signal or OPEN) for signal in inputs)
-    wide = [(signal or OPEN) * (size if len(signal or OPEN) == 1 else 1) for signal in inputs]
+    size = max(len(signal) for signal in inputs)
+    wide = [signal * (size if len(signal) == 1 else 1) for signal in inputs]
     product = []
     for index in range(size):
         parts = [signal[index] for signal in wide if index < len(signal)]
@@ -149,14 +133,14 @@ def _product(block: Block, inputs: Inputs, place: int) -> Signal | None:
 def _switch(block: Block, inputs: Inputs, place: int) -> Signal:
     """Follow a Manual Switch in its present position."""
     lower = str(block.parameters.get("CurrentSetting", "1")) == "0"
-    wired = [*inputs, None][:2]
-    return wired[lower] or OPEN
+    wired = [*inputs, OPEN][:2]
+    return wired[lower]
 
 
 def _selector(block: Block, inputs: Inputs, place: int) -> Signal | None:
     if str(block.parameters.get("IndexOptions", "")).strip() not in DIALOG:
         return None
-    signal = inputs[0] or OPEN
+    signal = inputs[0]
     try:
         indices = vector(value(str(block.parameters.get("Indices", "[1 3]"))))
     except InvalidValueError:
@@ -168,12 +152,8 @@ def _selector(block: Block, inputs: Inputs, place: int) -> Signal | None:
     return tuple(signal[index] for index in chosen)
 
 
-def _mux(block: Block, inputs: Inputs, place: int) -> Signal:
-    return tuple(scalar for signal in inputs for scalar in signal or OPEN)
-
-
 def _demux(block: Block, inputs: Inputs, place: int) -> Signal | None:
-    signal = inputs[0] or OPEN
+    signal = inputs[0]
     widths = _widths(block, len(signal))
     if place > len(widths):
         return None
@@ -205,7 +185,7 @@ def _widths(block: Block, size: int) -> list[int]:
 
 def _conversion(block: Block, inputs: Inputs, place: int) -> Signal:
     factor = CONVERSIONS[block.kind]
-    return tuple(scalar.scaled(factor) for scalar in inputs[0] or OPEN)
+    return tuple(scalar.scaled(factor) for scalar in inputs[0])
 
 
 def _affine(block: Block) -> tuple[float, float] | None:
@@ -227,7 +207,7 @@ def _affine(block: Block) -> tuple[float, float] | None:
 
 
 def _fcn(block: Block, inputs: Inputs, place: int) -> Signal | None:
-    affine, signal = _affine(block), inputs[0] or OPEN
+    affine, signal = _affine(block), inputs[0]
     if affine is None or len(signal) != 1:
         return None
     return (total([signal[0], Scalar(1.0)], affine),)
@@ -235,20 +215,18 @@ def _fcn(block: Block, inputs: Inputs, place: int) -> Signal | None:
 
 LAWS: dict[str, Law] = {
     "Sin": _sine,
-    "Constant": _constant,
-    "Ground": _ground,
+    "Constant": lambda block, *_: constants(vector(block.parameters.get("Value", 1.0))),
+    "Ground": lambda *_: OPEN,
     "Gain": _gain,
     "Sum": _sum,
     "Bias": _bias,
-    "UnaryMinus": _minus,
-    "Mux": _mux,
-    "Concatenate": _mux,
+    "UnaryMinus": lambda _, inputs, __: tuple(scalar.scaled(-1.0) for scalar in inputs[0]),
     "Demux": _demux,
-    "BusCreator": _mux,
     "Selector": _selector,
     "Product": _product,
     "ManualSwitch": _switch,
     "SignalGenerator": _generator,
+    **dict.fromkeys(("Mux", "Concatenate", "BusCreator"), lambda _, inputs, __: sum(inputs, ())),
     **dict.fromkeys(
         (
             "SignalConversion",
@@ -259,6 +237,6 @@ LAWS: dict[str, Law] = {
             "Squeeze",
             "BusToVector",
         ),
-        _pass,
+        lambda _, inputs, __: inputs[0],
     ),
 }

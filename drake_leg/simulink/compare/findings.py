@@ -36,13 +36,7 @@ class Comparison:
 
     def as_json(self) -> dict[str, list[Item]]:
         """Return the lists under their names."""
-        return {
-            "matched": self.matched,
-            "missing": self.missing,
-            "extra": self.extra,
-            "different": self.different,
-            "tolerated": self.tolerated,
-        }
+        return dict(vars(self))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -52,26 +52,15 @@ def read_plant(
     *,
     driven: bool,
     state: Context,
-    solids: Mapping[str, Solid] | None = None,
-    stops: Mapping[str, JointMechanics] | None = None,
+    solids: Mapping[str, Solid],
+    stops: Mapping[str, JointMechanics],
 ) -> Mechanism:
-    """Read a plant's chain, joint mechanics and solids.
+    """Read a plant's chain, joint mechanics and solids, in the state in which a run starts.
 
     The joints move about or along the z axes of their frames, as in every plant built from a
-    Khalil table.
-
-    Parameters
-    ----------
-    foot : Frame, optional
-        The frame that is sensed.
-    driven : bool
-        Whether the joints follow a prescribed motion.
-    state : Context
-        The plant's own, as a run starts.
-    solids : mapping, optional
-        Link -> its solid, for shape and colour, which a plant without a scene does not keep.
-    stops : mapping, optional
-        Joint -> mechanics of those whose limits push back.
+    Khalil table. `foot` is the frame that is sensed; `driven` tells whether the joints follow a
+    prescribed motion; `solids` of the links have the shape and colour, which a plant without a
+    scene does not keep; `stops` are the mechanics of the joints whose limits push back.
     """
     links = Links(plant)
     places: list[list[Place]] = [[] for _ in links.bodies]
@@ -86,7 +75,7 @@ def read_plant(
         for body in sorted(members, key=lambda member: int(member.index())):
             if body.default_mass() > 0.0:
                 _, X = links.locate(body.body_frame())
-                places[index].append(_solid(body, X, solids or {}))
+                places[index].append(_solid(body, X, solids))
     if foot is not None:
         add(foot, "foot", foot.name())
     return Mechanism(
@@ -96,7 +85,7 @@ def read_plant(
                 name=joint.name(),
                 type=MOVING[type(joint)],
                 parameters=_parameters(plant, joint, driven=driven, state=state)
-                | _stop_parameters((stops or {}).get(joint.name())),
+                | _stop_parameters(stops.get(joint.name(), JointMechanics())),
             )
             for number, joint in enumerate(links.joints, start=1)
         ),
@@ -170,18 +159,17 @@ def _parameters(
     return found
 
 
-def _stop_parameters(mechanics: JointMechanics | None) -> dict[str, Parameter]:
+def _stop_parameters(mechanics: JointMechanics) -> dict[str, Parameter]:
     found: dict[str, Parameter] = {}
-    if mechanics is not None:
-        for side, bound, stop in (
-            ("Lower", mechanics.lower, mechanics.lower_stop),
-            ("Upper", mechanics.upper, mechanics.upper_stop),
-        ):
-            if bound is not None and stop is not None:
-                found[f"{side}LimitBound"] = bound
-                found[f"{side}LimitStiffness"] = stop.stiffness
-                found[f"{side}LimitDamping"] = stop.damping
-                found[f"{side}LimitTransitionRegionWidth"] = stop.transition_width
+    for side, bound, stop in (
+        ("Lower", mechanics.lower, mechanics.lower_stop),
+        ("Upper", mechanics.upper, mechanics.upper_stop),
+    ):
+        if bound is not None and stop is not None:
+            found[f"{side}LimitBound"] = bound
+            found[f"{side}LimitStiffness"] = stop.stiffness
+            found[f"{side}LimitDamping"] = stop.damping
+            found[f"{side}LimitTransitionRegionWidth"] = stop.transition_width
     return found
 
 

@@ -26,7 +26,7 @@ from drake_leg.simulink.compare.mechanism import (
     PassedTransform,
     Place,
 )
-from drake_leg.simulink.model import Block, Model, is_on, senseless, vector
+from drake_leg.simulink.model import Block, Model, invalid_parameter, is_on, vector
 
 MOVING = {"Revolute Joint": "revolute", "Prismatic Joint": "prismatic"}
 SENSORS = ("6-DOF Joint", "Transform Sensor")
@@ -264,7 +264,7 @@ def _joint_parameters(block: Block) -> dict[str, Parameter]:
 def _scalar(block: Block, name: str) -> float:
     numbers = vector(block.parameters.get(name, 0.0))
     if len(numbers) != 1:
-        raise senseless(block, name, "it must be one number")
+        raise invalid_parameter(block, name, "it must be one number")
     return numbers[0]
 
 
@@ -280,5 +280,5 @@ def _actuation(block: Block) -> str:
 def _solid(block: Block) -> SolidProperties:
     solid = read_solid(block)
     if solid.shape == "brick" and len(solid.size) != 3:
-        raise senseless(block, "BrickDimensions", "it must be three numbers")
+        raise invalid_parameter(block, "BrickDimensions", "it must be three numbers")
     return solid

@@ -240,7 +240,7 @@ class SimulinkSignals:
         if block.type == "BusSelector":
             return self._of_bus_selector(block, place)
         law, inputs = law_of(block), self.inputs(block)
-        found = law(block, inputs, place) if law else None
+        found = law(block, [signal or OPEN for signal in inputs], place) if law else None
         if found is not None:
             return found
         self._lawless.add(block.sid)

@@ -41,7 +41,7 @@ WAVES = ("Sin", "SignalGenerator")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Inverse:
+class InverseFunction:
     """The MATLAB Function that is compared with the inverse Jacobian, and how they are related."""
 
     sid: str
@@ -51,7 +51,7 @@ class Inverse:
     is_same: bool  # whether the names follow from the function and not from its outputs' order
 
 
-def match_inverse(sides: Sides) -> Inverse | None:
+def match_inverse(sides: Sides) -> InverseFunction | None:
     """Match the MATLAB Function that makes the joint rates; None where one side has none.
 
     A function of another law, or one that could not be read, is taken for the inverse Jacobian by
@@ -71,10 +71,10 @@ def match_inverse(sides: Sides) -> Inverse | None:
         found = _in_likeliest_unit(sides, name, slots, found)
     if not is_same:
         found = replace(found, names=_in_order(sides, sid, block))
-    return Inverse(sid=sid, name=name, match=found, rate_unit=rate_unit, is_same=is_same)
+    return InverseFunction(sid=sid, name=name, match=found, rate_unit=rate_unit, is_same=is_same)
 
 
-def function_roles(joints: Roles, inverse: Inverse | None) -> Roles:
+def function_roles(joints: Roles, inverse: InverseFunction | None) -> Roles:
     """Add to the joints' roles those of the function's outputs."""
     if inverse is None:
         return joints
@@ -83,7 +83,7 @@ def function_roles(joints: Roles, inverse: Inverse | None) -> Roles:
     return Roles(names={**joints.names, **names}, units=dict.fromkeys(rates, inverse.rate_unit))
 
 
-def compare_function(sides: Sides, inverse: Inverse | None) -> Iterator[Verdict]:
+def compare_function(sides: Sides, inverse: InverseFunction | None) -> Iterator[Verdict]:
     """Compare the function with the inverse Jacobian, and its inputs; list unreadable code."""
     for sid, code in sides.ours.codes.items():
         if code.program is None:
@@ -169,7 +169,7 @@ def _likeliest_unit(ours: Sequence[Scalar], live: Sequence[Scalar]) -> float:
     return 1.0
 
 
-def _compare_velocity(sides: Sides, inverse: Inverse) -> Iterator[Verdict]:
+def _compare_velocity(sides: Sides, inverse: InverseFunction) -> Iterator[Verdict]:
     live = sides.live.input(inverse.name, "v") or ()
     parts = [_part(twist) for twist in sides.live.systems[inverse.name].robot.twists.T]
     ports = inverse.match.ports or (f"{inverse.sid}#in:1",) * len(parts)

@@ -12,7 +12,7 @@ import numpy as np
 from drake_leg.simulink.matlab.values import (
     ELEMENTS,
     EXPONENT,
-    Array,
+    Grid,
     MatlabError,
     Value,
     grid,
@@ -25,13 +25,13 @@ from drake_leg.simulink.matlab.values import (
 )
 
 
-def require_square(matrix: Array, what: str) -> None:
+def require_square(matrix: Grid, what: str) -> None:
     """Check that a matrix is square."""
     if matrix.shape[0] != matrix.shape[1]:
         raise MatlabError(f"{what} needs a square matrix, not one of {measure(matrix)}")
 
 
-def inverse(matrix: Array) -> Array:
+def inverse(matrix: Grid) -> Grid:
     """Inverse of a matrix; infinite where it is singular."""
     require_square(matrix, "inv")
     try:
@@ -40,7 +40,7 @@ def inverse(matrix: Array) -> Array:
         return np.full(matrix.shape, np.inf)
 
 
-def singular(matrix: Array, what: str) -> tuple[Array, Array, Array]:
+def singular(matrix: Grid, what: str) -> tuple[Grid, Grid, Grid]:
     """Decompose a matrix into U (m, k), falling singular values (k,) and V transposed (k, n)."""
     try:
         if np.isfinite(matrix).all():
@@ -50,17 +50,17 @@ def singular(matrix: Array, what: str) -> tuple[Array, Array, Array]:
     raise MatlabError(f"{what} of a matrix needs finite numbers of like sizes")
 
 
-def pseudoinverse(matrix: Array) -> Array:
+def pseudoinverse(matrix: Grid) -> Grid:
     """Moore-Penrose inverse; singular values below MATLAB's tolerance count as zero."""
     if not matrix.size:
         return np.zeros(matrix.shape[::-1])
     left, sigma, right = singular(matrix, "pinv")
     kept = sigma > max(matrix.shape) * np.spacing(sigma[0])
-    inverted: Array = right[kept].T @ (left[:, kept] / sigma[kept]).T
+    inverted: Grid = right[kept].T @ (left[:, kept] / sigma[kept]).T
     return inverted
 
 
-def solve(matrix: Array, wanted: Array) -> Array:
+def solve(matrix: Grid, wanted: Grid) -> Grid:
     """Solve ``matrix @ x = wanted``, in the least squares where there are more rows.
 
     The answer is not finite where a square matrix is singular.
@@ -76,11 +76,11 @@ def solve(matrix: Array, wanted: Array) -> Array:
     left, sigma, right = singular(matrix, "a division by")
     if rows < columns or sigma[-1] <= rows * np.spacing(sigma[0]):
         raise MatlabError(f"a division by a {measure(matrix)} matrix has many answers: use pinv")
-    least: Array = right.T @ ((left.T @ wanted) / sigma[:, np.newaxis])
+    least: Grid = right.T @ ((left.T @ wanted) / sigma[:, np.newaxis])
     return least
 
 
-def _eliminate(matrix: Array, wanted: Array) -> Array:
+def _eliminate(matrix: Grid, wanted: Grid) -> Grid:
     """Eliminate with row pivots, dividing by zero as IEEE does."""
     n = len(matrix)
     work = np.hstack([matrix, wanted])
@@ -95,7 +95,7 @@ def _eliminate(matrix: Array, wanted: Array) -> Array:
     return solution
 
 
-def power(left: Value, right: Value) -> Array:
+def power(left: Value, right: Value) -> Grid:
     """Whole power of a square matrix."""
     base = np.atleast_2d(number(left))
     exponent = whole(right, "the exponent of a matrix")
@@ -250,7 +250,7 @@ def span(first: Value, step: Value, last: Value) -> Value:
     reached = a + count * d
     if math.copysign(1.0, d) * (reached - b) > -tolerance:
         reached = b
-    row: Array = a + d * np.arange(count + 1.0)
+    row: Grid = a + d * np.arange(count + 1.0)
     back = count // 2 + 1
     row[back:] = reached - d * (count - np.arange(back, count + 1.0))
     if count and count % 2 == 0:

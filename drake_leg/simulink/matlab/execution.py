@@ -205,24 +205,27 @@ def _if(choices: list[tuple[Callable[[Frame], bool], _Step]], otherwise: _Step) 
 
 
 def _for(variable: str, over: Compiled, body: _Step) -> _Step:
-    def loop(frame: Frame) -> str | None:
+    def columns(frame: Frame) -> Iterator[None]:
         array = grid(over(frame))
         for k in range(array.shape[1]):
             frame.budget.spend(len(array) + 1)
             frame.values[variable] = settle(array[:, k : k + 1].copy())
-            jump = body(frame)
-            if jump == "return":
-                return jump
-            if jump == "break":
-                break
-        return None
+            yield
 
-    return loop
+    return _repeated(columns, body)
 
 
 def _while(holds: Callable[[Frame], bool], body: _Step) -> _Step:
-    def loop(frame: Frame) -> str | None:
+    def rounds(frame: Frame) -> Iterator[None]:
         while holds(frame):
+            yield
+
+    return _repeated(rounds, body)
+
+
+def _repeated(rounds: Callable[[Frame], Iterator[None]], body: _Step) -> _Step:
+    def loop(frame: Frame) -> str | None:
+        for _ in rounds(frame):
             jump = body(frame)
             if jump == "return":
                 return jump

@@ -17,7 +17,7 @@ from drake_leg.simulink.matlab.arithmetic import (
     singular,
 )
 from drake_leg.simulink.matlab.values import (
-    Array,
+    Grid,
     MatlabError,
     Value,
     grid,
@@ -166,8 +166,8 @@ CONSTANTS: dict[str, float | bool] = {
 }
 
 
-def _along(value: Value, axis: Value | None) -> tuple[Array, int]:
-    """Array and axis that a sum runs along: the first axis that is not 1 long, if none is given."""
+def _along(value: Value, axis: Value | None) -> tuple[Grid, int]:
+    """Grid and axis that a sum runs along: the first axis that is not 1 long, if none is given."""
     array = numbers(value)
     if axis is None:
         return array, int(array.shape[0] == 1)
@@ -201,7 +201,7 @@ def _extreme(name: str, pick: Any, of_pair: Any) -> Callable[..., Value]:  # noq
     return applied
 
 
-def _made(fill: Callable[[int, int], Array]) -> Callable[..., Value]:
+def _made(fill: Callable[[int, int], Grid]) -> Callable[..., Value]:
     def made(*sizes: Value) -> Value:
         given: list[Value] = [size for size in sizes if not isinstance(size, str)]
         rows, columns = _wanted_size(given)

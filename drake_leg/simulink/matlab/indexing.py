@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_leg.simulink.matlab.values import (
-    Array,
+    Grid,
     MatlabError,
     Value,
     grid,
@@ -36,7 +36,7 @@ def read(value: Value, indices: list[Index], name: str) -> Value:
     if len(indices) == 1:
         places = _places(indices[0], source.size, name)
         _require_within(places, source.size, "element", source, name)
-        flat: Array = source.ravel(order="F")[places]
+        flat: Grid = source.ravel(order="F")[places]
         return settle(flat.reshape(_read_shape(source, indices[0], len(places)), order="F"))
     rows, columns = _pair(indices, source, name)
     _require_within(rows, source.shape[0], "row", source, name)
@@ -45,7 +45,7 @@ def read(value: Value, indices: list[Index], name: str) -> Value:
     return settle(source[np.ix_(rows, columns)])
 
 
-def _element(array: Array, index: float, name: str) -> Value:
+def _element(array: Grid, index: float, name: str) -> Value:
     if not (index >= 1.0 and index.is_integer()):
         raise _no_index(index, name)
     if index > array.size:
@@ -55,7 +55,7 @@ def _element(array: Array, index: float, name: str) -> Value:
     return scalar
 
 
-def _read_shape(source: Array, index: Index, count: int) -> tuple[int, int]:
+def _read_shape(source: Grid, index: Index, count: int) -> tuple[int, int]:
     """Shape of what one index reads: a vector keeps its direction, else it is that of the index."""
     if isinstance(index, All):
         return count, 1
@@ -85,13 +85,13 @@ def write(value: Value | None, indices: list[Index], new: Value, name: str) -> V
     return settle(array)
 
 
-def _write_in_order(old: Array, index: Index, block: Array, name: str) -> Array:
+def _write_in_order(old: Grid, index: Index, block: Grid, name: str) -> Grid:
     places = _places(index, old.size, name)
     if (needed := _reach(places)) > old.size:
         if old.size and 1 not in old.shape:
             raise MatlabError(f"'{name}' of {measure(old)} cannot grow by one index")
         old = _grown(old, (needed, 1) if old.shape[1] == 1 and old.size > 1 else (1, needed))
-    flat: Array = old.flatten(order="F")
+    flat: Grid = old.flatten(order="F")
     if block.size not in (1, len(places)):
         raise MatlabError(f"{block.size} values do not fit {len(places)} elements of '{name}'")
     flat[places] = block.ravel(order="F") if block.size > 1 else block.item()
@@ -99,7 +99,7 @@ def _write_in_order(old: Array, index: Index, block: Array, name: str) -> Array:
 
 
 def _fill(
-    array: Array, where: tuple[_Places, ...], size: tuple[int, int], block: Array, name: str
+    array: Grid, where: tuple[_Places, ...], size: tuple[int, int], block: Grid, name: str
 ) -> None:
     if block.size == 1:
         array[where] = block.item()
@@ -109,7 +109,7 @@ def _fill(
         raise MatlabError(f"{measure(block)} does not fit {size[0]}×{size[1]} elements of '{name}'")
 
 
-def _grown(old: Array, least: tuple[int, int]) -> Array:
+def _grown(old: Grid, least: tuple[int, int]) -> Grid:
     rows, columns = (max(pair) for pair in zip(old.shape, least, strict=True))
     require_room(rows, columns)
     array = np.zeros((rows, columns), old.dtype)
@@ -122,7 +122,7 @@ def _reach(places: _Places) -> int:
 
 
 def _pair(
-    indices: list[Index], source: Array, name: str, block: Array | None = None
+    indices: list[Index], source: Grid, name: str, block: Grid | None = None
 ) -> tuple[_Places, _Places]:
     """Rows and columns that two indices mean; ``:`` of nothing is as long as what is written."""
     if len(indices) != 2:
@@ -152,7 +152,7 @@ def _places(index: Index, extent: int, name: str) -> _Places:
     return places
 
 
-def _require_within(places: _Places, extent: int, what: str, source: Array, name: str) -> None:
+def _require_within(places: _Places, extent: int, what: str, source: Grid, name: str) -> None:
     if places.size and places.max() >= extent:
         raise _beyond(float(places.max()) + 1.0, what, source, name)
 
@@ -161,5 +161,5 @@ def _no_index(index: float, name: str) -> MatlabError:
     return MatlabError(f"'{name}' has the index {index:g}; indices are whole numbers from 1")
 
 
-def _beyond(index: float, what: str, source: Array, name: str) -> MatlabError:
+def _beyond(index: float, what: str, source: Grid, name: str) -> MatlabError:
     return MatlabError(f"'{name}' is {measure(source)} and has no {what} {index:.7g}")

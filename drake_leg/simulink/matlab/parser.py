@@ -22,12 +22,17 @@ _POWERS = ("^", ".^")
 _TRANSPOSES = ("'", ".'")
 
 
-class ExpressionParser:
-    """A reader of tokens that knows expressions."""
+_SEPARATORS = (";", ",", "\n")
+_LISTS = ("varargin", "varargout")
+
+
+class Parser:
+    """A reader of tokens: of one expression, or of the code of a MATLAB Function block."""
 
     def __init__(self, tokens: list[Token]) -> None:
         self._tokens, self._at = tokens, 0
         self._depth, self.deepest = 0, 0
+        self.name = ""  # of the function that is being read
 
     @property
     def next(self) -> Token:
@@ -197,18 +202,6 @@ class ExpressionParser:
             if not self.sees(";", "]"):
                 raise self.unexpected("between two elements")
         return syntax.Matrix(rows=tuple(rows))
-
-
-_SEPARATORS = (";", ",", "\n")
-_LISTS = ("varargin", "varargout")
-
-
-class ScriptParser(ExpressionParser):
-    """A reader of tokens that knows the code of a MATLAB Function block."""
-
-    def __init__(self, tokens: list[Token]) -> None:
-        super().__init__(tokens)
-        self.name = ""  # of the function that is being read
 
     def functions(self) -> tuple[syntax.Function, ...]:
         """Read all functions; the first one is the block's."""

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab.evaluation import Frame, Meanings, Routine, compiled, enter, located
 from drake_leg.simulink.matlab.execution import compile_function
-from drake_leg.simulink.matlab.parser import ExpressionParser, ScriptParser
+from drake_leg.simulink.matlab.parser import Parser
 from drake_leg.simulink.matlab.tokens import tokenize
 from drake_leg.simulink.matlab.values import (
     ELEMENTS,
@@ -60,7 +60,7 @@ def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
 def _evaluated(text: str, names: Mapping[str, ArrayLike]) -> Value:
     if len(text) > VALUE_LENGTH:
         raise MatlabError(f"the text is longer than {VALUE_LENGTH} characters")
-    parser = ExpressionParser(tokenize(text.strip()))
+    parser = Parser(tokenize(text.strip()))
     if parser.next.kind == "stop":
         raise MatlabError("the text is empty")
     node = parser.expression()
@@ -117,7 +117,6 @@ class Program:
     name: str
     inputs: tuple[str, ...]  # their names
     outputs: tuple[str, ...]
-    lines: tuple[str, ...] = field(repr=False)  # of the code, for messages
     routine: Routine = field(repr=False)
 
     def call(self, *arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
@@ -173,9 +172,9 @@ def program(script: str) -> Program:
     """
     if len(script) > SCRIPT_LENGTH:
         raise InvalidValueError(f"MATLAB code of more than {SCRIPT_LENGTH} characters is refused")
-    parser: ScriptParser | None = None
+    parser: Parser | None = None
     try:
-        parser = ScriptParser(tokenize(script))
+        parser = Parser(tokenize(script))
         functions = parser.functions()
     except MatlabError as fault:
         raise located(fault, parser.name if parser else _named(script), 1) from None
@@ -188,7 +187,6 @@ def program(script: str) -> Program:
         name=main.name,
         inputs=main.inputs,
         outputs=main.outputs,
-        lines=tuple(script.splitlines()),
         routine=main,
     )
 

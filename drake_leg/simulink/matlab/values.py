@@ -49,11 +49,11 @@ def require_room(rows: int, columns: int) -> None:
         )
 
 
-Array = NDArray[Any]  # 2-D, of floats or bools, never of one element
-Value = float | bool | str | Array  # a text is of use as an argument only
+Grid = NDArray[Any]  # 2-D, of floats or bools, never of one element
+Value = float | bool | str | Grid  # a text is of use as an argument only
 
 
-def settle(array: Array) -> Value:
+def settle(array: Grid) -> Value:
     """Make a 2-D array a value: one element is a scalar."""
     if array.size != 1:
         return array
@@ -61,7 +61,7 @@ def settle(array: Array) -> Value:
     return scalar
 
 
-def number(value: Value) -> float | Array:
+def number(value: Value) -> float | Grid:
     """Take a value for numbers: true is 1, false is 0."""
     if isinstance(value, str):
         raise MatlabError(f"the text '{value}' is used where a number is needed")
@@ -70,14 +70,14 @@ def number(value: Value) -> float | Array:
     return float(value)
 
 
-def grid(value: Value) -> Array:
+def grid(value: Value) -> Grid:
     """Take a value for an array, scalars included."""
     if isinstance(value, str):
         raise MatlabError(f"the text '{value}' is used where a number is needed")
     return value if isinstance(value, np.ndarray) else np.array([[value]])
 
 
-def numbers(value: Value) -> Array:
+def numbers(value: Value) -> Grid:
     """Take a value for an array of numbers."""
     array = grid(value)
     return array if array.dtype == np.float64 else array.astype(np.float64)
@@ -118,7 +118,7 @@ def whole(value: Value, what: str) -> int:
 
 def stack(rows: list[list[Value]]) -> Value:
     """Put the blocks of a matrix literal together; blocks of 0×0 are left out."""
-    bands: list[Array] = []
+    bands: list[Grid] = []
     for row in rows:
         blocks = [block for block in map(grid, row) if block.shape != (0, 0)]
         if len({block.shape[0] for block in blocks}) > 1:
@@ -134,6 +134,6 @@ def stack(rows: list[list[Value]]) -> Value:
     return settle(np.vstack(bands))
 
 
-def _sizes(blocks: list[Array]) -> str:
+def _sizes(blocks: list[Grid]) -> str:
     sizes = [measure(block) for block in blocks[:6]]
     return ", ".join(sizes) + (", ..." if len(blocks) > 6 else "")

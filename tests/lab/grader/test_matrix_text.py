@@ -82,7 +82,7 @@ def test_what_changes_nothing_may_stand_around_a_matrix(text):
     "around", ["-{}", "2*{}", "1/2 {}", r"\frac{1}{2}{}", "{}*2", r"{} \cdot 2", "{}^{-1}", "{}{}"]
 )
 def test_a_factor_around_a_matrix_is_refused(around, matrix):
-    with pytest.raises(InvalidValueError, match="stands beside the matrix; multiply it in"):
+    with pytest.raises(InvalidValueError, match="is beside the matrix; multiply it in"):
         rows_of_text(around.replace("{}", matrix))
 
 
@@ -111,7 +111,7 @@ def test_spaces_part_entries_as_in_matlab():
         ("a & b \\\\ c", "have 1 or 2 entries; separate the entries by commas"),
         ("1 " * 20_000, "write at most"),
         ("[1 0; 0 1", "a bracket is not closed"),
-        ("1 0; 0 1]", "] stands where no [ is open"),
+        ("1 0; 0 1]", "] closes no bracket"),
         (r"\begin{bmatrix} 1 & 0", "a matrix is not closed"),
         ("Matrix(2, 2, [1, 0, 0])", "has 3 entries; write 4"),
         ("np.array(T12)", "is no list of rows"),
@@ -156,7 +156,7 @@ def test_a_table_without_a_heading_is_refused():
 
 
 def test_a_line_behind_a_table_is_not_lost():
-    with pytest.raises(InvalidValueError, match=r"table, line 4: 'nonsense' stands alone"):
+    with pytest.raises(InvalidValueError, match=r"table, line 4: 'nonsense' is alone on its line"):
         parse_table("i σ d α r θ\n2 0 L1 90° 0 θ2\n\nnonsense", "print.toml")
 
 

@@ -80,7 +80,7 @@ def test_the_reports_own_headings_are_understood(heading):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("alone", "'alone' stands alone"),
+        ("alone", "'alone' is alone on its line"),
         ('T12,"' + "x" * 200_000, "field larger than field limit"),
     ],
 )

@@ -1,5 +1,7 @@
 """The linter: every slip with its row and its remedy."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,6 +57,18 @@ def test_report_bs_scara_table_has_no_error():
     assert not lint_table(read_printed(PRINTED / "report_b_scara.toml").table)
 
 
+def test_a_table_of_numbers_is_read_without_sympy():
+    code = (
+        "import sys\n"
+        "from drake_leg.lab.grader.table_linter import lint_table\n"
+        "from drake_leg.lab.grader.tables import table_of_document\n"
+        "row = {'sigma': 0, 'd': 0.1, 'alpha': -90.0, 'r': 1e-3, 'theta': 0}\n"
+        "assert not lint_table(table_of_document({'angles': 'deg', 'row': [row]}))\n"
+        "assert 'sympy' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 def test_report_as_table_has_no_fault():
     assert not lint_table(read_printed(PRINTED / "report_a_leg.toml").table)
 
@@ -92,7 +106,7 @@ def test_the_reports_robots_have_no_fault(robot):
         ),
         ("0|90°|L1|90°|θ1", "d is '90°', an angle; a length belongs there"),
         ("0|θ1|0|0|θ1", "d is 'θ1', a joint's variable; a length belongs there"),
-        ("0|L1|90°|0|0", "sigma is 0 and no variable stands in the row"),
+        ("0|L1|90°|0|0", "sigma is 0 and the row has no variable"),
         ("0|0|0|q1|0", "sigma is 0 and r has the variable q1; sigma = 0 moves by theta"),
         ("1|0|0|0|θ1", "sigma is 1 and theta has the variable θ1; sigma = 1 moves by r"),
         ("~|0|0|0|θ1", "sigma is ~ and theta has the variable θ1; a fixed row has no variable"),

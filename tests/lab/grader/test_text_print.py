@@ -97,15 +97,15 @@ def test_what_is_wrong_is_not_hidden_by_what_is_right(graded, text):
         ("z = L2*s2", "'z' is defined and used nowhere"),
         ("M12 = [1 0; 0 1]", "the matrix 'M12' means nothing here; write one of T12"),
         ("T04 = T01*T12*T23*T34", "write the matrix that comes out"),
-        ("L2 = 60", "L2 stands above with another value; write it once"),
-        ("T12,1,2", "T12 stands above as a whole; write it once"),
-        ("J = 100*[1 0; 0 1]", "'100*' stands beside the matrix; multiply it in"),
-        (r"T34 = \begin{bmatrix} 1 & 0 \\ 0 & 1 \end{bmatrix}^{-1}", "'^{-1}' stands beside"),
+        ("L2 = 60", "L2 already has another value above; write it once"),
+        ("T12,1,2", "T12 is already written above as a whole; write it once"),
+        ("J = 100*[1 0; 0 1]", "'100*' is beside the matrix; multiply it in"),
+        (r"T34 = \begin{bmatrix} 1 & 0 \\ 0 & 1 \end{bmatrix}^{-1}", "'^{-1}' is beside"),
         ("T23 = [c3 -s3 0 L2; s3 c3 0]", "have 3 or 4 entries"),
         ("T23,c3,-s3,0,L2\nT23,s3,c3", "is not as long as the first one"),
         ("T23 = [c3 -s3 0 L2; s3 c3 0 0", "a bracket is not closed"),
-        ("T12 is right", "stands alone"),
-        ("the leg is never singular", "stands alone"),
+        ("T12 is right", "is alone on its line"),
+        ("the leg is never singular", "is alone on its line"),
     ],
 )
 def test_a_line_that_cannot_be_graded_is_said_beside_the_rest(graded, line, said):
@@ -132,6 +132,7 @@ def test_rows_are_said_of_all_matrices_of_a_name():
     [
         ("T12 = [c2 -s2 0 L9; 0 0 1 0; -s2 -c2 0 0]", "formula in a line of its own, as a = 50"),
         (TABLE.replace("50", "L9"), "say its value in a line of its own, as L1 = 50"),
+        ("J = [1 0; 0 1]", "name every row in a line as rows,J,x y z, each one of wx"),
     ],
 )
 def test_advice_is_what_a_text_says(graded, text, said):

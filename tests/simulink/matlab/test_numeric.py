@@ -226,7 +226,7 @@ def test_names_are_variables_before_they_are_functions():
         ("{1}", "cells ({ }) are not supported"),
         ("@sin", "function handles (@) are not supported"),
         ("a.b", "'a.b' is not supported: no structures, no packages"),
-        ("'on'", "'on' is a text, no number"),
+        ("'on'", "'on' is a text, not a number"),
         ("'on' + 1", "the text 'on' is used where a number is needed"),
         ("[1 'on']", "the text 'on' is used where a number is needed"),
         ("'on", "a text is not closed with its quote"),
