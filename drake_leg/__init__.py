@@ -89,17 +89,17 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.pendulum import build as build_pendulum
     from drake_leg.diagrams.scara import ScaraConfig
     from drake_leg.diagrams.scara import build as build_scara
-    from drake_leg.figures.free_body import free_body as frames_drawing
+    from drake_leg.pictures.plots.free_body import free_body as frames_drawing
     from drake_leg.kinematics.motions import EllipticStep, SineStep
     from drake_leg.kinematics.of_robot import movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
     from drake_leg.models.proof import prove
     from drake_leg.pictures.block_diagram import block_diagram
-    from drake_leg.recording import Recording
-    from drake_leg.robot import Robot
-    from drake_leg.robot_file.read import load_robot
-    from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+    from drake_leg.simulation.recording import Recording
+    from drake_leg.robot.robot import Robot
+    from drake_leg.robot.toml_reader import load_robot
+    from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
     from drake_leg.runs.named import run
     from drake_leg.scene.images import still
     from drake_leg.scene.replay import replay
@@ -125,14 +125,14 @@ _HOMES = {
     "InputFilter": ("drake_leg.systems.input_filter", "InputFilter"),
     "InverseJacobian": ("drake_leg.systems.inverse_jacobian", "InverseJacobian"),
     "JointStops": ("drake_leg.systems.joint_stops", "JointStops"),
-    "LEG_A": ("drake_leg.robots", "LEG_A"),
-    "LEG_B": ("drake_leg.robots", "LEG_B"),
-    "PENDULUM": ("drake_leg.robots", "PENDULUM"),
+    "LEG_A": ("drake_leg.robot.robots", "LEG_A"),
+    "LEG_B": ("drake_leg.robot.robots", "LEG_B"),
+    "PENDULUM": ("drake_leg.robot.robots", "PENDULUM"),
     "PendulumConfig": ("drake_leg.diagrams.pendulum", "PendulumConfig"),
     "PrescribedMotion": ("drake_leg.systems.prescribed_motion", "PrescribedMotion"),
-    "Recording": ("drake_leg.recording", "Recording"),
-    "Robot": ("drake_leg.robot", "Robot"),
-    "SCARA": ("drake_leg.robots", "SCARA"),
+    "Recording": ("drake_leg.simulation.recording", "Recording"),
+    "Robot": ("drake_leg.robot.robot", "Robot"),
+    "SCARA": ("drake_leg.robot.robots", "SCARA"),
     "ScaraConfig": ("drake_leg.diagrams.scara", "ScaraConfig"),
     "SineStep": ("drake_leg.kinematics.motions", "SineStep"),
     "add_scope": ("drake_leg.diagrams.mechanism", "add_scope"),
@@ -145,8 +145,8 @@ _HOMES = {
     "derive": ("drake_leg.symbolic.by_robot", "derive"),
     "errata": ("drake_leg.lab.shown", "errata"),
     "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
-    "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
-    "load_robot": ("drake_leg.robot_file.read", "load_robot"),
+    "frames_drawing": ("drake_leg.pictures.plots.free_body", "free_body"),
+    "load_robot": ("drake_leg.robot.toml_reader", "load_robot"),
     "movable": ("drake_leg.kinematics.of_robot", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),
     "replay": ("drake_leg.scene.replay", "replay"),

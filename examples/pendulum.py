@@ -18,7 +18,7 @@ from pydrake.systems.primitives import Demultiplexer
 
 import drake_leg as dl
 from drake_leg.kinematics.pendulum import PendulumModel, exact_motion
-from drake_leg.robots import pendulum
+from drake_leg.robot.robots import pendulum
 
 ROBOT = pendulum()
 Q0 = radians(-30.0)  # 0 is horizontal, 90 degrees hangs down

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from drake_leg import cli
-from drake_leg.cli.advice import as_options
+from drake_leg.cli.terminal import as_options
 from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
-from drake_leg.recording import read_csv
+from drake_leg.simulation.recording import read_csv
 from drake_leg.runs.catalogue import RUNS
 
 COMMON = {

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.errata import errata
+from drake_leg.lab.errata.catalogue import errata
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"

@@ -52,7 +52,7 @@ def _of_signal(interrupts: Interrupts, status: int) -> int:
 
 
 def _unexpected(error: Exception) -> int:
-    from drake_leg.cli.pictures import PLACES, show_place
+    from drake_leg.cli.terminal import PLACES, show_place
     from drake_leg.errors import in_a_line
 
     show_place()

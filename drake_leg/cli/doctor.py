@@ -10,19 +10,19 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.advice import as_options
-from drake_leg.cli.common import BAD_INPUT, FAILED, fail, numbers
-from drake_leg.cli.pictures import Pictures
-from drake_leg.cli.posture import joint_positions
-from drake_leg.cli.robot_source import add_robot_source, robot_source
+from drake_leg.cli.terminal import as_options
+from drake_leg.cli.terminal import BAD_INPUT, FAILED, fail, numbers
+from drake_leg.cli.terminal import Pictures
+from drake_leg.cli.inputs import joint_positions
+from drake_leg.cli.inputs import add_robot_source, robot_source
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
-from drake_leg.imports import require_matplotlib
+from drake_leg.errors import require_matplotlib
 from drake_leg.progress import ProgressBar
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 
 if TYPE_CHECKING:
-    from drake_leg.figures.of_postures import Maps
+    from drake_leg.pictures.plots.singularity_maps import Maps
     from drake_leg.kinematics.feet import Feet
     from drake_leg.singularity.doctor import Diagnosis
     from drake_leg.singularity.rank import LostTwist
@@ -147,13 +147,13 @@ def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any])
 
 def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> tuple[ResultsFolder, Maps]:
     require_matplotlib()
-    from drake_leg.figures.of_postures import maps_of_posture
+    from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 
     return ResultsFolder(chosen.out, overwrite=chosen.overwrite), maps_of_posture(robot, q)
 
 
 def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> Pictures:
-    from drake_leg.figures.style import save
+    from drake_leg.pictures.plots.style import save
 
     with folder.begun() as scratch:
         summary = json.dumps(diagnosis.as_json(), indent=2, allow_nan=False)

@@ -7,20 +7,12 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import (
-    BAD_INPUT,
-    FAILED,
-    INTERRUPTED,
-    STOPPED_EARLY,
-    add_output,
-    fail,
-    remark,
-)
-from drake_leg.cli.pictures import Pictures
+from drake_leg.cli.terminal import BAD_INPUT, FAILED, INTERRUPTED, STOPPED_EARLY, add_output, fail, remark
+from drake_leg.cli.terminal import Pictures
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
-from drake_leg.cli.shows import Shows, add_shows, say_if_sketched
+from drake_leg.cli.showing import Shows, add_shows, say_if_sketched
 from drake_leg.files import ResultsFolder
-from drake_leg.imports import require_matplotlib
+from drake_leg.errors import require_matplotlib
 from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind
 from drake_leg.runs.options import RunOptions

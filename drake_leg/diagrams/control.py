@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from drake_leg.diagrams.disturbance import Disturbance
-from drake_leg.quantities import require_angle, require_non_negative
+from drake_leg.units import require_angle, require_non_negative
 from drake_leg.singularity.inverse import Inverse
 
 TOP_SPEED = 1.25  # of a corrected command, times the greatest speed of the uncorrected one

@@ -47,10 +47,10 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.quantities import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
-from drake_leg.robot import Robot
-from drake_leg.robots import LEG_B, LEG_B_POSTURE
-from drake_leg.singularity.directions import require_direction
+from drake_leg.units import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import LEG_B, LEG_B_POSTURE
+from drake_leg.singularity.stroke import require_direction
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 POSTURE = tuple(map(math.radians, LEG_B_POSTURE))

@@ -33,9 +33,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, lift_position, tool_position
-from drake_leg.quantities import STANDARD_GRAVITY, require_angle
-from drake_leg.robot import Robot
-from drake_leg.robots import SCARA, SCARA_POSTURE
+from drake_leg.units import STANDARD_GRAVITY, require_angle
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import SCARA, SCARA_POSTURE
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 POSTURE = tuple(map(math.radians, SCARA_POSTURE))

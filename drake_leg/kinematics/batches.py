@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.quantities import AT_LIMIT
+from drake_leg.units import AT_LIMIT
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable
-from drake_leg.robot import Row
+from drake_leg.robot.robot import Row
 
 SAMPLES = 256  # postures that tell what a chain can do
 LEAST_LEVER = 1e-3  # of the chain's length: what has a shorter one is taken not to move the foot

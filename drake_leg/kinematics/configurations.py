@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import Robot, Row, Segment
+from drake_leg.robot.robot import Robot, Row, Segment
 
 
 def table_length(rows: Sequence[Row]) -> float:

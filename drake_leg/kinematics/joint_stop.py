@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.joint_mechanics import HardStop, JointMechanics
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics
 from drake_leg.kinematics.batches import Array
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array, finite_vectors
-from drake_leg.robot import Row
+from drake_leg.robot.robot import Row
 
 
 def moving_rows(rows: Sequence[Row]) -> list[int]:

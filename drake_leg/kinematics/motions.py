@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.quantities import require_non_negative, require_positive
+from drake_leg.units import require_non_negative, require_positive
 
 UP = np.array([0.0, 0.0, 1.0])
 UP.setflags(write=False)

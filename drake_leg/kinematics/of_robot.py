@@ -11,7 +11,7 @@ from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
 from drake_leg.kinematics.scara import ScaraGeometry, is_scara
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 
 TASKS = ("position", "pose")
 

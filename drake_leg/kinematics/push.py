@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.quantities import MOST, require_non_negative, require_positive
+from drake_leg.units import MOST, require_non_negative, require_positive
 
 
 @dataclass(frozen=True, kw_only=True)

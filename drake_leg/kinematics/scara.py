@@ -23,9 +23,9 @@ from drake_leg.kinematics.batches import (
     triangle_angle,
 )
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.quantities import require_positive
-from drake_leg.robot import Robot
-from drake_leg.robots import SCARA_HEIGHT, SCARA_LOWEST
+from drake_leg.units import require_positive
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import SCARA_HEIGHT, SCARA_LOWEST
 
 
 @dataclass(frozen=True, kw_only=True)

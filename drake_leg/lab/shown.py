@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from drake_leg.errata import Erratum
-from drake_leg.errata import errata as all_errata
+from drake_leg.lab.errata.erratum import Erratum
+from drake_leg.lab.errata.catalogue import errata as all_errata
 from drake_leg.errors import InvalidValueError, PictureError
 from drake_leg.files import ResultsFolder
 
@@ -29,7 +29,7 @@ class Errata:
         return self.chosen[index]
 
     def _repr_html_(self) -> str:
-        from drake_leg.report.errata import errata_entries
+        from drake_leg.lab.page.pieces import errata_entries
 
         style = (files("drake_leg.lab") / "shown.css").read_text(encoding="utf-8")
         entries = errata_entries(erratum.number for erratum in self.chosen)
@@ -119,7 +119,7 @@ def report(
     >>> made.page  # doctest: +SKIP
     PosixPath('report/report.html')
     """
-    from drake_leg.report.page import write_report
+    from drake_leg.lab.page.page import write_report
 
     target = ResultsFolder(Path(folder), overwrite=overwrite)
     with target.begun() as scratch:

@@ -1,6 +1,6 @@
 """The SDF files of the reports' robots: where they are, and how they are written.
 
-``python -m drake_leg.models.files sdf`` writes them again from ``drake_leg.robots``.
+``python -m drake_leg.models.files sdf`` writes them again from ``drake_leg.robot.robots``.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 from drake_leg.models.sdf import package_text, sdf_text
-from drake_leg.models.thigh_sdf import FILE, LEG_FILE, thigh_leg_text, thigh_text
-from drake_leg.robots import LEG_B, ROBOTS
+from drake_leg.models.thigh import FILE, LEG_FILE, thigh_leg_text, thigh_text
+from drake_leg.robot.robots import LEG_B, ROBOTS
 
 
 def generated_files() -> dict[str, str]:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
-
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import sdf_text
-from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative
-from drake_leg.robot import Robot, Segment
-
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative
+from drake_leg.robot.robot import Robot, Segment
+from drake_leg.models.files import sdf_folder
+from drake_leg.models.thigh import thigh_leg_text
+from drake_leg.units import STANDARD_GRAVITY
+from drake_leg.robot.robot import Robot
 
 def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
     """Parse a robot's SDF into a continuous, finalised plant.
@@ -82,3 +83,20 @@ def _leave_limits_to_stops(plant: MultibodyPlant, segment: Segment) -> None:
         for side, _, _ in segment.mechanics.stops:
             (lower if side < 0 else upper)[0] = side * math.inf
         joint.set_position_limits(lower, upper)
+
+
+def thigh_leg(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
+    """Compose a leg of thigh subsystems (report B, figure 5) into a continuous, finalised plant.
+
+    It moves exactly as ``build_plant(robot)`` does: the same joints in the same order, the same
+    masses, the same frames of the table. Its links are model instances of their own, each with the
+    frames ``base``, ``cog``, ``end`` and ``solid``. ``gravity`` is in m/s^2, along the world's -z.
+
+    Raises
+    ------
+    InvalidValueError
+        If a link is not a brick or does not end where the next row begins, gravity is negative, or
+        Drake refuses the model.
+    """
+    package = sdf_folder() / "package.xml"
+    return parsed_plant(thigh_leg_text(robot), robot, gravity=gravity, package=package)

@@ -14,19 +14,19 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_leg.joint_mechanics import JointMechanics
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import row_transform
-from drake_leg.models.solids import mass_properties
-from drake_leg.names import BASE, BASE_WELD, PLACES, frame_name, place_name
-from drake_leg.quantities import LEAST
-from drake_leg.robot import Brick, Cylinder, Link, Robot, Row, Segment, Shape
+from drake_leg.robot.robot import mass_properties
+from drake_leg.robot.names import BASE, BASE_WELD, PLACES, frame_name, place_name
+from drake_leg.units import LEAST
+from drake_leg.robot.robot import Brick, Cylinder, Link, Robot, Row, Segment, Shape
 
 PACKAGE = "drake_leg"
 CENTRED = (0.0, 0.0, 0.0)
 STEEP = 0.99  # sine of the pitch beyond which roll, pitch, yaw lose digits
 
 
-def sdf_text(robot: Robot, *, origin: str = "drake_leg.robots") -> str:
+def sdf_text(robot: Robot, *, origin: str = "drake_leg.robot.robots") -> str:
     """Write a robot as an SDF 1.9 document with one model, its base welded to the world.
 
     ``origin`` is what the document says that it was generated from.

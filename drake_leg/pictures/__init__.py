@@ -1,1 +1,1 @@
-"""Pictures of recordings, robots and diagrams."""
+"""Block diagrams as pictures: from live diagrams and plants to SVG."""

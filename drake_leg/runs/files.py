@@ -8,8 +8,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from drake_leg.figures.of_runs import figures_of_run
-from drake_leg.figures.style import save
+from drake_leg.pictures.plots.of_runs import figures_of_run
+from drake_leg.pictures.plots.style import save
 from drake_leg.runs.outcome import Outcome
 
 

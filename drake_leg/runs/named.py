@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
-from drake_leg.html_table import html_table
+from drake_leg.robot.html_table import html_table
 from drake_leg.kinematics.batches import Array
-from drake_leg.recording import Recording
-from drake_leg.robot import Robot
+from drake_leg.simulation.recording import Recording
+from drake_leg.robot.robot import Robot
 from drake_leg.runs.catalogue import OwnRobot, run_kind
 from drake_leg.runs.outcome import Outcome
 
@@ -158,7 +158,7 @@ def run(
 
 
 def _figures(title: str, outcome: Outcome) -> Figures:
-    from drake_leg.figures.of_runs import figures_of_run
+    from drake_leg.pictures.plots.of_runs import figures_of_run
 
     return Figures(
         dict(

@@ -13,19 +13,19 @@ from scipy.optimize import brentq
 
 from drake_leg.diagrams.mechanism import start_at_targets
 from drake_leg.diagrams.pendulum import build
-from drake_leg.integrator import IMPLICIT, IntegratorSettings
+from drake_leg.simulation.integrator import IMPLICIT, IntegratorSettings
 from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.conditioning import error_growth, instability
+from drake_leg.kinematics.pendulum import error_growth, instability
 from drake_leg.kinematics.pendulum import (
     PendulumModel,
     exact_motion,
     exact_period,
     rest_angle,
 )
-from drake_leg.quantities import require_positive
-from drake_leg.recording import Recording
-from drake_leg.robot import Robot
-from drake_leg.runs.accuracy import SHOWN, finer, inaccuracy, shows
+from drake_leg.units import require_positive
+from drake_leg.simulation.recording import Recording
+from drake_leg.robot.robot import Robot
+from drake_leg.runs.outcome import SHOWN, finer, inaccuracy, shows
 from drake_leg.runs.configs import pendulum_config
 from drake_leg.runs.options import PendulumOptions
 from drake_leg.runs.outcome import Outcome, outcome_of

@@ -41,7 +41,7 @@ from pydrake.systems.sensors import CameraInfo
 
 from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
-from drake_leg.figures.style import STYLE
+from drake_leg.pictures.plots.style import STYLE
 from drake_leg.kinematics.batches import Array
 from drake_leg.scene.lettering import LIGHT, Paper, Pixels
 from drake_leg.scene.parts import Part
@@ -62,7 +62,7 @@ _LIGHTS = (((-0.6, -0.9, -0.5), 0.8), ((0.9, -0.2, -0.6), 0.4), ((0.1, 0.4, -1.0
 
 TRIAL = """
 import numpy as np
-from drake_leg.robots import PENDULUM
+from drake_leg.robot.robots import PENDULUM
 from drake_leg.scene.artists import Renderer
 from drake_leg.scene.scene import VIEWS, at_rest, scene_of
 motion = at_rest(PENDULUM, [0.3])

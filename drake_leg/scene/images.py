@@ -13,7 +13,7 @@ from PIL import Image
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import whole_file
-from drake_leg.imports import require_import, require_pillow
+from drake_leg.errors import require_import, require_pillow
 from drake_leg.scene.artists import (
     REMEDY,
     Renderer,

@@ -15,7 +15,7 @@ from scipy.spatial import ConvexHull
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.recording import Recording
+from drake_leg.simulation.recording import Recording
 from drake_leg.scene.parts import (
     Part,
     floor_corners,

@@ -17,7 +17,7 @@ from drake_leg.scene.scene import VIEWS, Scene, at_rest, scene_of
 from drake_leg.scene.shown_plant import ShownPlant, shown
 from drake_leg.scene.viewer import slider_range
 from drake_leg.scene.web_page import drake_path, web_page
-from drake_leg.singularity.directions import motion_in_words
+from drake_leg.singularity.stroke import motion_in_words
 
 FASTEST = 100.0  # [mm/s] along each axis
 KEYS = (("A", "D"), ("S", "W"), ("F", "R"))  # less and more, along x, y, z

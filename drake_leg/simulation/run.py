@@ -31,10 +31,10 @@ from drake_leg.errors import (
     StepBudgetError,
     UnstableRunError,
 )
-from drake_leg.html_table import html_table
-from drake_leg.integrator import IntegratorSettings
+from drake_leg.robot.html_table import html_table
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.kinematics.batches import Array
-from drake_leg.quantities import beyond, require_positive
+from drake_leg.units import beyond, require_positive
 from drake_leg.simulation.guard import Guard
 
 STEP_BUDGET = 2_000_000  # steps that one run may take

@@ -17,9 +17,9 @@ from drake_leg.kinematics.khalil import foot_pose, jacobian
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import geometry_of, movable
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.quantities import beyond, require_positive
-from drake_leg.robot import Robot, Segment
-from drake_leg.singularity.directions import STRAIGHT
+from drake_leg.units import beyond, require_positive
+from drake_leg.robot.robot import Robot, Segment
+from drake_leg.singularity.stroke import STRAIGHT
 from drake_leg.singularity.families import Families, Nearness, families_of
 from drake_leg.singularity.rank import LostTwist, RankReport, WholeRank, examine, examine_whole
 from drake_leg.singularity.stroke import Stroke, chain_stroke, closed_stroke, greatest_amplitude

@@ -1,24 +1,171 @@
-"""The named singular families of the leg and the SCARA, and how near a posture is to them."""
+"""The named singular families, the workspace boundaries that they make, and how near a posture is."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-
+from typing import Literal, NamedTuple
 import numpy as np
-
-from drake_leg.kinematics import leg, scara
-from drake_leg.kinematics.batches import Array, one_vector
+from scipy.optimize import brentq, minimize_scalar
+from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.singularity.edges import (
-    Edges,
-    Family,
-    leg_edges,
-    leg_extremes,
-    scara_edges,
-)
+from collections.abc import Sequence
+from drake_leg.kinematics import leg, scara
+from drake_leg.kinematics.batches import Array, one_vector
+
+Family = Literal["stretch", "hip-axis"]
+Path = Callable[[Array], Array]  # parameters (n,) -> points (n, 3), [m]
+
+TOUCH = 1e-12  # of the arm's length: a path that comes nearer to a boundary than this meets it
+NEAR = 0.02  # of the arm's length: a path that comes nearer than this is searched for a minimum
+
+
+class Edge(NamedTuple):
+    """One boundary of a workspace."""
+
+    family: Family
+    clearance: Callable[[Array], Array]  # points (n, 3) -> distance (n,), inside > 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Edges:
+    """All the boundaries that a foot can meet before any other."""
+
+    all: tuple[Edge, ...]
+    size: float  # [m], length of the stretched arm
+
+
+class Approach(NamedTuple):
+    """How near a path comes to a boundary."""
+
+    parameter: float  # of the path
+    family: Family
+    clearance: float  # [m]
+
+
+def leg_edges(leg: LegGeometry, facing: float) -> Edges:
+    """Boundaries of a leg's workspace, its foot in front of the hip axis (facing +1) or behind.
+
+    Seen from the knee, ``sqrt((facing h - l1)^2 + z^2)`` away with ``h = sqrt(x^2 + y^2)``, the
+    foot is farthest on the stretched leg, at ``l2 + l3``, and nearest on the folded one, at
+    ``|l2 - l3|``. On the hip axis ``h = 0``.
+    """
+
+    def from_knee(p: Array) -> Array:
+        u = facing * np.hypot(p[:, 0], p[:, 1]) - leg.l1
+        return np.hypot(u, p[:, 2])
+
+    def from_hip_axis(p: Array) -> Array:
+        return np.hypot(p[:, 0], p[:, 1])
+
+    return Edges(
+        all=(*_flat_arm(leg.l2, leg.l3, from_knee), Edge("hip-axis", from_hip_axis)),
+        size=leg.l1 + leg.l2 + leg.l3,
+    )
+
+
+def scara_edges(arm: ScaraGeometry) -> Edges:
+    """Boundaries of a SCARA's workspace: the stretched and the folded arm."""
+
+    def from_base(p: Array) -> Array:
+        return np.hypot(p[:, 0], p[:, 1])
+
+    return Edges(all=_flat_arm(arm.l1, arm.l2, from_base), size=arm.l1 + arm.l2)
+
+
+def _flat_arm(a: float, b: float, distance: Callable[[Array], Array]) -> tuple[Edge, Edge]:
+    return (
+        Edge("stretch", lambda p: a + b - distance(p)),
+        Edge("stretch", lambda p: distance(p) - abs(a - b)),
+    )
+
+
+def leg_extremes(leg: LegGeometry, p: Array, d: Array) -> list[float]:
+    """Distances along a line [m] at which the foot may be nearest to or farthest from the knee.
+
+    With ``T = |p + s d|^2`` and ``H = h^2`` the distance is stationary where ``T' = l1 H' / h`` or,
+    behind the hip axis, its negative: a quartic, ``T'^2 H = l1^2 H'^2``. Among them are all
+    extremes on either side of the axis, and the point nearest to it. The line starts at p (3,) [m]
+    in the direction of the unit vector d.
+    """
+    H = np.array([d[0] ** 2 + d[1] ** 2, 2.0 * (p[0] * d[0] + p[1] * d[1]), p[0] ** 2 + p[1] ** 2])
+    slope_T, slope_H = np.array([2.0, 2.0 * float(p @ d)]), np.polyder(H)
+    quartic = np.polysub(
+        np.polymul(np.polymul(slope_T, slope_T), H),
+        leg.l1**2 * np.polymul(slope_H, slope_H),
+    )
+    roots = np.roots(quartic).real.tolist()
+    nearest = [] if H[0] == 0.0 else [-float(H[1] / H[0]) / 2.0]
+    return [*roots, *nearest]
+
+
+def line(p: Array, d: Array) -> Path:
+    """Straight path from p (3,) [m] along a unit vector d; its parameter is a distance [m]."""
+    return lambda ways: p + np.multiply.outer(ways, d)
+
+
+def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> list[Approach]:
+    """Find where a path meets boundaries, or how near it comes to them.
+
+    Parameters
+    ----------
+    breaks : (n,) sequence of float
+        Increasing parameters, the first and the last of the path among them, so close to each
+        other that between two of them no clearance has more than one extreme.
+
+    Returns
+    -------
+    list of Approach
+        For each boundary, the point where the path first meets it, with a clearance of 0 or less,
+        or else the nearest point.
+    """
+    found = []
+    for family, clearance in edges.all:
+
+        def at(parameter: float, clearance: Callable[[Array], Array] = clearance) -> float:
+            return float(clearance(path(np.array([parameter])))[0])
+
+        places = np.asarray(breaks, dtype=np.float64)
+        heights = clearance(path(places))
+        places, heights = _with_minima(at, places, heights, NEAR * edges.size)
+        touching = np.flatnonzero(heights <= TOUCH * edges.size)
+        if not len(touching):
+            nearest = int(heights.argmin())
+            found.append(Approach(float(places[nearest]), family, float(heights[nearest])))
+            continue
+        first = int(touching[0])
+        place = float(places[first])
+        if first > 0 and heights[first] < 0.0:
+            place = brentq(at, places[first - 1], place, xtol=1e-300, rtol=1e-15)
+        found.append(Approach(place, family, min(float(heights[first:].min()), 0.0)))
+    return found
+
+
+def _with_minima(
+    at: Callable[[float], float], places: Array, heights: Array, near: float
+) -> tuple[Array, Array]:
+    """Add the low minima between places."""
+    lower = (heights[1:-1] <= heights[:-2]) & (heights[1:-1] <= heights[2:])
+    low = np.flatnonzero(lower & (heights[1:-1] < near) & (heights[1:-1] > 0.0)) + 1
+    if not len(low):
+        return places, heights
+    added = []
+    for index in low:
+        bounds = (places[index - 1], places[index + 1])
+        width = 1e-15 * (bounds[1] - bounds[0])
+        best = minimize_scalar(at, bounds=bounds, method="bounded", options={"xatol": width}).x
+        added.append(float(best))
+    every = np.concatenate([places, added])
+    order = np.argsort(every, kind="stable")
+    return every[order], np.concatenate([heights, [at(place) for place in added]])[order]
+
+
+def breaks_of_line(extremes: Sequence[float], end: float) -> Array:
+    """The extremes on a line, sorted, between its beginning at 0 and its end [m]."""
+    inside = sorted(way for way in extremes if math.isfinite(way) and 0.0 < way < end)
+    return np.array([0.0, *inside, end])
 
 
 @dataclass(frozen=True, kw_only=True)

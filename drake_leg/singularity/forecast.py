@@ -14,8 +14,8 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import MovableChain
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
-from drake_leg.quantities import joint_entries
-from drake_leg.singularity.edges import Approach, Family, Path, approaches, line
+from drake_leg.units import joint_entries
+from drake_leg.singularity.families import Approach, Family, Path, approaches, line
 from drake_leg.singularity.families import Families, families_of
 from drake_leg.singularity.rank import loses_turning, lost_direction
 from drake_leg.singularity.stroke import approaches_on_line, chain_stroke

@@ -3,14 +3,184 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-
+from functools import lru_cache
+from typing import NamedTuple
+import numpy as np
+from scipy.optimize import lsq_linear
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.movable import Movable
-from drake_leg.quantities import require_positive
-from drake_leg.robot import Segment
-from drake_leg.singularity.damped import Damped
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.singularity.limits import RateBox
+from dataclasses import dataclass
+from drake_leg.kinematics.movable import Movable
+from drake_leg.units import require_positive
+from drake_leg.robot.robot import Segment
+
+FLOOR = 0.25  # of lambda: about where sigma settles while the command pushes outwards
+LEAST = 1e-7  # of the arm's length: selects the smallest of a redundant robot's rates
+DIFFERENCE = 1e-7  # [s], of the derivative of damped rates
+TYPICAL = 0.2  # of the arm's length: slope of sigma along w at a boundary
+STEEPEST = 0.5  # [1/rad] of the arm's length: bound of the slope of the smallest singular value
+
+
+class _Damping(NamedTuple):
+    """The damping at a posture where the smallest singular value is small."""
+
+    J: Array  # rows in [m]
+    squared: float  # lambda^2 [m^2]
+    steepness: float  # slope of the smallest singular value along w [m]
+    outwards: Array  # w, signed so that J becomes more regular, and 0 where that changes nothing
+
+
+class Damped(Movable):
+    """A robot whose rates are damped where its Jacobian is nearly singular.
+
+    With the singular value decomposition J = U S V^T, the rates of an exact inverse grow like
+    1/sigma along the last right singular vector w. Damping replaces that factor by
+    ``sigma / (sigma^2 + lambda^2)``. The rates are those that minimise
+    ``|J qdot - v|^2 + lambda^2 |qdot - b|^2`` with
+
+    ``lambda = (below / 2) (1 - (sigma / below)^2)`` where sigma < below, and 0 elsewhere,
+
+    sigma being the smallest singular value: there the inverse is exact. The rates and their slopes
+    are continuous. The small ``b``, along w towards more regular postures, is proportional to the
+    command: a leg that is pushed against the boundary rests just before it and not on it, and so
+    keeps the side on which its knee is bent. Rates are at most about ``1.3 |v| / below``.
+
+    With a box the rates are the least squares within it, by SciPy's bounded-variable algorithm.
+
+    Parameters
+    ----------
+    exact : Movable
+        The robot with its exact inverse.
+    below : float
+        Singular value at which damping begins [m].
+    box : RateBox, optional
+        The lowest and the highest rates of every posture.
+    """
+
+    is_exact = False
+
+    def __init__(self, exact: Movable, below: float, box: RateBox | None = None) -> None:
+        self.exact = exact
+        self.turning, self.twists, self.row_lengths = exact.turning, exact.twists, exact.row_lengths
+        self.length, self.determinant_scale = exact.length, exact.determinant_scale
+        self.geometry, self.varies = exact.geometry, exact.varies
+        self._below, self._strongest = below, below / 2.0
+        self._box = box
+        self._lengths = np.array(exact.row_lengths)
+        # Rates, their derivative and their stiffness are asked for at one posture.
+        self._damping_at = lru_cache(maxsize=2)(self._damping)
+
+    def foot(self, q: Floats) -> Array:
+        """Position of the foot in the base frame, (3,) [m]."""
+        return self.exact.foot(q)
+
+    def jacobian(self, q: Floats) -> Array:
+        """J, (m, n)."""
+        return self.exact.jacobian(q)
+
+    def bias(self, q: Floats, qdot: Floats) -> Array:
+        """``dJ/dt qdot``, (m,)."""
+        return self.exact.bias(q, qdot)
+
+    def determinant(self, q: Floats) -> float:
+        """Of the exact robot."""
+        return self.exact.determinant(q)
+
+    def at(self, q: Floats) -> Damped:
+        """What can be commanded in a posture, damped alike."""
+        return Damped(self.exact.at(q), self._below, self._box) if self.varies else self
+
+    def rates(self, q: Floats, v: Floats) -> Floats:
+        """Least-squares rates, within the box."""
+        here = self._damping_at(tuple(q))
+        free: list[float] = self._free(q, v, here).tolist()
+        if self._box is None or self._box.holds(q, free):
+            return free
+        within: list[float] = self._bounded(q, v, here, *self._box.bounds(q)).tolist()
+        return within
+
+    def accelerations(
+        self,
+        q: Floats,
+        qdot: Floats,
+        a: Floats,
+        v: Floats | None = None,
+        w: Floats | None = None,
+    ) -> Floats:
+        """Derivative of the rates: exact where they are, otherwise a difference, which needs v."""
+        if self._is_exact_at(q, qdot):
+            return self.exact.accelerations(q, qdot, a)
+        if v is None:
+            raise InvalidValueError("the derivative of damped rates needs the commanded velocity")
+        later = self.rates(_moved(q, qdot if w is None else w), _moved(v, a))
+        return [(after - now) / DIFFERENCE for after, now in zip(later, qdot, strict=True)]
+
+    def regime(self, q: Floats, v: Floats) -> tuple[int, ...]:
+        """What bounds each joint's rate, as ``RateBox.regime``; () without a box."""
+        return () if self._box is None else self._box.regime(q, self.rates(q, v))
+
+    def stiffness(self, q: Floats, v: Floats) -> tuple[float, float]:
+        """How fast the rates change with the posture: at most, and here [1/s]."""
+        speed = float(np.linalg.norm(self._lengths * np.asarray(v)))
+        most = STEEPEST * self.length * speed / self._strongest**2
+        here = self._damping_at(tuple(q))
+        if here is None:
+            return most, 0.0
+        return most, here.steepness * speed / max(here.squared, self._strongest**2)
+
+    def _damping(self, q: tuple[float, ...]) -> _Damping | None:
+        J = self.jacobian_in_lengths(q)
+        U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
+        if sigma[-1] >= self._below:
+            return None
+        w = Vt[-1]
+        slope = float((U[:, -1] * self._lengths) @ self.bias(q, w.tolist()))
+        part = 1.0 - (float(sigma[-1]) / self._below) ** 2
+        outwards = slope / (TYPICAL * self.length) * w
+        return _Damping(J, (self._strongest * part) ** 2, abs(slope), outwards)
+
+    def _free(self, q: Floats, v: Floats, here: _Damping | None) -> Array:
+        """Rates without a box."""
+        if here is None:
+            return np.array(self.exact.rates(q, v))
+        weighted = self._lengths * np.asarray(v)
+        rest = self._rest(weighted, here)
+        normal = here.J @ here.J.T + here.squared * np.eye(self.size)
+        free: Array = rest + here.J.T @ np.linalg.solve(normal, weighted - here.J @ rest)
+        return free
+
+    def _bounded(
+        self, q: Floats, v: Floats, here: _Damping | None, low: Floats, high: Floats
+    ) -> Array:
+        """Rates within bounds."""
+        weighted = self._lengths * np.asarray(v)
+        matrix, right = self.jacobian_in_lengths(q), weighted
+        damper, rest = LEAST * self.length * self.is_redundant, np.zeros(self.joints)
+        if here is not None:
+            damper, rest = math.sqrt(here.squared), self._rest(weighted, here)
+        if damper > 0.0:
+            matrix = np.vstack([matrix, damper * np.eye(self.joints)])
+            right = np.concatenate([weighted, damper * rest])
+        solution = lsq_linear(matrix, right, bounds=(low, high), method="bvls", tol=1e-14)
+        inside: Array = np.clip(solution.x, low, high)
+        return inside
+
+    def _is_exact_at(self, q: Floats, qdot: Floats) -> bool:
+        if self._damping_at(tuple(q)) is not None:
+            return False
+        return self._box is None or not any(self._box.regime(q, qdot))
+
+    def _rest(self, v: Array, here: _Damping) -> Array:
+        """Rates that the damping prefers: at rest sigma is about ``FLOOR`` of the damping."""
+        rest: Array = FLOOR * float(np.linalg.norm(v)) / self._strongest * here.outwards
+        return rest
+
+
+def _moved(start: Floats, rate: Floats) -> list[float]:
+    return [x + DIFFERENCE * dx for x, dx in zip(start, rate, strict=True)]
+
 
 METHODS = ("exact", "damped", "limited")
 DAMPED_BELOW = 0.03  # of the arm's length: singular value at which damping begins

@@ -12,7 +12,7 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import RANK_TOLERANCE
 from drake_leg.kinematics.khalil import jacobian, moving_rows
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.robot import Row
+from drake_leg.robot.robot import Row
 
 # Of the greatest singular value of the foot's translation: where the smallest one is greater, the
 # foot goes everywhere.

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import BUDGET, TimeBudget
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.catalogue import SUBJECTS, derived_equations
 from drake_leg.symbolic.equations import Equation
-from drake_leg.symbolic.optional import require_sympy
+from drake_leg.symbolic.catalogue import require_sympy
 
 
 @dataclass(frozen=True)

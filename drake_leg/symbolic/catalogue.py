@@ -1,19 +1,32 @@
-"""The derivations by name; SymPy is imported only when one is carried out."""
+"""The derivations by name; SymPy is imported only when one is carried out, and may be missing."""
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+from drake_leg.errors import DrakeLegError
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
-
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot import Robot
-from drake_leg.robots import LEG_A, LEG_B, SCARA
-from drake_leg.symbolic.optional import require_sympy
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 
 if TYPE_CHECKING:
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import Equation
+
+class MissingSymPyError(DrakeLegError):
+    """SymPy is needed and not installed."""
+
+    def __init__(self, purpose: str) -> None:
+        self.purpose = purpose
+        super().__init__(f"{purpose} needs SymPy: pip install 'drake-leg[symbolic]'")
+
+
+def require_sympy(purpose: str) -> None:
+    """Raise ``MissingSymPyError`` unless SymPy is installed; ``purpose`` begins its sentence."""
+    if find_spec("sympy") is None:
+        raise MissingSymPyError(purpose)
 
 
 @dataclass(frozen=True, kw_only=True)

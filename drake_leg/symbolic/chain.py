@@ -17,7 +17,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.robot import JointType, Row
+from drake_leg.robot.robot import JointType, Row
 
 Function = Callable[[ArrayLike], Array]  # of the joint positions
 

@@ -13,7 +13,7 @@ from pydrake.systems.primitives import MatrixGain, Multiplexer
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
-from drake_leg.quantities import require_non_negative
+from drake_leg.units import require_non_negative
 from drake_leg.systems.partial_dynamics import (
     PartialInverseDynamics,
     joints_of_one_axis,

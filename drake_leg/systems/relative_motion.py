@@ -11,7 +11,7 @@ from pydrake.multibody.tree import Frame, JacobianWrtVariable
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.euler import euler_angles
-from drake_leg.kinematics.euler_rates import angle_accelerations, angle_rates
+from drake_leg.kinematics.euler import angle_accelerations, angle_rates
 
 Where = Literal["base", "follower", "world"]
 

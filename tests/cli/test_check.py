@@ -187,7 +187,7 @@ def test_bad_input_is_one_sentence(words, said, capsys):
 
 
 def test_without_sympy_the_check_says_what_is_missing(capsys, monkeypatch):
-    monkeypatch.setattr("drake_leg.symbolic.optional.find_spec", lambda name: None)
+    monkeypatch.setattr("drake_leg.symbolic.catalogue.find_spec", lambda name: None)
     status, err = checked(capsys, "leg-b")
     assert status == 2
     assert "needs SymPy: pip install 'drake-leg[symbolic]'" in err

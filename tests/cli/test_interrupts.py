@@ -12,7 +12,7 @@ import pytest
 from drake_leg.cli import main
 from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
-from drake_leg.recording import read_csv
+from drake_leg.simulation.recording import read_csv
 from drake_leg.runs import files, outcome
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]

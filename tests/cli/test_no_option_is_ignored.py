@@ -8,8 +8,8 @@ import pytest
 from drake_leg.cli import main
 from drake_leg.cli.entry import _build_parser
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import StateTarget
-from drake_leg.robots import LEG_B
+from drake_leg.robot.joint_mechanics import StateTarget
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.configs import (
     ellipse_config,

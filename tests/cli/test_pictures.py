@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import main, run
-from drake_leg.cli.pictures import Pictures
+from drake_leg.cli.terminal import Pictures
 from drake_leg.cli.run_options import kind_of
 from drake_leg.files import LIST, ResultsFolder
-from drake_leg.recording import read_csv
-from drake_leg.robot_file.write import robot_toml
-from drake_leg.robots import hexabot_leg
+from drake_leg.simulation.recording import read_csv
+from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.robots import hexabot_leg
 from drake_leg.runs import files
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.scene.images import Still
@@ -285,10 +285,10 @@ def taking_the_place(monkeypatch):
 
 def test_each_map_of_the_doctor_fails_alone(monkeypatch, capsys):
     monkeypatch.setattr(
-        "drake_leg.figures.of_postures.maps_of_posture",
+        "drake_leg.pictures.plots.singularity_maps.maps_of_posture",
         lambda *_: {"first": broken(BROKEN), "second": lambda: "a figure"},
     )
-    monkeypatch.setattr("drake_leg.figures.style.save", write_figure)
+    monkeypatch.setattr("drake_leg.pictures.plots.style.save", write_figure)
     status, out, err = told(capsys, "doctor", "leg-b", "--q", "90,-50,-90", "--out", "maps")
     assert status == 1
     assert out.splitlines()[-1] == "wrote maps"
@@ -309,12 +309,12 @@ def test_each_map_of_the_doctor_fails_alone(monkeypatch, capsys):
         ),
         (
             ["diagram", "leg-b", "--out", "a.svg"],
-            "drake_leg.drawings.drawing.draw",
+            "drake_leg.pictures.drawing.draw",
             "the diagram a.svg",
         ),
         (
             ["diagram", "leg-b", "--part", "frames", "--out", "a.svg"],
-            "drake_leg.figures.free_body.free_body",
+            "drake_leg.pictures.plots.free_body.free_body",
             "the diagram a.svg",
         ),
         (
@@ -342,10 +342,10 @@ def test_a_picture_asked_for_alone_is_one_sentence(words, function, said, monkey
 
 @pytest.mark.slow
 def test_a_report_whose_items_fail_is_written_with_sentences_in_their_places(monkeypatch, capsys):
-    from drake_leg.report import exhibits
+    from drake_leg.lab.page import items
 
-    stubs = dict.fromkeys(exhibits.KINDS, broken(BROKEN))
-    monkeypatch.setattr(exhibits, "KINDS", stubs)
+    stubs = dict.fromkeys(items.KINDS, broken(BROKEN))
+    monkeypatch.setattr(items, "KINDS", stubs)
     status, out, err = told(capsys, "report", "--out", "report")
     assert status == 1
     assert out.startswith("wrote report/report.html")

@@ -19,8 +19,8 @@ from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.configurations import greatest_reach, random_configurations
 from drake_leg.models.proof import DrakeWitness
-from drake_leg.recording import read_csv
-from drake_leg.robot_file.read import load_robot
+from drake_leg.simulation.recording import read_csv
+from drake_leg.robot.toml_reader import load_robot
 from drake_leg.scene.driven_foot import DrivenFoot
 
 # Work that is stopped at its budget may be in a weak reference's callback, which is only reported.

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.recording import read_csv
+from drake_leg.simulation.recording import read_csv
 from drake_leg.scene import images
 
 

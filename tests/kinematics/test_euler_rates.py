@@ -10,7 +10,7 @@ from pydrake.math import RollPitchYaw
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.euler import PROPER, SEQUENCES, euler_rotation
-from drake_leg.kinematics.euler_rates import angle_accelerations, angle_rates, rate_matrix
+from drake_leg.kinematics.euler import angle_accelerations, angle_rates, rate_matrix
 
 ALL = pytest.mark.parametrize("sequence", SEQUENCES)
 

@@ -3,7 +3,7 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from witnesses import rest_depth
 
-from drake_leg.joint_mechanics import HardStop, JointMechanics
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics
 from drake_leg.kinematics.joint_stop import (
     engagement,
     limit_energy,

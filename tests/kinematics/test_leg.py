@@ -22,7 +22,7 @@ from drake_leg.kinematics.leg import (
     foot_rotation_angles,
     jacobian_rate_bias,
 )
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
 
 GEOMETRIES = tuple(LegGeometry.from_robot(robot) for robot in (LEG_A, LEG_B))
 A, B = GEOMETRIES

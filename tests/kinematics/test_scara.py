@@ -22,7 +22,7 @@ from drake_leg.kinematics.scara import (
     task_jacobian,
     tool_position,
 )
-from drake_leg.robots import LEG_B, PENDULUM, SCARA, SCARA_HEIGHT, SCARA_LOWEST, scara
+from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA, SCARA_HEIGHT, SCARA_LOWEST, scara
 
 ARM = ScaraGeometry.from_robot(SCARA)
 YAW_X_Y = [3, 4, 2]  # rows of a spatial Jacobian: vx, vy, wz

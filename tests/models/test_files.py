@@ -11,7 +11,7 @@ import pytest
 
 from drake_leg.models import files
 from drake_leg.models.files import generated_files, sdf_folder
-from drake_leg.robots import ROBOTS
+from drake_leg.robot.robots import ROBOTS
 
 PROJECT = Path(__file__).parents[2]
 COMMITTED = PROJECT / "sdf"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.configurations import (
     greatest_reach,
@@ -17,9 +17,9 @@ from drake_leg.kinematics.configurations import (
     table_length,
 )
 from drake_leg.models.proof import TOLERANCE, DrakeWitness, difference_jacobian, prove
-from drake_leg.robot import Link, Robot, Row, Segment
-from drake_leg.robots import LEG_B, ROBOTS, SCARA
-from drake_leg.symbolic.optional import MissingSymPyError
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA
+from drake_leg.symbolic.catalogue import MissingSymPyError
 
 
 def bare(*rows, **mechanics):
@@ -102,7 +102,7 @@ def test_differences_over_a_quarter_turn_are_the_derivative(rng):
 
 
 def test_the_proof_without_sympy_is_refused_in_one_sentence(monkeypatch):
-    monkeypatch.setattr("drake_leg.symbolic.optional.find_spec", lambda name: None)
+    monkeypatch.setattr("drake_leg.symbolic.catalogue.find_spec", lambda name: None)
     with pytest.raises(MissingSymPyError, match="needs SymPy"):
         prove(LEG_B)
 

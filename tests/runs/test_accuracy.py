@@ -6,8 +6,8 @@ import math
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.integrator import IntegratorSettings
-from drake_leg.runs.accuracy import finer, inaccuracy, shows
+from drake_leg.simulation.integrator import IntegratorSettings
+from drake_leg.runs.outcome import finer, inaccuracy, shows
 from drake_leg.runs.catalogue import RUNS
 
 EULER = {"integrator": "explicit_euler"}

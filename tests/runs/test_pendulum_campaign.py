@@ -6,11 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.figures.of_runs import figures_of_run
-from drake_leg.integrator import INTEGRATORS
+from drake_leg.pictures.plots.of_runs import figures_of_run
+from drake_leg.simulation.integrator import INTEGRATORS
 from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS
-from drake_leg.runs.accuracy import NOTHING, SHOWN
+from drake_leg.units import DAMPING_UNITS, SPRING_UNITS
+from drake_leg.runs.outcome import NOTHING, SHOWN
 from drake_leg.runs.catalogue import RUNS
 
 KINDS = ("pendulum", "pendulum-damped", "pendulum-spring")

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.recording import Recording
-from drake_leg.robot import Row
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, PENDULUM_SIZE, ROBOTS, SCARA
+from drake_leg.simulation.recording import Recording
+from drake_leg.robot.robot import Row
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, PENDULUM_SIZE, ROBOTS, SCARA
 from drake_leg.scene.scene import OtherRobotError, PlantMotion, at_rest, motion_of
 from drake_leg.scene.shown_plant import shown
 

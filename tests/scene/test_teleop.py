@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.scene.teleop import AT_REST, FREED, LAPSED, PERIOD, SILENCE, drive_robot
 
 Q = np.radians([90.0, -50.0, -90.0])

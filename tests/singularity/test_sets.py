@@ -5,7 +5,7 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian, foot_position
-from drake_leg.robots import hexabot_leg
+from drake_leg.robot.robots import hexabot_leg
 from drake_leg.singularity.rank import examine
 from drake_leg.singularity.sets import (
     axis_reach,

@@ -10,7 +10,7 @@ from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position, in
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.kinematics.scara import determinant as scara_determinant
 from drake_leg.kinematics.scara import inverse_kinematics as scara_inverse
-from drake_leg.robots import LEG_A, LEG_B, SCARA, hexabot_leg
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA, hexabot_leg
 from drake_leg.singularity.families import ScaraFamilies
 from drake_leg.singularity.stroke import (
     closed_stroke,

@@ -4,9 +4,9 @@ import sys
 import pytest
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
-from drake_leg.symbolic import optional
+from drake_leg.symbolic import catalogue
 from drake_leg.symbolic.catalogue import SUBJECTS, derived_equations
-from drake_leg.symbolic.optional import MissingSymPyError, require_sympy
+from drake_leg.symbolic.catalogue import MissingSymPyError, require_sympy
 
 
 def test_the_subjects_are_the_reports():
@@ -29,7 +29,7 @@ def test_an_unknown_name_is_refused_with_the_known_ones(name):
 
 
 def test_without_sympy_one_sentence_says_how_to_get_it(monkeypatch):
-    monkeypatch.setattr(optional, "find_spec", lambda name: None)
+    monkeypatch.setattr(catalogue, "find_spec", lambda name: None)
     with pytest.raises(MissingSymPyError) as refusal:
         derived_equations("leg-a")
     assert isinstance(refusal.value, DrakeLegError)

@@ -7,9 +7,9 @@ from drake_leg.diagrams import hexabot_leg, scara
 from drake_leg.diagrams.control import Control
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
-from drake_leg.integrator import IntegratorSettings
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.robots import LEG_B, SCARA
+from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.simulation.run import simulate
 from drake_leg.systems.drift_correction import DriftCorrection
 

@@ -3,7 +3,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.singularity.driving import braked
 from drake_leg.systems.foot_brake import FootBrake
 

@@ -10,7 +10,7 @@ import numpy as np
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.khalil import moving_rows
 from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
-from drake_leg.robot import JointType, Row
+from drake_leg.robot.robot import JointType, Row
 
 
 @dataclass(frozen=True, kw_only=True)

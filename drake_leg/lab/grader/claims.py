@@ -13,7 +13,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.configurations import random_configurations
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.spelling import plain, quoted, typed, without_latex
 
 Kind = Literal["transform", "rotation", "position", "jacobian", "determinant"]

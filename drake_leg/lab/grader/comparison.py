@@ -21,7 +21,7 @@ from drake_leg.kinematics.configurations import table_length
 from drake_leg.lab.grader.chains import Chain, chain_of
 from drake_leg.lab.grader.definitions import Reader
 from drake_leg.lab.grader.lengths import Binding, Cell, cell_values, same
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import (
     Evaluator,
     Path,

@@ -12,7 +12,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.claims import NAMES
 from drake_leg.lab.grader.findings import Finding
 from drake_leg.lab.grader.printed import METRES, Printed
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import (
     DEGREE,
     FUNCTIONS,

@@ -15,11 +15,11 @@ from drake_leg.lab.grader.claims import Claim
 from drake_leg.lab.grader.definitions import Reader
 from drake_leg.lab.grader.lengths import Cell
 from drake_leg.lab.grader.printed import Printed
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.chain import SymbolicChain, direct_jacobian, row_transform, symbolic_chain
 from drake_leg.symbolic.formulas import DEGREE
 from drake_leg.symbolic.spelling import plain, spelled_as
-from drake_leg.symbolic.trigonometry import tidy
+from drake_leg.symbolic.notation import tidy
 
 Names = Mapping[Cell, str]  # cells of the table to the names that the print has for them
 

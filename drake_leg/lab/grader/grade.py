@@ -27,7 +27,7 @@ from drake_leg.lab.grader.printed import Printed
 from drake_leg.lab.grader.singular_sets import grade_singular_sets
 from drake_leg.lab.grader.table_linter import lint_table
 from drake_leg.lab.grader.tables import Table, repaired
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import evaluate, names_in
 from drake_leg.symbolic.spelling import spelled_as
 

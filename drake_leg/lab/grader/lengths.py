@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.tables import Table
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.spelling import plain
 
 MOST = 48  # readings that are compared

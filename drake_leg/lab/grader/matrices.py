@@ -18,7 +18,7 @@ from drake_leg.lab.grader.definitions import Reader
 from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.mistakes import Subject
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import names_in
 
 TOLERANCE = 1e-6  # of 1, or of the robot's size: a print's numbers are rounded

@@ -21,7 +21,7 @@ from drake_leg.lab.grader.matrices import TOLERANCE, Matrix, Place
 from drake_leg.lab.grader.mistakes import HALVES, Mistake, mistakes, table_mistakes
 from drake_leg.lab.grader.printed import Printed
 from drake_leg.lab.grader.slips import COMMON, Vocabulary, changes, explain
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.spelling import is_joint_variable, plain, readable, renamed, spelled_as
 
 MOST_TRIALS = 1000  # of two changes in an entry, in all of a print

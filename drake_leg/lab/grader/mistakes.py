@@ -28,7 +28,7 @@ from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
 from drake_leg.lab.grader.lengths import Cell
 from drake_leg.lab.grader.other_tables import CONVENTION, DEGREES, other_tables
 from drake_leg.lab.grader.printed import Format
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 
 Mask = NDArray[np.bool_]  # which entries of a matrix belong to a part of it
 Index = int | slice

@@ -14,7 +14,7 @@ from drake_leg.kinematics.batches import Array
 from drake_leg.lab.grader.chains import Chain
 from drake_leg.lab.grader.lengths import Cell
 from drake_leg.lab.grader.printed import Format
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 
 QUARTER = math.pi / 2.0
 CONVENTION, DEGREES = "convention", "degrees"

@@ -15,8 +15,8 @@ from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.matrix_text import rows_of_text
 from drake_leg.lab.grader.tables import Table, TableRow
 from drake_leg.lab.grader.text_print import parse_table, parse_text
-from drake_leg.robot_file.document import parse_document
-from drake_leg.robot_file.keys import Keys, shown
+from drake_leg.robot.toml_keys import parse_document
+from drake_leg.robot.toml_keys import Keys, shown
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 

@@ -24,7 +24,7 @@ from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.lengths import Binding, cell_names
 from drake_leg.lab.grader.printed import Printed
 from drake_leg.lab.grader.singular_claims import Alternative, Condition, alternatives_of
-from drake_leg.robot import Robot, Row
+from drake_leg.robot.robot import Robot, Row
 from drake_leg.symbolic.formulas import evaluate, names_in
 from drake_leg.symbolic.spelling import plain, readable, renamed, spelled_as
 

@@ -20,8 +20,8 @@ from drake_leg.lab.grader.tables import (
     find_repair,
     likely_sigma,
 )
-from drake_leg.models.solids import bounding_radius
-from drake_leg.robot import Link, Robot, Segment
+from drake_leg.robot.robot import bounding_radius
+from drake_leg.robot.robot import Link, Robot, Segment
 from drake_leg.symbolic.spelling import quoted
 
 LONG = 10.0  # [m], a link longer than that is a crane's

@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any, Literal
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.symbolic.optional import require_sympy
+from drake_leg.symbolic.catalogue import require_sympy
 from drake_leg.symbolic.spelling import plain, quoted
 
 Kind = Literal["nothing", "zero", "number", "length", "angle", "variable", "fixed", "other"]

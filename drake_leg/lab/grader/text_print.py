@@ -20,7 +20,7 @@ from typing import Any, Literal, NamedTuple
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.claims import kind_of_name
 from drake_leg.lab.grader.matrix_text import spaced_cells
-from drake_leg.robot_file.document import Document
+from drake_leg.robot.toml_keys import Document
 from drake_leg.symbolic.spelling import quoted
 
 _COLUMNS = ("sigma", "d", "alpha", "r", "theta")

@@ -17,9 +17,9 @@ from pydrake.multibody.tree import (
 from pydrake.multibody.tree import Joint as PlantJoint
 from pydrake.systems.framework import Context
 
-from drake_leg.joint_mechanics import JointMechanics
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.kinematics.batches import Array
-from drake_leg.robot import Brick, Cylinder, Solid, Sphere
+from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere
 from drake_leg.simulink.bodies import SolidProperties, volume
 from drake_leg.simulink.compare.mechanism import ChainJoint, Mechanism, Parameter, Place
 

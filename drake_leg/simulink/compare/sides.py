@@ -10,7 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram
 
 from drake_leg.diagrams.wiring import plant_of
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.simulink.compare.alignment import Alignment, align, scale_of, shrunk
 from drake_leg.simulink.compare.diagram_signals import DiagramSignals, integral_roles
 from drake_leg.simulink.compare.findings import Verdict, different

@@ -5,7 +5,7 @@ import pytest
 from drake_leg.lab.grader.claims import PLANAR, POSITION, fewest_columns, task_rows
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import printed_of_document
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 LIFT = {"lift": "452.4-340-R"}
 SCARA_J = "-220s1 - 240s12, -240s12, 0; 220c1 + 240c12, 240c12, 0; 1, 1, 1"

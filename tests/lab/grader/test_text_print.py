@@ -8,7 +8,7 @@ from drake_leg.lab.grader.findings import errors, not_understood
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import read_printed
 from drake_leg.lab.grader.text_print import parse_text
-from drake_leg.robots import LEG_A
+from drake_leg.robot.robots import LEG_A
 
 LENGTHS = "lengths,mm\nL1,50\nL2,100\nL3,100\n"
 T12 = "T12 = [c2 -s2 0 L1; 0 0 1 0; -s2 -c2 0 0; 0 0 0 1]\n"

@@ -1,0 +1,225 @@
+"""The tables and equations of the page, with what proves them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from markupsafe import Markup
+
+from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import base_transforms, jacobian
+from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
+from drake_leg.lab.page.contents import Item
+from drake_leg.lab.page.pieces import number, piece, power, prose
+from drake_leg.lab.page.matrices import Comparison, POSTURES, comparisons, methods
+from drake_leg.lab.page.contents import PosedRobot, SUBJECTS, angles, option
+from drake_leg.robot.robot import Robot
+from drake_leg.runs.options import LegBOptions
+from drake_leg.singularity.doctor import examine_posture
+from drake_leg.singularity.rank import examine
+from drake_leg.singularity.stroke import greatest_amplitude, leg_stroke
+from drake_leg.symbolic.catalogue import derived
+from drake_leg.symbolic.notation import html
+
+NAMES = {"det J expanded": "det J"}
+FAMILIES: dict[str | None, str] = {
+    "stretch": "where the leg is stretched",
+    "hip-axis": "where the foot is on the hip axis",
+}
+RATES = {"V1": "q̇_1", "V2": "q̇_2", "V3": "q̇_3"}  # what a contribution is multiplied by
+
+
+@cache
+def _compared(name: str) -> Mapping[str, Comparison]:
+    return comparisons(SUBJECTS[name])
+
+
+def khalil_table(robot: Robot) -> Markup:
+    """Write a robot's table."""
+    rows = []
+    position = 0
+    for index, row in enumerate(robot.rows, start=1):
+        r, theta = f"{row.r:g}", f"{row.theta:g}"
+        if row.joint != "fixed":
+            position += 1
+            variable = Markup("<i>q</i><sub>{}</sub>").format(position)
+            r, theta = (r, variable) if row.joint == "revolute" else (variable, theta)
+        sigma = "~" if row.sigma is None else row.sigma
+        rows.append((index, sigma, f"{row.d:g}", _turn(row.alpha), r, theta))
+    return piece("table", ("frame", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]"), rows)
+
+
+def _turn(angle: float) -> str:
+    named = {0.0: "0", math.pi / 2: "π/2", -math.pi / 2: "−π/2", math.pi: "π"}
+    return named.get(angle, f"{angle:.4g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class EquationLine:
+    """One equation of the page, or a statement; what it does not have is empty."""
+
+    name: str = ""
+    text: str = ""  # of a statement
+    formula: Sequence[Sequence[Markup]] = ()
+    value: Sequence[Sequence[str]] = ()
+    rate: str = ""  # what formula and value are multiplied by
+    unit: Markup | str = ""
+    label: str = ""  # number in the report
+    proof: Markup | str = ""
+
+
+def equations(item: Item) -> Markup:
+    """Write an item's equations; matrices with their values and how far the witnesses are."""
+    found, subject = _compared(item.subject), SUBJECTS[item.subject]
+    lines = [
+        _matrix(label, name, found[name], subject)
+        if name in found
+        else EquationLine(text=name, label=label)
+        for label, name in item.equations
+    ]
+    said = f"Evaluated at q = ({subject.posture}), lengths in m."
+    if any(name in found for _, name in item.equations):
+        said += (
+            " Below each equation: the greatest difference of an entry from the product of the "
+            "table's transforms (the chain) and from Drake's plant."
+        )
+    return _lines(said, lines)
+
+
+def _lines(said: str, lines: Iterable[EquationLine]) -> Markup:
+    shown = Markup("\n").join(piece("equation", line) for line in lines)
+    return Markup("<p>{}</p>\n{}").format(said, shown)
+
+
+def _matrix(label: str, name: str, comparison: Comparison, subject: PosedRobot) -> EquationLine:
+    value = comparison.value
+    return EquationLine(
+        name=NAMES.get(name, name),
+        formula=[[Markup(html(entry)) for entry in row] for row in comparison.formula.tolist()],
+        value=() if value is None else _numbers(value),
+        rate=RATES.get(name, ""),
+        unit=_unit(name, comparison, subject),
+        label=label,
+        proof=_product(name, subject)
+        + Markup("from the chain {}, from Drake {}").format(
+            power(comparison.from_chain), power(comparison.from_drake)
+        ),
+    )
+
+
+def _numbers(value: Array) -> list[list[str]]:
+    return [[number(entry) for entry in row] for row in value]
+
+
+def _unit(name: str, comparison: Comparison, subject: PosedRobot) -> Markup | str:
+    """Write the unit of a determinant, and its value in the reports' millimetres."""
+    if not name.startswith("det J") or comparison.value is None:
+        return ""
+    power = _length_power(subject)
+    in_mm = f"{comparison.value.item() * 1e3**power:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    return Markup("m<sup>{0}</sup> = {1} mm<sup>{0}</sup>").format(power, in_mm.replace("-", "−"))
+
+
+def _length_power(subject: PosedRobot) -> int:
+    """Count the rows of the task that are lengths: those of translation."""
+    return sum(row >= 3 for row in subject.task)
+
+
+def _product(name: str, subject: PosedRobot) -> Markup:
+    """Write what the direct method multiplies: the joint's axis and the way to the foot."""
+    if name not in RATES:
+        return Markup("")
+    joint = int(name[1:])
+    X_B = base_transforms(subject.robot.rows, subject.q)
+    axis, way = X_B[joint - 1][:3, 2], X_B[-1][:3, 3] - X_B[joint - 1][:3, 3]
+    z, p = (f"({', '.join(number(part) for part in vector)})" for vector in (axis, way))
+    return prose(f"z_{joint} × O_{joint}O_E = {z} × {p} m; ")
+
+
+def both_methods(item: Item) -> Markup:
+    """Write the Jacobian by the direct and the indirect method, and their difference."""
+    subject = SUBJECTS[item.subject]
+    found = methods(subject)
+    symbols = derived(item.subject).difference.is_zero_matrix
+    proof = Markup(
+        "at {} random postures no entry of the 6 × {} Jacobians differs by more than {}{}"
+    ).format(
+        POSTURES,
+        len(subject.q),
+        power(found.difference),
+        "; in symbols, by SymPy, for every q" if symbols else "",
+    )
+    lines = (
+        EquationLine(name="J direct", value=_numbers(found.direct)),
+        EquationLine(name="J indirect", value=_numbers(found.indirect)),
+        EquationLine(name="J direct − J indirect", text="0", proof=proof),
+    )
+    return _lines(f"Evaluated at q = ({subject.posture}), lengths in m:", lines)
+
+
+def singular_postures(item: Item) -> Markup:
+    """Tabulate singular postures: determinant, rank, smallest singular value, lost directions."""
+    subject = SUBJECTS[item.subject]
+    rows = []
+    for name, posture in subject.singular:
+        q = [math.radians(angle) for angle in posture]
+        report = examine_posture(subject.robot, q).rank
+        lost = "; ".join(
+            f"({', '.join(number(round(part, 4)) for part in direction)})"
+            for direction in report.lost_directions
+        )
+        rows.append(
+            (
+                name,
+                angles(posture),
+                power(abs(_determinant(subject, q))),
+                f"{report.rank} of {report.full_rank}",
+                power(report.sigma_min),
+                lost,
+            )
+        )
+    head = (
+        "posture",
+        "q",
+        Markup("|det J| [m<sup>{}</sup>]").format(_length_power(subject)),
+        "rank",
+        Markup("σ<sub>min</sub> [m]"),
+        "lost: no motion along",
+    )
+    return piece("table", head, rows)
+
+
+def singular_commands(item: Item) -> list[str]:
+    """Write the commands that examine an item's singular postures."""
+    return [
+        f"drake-leg doctor {item.subject} --q {option(posture)}"
+        for _, posture in SUBJECTS[item.subject].singular
+    ]
+
+
+def _determinant(subject: PosedRobot, q: list[float]) -> float:
+    full = [*q, *subject.q[len(q) :]]
+    J = jacobian(subject.robot.rows, full)[list(subject.task), : len(subject.task)]
+    return float(np.linalg.det(J))
+
+
+def stroke(item: Item) -> Markup:
+    """Answer whether the default step fits between the singularities."""
+    subject, options = SUBJECTS[item.subject], LegBOptions()
+    leg = LegGeometry.from_robot(subject.robot)
+    room = leg_stroke(leg, subject.q, options.unit_direction())
+    sigma_min = examine(foot_jacobian(leg, subject.q)).sigma_min
+    wanted = 2.0 * options.amplitude / options.frequency
+    below = greatest_amplitude(room, options.frequency)
+    return Markup("<p><b>{}.</b> {}</p>").format(
+        "Yes" if wanted < room.length else "No",
+        f"Commanded with A sin ωt along x, the foot goes 2A/ω = {1e3 * wanted:.0f} mm to one side "
+        f"of its start. From q = ({subject.posture}) it has {1e3 * room.length:.1f} mm to the "
+        f"first singular posture, {FAMILIES[room.family]}; at {options.frequency:g} rad/s every "
+        f"amplitude below {1e3 * below:.1f} mm/s stays inside. At the start the Jacobian's "
+        f"smallest singular value is {1e3 * sigma_min:.1f} mm.",
+    )

@@ -1,0 +1,370 @@
+"""Where everything is: columns, order, heights and channels put together, part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from drake_leg.pictures.columns import Columns, End, Track, columns_of
+from drake_leg.pictures.heights import Heights, heights_of
+from drake_leg.pictures.columns import Order, order_of
+from drake_leg.pictures.routing import divergence, simplified
+from drake_leg.pictures.picture import Picture
+from drake_leg.pictures.routing import NEAR, Trunk, lanes_of, trunks_of
+from drake_leg.pictures.glyphs import Box, size_of
+from drake_leg.pictures.svg import Point, SMALL
+from drake_leg.pictures.svg import LINE, SIZE, text_width
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from drake_leg.pictures.glyphs import Box
+from drake_leg.pictures.svg import Point
+
+PITCH = 9.0  # [px], between vertical lines of a channel
+BEFORE, AFTER = 10.0, 16.0  # [px], free at a channel's sides; an arrow's head is at the right one
+NARROWEST = 26.0  # [px], of a channel
+ROUNDS = 12  # of taking lines off each other
+
+
+@dataclass(frozen=True)
+class Label:
+    """A line of text and the box that it fills."""
+
+    text: str
+    box: Box
+
+
+@dataclass(frozen=True)
+class Route:
+    """One wire from an output to an input."""
+
+    net: int
+    source: tuple[int, int]
+    target: tuple[int, int]
+    points: tuple[Point, ...]  # from port to port [px]
+    drawn: tuple[Point, ...]  # the part that no earlier wire of its net has drawn
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A picture with all its places [px]."""
+
+    picture: Picture
+    boxes: tuple[Box, ...]  # of the blocks
+    captions: tuple[tuple[Label, ...], ...]  # of the blocks, line by line
+    inputs: Mapping[tuple[int, int], Point]  # block and port to place
+    outputs: Mapping[tuple[int, int], Point]
+    routes: tuple[Route, ...]
+    labels: tuple[Label, ...]  # of the nets
+    width: float
+    height: float
+
+
+def lay_out(picture: Picture) -> Layout:
+    """Lay a picture out, from left to right; the same for the same picture."""
+    columns = columns_of(picture)
+    order = order_of(picture, columns)
+    heights, lanes = _without_overlaps(picture, columns, order)
+    return _Placing(picture, columns, heights, lanes).layout()
+
+
+def _channels(columns: Columns) -> list[list[Track]]:
+    channels: list[list[Track]] = [[] for _ in range(len(columns.members) + 1)]
+    for track in columns.tracks:
+        channels[track.channel].append(track)
+    return channels
+
+
+def _without_overlaps(
+    picture: Picture, columns: Columns, order: Order
+) -> tuple[Heights, list[dict[int, int]]]:
+    """Move ends apart until no two nets lie on each other, in whatever order."""
+    apart: list[tuple[End, End, float]] = []
+    for _ in range(ROUNDS):
+        heights = heights_of(picture, columns, order, apart)
+        found = [lanes_of(trunks_of(t, heights.ends)) for t in _channels(columns)]
+        pairs = [pair for _, conflicts in found for pair in conflicts]
+        if not pairs:
+            break
+        apart += [_parted(a, b, heights) for a, b in pairs]
+    return heights, [lanes for lanes, _ in found]
+
+
+def _parted(a: Trunk, b: Trunk, heights: Heights) -> tuple[End, End, float]:
+    """Demand a distance between the two ends that lie on each other."""
+    y = heights.ends
+    out, into = min(
+        ((o, i) for o in a.track.ends if not o.left for i in b.track.ends if i.left),
+        key=lambda ends: abs(y[ends[0]] - y[ends[1]]),
+    )
+    lower, upper = (out, into) if y[out] >= y[into] else (into, out)
+    return lower, upper, NEAR + 2.0
+
+
+class _Placing:
+    """Turns columns and heights into places."""
+
+    def __init__(
+        self, picture: Picture, columns: Columns, heights: Heights, lanes: list[dict[int, int]]
+    ) -> None:
+        self.picture, self.columns, self.heights, self.lanes = picture, columns, heights, lanes
+        self.spot_of_block = {s.block: n for n, s in enumerate(columns.spots) if s.block >= 0}
+        self.sizes = [size_of(block) for block in picture.blocks]
+        self.left, self.right, self.trunk_start = self._columns()
+        self.boxes = [self._box(index) for index in range(len(picture.blocks))]
+
+    def _columns(self) -> tuple[list[float], list[float], list[float]]:
+        """Left and right edges of the columns, and where every channel's vertical lines begin."""
+        left: list[float] = []
+        right: list[float] = []
+        starts: list[float] = []
+        x = 0.0
+        for column in range(len(self.columns.members) + 1):
+            count = max(self.lanes[column].values(), default=-1) + 1
+            label = self._label_room(column - 1)
+            starts.append(x + label + BEFORE)
+            outermost = column in (0, len(self.columns.members))
+            if count:
+                x += label + BEFORE + PITCH * (count - 1) + AFTER
+            elif not outermost:
+                x += max(NARROWEST, label + AFTER)
+            if column < len(self.columns.members):
+                left.append(x)
+                x += self._column_width(column)
+                right.append(x)
+        self.width = x
+        return left, right, starts
+
+    def _column_width(self, column: int) -> float:
+        widths = [0.0]
+        for index in self._blocks_in(column):
+            lines = self.picture.blocks[index].caption
+            widths += [self.sizes[index].width, *(text_width(text) for text in lines)]
+        return max(widths)
+
+    def _blocks_in(self, column: int) -> list[int]:
+        if not 0 <= column < len(self.columns.members):
+            return []
+        spots = [self.columns.spots[spot] for spot in self.columns.members[column]]
+        return [spot.block for spot in spots if spot.block >= 0]
+
+    def _label_room(self, column: int) -> float:
+        """Room right of a column for the labels of the nets that begin there."""
+        room = 0.0
+        for index in self._blocks_in(column):
+            stub = (self._column_width(column) - self.sizes[index].width) / 2
+            for net in self.picture.nets:
+                if net.source[0] == index and net.label:
+                    room = max(room, text_width(net.label, SMALL) + 6.0 - stub)
+        return room
+
+    def _box(self, index: int) -> Box:
+        spot = self.spot_of_block[index]
+        column = self.columns.spots[spot].column
+        width = self.sizes[index].width
+        x = (self.left[column] + self.right[column] - width) / 2
+        top, bottom = self.heights.top[spot], self.heights.bottom[spot]
+        return Box(x, top, width, bottom - top)
+
+    def _point(self, end: End) -> Point:
+        spot = self.columns.spots[end.spot]
+        y = self.heights.ends[end]
+        if spot.block >= 0:
+            box = self.boxes[spot.block]
+            return (box.right if end.left else box.x), y
+        return (self.right if end.left else self.left)[spot.column], y
+
+    def layout(self) -> Layout:
+        """Put everything together."""
+        blocks = self.picture.blocks
+        inputs, outputs = (
+            {
+                (index, port): self._point(End(self.spot_of_block[index], left, port))
+                for index, block in enumerate(blocks)
+                for port in range(len(block.outputs if left else block.inputs))
+            }
+            for left in (False, True)
+        )
+        return self._framed(
+            Layout(
+                picture=self.picture,
+                boxes=tuple(self.boxes),
+                captions=tuple(map(self._caption, range(len(blocks)))),
+                inputs=inputs,
+                outputs=outputs,
+                routes=tuple(self._routes()),
+                labels=tuple(self._labels(outputs)),
+                width=self.width,
+                height=self.heights.total,
+            )
+        )
+
+    def _framed(self, layout: Layout) -> Layout:
+        """Let the picture begin at its leftmost wire; its lowest one may be a loop's."""
+        xs = [x for route in layout.routes for x, _ in route.points]
+        return replace(layout, width=max([layout.width, *xs]))
+
+    def _caption(self, index: int) -> tuple[Label, ...]:
+        box = self.boxes[index]
+        labels = []
+        for row, text in enumerate(self.picture.blocks[index].caption):
+            width = text_width(text)
+            x, y = box.middle[0] - width / 2, box.bottom + 3.0 + LINE * row
+            labels.append(Label(text, Box(x, y, width, LINE)))
+        return tuple(labels)
+
+    def _labels(self, outputs: Mapping[tuple[int, int], Point]) -> Iterator[Label]:
+        for net in self.picture.nets:
+            if net.label:
+                x, y = outputs[net.source]
+                width = text_width(net.label, SMALL)
+                yield Label(net.label, Box(x + 4.0, y - SIZE - 2.0, width, SIZE))
+
+    def _routes(self) -> Iterator[Route]:
+        tracks = {(track.net, track.channel): track for track in self.columns.tracks}
+        for index, net in enumerate(self.picture.nets):
+            spot = self.spot_of_block[net.source[0]]
+            start = self.columns.spots[spot].column + 1
+            ways = dict(self._ways(index, tracks[index, start], tracks))
+            drawn: list[tuple[Point, ...]] = []
+            for target in net.targets:
+                points = simplified(ways[target])
+                new = divergence(points, drawn)
+                drawn.append(points)
+                yield Route(index, net.source, target, points, new)
+
+    def _ways(
+        self, net: int, track: Track, tracks: Mapping[tuple[int, int], Track]
+    ) -> Iterator[tuple[tuple[int, int], list[Point]]]:
+        """Follow a net from where it enters a channel to all of its targets."""
+        first = self._point(track.ends[0])
+        lane = self.lanes[track.channel].get(net)
+        x = None if lane is None else self.trunk_start[track.channel] + PITCH * lane
+        for end in track.ends[1:]:
+            last = self._point(end)
+            bend = [] if x is None else [(x, first[1]), (x, last[1])]
+            way = [first, *bend, last]
+            spot = self.columns.spots[end.spot]
+            if spot.block >= 0:
+                yield (spot.block, end.port), way
+                continue
+            following = tracks[net, track.channel + (-1 if end.left else 1)]
+            for target, rest in self._ways(net, following, tracks):
+                yield target, way + rest
+
+
+ROW = 1400.0  # [px], width that a row should not exceed
+BETWEEN = 36.0  # [px], two parts
+
+
+def lay_out_parts(picture: Picture) -> Layout:
+    """Lay a picture out part by part, and put the parts into rows, in their order."""
+    parts = _parts(picture)
+    if len(parts) < 2:
+        return lay_out(picture)
+    layouts = [lay_out(_part(picture, blocks)) for blocks in parts]
+    moved = [_moved(layout, place) for layout, place in zip(layouts, _places(layouts), strict=True)]
+    return _joined(picture, parts, moved)
+
+
+def _parts(picture: Picture) -> list[list[int]]:
+    """Gather the blocks that wires join, in the order of the first ones."""
+    parts = {index: [index] for index in range(len(picture.blocks))}
+    for net in picture.nets:
+        for other, _ in net.targets:
+            near, far = parts[net.source[0]], parts[other]
+            if near is not far:
+                near += far
+                parts.update(dict.fromkeys(far, near))
+    return [sorted(blocks) for index, blocks in parts.items() if index == min(blocks)]
+
+
+def _part(picture: Picture, blocks: Sequence[int]) -> Picture:
+    """Make a part a picture of its own."""
+    place = {block: index for index, block in enumerate(blocks)}
+    return Picture(
+        title=picture.title,
+        blocks=tuple(picture.blocks[block] for block in blocks),
+        nets=tuple(
+            replace(
+                net,
+                source=(place[net.source[0]], net.source[1]),
+                targets=tuple((place[block], port) for block, port in net.targets),
+            )
+            for net in picture.nets
+            if net.source[0] in place
+        ),
+    )
+
+
+def _places(layouts: Sequence[Layout]) -> Iterable[Point]:
+    """Put one part beside the other until the row is full."""
+    widest = max(ROW, *(layout.width for layout in layouts))
+    x = y = height = 0.0
+    for layout in layouts:
+        if x > 0.0 and x + layout.width > widest:
+            x, y, height = 0.0, y + height + BETWEEN, 0.0
+        yield x, y
+        x, height = x + layout.width + BETWEEN, max(height, layout.height)
+
+
+def _moved(layout: Layout, place: Point) -> Layout:
+    """Move a layout right and down; its size is counted from where it was."""
+    dx, dy = place
+
+    def point(old: Point) -> Point:
+        return old[0] + dx, old[1] + dy
+
+    def box(old: Box) -> Box:
+        return replace(old, x=old.x + dx, y=old.y + dy)
+
+    def labels(old: Iterable[Label]) -> tuple[Label, ...]:
+        return tuple(replace(label, box=box(label.box)) for label in old)
+
+    def route(old: Route) -> Route:
+        return replace(
+            old, points=tuple(map(point, old.points)), drawn=tuple(map(point, old.drawn))
+        )
+
+    return replace(
+        layout,
+        boxes=tuple(map(box, layout.boxes)),
+        captions=tuple(map(labels, layout.captions)),
+        inputs={end: point(at) for end, at in layout.inputs.items()},
+        outputs={end: point(at) for end, at in layout.outputs.items()},
+        routes=tuple(map(route, layout.routes)),
+        labels=labels(layout.labels),
+        width=layout.width + dx,
+        height=layout.height + dy,
+    )
+
+
+def _joined(picture: Picture, parts: Sequence[Sequence[int]], layouts: Sequence[Layout]) -> Layout:
+    """Number the blocks and the nets of all parts as in the whole picture."""
+    found = {
+        block: (layout.boxes[index], layout.captions[index])
+        for blocks, layout in zip(parts, layouts, strict=True)
+        for index, block in enumerate(blocks)
+    }
+    inputs: dict[tuple[int, int], Point] = {}
+    outputs: dict[tuple[int, int], Point] = {}
+    routes: list[Route] = []
+    nets = {net.source: index for index, net in enumerate(picture.nets)}
+    for blocks, layout in zip(parts, layouts, strict=True):
+        inputs |= {(blocks[block], port): at for (block, port), at in layout.inputs.items()}
+        outputs |= {(blocks[block], port): at for (block, port), at in layout.outputs.items()}
+        for route in layout.routes:
+            (block, port), (target, into) = route.source, route.target
+            source = (blocks[block], port)
+            routes.append(
+                replace(route, net=nets[source], source=source, target=(blocks[target], into))
+            )
+    return Layout(
+        picture=picture,
+        boxes=tuple(found[block][0] for block in range(len(picture.blocks))),
+        captions=tuple(found[block][1] for block in range(len(picture.blocks))),
+        inputs=inputs,
+        outputs=outputs,
+        routes=tuple(routes),
+        labels=tuple(label for layout in layouts for label in layout.labels),
+        width=max(layout.width for layout in layouts),
+        height=max(layout.height for layout in layouts),
+    )
