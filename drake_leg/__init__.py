@@ -89,23 +89,23 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.pendulum import build as build_pendulum
     from drake_leg.diagrams.scara import ScaraConfig
     from drake_leg.diagrams.scara import build as build_scara
-    from drake_leg.pictures.plots.free_body import free_body as frames_drawing
     from drake_leg.kinematics.motions import EllipticStep, SineStep
     from drake_leg.kinematics.of_robot import movable
     from drake_leg.lab.shown import errata, report
     from drake_leg.models.plant import build_plant
     from drake_leg.models.proof import prove
     from drake_leg.pictures.block_diagram import block_diagram
-    from drake_leg.simulation.recording import Recording
+    from drake_leg.pictures.plots.free_body import free_body as frames_drawing
     from drake_leg.robot.robot import Robot
-    from drake_leg.robot.toml_reader import load_robot
     from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
+    from drake_leg.robot.toml_reader import load_robot
     from drake_leg.runs.named import run
     from drake_leg.scene.images import still
     from drake_leg.scene.replay import replay
+    from drake_leg.simulation.recording import Recording
     from drake_leg.simulation.run import simulate
     from drake_leg.singularity.doctor import examine_posture
-    from drake_leg.symbolic.by_robot import derive
+    from drake_leg.symbolic.catalogue import derive
     from drake_leg.systems.drift_correction import DriftCorrection
     from drake_leg.systems.energy_sensor import EnergySensor
     from drake_leg.systems.frame_sensor import FrameSensor
@@ -142,7 +142,7 @@ _HOMES = {
     "build_pendulum": ("drake_leg.diagrams.pendulum", "build"),
     "build_plant": ("drake_leg.models.plant", "build_plant"),
     "build_scara": ("drake_leg.diagrams.scara", "build"),
-    "derive": ("drake_leg.symbolic.by_robot", "derive"),
+    "derive": ("drake_leg.symbolic.catalogue", "derive"),
     "errata": ("drake_leg.lab.shown", "errata"),
     "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.pictures.plots.free_body", "free_body"),

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 from importlib import import_module
+from typing import Any
 
 MOST_OF_A_TEXT = 300  # characters
 

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, Literal
-from drake_leg.errors import InvalidValueError
 from numbers import Real
+from typing import Any, Literal
+
+from drake_leg.errors import InvalidValueError
 
 AngleUnit = Literal["deg", "rad"]
 Powers = tuple[int, int, int, int]  # of kg, m, s, rad

@@ -13,8 +13,8 @@ from drake_leg import cli
 from drake_leg.cli.terminal import as_options
 from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
-from drake_leg.simulation.recording import read_csv
 from drake_leg.runs.catalogue import RUNS
+from drake_leg.simulation.recording import read_csv
 
 COMMON = {
     "robot", "duration_s", "stopped_at_s", "stop_reason", "rows", "real_time_factor",
@@ -42,7 +42,7 @@ def status_of(*words):
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
 
 
 @pytest.fixture

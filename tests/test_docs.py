@@ -150,7 +150,7 @@ VIDEOS = (".gif", ".mp4")  # drawn picture by picture
 def test_a_pages_commands_work_one_after_the_other(page, tmp_path, monkeypatch, capsys):
     """As a reader types them, in one folder, but shorter; pictures of runs are other tests'."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
     for folder in ("notebooks", "tests"):
         Path(folder).symlink_to(ROOT / folder)
     Path("arm.toml").write_text(*blocks("toml"), encoding="utf-8")

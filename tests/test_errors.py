@@ -16,6 +16,7 @@ import pytest
 
 import drake_leg
 from drake_leg.errors import (
+    BrokenPackageError,
     DrakeLegError,
     ForeseenSingularityError,
     InvalidValueError,
@@ -31,10 +32,9 @@ from drake_leg.errors import (
     UnstableRunError,
 )
 from drake_leg.files import check_target, read_text
-from drake_leg.errors import BrokenPackageError
-from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.kinematics.movable import exact_rates
 from drake_leg.lab.page.pieces import UnlikeReplaysError
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs import pendulum, tip
 from drake_leg.runs.leg import run as run_leg

@@ -6,11 +6,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
-from drake_leg.cli.terminal import picture
 from drake_leg.cli.run_options import kind_of
+from drake_leg.cli.terminal import picture
 from drake_leg.colours import Background
-from drake_leg.errors import InvalidValueError
-from drake_leg.errors import require_matplotlib
+from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.catalogue import RUNS
 
@@ -97,9 +96,9 @@ def _model(chosen: argparse.Namespace) -> str:
 
 def _blocks(chosen: argparse.Namespace) -> str:
     from drake_leg.diagrams.mechanism import MOTION
-    from drake_leg.pictures.drawing import draw
     from drake_leg.pictures.block_diagram import run_pictures
-    from drake_leg.pictures.picture import ALL, SIGNALS
+    from drake_leg.pictures.drawing import draw
+    from drake_leg.pictures.svg import ALL, SIGNALS
 
     if chosen.part not in (ALL, SIGNALS):
         _refuse_signal_options(chosen, f"is for signals and means nothing to {chosen.part}")

@@ -10,20 +10,16 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.terminal import as_options
-from drake_leg.cli.terminal import BAD_INPUT, FAILED, fail, numbers
-from drake_leg.cli.terminal import Pictures
-from drake_leg.cli.inputs import joint_positions
-from drake_leg.cli.inputs import add_robot_source, robot_source
-from drake_leg.errors import InvalidValueError
+from drake_leg.cli.inputs import add_robot_source, joint_positions, robot_source
+from drake_leg.cli.terminal import BAD_INPUT, FAILED, Pictures, as_options, fail, numbers
+from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.files import ResultsFolder
-from drake_leg.errors import require_matplotlib
 from drake_leg.progress import ProgressBar
 from drake_leg.robot.robot import Robot
 
 if TYPE_CHECKING:
-    from drake_leg.pictures.plots.singularity_maps import Maps
     from drake_leg.kinematics.feet import Feet
+    from drake_leg.pictures.plots.singularity_maps import Maps
     from drake_leg.singularity.doctor import Diagnosis
     from drake_leg.singularity.rank import LostTwist
     from drake_leg.singularity.stroke import Stroke

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-from drake_leg.cli.terminal import place_given_by
-from drake_leg.cli.terminal import BAD_INPUT, FAILED, STOPPED_EARLY, fail
+from drake_leg.cli.terminal import BAD_INPUT, FAILED, STOPPED_EARLY, fail, place_given_by
 from drake_leg.errors import (
     DrakeLegError,
     JointLimitError,

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from drake_leg.cli.terminal import numbers
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, Segment
+from drake_leg.robot.robots import ROBOTS
+from drake_leg.robot.state_targets import starting_posture
 from drake_leg.robot.toml_keys import Document, parse_document
 from drake_leg.robot.toml_reader import read_robot
 from drake_leg.robot.toml_writer import robot_toml
-from drake_leg.robot.robots import ROBOTS
-import math
-from collections.abc import Sequence
-from drake_leg.cli.terminal import numbers
-from drake_leg.robot.state_targets import starting_posture
-from drake_leg.robot.robot import Robot, Segment
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import PendulumOptions, ScaraOptions, StepOptions
 

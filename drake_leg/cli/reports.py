@@ -3,27 +3,39 @@
 from __future__ import annotations
 
 import argparse
-import sys
-import textwrap
-from typing import TYPE_CHECKING
-from drake_leg.cli.terminal import STOPPED_EARLY, add_budget, budget_of, fail, remark
-from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
-from drake_leg.errors import TimeBudgetError
-from drake_leg.progress import ProgressBar, TimeBudget
-from drake_leg.symbolic.catalogue import SUBJECTS, DerivedRobot, derived_equations, require_subject
-from drake_leg.symbolic.catalogue import require_sympy
 import dataclasses
 import json
 import shutil
-from drake_leg.cli.terminal import BAD_INPUT, FAILED, add_output, fail, remark
+import sys
+import textwrap
+from typing import TYPE_CHECKING
+
+from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
 from drake_leg.cli.showing import say_if_sketched
+from drake_leg.cli.terminal import (
+    BAD_INPUT,
+    FAILED,
+    STOPPED_EARLY,
+    add_budget,
+    add_output,
+    budget_of,
+    fail,
+    remark,
+)
+from drake_leg.errors import TimeBudgetError, require_matplotlib
 from drake_leg.files import ResultsFolder
-from drake_leg.errors import require_matplotlib
-from drake_leg.progress import ProgressBar
+from drake_leg.progress import ProgressBar, TimeBudget
+from drake_leg.symbolic.catalogue import (
+    SUBJECTS,
+    DerivedRobot,
+    derived_equations,
+    require_subject,
+    require_sympy,
+)
 
 if TYPE_CHECKING:
+    from drake_leg.lab.errata.catalogue import Erratum
     from drake_leg.symbolic.equations import Equation
-    from drake_leg.lab.errata.erratum import Erratum
 
 SHORTHAND = "c1 = cos(q1), s1 = sin(q1), c23 = cos(q2 + q3) and so on"
 

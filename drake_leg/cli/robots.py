@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from pathlib import Path
-from drake_leg.cli.terminal import refuse_ignored
-from drake_leg.cli.inputs import add_robot_source, robot_source
 import json
 import math
+import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
-from drake_leg.cli.terminal import as_options
-from drake_leg.cli.terminal import BAD_INPUT, STOPPED_EARLY, add_budget, budget_of, refuse_ignored
+
 from drake_leg.cli.inputs import RobotSource, add_robot_source, robot_source
+from drake_leg.cli.terminal import (
+    BAD_INPUT,
+    STOPPED_EARLY,
+    add_budget,
+    as_options,
+    budget_of,
+    refuse_ignored,
+)
 from drake_leg.progress import ProgressBar
 from drake_leg.robot.robot import Robot
 
 if TYPE_CHECKING:
-    from drake_leg.lab.grader.findings import Finding
+    from drake_leg.lab.grader.printed import Finding
     from drake_leg.models.proof import Comparison, Proof
+
 
 def configure_sdf(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
@@ -111,7 +117,7 @@ def _check(chosen: argparse.Namespace) -> int:
 
 
 def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.grader.findings import errors, not_understood
+    from drake_leg.lab.grader.printed import errors, not_understood
     from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
     from drake_leg.lab.grader.tables import table_of_document
     from drake_leg.models.proof import prove
@@ -175,7 +181,7 @@ def _check_print(robot: Robot, chosen: argparse.Namespace) -> int:
 
 
 def _report(what: str, findings: Sequence[Finding], chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.grader.findings import errors, not_understood
+    from drake_leg.lab.grader.printed import errors, not_understood
 
     if chosen.json:
         _print_json(what, findings, None)
@@ -194,7 +200,7 @@ def _print_findings(what: str, findings: Sequence[Finding], praise: str) -> None
 
 def _summary(findings: Sequence[Finding], praise: str) -> str:
     """Count what is wrong, what is doubtful and what is not understood."""
-    from drake_leg.lab.grader.findings import errors, not_understood
+    from drake_leg.lab.grader.printed import errors, not_understood
 
     wrong, unread = len(errors(findings)), len(not_understood(findings))
     guesses = len(findings) - wrong - unread
@@ -207,7 +213,7 @@ def _summary(findings: Sequence[Finding], praise: str) -> str:
 
 
 def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> None:
-    from drake_leg.lab.grader.findings import errors, not_understood
+    from drake_leg.lab.grader.printed import errors, not_understood
 
     unread = not_understood(findings)
     content = {

@@ -7,12 +7,20 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.terminal import BAD_INPUT, FAILED, INTERRUPTED, STOPPED_EARLY, add_output, fail, remark
-from drake_leg.cli.terminal import Pictures
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
 from drake_leg.cli.showing import Shows, add_shows, say_if_sketched
-from drake_leg.files import ResultsFolder
+from drake_leg.cli.terminal import (
+    BAD_INPUT,
+    FAILED,
+    INTERRUPTED,
+    STOPPED_EARLY,
+    Pictures,
+    add_output,
+    fail,
+    remark,
+)
 from drake_leg.errors import require_matplotlib
+from drake_leg.files import ResultsFolder
 from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind
 from drake_leg.runs.options import RunOptions
@@ -96,7 +104,7 @@ def _draw(
 ) -> None:
     """Add the figures to the data, one by one."""
     with pictures.trying(f"a figure of {name}"):
-        from drake_leg.runs.files import figure_files
+        from drake_leg.runs.outcome import figure_files
 
         for file_name, write in figure_files(kind.title, outcome):
             with pictures.trying(f"the figure {file_name}"), folder.more() as scratch:

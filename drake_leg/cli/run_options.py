@@ -8,9 +8,8 @@ import typing
 from pathlib import Path
 from typing import Any
 
-from drake_leg.cli.terminal import as_options
-from drake_leg.cli.terminal import numbers
 from drake_leg.cli.inputs import robot_source
+from drake_leg.cli.terminal import as_options, numbers
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, OwnRobot, RunKind, run_kind
 from drake_leg.runs.options import RunOptions

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
-from drake_leg.cli.terminal import as_options, place_given_by
-from drake_leg.cli.terminal import remark
-from drake_leg.cli.terminal import Pictures
-from drake_leg.errors import OutputError
+
+from drake_leg.cli.terminal import Pictures, as_options, numbers, place_given_by, remark
+from drake_leg.errors import InvalidValueError, OutputError
 from drake_leg.files import ResultsFolder
-import sys
-from typing import TYPE_CHECKING
-from drake_leg.cli.terminal import numbers
-from drake_leg.errors import InvalidValueError
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import argparse
 import json
-from pathlib import Path
 from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from drake_leg.cli.terminal import refuse_ignored, remark
+
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
+from drake_leg.cli.terminal import refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, RunKind
 from drake_leg.runs.options import RunOptions
 
 if TYPE_CHECKING:
     from drake_leg.simulink.compare.findings import Comparison
+
 
 def configure_inspect(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
-from contextlib import contextmanager
-from drake_leg.errors import PlaceError
 import argparse
 import math
+import os
+import re
 import sys
-from collections.abc import Mapping
+import traceback
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from drake_leg.errors import InvalidValueError
+
+from drake_leg.errors import DrakeLegError, InvalidValueError, PictureError, PlaceError
 from drake_leg.progress import BUDGET
 from drake_leg.units import require_positive
-import os
-import traceback
-from drake_leg.errors import DrakeLegError, PictureError
 
 _SETTING = re.compile(r"`(?:(?P<name>[a-z][a-z0-9_]*)(?:=(?P<value>[^`]+))?|(?P<other>'[^`]+'))`")
 

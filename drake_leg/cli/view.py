@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from drake_leg.cli.terminal import place_given_by
-from drake_leg.cli.terminal import refuse_ignored
-from drake_leg.cli.terminal import picture
-from drake_leg.cli.inputs import add_posture, as_option, posture
-from drake_leg.cli.inputs import add_robot_source, robot_source
-from drake_leg.cli.showing import LEAVING, add_server, server_options, start_server
-from drake_leg.cli.showing import say_if_sketched
-from drake_leg.errors import require_pillow
 from typing import TYPE_CHECKING
-from drake_leg.cli.showing import LEAVING, add_server, start_server
-from drake_leg.errors import SingularConfigurationError
+
+from drake_leg.cli.inputs import add_posture, add_robot_source, as_option, posture, robot_source
+from drake_leg.cli.showing import LEAVING, add_server, say_if_sketched, server_options, start_server
+from drake_leg.cli.terminal import picture, place_given_by, refuse_ignored
+from drake_leg.errors import SingularConfigurationError, require_pillow
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import TASK
 
 if TYPE_CHECKING:
     from drake_leg.scene.driven_foot import Step
+
 
 def configure_view(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""

@@ -20,7 +20,7 @@ import numpy as np
 
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable
 from drake_leg.robot.robot import Row
 

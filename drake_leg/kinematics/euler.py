@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike
-from drake_leg.kinematics.batches import Array, assemble, finite_vectors
 import math
 from functools import cache
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, finite_vectors
+from drake_leg.kinematics.khalil import Array, assemble, finite_vectors
+
 
 def rotation_matrices(quaternions: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of unit quaternions w, x, y, z (..., 4); q and -q have one.

@@ -1,25 +1,69 @@
-"""Joint positions that put a robot's foot at a point: in closed form, or found numerically."""
+"""Inverse kinematics: joint positions for a foot, in closed form or found numerically."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike
-from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.chain import LEAST_LEVER, size_of
-from drake_leg.kinematics.khalil import foot_pose, jacobian, moving_rows
-from drake_leg.units import AT_LIMIT
-from drake_leg.robot.robot import Row
+
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import within_turns
+from drake_leg.kinematics.chain import LEAST_LEVER, size_of
 from drake_leg.kinematics.euler import euler_rotation
+from drake_leg.kinematics.khalil import (
+    Array,
+    foot_pose,
+    jacobian,
+    moving_rows,
+    one_vector,
+    within_turns,
+)
 from drake_leg.kinematics.leg import LegGeometry, branches
 from drake_leg.kinematics.of_robot import geometry_of, joints_in_words
 from drake_leg.kinematics.scara import ScaraGeometry, branch_angles
-from drake_leg.units import beyond
-from drake_leg.robot.robot import Robot, Segment
+from drake_leg.robot.robot import Robot, Row, Segment
+from drake_leg.units import AT_LIMIT, beyond
+
+
+def table_length(rows: Sequence[Row]) -> float:
+    """Sum of all d and r of a table [m]; 1 m if there are none."""
+    return sum(abs(row.d) + abs(row.r) for row in rows) or 1.0
+
+
+def ranges(robot: Robot) -> list[tuple[float, float]]:
+    """Least and greatest position of every joint [rad or m].
+
+    Its limits; without them a full turn, or twice the table's length.
+    """
+    length = table_length(robot.rows)
+    return [_range(segment, length) for segment in robot.moving]
+
+
+def _range(segment: Segment, length: float) -> tuple[float, float]:
+    lower, upper = segment.mechanics.lower, segment.mechanics.upper
+    span = 2.0 * (length if segment.row.joint == "prismatic" else math.pi)
+    if lower is None:
+        lower = -span / 2.0 if upper is None else upper - span
+    return lower, lower + span if upper is None else upper
+
+
+def random_configurations(robot: Robot, count: int, rng: np.random.Generator) -> Array:
+    """Draw configurations of m joints, (count, m) [rad or m], uniform within every range."""
+    lower, upper = np.transpose(ranges(robot))
+    return rng.uniform(lower, upper, (count, len(lower)))
+
+
+def greatest_reach(robot: Robot) -> float:
+    """How far the foot can be from the base at most [m]: the table's lengths and the strokes."""
+    strokes = (
+        max(map(abs, bounds))
+        for bounds, segment in zip(ranges(robot), robot.moving, strict=True)
+        if segment.row.joint == "prismatic"
+    )
+    return table_length(robot.rows) + sum(strokes)
+
 
 STARTS = 400  # random postures
 STEPS, POLISHING = 80, 12  # of the damped, then of the undamped search

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics
-from drake_leg.kinematics.batches import Array
 
 
 def engagement(stop: HardStop, depth: ArrayLike) -> Array:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import (
+from drake_leg.kinematics.khalil import (
     Array,
     assemble,
     finite_vectors,
@@ -34,8 +34,8 @@ from drake_leg.kinematics.batches import (
     within_turns,
 )
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.units import LEAST, MOST, require_positive
 from drake_leg.robot.robot import Robot
+from drake_leg.units import LEAST, MOST, require_positive
 
 # sin(q3), or the reach over the leg's length, below which the closed form no longer divides.
 SINGULAR_BELOW = 1e-12

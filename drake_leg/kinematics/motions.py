@@ -1,7 +1,4 @@
-"""The motions that sine waves command: a straight step, and an ellipse.
-
-One object goes the whole way, from the options to the Sine block, the exact path and the forecast.
-"""
+"""Commanded motions of a foot: the straight sine step, the ellipse, a push."""
 
 from __future__ import annotations
 
@@ -13,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.units import require_non_negative, require_positive
+from drake_leg.kinematics.khalil import Array
+from drake_leg.units import MOST, require_non_negative, require_positive
 
 UP = np.array([0.0, 0.0, 1.0])
 UP.setflags(write=False)
@@ -209,3 +206,48 @@ class EllipticStep(SineStep):
         """Return the derivative of the velocity: times (n,) [s] to (n, 3) [m/s^2]."""
         slowing = -self.lift / 2.0 * self.frequency**2 * np.sin(self._phase(time))
         return super().acceleration(time) + np.outer(slowing, UP)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Push:
+    """The force ``F sin(pi (t - at) / lasting)`` from ``at`` on for ``lasting``, else none."""
+
+    force: tuple[float, float, float]  # F, its greatest value, base frame [N]
+    at: float  # [s]
+    lasting: float  # [s]
+
+    def __post_init__(self) -> None:
+        if len(self.force) != 3 or not all(abs(part) <= MOST for part in self.force):
+            raise InvalidValueError(
+                f"the push is {list(self.force)}; it must be three finite numbers in N, as 0,0,0.1"
+            )
+        require_non_negative("the instant of the push", self.at, "s")
+        require_positive("the time that the push lasts", self.lasting, "s")
+
+    @property
+    def end(self) -> float:
+        """When it is over [s]."""
+        return self.at + self.lasting
+
+    @property
+    def impulse(self) -> Array:
+        """Integral of the force over time, ``2 F lasting / pi`` (3,) [N*s]."""
+        impulse: Array = 2.0 * self.lasting / math.pi * np.array(self.force)
+        return impulse
+
+    def at_time(self, time: ArrayLike) -> Array:
+        """Return the force.
+
+        Parameters
+        ----------
+        time : (...) array_like
+            [s].
+
+        Returns
+        -------
+        (..., 3) ndarray
+            Base frame [N].
+        """
+        part = np.clip((np.asarray(time) - self.at) / self.lasting, 0.0, 1.0)
+        force: Array = np.multiply.outer(np.sin(np.pi * part), np.array(self.force))
+        return force

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 
 Floats = Sequence[float]
 

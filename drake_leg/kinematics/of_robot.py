@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import MovableChain, freedoms, tangent_twists
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum

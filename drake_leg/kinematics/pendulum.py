@@ -7,18 +7,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Self
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipkm1
+
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_energy, limit_force
-from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
+from drake_leg.kinematics.khalil import Array
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Brick, Robot, Row, Solid
-from scipy.interpolate import CubicHermiteSpline
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright
 IN_AND_OUT = 0.002  # [s], greatest step where a limit may be met: none is stepped over

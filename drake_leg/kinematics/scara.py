@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import (
+from drake_leg.kinematics.khalil import (
     Array,
     assemble,
     finite_vectors,
@@ -23,9 +23,9 @@ from drake_leg.kinematics.batches import (
     triangle_angle,
 )
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.units import require_positive
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import SCARA_HEIGHT, SCARA_LOWEST
+from drake_leg.units import require_positive
 
 
 @dataclass(frozen=True, kw_only=True)

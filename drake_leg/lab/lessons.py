@@ -11,13 +11,20 @@ import sympy as sp
 from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.lab.errata.printed import PrintedMatrices, angle_values, leg_b_matrices, rotation_defect, scara_matrices, texts
 from drake_leg.errors import DrakeLegError
-from drake_leg.pictures.plots.singularity_maps import maps_of_posture
-from drake_leg.simulation.integrator import IntegratorSettings
+from drake_leg.lab.errata.printed import (
+    PrintedMatrices,
+    angle_values,
+    leg_b_matrices,
+    rotation_defect,
+    scara_matrices,
+    texts,
+)
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix
+from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 from drake_leg.robot.robot import Robot
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulink.compare.compare import LiveModel
 
 __all__ = [

@@ -3,17 +3,39 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
+
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
+
 from drake_leg.errors import InvalidValueError
-from drake_leg.models.sdf import sdf_text
-from drake_leg.units import STANDARD_GRAVITY, require_non_negative
+from drake_leg.models.sdf import package_text, sdf_text
+from drake_leg.models.thigh import FILE, LEG_FILE, thigh_leg_text, thigh_text
 from drake_leg.robot.robot import Robot, Segment
-from drake_leg.models.files import sdf_folder
-from drake_leg.models.thigh import thigh_leg_text
-from drake_leg.units import STANDARD_GRAVITY
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import LEG_B, ROBOTS
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative
+
+
+def generated_files() -> dict[str, str]:
+    """Write all files of the folder ``sdf`` as text: file name to content."""
+    files = {f"{robot.name}.sdf": sdf_text(robot) for robot in ROBOTS}
+    thighs = {FILE: thigh_text(), LEG_FILE: thigh_leg_text(LEG_B)}
+    return {"package.xml": package_text(), **files, **thighs}
+
+
+def sdf_folder() -> Path:
+    """Find the folder of SDF files and their ``package.xml``, in a wheel or in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "sdf"
+    return installed if installed.is_dir() else package.parent / "sdf"
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
+    for file_name, text in generated_files().items():
+        (folder / file_name).write_text(text, encoding="utf-8")
+
 
 def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
     """Parse a robot's SDF into a continuous, finalised plant.

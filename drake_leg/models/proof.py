@@ -20,14 +20,14 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from drake_leg.errors import InvalidValueError, TimeBudgetError
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import greatest_reach, random_configurations
+from drake_leg.kinematics.feet import greatest_reach, random_configurations
+from drake_leg.kinematics.khalil import Array
 from drake_leg.models.plant import build_plant
-from drake_leg.robot.names import frame_name
 from drake_leg.progress import BUDGET, TimeBudget
-from drake_leg.units import require_positive
+from drake_leg.robot.names import frame_name
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.symbolic.catalogue import require_sympy
+from drake_leg.units import require_positive
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
 SAMPLES = 32

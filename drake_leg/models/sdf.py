@@ -14,12 +14,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import row_transform
-from drake_leg.robot.robot import mass_properties
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.names import BASE, BASE_WELD, PLACES, frame_name, place_name
+from drake_leg.robot.robot import Brick, Cylinder, Link, Robot, Row, Segment, Shape, mass_properties
 from drake_leg.units import LEAST
-from drake_leg.robot.robot import Brick, Cylinder, Link, Robot, Row, Segment, Shape
 
 PACKAGE = "drake_leg"
 CENTRED = (0.0, 0.0, 0.0)

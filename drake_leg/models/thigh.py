@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from drake_leg.errors import InvalidValueError
-from drake_leg.robot.robot import Brick, Robot, Row, Segment, Solid
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
+
+from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import PACKAGE, sdf_text
 from drake_leg.robot.names import PLACES, frame_name, place_name
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Brick, Robot, Row, Segment, Solid
 from drake_leg.robot.robots import LEG_B
 
 FRAMES = ("base", "cog", "end", "solid")  # of every thigh: three to connect, one of the solid

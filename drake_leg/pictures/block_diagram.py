@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from itertools import count, takewhile
+
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram
+
+from drake_leg.colours import Background
 from drake_leg.diagrams.wiring import plant_of
+from drake_leg.pictures.drawing import Drawing, draw
 from drake_leg.pictures.of_diagram import diagram_picture
-from drake_leg.pictures.of_plant import link_picture
-from drake_leg.pictures.of_plant import mechanism_picture
-from drake_leg.pictures.picture import ALL, MECHANISM, Picture, SIGNALS
+from drake_leg.pictures.of_plant import link_picture, mechanism_picture
+from drake_leg.pictures.of_simulink import model_pictures
+from drake_leg.pictures.svg import ALL, MECHANISM, SIGNALS, Picture
 from drake_leg.robot.names import frame_name
 from drake_leg.robot.robot import Robot
-from drake_leg.systems.frame_sensor import FrameSensor
-from pydrake.multibody.plant import MultibodyPlant
-from drake_leg.colours import Background
-from drake_leg.pictures.drawing import Drawing, draw
-from drake_leg.pictures.of_simulink import model_pictures
-from drake_leg.pictures.picture import ALL, SIGNALS
 from drake_leg.simulink.listing import printable
 from drake_leg.simulink.model import Model
+from drake_leg.systems.frame_sensor import FrameSensor
+
 
 def run_pictures(
     diagram: Diagram,

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from drake_leg.pictures.picture import Picture
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TypeVar
+
+from drake_leg.pictures.svg import Picture
+
 
 @dataclass(frozen=True)
 class Spot:

@@ -8,15 +8,20 @@ from pathlib import Path
 from xml.sax.saxutils import escape
 
 from drake_leg.colours import Background
-from drake_leg.pictures.glyphs import draw_block
-from drake_leg.pictures.layout import Layout
-from drake_leg.pictures.layout import lay_out_parts
-from drake_leg.pictures.routing import rounded
-from drake_leg.pictures.picture import DrawnBlock, Picture
-from drake_leg.pictures.glyphs import LABELLED
-from drake_leg.pictures.svg import Point, SMALL, document, element, text_at
-from drake_leg.pictures.svg import text_width
 from drake_leg.files import write_text
+from drake_leg.pictures.glyphs import LABELLED, draw_block
+from drake_leg.pictures.layout import Layout, lay_out_parts
+from drake_leg.pictures.routing import rounded
+from drake_leg.pictures.svg import (
+    SMALL,
+    DrawnBlock,
+    Picture,
+    Point,
+    document,
+    element,
+    text_at,
+    text_width,
+)
 
 MARGIN = 18.0  # [px]
 HEADING = 15.0  # [px], size of a title

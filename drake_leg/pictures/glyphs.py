@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from drake_leg.pictures.picture import DrawnBlock
-from drake_leg.pictures.svg import SMALL
-from drake_leg.pictures.svg import LINE, text_width
 import math
 from collections.abc import Callable
-from drake_leg.pictures.svg import SMALL, element, line, polyline, text_at
-from drake_leg.pictures.svg import LINE
+from dataclasses import dataclass
+
+from drake_leg.pictures.svg import (
+    LINE,
+    SMALL,
+    DrawnBlock,
+    element,
+    line,
+    polyline,
+    text_at,
+    text_width,
+)
 
 PORT_PITCH = 17.0  # [px], between ports of one side
 LABELLED = ("box", "plant", "sum")  # whose ports' labels are inside

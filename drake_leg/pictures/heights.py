@@ -15,11 +15,9 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import coo_array
 
-from drake_leg.pictures.columns import Columns, End
-from drake_leg.pictures.columns import Order
-from drake_leg.pictures.picture import Picture
+from drake_leg.pictures.columns import Columns, End, Order
 from drake_leg.pictures.glyphs import PORT_PAD, PORT_PITCH, size_of
-from drake_leg.pictures.svg import LINE
+from drake_leg.pictures.svg import LINE, Picture
 
 GAP = 16.0  # [px], between blocks, their captions included
 LANE_GAP = 13.0  # [px], to a lane

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from drake_leg.pictures.columns import Columns, End, Track, columns_of
-from drake_leg.pictures.heights import Heights, heights_of
-from drake_leg.pictures.columns import Order, order_of
-from drake_leg.pictures.routing import divergence, simplified
-from drake_leg.pictures.picture import Picture
-from drake_leg.pictures.routing import NEAR, Trunk, lanes_of, trunks_of
+
+from drake_leg.pictures.columns import Columns, End, Order, Track, columns_of, order_of
 from drake_leg.pictures.glyphs import Box, size_of
-from drake_leg.pictures.svg import Point, SMALL
-from drake_leg.pictures.svg import LINE, SIZE, text_width
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from drake_leg.pictures.glyphs import Box
-from drake_leg.pictures.svg import Point
+from drake_leg.pictures.heights import Heights, heights_of
+from drake_leg.pictures.routing import NEAR, Trunk, divergence, lanes_of, simplified, trunks_of
+from drake_leg.pictures.svg import LINE, SIZE, SMALL, Picture, Point, text_width
 
 PITCH = 9.0  # [px], between vertical lines of a channel
 BEFORE, AFTER = 10.0, 16.0  # [px], free at a channel's sides; an arrow's head is at the right one

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from pydrake.math import RigidTransform
-from drake_leg.pictures.svg import wrapped
 from dataclasses import replace
+
+from pydrake.math import RigidTransform
 from pydrake.multibody.tree import RigidBody
-from drake_leg.pictures.picture import DrawnBlock, Net, Picture
+
+from drake_leg.pictures.svg import DrawnBlock, Net, Picture, wrapped
 from drake_leg.simulink.bodies import SHAPES
 
 CAPTION_WIDTH = 84.0  # [px], of a mechanical block

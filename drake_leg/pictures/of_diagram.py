@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from pydrake.systems.framework import System
-from pydrake.systems.primitives import Demultiplexer, Multiplexer
-from drake_leg.diagrams.wiring import LiveWire
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, System
 from pydrake.systems.primitives import (
@@ -21,10 +18,10 @@ from pydrake.systems.primitives import (
     Sine,
     VectorLogSink,
 )
+
 from drake_leg.diagrams.wiring import LiveWire, wires
 from drake_leg.pictures.mechanical import SIGNAL_WIDTH, values_text
-from drake_leg.pictures.picture import DrawnBlock, Net, Picture
-from drake_leg.pictures.svg import spaced, wrapped
+from drake_leg.pictures.svg import DrawnBlock, Net, Picture, spaced, wrapped
 
 End = tuple[str, str]  # block, and its output
 

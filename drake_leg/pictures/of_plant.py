@@ -2,26 +2,34 @@
 
 from __future__ import annotations
 
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex
-from drake_leg.pictures.mechanical import Chain, connection_of, solid_of
-from drake_leg.pictures.picture import Picture
-from drake_leg.errors import InvalidValueError
-from drake_leg.robot.names import PLACES, place_name
 from collections.abc import Mapping
+
 from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import (
+    BodyIndex,
     ForceElementIndex,
     Joint,
     PrismaticSpring,
     RevoluteSpring,
     RigidBody,
 )
-from drake_leg.pictures.mechanical import CAPTION_WIDTH, SAME, damping_words, gravity_words, spring_words
-from drake_leg.pictures.mechanical import Chain, Output, solid_of
-from drake_leg.pictures.picture import DrawnBlock, Picture
-from drake_leg.pictures.svg import wrapped
-from drake_leg.robot.names import frame_name
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.pictures.mechanical import (
+    CAPTION_WIDTH,
+    SAME,
+    Chain,
+    Output,
+    connection_of,
+    damping_words,
+    gravity_words,
+    solid_of,
+    spring_words,
+)
+from drake_leg.pictures.svg import DrawnBlock, Picture, wrapped
+from drake_leg.robot.names import PLACES, frame_name, place_name
+
 
 def link_picture(plant: MultibodyPlant, link: str, *, title: str, shape: str = "solid") -> Picture:
     """Read one link of a plant with the frames that ``models.sdf`` writes; not yet laid out.

@@ -2,29 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from itertools import chain
-from drake_leg.pictures.mechanical import SIGNAL_WIDTH, number_text, values_text
-from drake_leg.pictures.picture import DrawnBlock
-from drake_leg.pictures.simulink_mechanism import JOINT_GLYPHS
-from drake_leg.pictures.simulink_network import cut, name_lines
-from drake_leg.pictures.simulink_network import TO_PHYSICAL, TO_SIGNAL
-from drake_leg.pictures.svg import spaced, wrapped
-from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.matlab.program import Program, program
-from drake_leg.simulink.model import Block, Value, split_port
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from drake_leg.pictures.picture import Net, Picture
-from drake_leg.pictures.simulink_network import cut
-from drake_leg.pictures.simulink_network import Network, ports_by_block
-from drake_leg.simulink.model import Block, Model, split_port
-from drake_leg.pictures.picture import ALL, MECHANISM, Picture, SIGNALS
-from drake_leg.pictures.simulink_mechanism import model_mechanism_picture
-from drake_leg.pictures.simulink_network import unique_names
-from drake_leg.pictures.simulink_network import network_of
-from drake_leg.simulink.flatten import flatten
-from drake_leg.simulink.model import Model
+from itertools import chain
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.pictures.mechanical import SIGNAL_WIDTH, number_text, values_text
+from drake_leg.pictures.simulink_mechanism import (
+    JOINT_GLYPHS,
+    TO_PHYSICAL,
+    TO_SIGNAL,
+    Network,
+    cut,
+    model_mechanism_picture,
+    name_lines,
+    network_of,
+    ports_by_block,
+    unique_names,
+)
+from drake_leg.pictures.svg import (
+    ALL,
+    MECHANISM,
+    SIGNALS,
+    DrawnBlock,
+    Net,
+    Picture,
+    spaced,
+    wrapped,
+)
+from drake_leg.simulink.matlab.program import Program, program
+from drake_leg.simulink.model import Block, Model, Value, split_port
+from drake_leg.simulink.wiring import flatten
 
 GLYPHS = JOINT_GLYPHS | {
     "BusCreator": "mux",

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from itertools import pairwise
-from drake_leg.pictures.svg import Point
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+
 from drake_leg.pictures.columns import End, Track
+from drake_leg.pictures.svg import Point
 
 RADIUS = 5.0  # [px], of a corner
 

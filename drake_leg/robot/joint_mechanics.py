@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.units import DAMPING_UNITS, SPRING_UNITS, require_angle, require_non_negative, require_number, require_positive
+from drake_leg.units import (
+    DAMPING_UNITS,
+    SPRING_UNITS,
+    require_angle,
+    require_non_negative,
+    require_number,
+    require_positive,
+)
 
 Priority = Literal["high", "low"]
 PRIORITIES = ("high", "low")

@@ -1,9 +1,10 @@
-"""Names in a robot's model: which ones SDF accepts, and those that are made here."""
+"""Names in a robot's model and which of them SDF accepts; tables for notebooks."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from html import escape
 
 from drake_leg.errors import InvalidValueError
 
@@ -58,3 +59,15 @@ def require_unique(names: Iterable[tuple[str, str]]) -> None:
                 "joint and frame must have its own"
             )
         owners[name] = what
+
+
+def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]], *, title: str) -> str:
+    """Return a table with its title above; all texts are escaped."""
+    head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows
+    )
+    return (
+        f"<p><b>{escape(title)}</b></p>"
+        f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    )

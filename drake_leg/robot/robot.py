@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
+
 from drake_leg.colours import (
     BLUE,
     GREEN,
@@ -19,11 +20,19 @@ from drake_leg.colours import (
     rgb,
 )
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.html_table import html_table
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.names import BASE, BASE_WELD, PLACES, frame_name, place_name, require_line, require_name, require_unique
+from drake_leg.robot.names import (
+    BASE,
+    BASE_WELD,
+    PLACES,
+    frame_name,
+    html_table,
+    place_name,
+    require_line,
+    require_name,
+    require_unique,
+)
 from drake_leg.units import LEAST, require_positive
-from drake_leg.units import require_positive
 
 JointType = Literal["revolute", "prismatic", "fixed"]
 

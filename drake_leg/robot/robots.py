@@ -14,8 +14,18 @@ from typing import Literal
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import (
+    LINK_COLOURS,
+    Brick,
+    Cylinder,
+    Link,
+    Robot,
+    Row,
+    Segment,
+    Solid,
+    Sphere,
+)
 from drake_leg.units import require_positive
-from drake_leg.robot.robot import Brick, Cylinder, LINK_COLOURS, Link, Robot, Row, Segment, Solid, Sphere
 
 LegVariant = Literal["A", "B"]
 

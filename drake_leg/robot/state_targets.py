@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
-from drake_leg.units import in_words
 from drake_leg.robot.robot import Robot
+from drake_leg.units import in_words
 
 CLOSE = 1e-9  # relative or absolute difference at which a target is met
 

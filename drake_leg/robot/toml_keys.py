@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, TypeVar
-from drake_leg.errors import InvalidValueError
 import re
 import tomllib
-from typing import Any
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, TypeVar
+
+from drake_leg.errors import InvalidValueError
 
 GREATEST = 1e9  # in any unit; what is beyond is a slip of the pen, and its square has no number
 REQUIRED: Any = object()  # marks a key without default

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from drake_leg.robot.robot import mass_properties, volume
-from drake_leg.robot.robot import Brick, Cylinder, Inertial, Shape, Solid, Sphere, link_colour
-from drake_leg.robot.toml_keys import Keys
-from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, PRIORITIES, StateTarget
-from drake_leg.units import JointUnits
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from drake_leg.robot.robot import JointType, Row
 from pathlib import Path
+
 from drake_leg.files import read_text
-from drake_leg.robot.robot import JointType, Link, Robot, Row, Segment
-from drake_leg.robot.toml_keys import parse_document
-from drake_leg.units import AngleUnit, in_radians, joint_units
+from drake_leg.robot.joint_mechanics import PRIORITIES, HardStop, JointMechanics, StateTarget
+from drake_leg.robot.robot import (
+    Brick,
+    Cylinder,
+    Inertial,
+    JointType,
+    Link,
+    Robot,
+    Row,
+    Segment,
+    Shape,
+    Solid,
+    Sphere,
+    link_colour,
+    mass_properties,
+    volume,
+)
+from drake_leg.robot.toml_keys import Keys, parse_document
+from drake_leg.units import AngleUnit, JointUnits, in_radians, joint_units
 
 # Of each shape: its class, and its dimensions in the order in which they are written.
 SHAPES: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {

@@ -41,8 +41,8 @@ from pydrake.systems.sensors import CameraInfo
 
 from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
+from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.plots.style import STYLE
-from drake_leg.kinematics.batches import Array
 from drake_leg.scene.lettering import LIGHT, Paper, Pixels
 from drake_leg.scene.parts import Part
 from drake_leg.scene.scene import MARGIN, Scene, View

@@ -11,15 +11,14 @@ from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
 from drake_leg.diagrams.driven_foot import BRAKE, COMMAND, JOINTS, WholeFoot, build
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.khalil import Array, one_vector
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.units import beyond
 from drake_leg.robot.robot import Robot
-from drake_leg.singularity.stroke import motion_in_words
-from drake_leg.singularity.driving import GREATEST_RATE, SLOW, STOP, room
 from drake_leg.singularity.families import singular_words
-from drake_leg.singularity.look_ahead import LookAhead
+from drake_leg.singularity.look_ahead import GREATEST_RATE, SLOW, STOP, LookAhead, room
+from drake_leg.singularity.stroke import motion_in_words
+from drake_leg.units import beyond
 
 State = Literal["free", "near", "slowed", "stopped"]
 

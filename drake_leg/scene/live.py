@@ -13,7 +13,7 @@ import numpy as np
 
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.parts import BLUE, GREEN, RED, TRACE, TRACE_RADIUS, TRACE_SPACING
 from drake_leg.scene.scene import Scene, View
 from drake_leg.scene.web_page import stage_data

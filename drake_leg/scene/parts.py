@@ -13,7 +13,7 @@ import numpy as np
 from pydrake.geometry import Box, CalcObb, Cylinder, Shape, Sphere
 
 from drake_leg.colours import PURPLE, Colour, rgb
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 
 RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
 LINE = (0.66, 0.67, 0.70)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import check_file, write_text
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.scene import PlantMotion, Record, View, as_view, motion_of, scene_of
 from drake_leg.scene.shown_plant import Showable
 from drake_leg.scene.web_page import pose_rows, stage_data, web_page

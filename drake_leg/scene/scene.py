@@ -14,8 +14,7 @@ from pydrake.systems.primitives import VectorLog
 from scipy.spatial import ConvexHull
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.simulation.recording import Recording
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.parts import (
     Part,
     floor_corners,
@@ -27,6 +26,7 @@ from drake_leg.scene.parts import (
     triad_tips,
 )
 from drake_leg.scene.shown_plant import Showable, ShownPlant, shown
+from drake_leg.simulation.recording import Recording
 from drake_leg.units import ANGLE_UNITS, LENGTH_UNITS, TIME_UNITS
 
 NATURAL, FLAT = math.radians(30.0), math.radians(5.0)  # fields of view, lower to upper edge

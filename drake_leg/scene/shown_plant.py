@@ -24,7 +24,7 @@ from pydrake.multibody.tree import Frame, ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Diagram, System
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, finite_vectors
+from drake_leg.kinematics.khalil import Array, finite_vectors
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.names import place_name
 from drake_leg.robot.robot import Robot, link_colour

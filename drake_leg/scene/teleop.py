@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.driven_foot import DrivenFoot, Step
 from drake_leg.scene.live import (

@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.geometry import Meshcat, Rgba
 
 from drake_leg.colours import BLUE, GREEN, ORANGE, VERMILLION, rgb
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.scene.driven_foot import DrivenFoot
 from drake_leg.scene.live import AXES, Entry, live_data

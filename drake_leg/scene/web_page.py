@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.lettering import PLACEMENT
 from drake_leg.scene.parts import triad_lengths
 from drake_leg.scene.scene import MARGIN, VIEWS, Scene, View

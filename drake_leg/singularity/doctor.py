@@ -9,20 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.kinematics.batches import one_vector
 from drake_leg.kinematics.chain import freedoms, size_of
 from drake_leg.kinematics.euler import euler_angles
 from drake_leg.kinematics.feet import Feet, Solution, feet, lift_limits, limits_of
-from drake_leg.kinematics.khalil import foot_pose, jacobian
+from drake_leg.kinematics.khalil import foot_pose, jacobian, one_vector
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import geometry_of, movable
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.units import beyond, require_positive
 from drake_leg.robot.robot import Robot, Segment
-from drake_leg.singularity.stroke import STRAIGHT
 from drake_leg.singularity.families import Families, Nearness, families_of
 from drake_leg.singularity.rank import LostTwist, RankReport, WholeRank, examine, examine_whole
-from drake_leg.singularity.stroke import Stroke, chain_stroke, closed_stroke, greatest_amplitude
+from drake_leg.singularity.stroke import (
+    STRAIGHT,
+    Stroke,
+    chain_stroke,
+    closed_stroke,
+    greatest_amplitude,
+)
+from drake_leg.units import beyond, require_positive
 
 ROUNDING = 1e-13  # of the length: singular values below it are zero
 

@@ -10,15 +10,22 @@ from typing import Any
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import MovableChain
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
-from drake_leg.units import joint_entries
-from drake_leg.singularity.families import Approach, Family, Path, approaches, line
-from drake_leg.singularity.families import Families, families_of
+from drake_leg.singularity.families import (
+    Approach,
+    Families,
+    Family,
+    Path,
+    approaches,
+    families_of,
+    line,
+)
 from drake_leg.singularity.rank import loses_turning, lost_direction
 from drake_leg.singularity.stroke import approaches_on_line, chain_stroke
+from drake_leg.units import joint_entries
 
 GRAZE = 1e-6  # of the arm's length: passing nearer than this to an edge is grazing it
 # Parts of the path before a meeting at which the joints are read: the last where the singularity

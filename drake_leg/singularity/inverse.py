@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
+
 import numpy as np
 from scipy.optimize import lsq_linear
+
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.singularity.limits import RateBox
-from dataclasses import dataclass
-from drake_leg.kinematics.movable import Movable
-from drake_leg.units import require_positive
 from drake_leg.robot.robot import Segment
+from drake_leg.singularity.limits import RateBox
+from drake_leg.units import require_positive
 
 FLOOR = 0.25  # of lambda: about where sigma settles while the command pushes outwards
 LEAST = 1e-7  # of the arm's length: selects the smallest of a redundant robot's rates

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import RANK_TOLERANCE
-from drake_leg.kinematics.khalil import jacobian, moving_rows
+from drake_leg.kinematics.khalil import Array, jacobian, moving_rows
 from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.robot.robot import Row
 

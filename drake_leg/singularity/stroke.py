@@ -6,25 +6,35 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
+
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
-from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.chain import MovableChain, Sweep, size_of, sweep, twist_between
-from drake_leg.kinematics.khalil import moving_rows
+from drake_leg.kinematics.chain import (
+    RANK_TOLERANCE,
+    MovableChain,
+    Sweep,
+    size_of,
+    sweep,
+    twist_between,
+)
+from drake_leg.kinematics.khalil import Array, moving_rows, one_vector
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.movable import TRANSLATION, Movable
-from drake_leg.units import AT_LIMIT
-from drake_leg.robot.robot import Row
-from drake_leg.singularity.families import Approach, Family, approaches, breaks_of_line, line
-from drake_leg.singularity.families import Families, LegFamilies, ScaraFamilies
-from collections.abc import Sequence
-from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.chain import RANK_TOLERANCE, size_of
-from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import joints_in_words
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, Row
+from drake_leg.singularity.families import (
+    Approach,
+    Families,
+    Family,
+    LegFamilies,
+    ScaraFamilies,
+    approaches,
+    breaks_of_line,
+    line,
+)
+from drake_leg.units import AT_LIMIT
 
 CHAIN_STEPS = 200  # steps of a numerical stroke over the length of the chain
 CHAIN_RESOLUTION = 1e-10  # smallest step, of the length of the chain

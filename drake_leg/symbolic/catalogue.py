@@ -1,19 +1,121 @@
-"""The derivations by name; SymPy is imported only when one is carried out, and may be missing."""
+"""The equations of a robot, derived from its table and shown as formulas."""
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-from drake_leg.errors import DrakeLegError
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from functools import cache
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
-from drake_leg.errors import InvalidValueError
+
+from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
+from drake_leg.symbolic.equations import Equation
 
 if TYPE_CHECKING:
     from drake_leg.symbolic.derivation import Derivation
-    from drake_leg.symbolic.equations import Equation
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations in order; a notebook typesets them, with their numbers in the report."""
+
+    robot: Robot
+    all: tuple[Equation, ...] = field(repr=False)
+    report: str = ""  # letter of the report that numbers them, if one does
+
+    def __getitem__(self, wanted: str) -> Equations:
+        """Return the equations with a number or a title, as "15" or "determinant, factored"."""
+        return self.choose(wanted)
+
+    def __iter__(self) -> Iterator[Equation]:
+        return iter(self.all)
+
+    def __len__(self) -> int:
+        return len(self.all)
+
+    def __str__(self) -> str:
+        return "\n\n".join(f"{one.title}\n{one.text()}" for one in self.all)
+
+    def choose(self, *wanted: str) -> Equations:
+        """Return the equations with these numbers or titles, in this order.
+
+        Raises
+        ------
+        InvalidValueError
+            If there is no equation with one of them.
+        """
+        for name in wanted:
+            if not any(name in (one.label, one.title) for one in self.all):
+                known = dict.fromkeys(one.label or one.title for one in self.all)
+                raise InvalidValueError(
+                    f"{self.robot.name} has no equation {name!r}; there are {', '.join(known)}"
+                )
+        found = tuple(e for name in wanted for e in self.all if name in (e.label, e.title))
+        return Equations(self.robot, found, self.report)
+
+    def _repr_latex_(self) -> str:
+        return "\n".join(self._latex(one) for one in self.all)
+
+    def _latex(self, equation: Equation) -> str:
+        number = f"{self.report} {equation.label}".strip()
+        tag = rf" \tag{{{number}}}" if equation.label else ""
+        return f"$${equation.latex()}{tag}$$"
+
+
+def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
+    """Derive a robot's matrices and equations from its Khalil table, in symbols.
+
+    Transforms between neighbours and to the base, the Jacobian by two methods and their
+    difference, its determinant, and the singular postures. Needs SymPy.
+
+    Parameters
+    ----------
+    robot : Robot
+        ``LEG_A``, ``LEG_B`` and ``SCARA`` have the numbers of their reports' equations; any other
+        is derived from its table.
+    *wanted : str
+        Numbers or titles of the equations wanted, in order; by default all of them.
+    budget : float
+        How long the derivation may take [s].
+
+    Returns
+    -------
+    Equations
+        A notebook typesets them; ``print`` writes them as text.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no such equation.
+    MissingSymPyError
+        If SymPy is not installed.
+    TimeBudgetError
+        If the derivation takes longer.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_A, derive
+    >>> print(derive(LEG_A, "determinant, factored"))
+    determinant, factored
+    │J│ = l₂⋅l₃⋅s₃⋅(c₂⋅l₂ + c₂₃⋅l₃ + l₁)
+    """
+    name = next((name for name, subject in SUBJECTS.items() if subject.robot == robot), None)
+    spending = TimeBudget(budget)
+    if name is not None:
+        report = SUBJECTS[name].numbering.partition(",")[0].removeprefix("Report ")
+        found = Equations(robot, spending.spend(lambda: derived_equations(name)), report)
+    else:
+        require_sympy(f"the derivation of {robot.name}")
+        from drake_leg.symbolic.derivation import Derivation
+        from drake_leg.symbolic.equations import own_pieces
+
+        pieces = own_pieces(Derivation(robot.rows))
+        found = Equations(robot, tuple(e for p in pieces for e in spending.spend(p.derive)))
+    return found.choose(*wanted) if wanted else found
+
 
 class MissingSymPyError(DrakeLegError):
     """SymPy is needed and not installed."""

@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.khalil import Array, one_vector
 from drake_leg.robot.robot import JointType, Row
 
 Function = Callable[[ArrayLike], Array]  # of the joint positions

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-import sympy as sp
-from drake_leg.symbolic.notation import pythagoras, tidy
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
+
+import sympy as sp
+
 from drake_leg.robot.robot import Row
 from drake_leg.symbolic.chain import (
     SymbolicChain,
@@ -16,7 +17,7 @@ from drake_leg.symbolic.chain import (
     row_transform,
     symbolic_chain,
 )
-from drake_leg.symbolic.notation import normal_form, tidy
+from drake_leg.symbolic.notation import normal_form, pythagoras, tidy
 
 ANY_INTEGER = sp.Symbol("k", integer=True)
 

@@ -9,9 +9,8 @@ from functools import partial
 import sympy as sp
 
 from drake_leg.symbolic.chain import SymbolicRow, row_transform
-from drake_leg.symbolic.derivation import Derivation
+from drake_leg.symbolic.derivation import ANY_INTEGER, Derivation, SingularFamily
 from drake_leg.symbolic.notation import shorthand
-from drake_leg.symbolic.derivation import ANY_INTEGER, SingularFamily
 
 PARTS = ("w_x", "w_y", "w_z", "v_x", "v_y", "v_z")  # rows of the spatial Jacobian
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import sympy as sp
-from sympy.simplify.fu import TR10i
 import re
 from typing import Any
+
+import sympy as sp
 from sympy.printing.str import StrPrinter
+from sympy.simplify.fu import TR10i
+
 
 def pythagoras(expression: sp.Expr) -> sp.Expr:
     """Expand a polynomial in sines and cosines with ``sin^2 = 1 - cos^2``: no sine has a power."""

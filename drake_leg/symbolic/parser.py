@@ -24,14 +24,15 @@ from drake_leg.symbolic.formulas import (
     total,
     written,
 )
-from drake_leg.symbolic.spelling import plain, quoted
-from drake_leg.symbolic.tokens import (
+from drake_leg.symbolic.spelling import (
     ANGLE_LETTERS,
     END,
     IN_DEGREES,
     RECIPROCALS,
     TURNS,
     Token,
+    plain,
+    quoted,
     tokens_of,
 )
 

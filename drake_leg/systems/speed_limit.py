@@ -5,8 +5,8 @@ from __future__ import annotations
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.kinematics.movable import Floats
-from drake_leg.units import require_positive
 from drake_leg.singularity.limits import limited_speed
+from drake_leg.units import require_positive
 
 
 class SpeedLimit(LeafSystem):

@@ -8,16 +8,16 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import main, run
-from drake_leg.cli.terminal import Pictures
 from drake_leg.cli.run_options import kind_of
+from drake_leg.cli.terminal import Pictures
 from drake_leg.files import LIST, ResultsFolder
-from drake_leg.simulation.recording import read_csv
-from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.robot.robots import hexabot_leg
-from drake_leg.runs import files
+from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.runs import outcome as files
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.scene.images import Still
 from drake_leg.scene.replay import Replay
+from drake_leg.simulation.recording import read_csv
 
 DATA = {LIST, "recording.csv", "summary.json"}
 REPORT = "please report this, with the command that you gave"
@@ -162,10 +162,10 @@ def test_whatever_error_it_is_it_is_a_sentence(monkeypatch, capsys, error):
 
 
 def test_figures_that_cannot_be_imported_cost_themselves(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "drake_leg.runs.files", None)
+    monkeypatch.setitem(sys.modules, "drake_leg.runs.outcome", None)
     status, _, err = told(capsys, "run", "pendulum", "--out", "out", "--duration", "0.1")
     assert status == 1
-    assert "was not made (ModuleNotFoundError: import of drake_leg.runs.files" in err[0]
+    assert "was not made (ModuleNotFoundError: import of drake_leg.runs.outcome" in err[0]
     whole("out")
 
 

@@ -20,7 +20,7 @@ from drake_leg.diagrams.disturbance import (
 from drake_leg.diagrams.mechanism import MOTION, add_mechanism
 from drake_leg.diagrams.wiring import wires
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.push import Push
+from drake_leg.kinematics.motions import Push
 from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import Inertial
 from drake_leg.robot.robots import LEG_B, SCARA

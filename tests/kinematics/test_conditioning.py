@@ -6,8 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drake_leg.kinematics.pendulum import MOST, error_growth, instability
-from drake_leg.kinematics.pendulum import PendulumModel, exact_motion
+from drake_leg.kinematics.pendulum import (
+    MOST,
+    PendulumModel,
+    error_growth,
+    exact_motion,
+    instability,
+)
 from drake_leg.robot.robots import PENDULUM
 
 FREE = PendulumModel.from_robot(PENDULUM)

@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk, ellipkm1
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.pendulum import (
     PendulumModel,
@@ -21,6 +20,7 @@ from drake_leg.kinematics.pendulum import (
     exact_period,
     rest_angle,
 )
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import mass_properties
 from drake_leg.robot.robots import LEG_A, PENDULUM, SCARA, pendulum
 

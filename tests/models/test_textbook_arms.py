@@ -10,9 +10,8 @@ from drake_leg.lab.grader.table_linter import lint_table
 from drake_leg.lab.grader.tables import table_of_document
 from drake_leg.models.proof import prove
 from drake_leg.robot.robot import Row
-from drake_leg.robot.toml_reader import ClassicRow, khalil_rows
 from drake_leg.robot.toml_keys import parse_document
-from drake_leg.robot.toml_reader import load_robot, read_robot
+from drake_leg.robot.toml_reader import ClassicRow, khalil_rows, load_robot, read_robot
 from drake_leg.robot.toml_writer import robot_toml
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"

@@ -2,11 +2,11 @@
 
 import pytest
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.pictures.columns import columns_of
 from drake_leg.pictures.layout import lay_out
 from drake_leg.pictures.routing import length
-from drake_leg.pictures.picture import DrawnBlock, Net, Picture
-from drake_leg.errors import InvalidValueError
+from drake_leg.pictures.svg import DrawnBlock, Net, Picture
 
 GLYPHS = ("box", "gain", "integrator", "scope", "plant", "mux")
 

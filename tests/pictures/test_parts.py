@@ -2,9 +2,8 @@
 
 import pytest
 
-from drake_leg.pictures.layout import lay_out
-from drake_leg.pictures.layout import ROW, lay_out_parts
-from drake_leg.pictures.picture import DrawnBlock, Net, Picture
+from drake_leg.pictures.layout import ROW, lay_out, lay_out_parts
+from drake_leg.pictures.svg import DrawnBlock, Net, Picture
 
 
 def chains(count, length):

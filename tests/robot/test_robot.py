@@ -9,8 +9,18 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import (
+    Brick,
+    Cylinder,
+    Inertial,
+    Link,
+    Robot,
+    Row,
+    Segment,
+    Solid,
+    Sphere,
+)
 from drake_leg.units import LEAST, MOST, require_non_negative, require_positive
-from drake_leg.robot.robot import Brick, Cylinder, Inertial, Link, Robot, Row, Segment, Solid, Sphere
 
 NOT_FINITE = (math.nan, math.inf, -math.inf)
 BALL = Sphere(radius=0.01)

@@ -8,10 +8,19 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import row_transform
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Sphere
-from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA, hexabot_leg, pendulum, scara
+from drake_leg.robot.robots import (
+    LEG_A,
+    LEG_B,
+    PENDULUM,
+    ROBOTS,
+    SCARA,
+    hexabot_leg,
+    pendulum,
+    scara,
+)
 
 BAD_SIZES = (0.0, -0.1, math.nan, math.inf)
 

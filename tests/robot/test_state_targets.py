@@ -4,8 +4,8 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
-from drake_leg.robot.state_targets import initial_state
 from drake_leg.robot.robots import LEG_B
+from drake_leg.robot.state_targets import initial_state
 
 
 def leg(**mechanics):

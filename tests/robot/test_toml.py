@@ -9,16 +9,27 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
-from drake_leg.lab.grader.findings import errors
+from drake_leg.lab.grader.printed import errors
 from drake_leg.lab.grader.table_linter import lint_table
 from drake_leg.lab.grader.tables import table_of_document
 from drake_leg.models.proof import prove
-from drake_leg.robot.robot import Brick, Cylinder, Inertial, LINK_COLOURS, Link, Robot, Row, Segment, Solid, Sphere
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
+from drake_leg.robot.robot import (
+    LINK_COLOURS,
+    Brick,
+    Cylinder,
+    Inertial,
+    Link,
+    Robot,
+    Row,
+    Segment,
+    Solid,
+    Sphere,
+)
+from drake_leg.robot.robots import LEG_B, ROBOTS, hexabot_leg, pendulum
 from drake_leg.robot.toml_keys import parse_document
 from drake_leg.robot.toml_reader import load_robot, read_robot
 from drake_leg.robot.toml_writer import robot_toml
-from drake_leg.robot.robots import LEG_B, ROBOTS, hexabot_leg, pendulum
 
 ARM = """
 name = "arm"

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from drake_leg.errors import InvalidValueError, OutputError
-from drake_leg.errors import BrokenPackageError
+from drake_leg.errors import BrokenPackageError, InvalidValueError, OutputError
 from drake_leg.robot.robots import PENDULUM
 from drake_leg.scene import images
 from drake_leg.scene.artists import Renderer, Sketcher

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulation.recording import Recording
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, PENDULUM_SIZE, ROBOTS, SCARA
 from drake_leg.scene.scene import OtherRobotError, PlantMotion, at_rest, motion_of
 from drake_leg.scene.shown_plant import shown
+from drake_leg.simulation.recording import Recording
 
 TIME = np.array([1.0, 1.5, 3.0])
 Q = np.array([[1.5, -0.9, -1.6], [1.6, -0.8, -1.5], [1.1, -0.5, -1.2]])

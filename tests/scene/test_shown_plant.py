@@ -5,7 +5,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.models.sdf import sdf_text
-from drake_leg.robot.robot import Brick, LINK_COLOURS, Link, Robot, Row, Segment, Solid
+from drake_leg.robot.robot import LINK_COLOURS, Brick, Link, Robot, Row, Segment, Solid
 from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA, SCARA_HEIGHT
 from drake_leg.scene.parts import LEAST_SIZE, size_of
 from drake_leg.scene.scene import PlantMotion, at_rest, scene_of

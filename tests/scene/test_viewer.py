@@ -5,8 +5,8 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.robot.toml_reader import read_robot
 from drake_leg.robot.robots import LEG_B, SCARA
+from drake_leg.robot.toml_reader import read_robot
 from drake_leg.scene.shown_plant import shown
 from drake_leg.scene.viewer import joint_sliders, view_served
 

@@ -8,7 +8,12 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, Integrator
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulation.integrator import ERROR_CONTROLLED, INTEGRATORS, IntegratorSettings, ROW_INTERVAL
+from drake_leg.simulation.integrator import (
+    ERROR_CONTROLLED,
+    INTEGRATORS,
+    ROW_INTERVAL,
+    IntegratorSettings,
+)
 
 NAN, INF = float("nan"), float("inf")
 

@@ -7,7 +7,13 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from drake_leg.errors import InvalidValueError, OutputError
-from drake_leg.simulation.recording import Recording, lettered, numbered, read_csv, without_sign_jumps
+from drake_leg.simulation.recording import (
+    Recording,
+    lettered,
+    numbered,
+    read_csv,
+    without_sign_jumps,
+)
 
 
 def recording():

@@ -11,12 +11,12 @@ from scipy.optimize import brentq
 from drake_leg.diagrams import ellipse, hexabot_leg, pendulum, scara
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
-from drake_leg.simulation.integrator import INTEGRATORS, IntegratorSettings
-from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.kinematics.motions import SineStep
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.robot.robots import pendulum as pendulum_robot
 from drake_leg.simulation import run as simulation_run
+from drake_leg.simulation.integrator import INTEGRATORS, IntegratorSettings
 from drake_leg.simulation.run import simulate
 
 L1, L2, L3 = 0.050, 0.100, 0.100  # [m]

@@ -11,10 +11,10 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.units import beyond
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.singularity.families import ScaraFamilies
 from drake_leg.singularity.stroke import chain_stroke, closed_stroke, leg_stroke
+from drake_leg.units import beyond
 
 FREE = (-math.inf, math.inf)
 PUMA = textbook_arm("puma560_modified")

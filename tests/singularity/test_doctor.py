@@ -12,9 +12,9 @@ from drake_leg.kinematics.euler import euler_rotation
 from drake_leg.kinematics.feet import feet
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, foot_position
+from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.robot.toml_reader import load_robot
 from drake_leg.robot.toml_writer import robot_toml
-from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.singularity.doctor import examine_posture
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"

@@ -5,8 +5,12 @@ import pytest
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.symbolic import catalogue
-from drake_leg.symbolic.catalogue import SUBJECTS, derived_equations
-from drake_leg.symbolic.catalogue import MissingSymPyError, require_sympy
+from drake_leg.symbolic.catalogue import (
+    SUBJECTS,
+    MissingSymPyError,
+    derived_equations,
+    require_sympy,
+)
 
 
 def test_the_subjects_are_the_reports():

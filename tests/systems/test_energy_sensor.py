@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.models.plant import build_plant
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_A, LEG_B, pendulum
 from drake_leg.systems.energy_sensor import EnergySensor
 

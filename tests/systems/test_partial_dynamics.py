@@ -23,8 +23,8 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Sine, VectorLogSink
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.models.plant import build_plant
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import PENDULUM, hexabot_leg, pendulum
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 

@@ -7,11 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from drake_leg.lab.errata.erratum import Effects, Values, angles
-from drake_leg.lab.errata.erratum import FORWARDS, MM, classic, far_end, feet
 from drake_leg.kinematics.khalil import foot_pose, jacobian, row_transform
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, inverse_kinematics
 from drake_leg.kinematics.motions import EllipticStep
+from drake_leg.lab.errata.catalogue import (
+    FORWARDS,
+    MM,
+    Effects,
+    Values,
+    angles,
+    classic,
+    far_end,
+    feet,
+)
 from drake_leg.robot.robots import LEG_A
 from drake_leg.runs.options import EllipseOptions, LegAOptions
 from drake_leg.singularity.rank import examine

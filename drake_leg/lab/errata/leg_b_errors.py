@@ -9,17 +9,26 @@ from functools import partial
 import numpy as np
 import sympy as sp
 
-from drake_leg.lab.errata.erratum import Effects, Values, angles
-from drake_leg.lab.errata.erratum import FORWARDS, MM, far_end, feet
-from drake_leg.lab.errata.printed import J12_PRINTED, J12_RIGHT, LEG_B_TABLE_PRINTED, LEG_B_TABLE_RIGHT, SIGMAS_PRINTED, SIGMAS_RIGHT, angle_values, leg_b_matrices, rotation_defect, shown
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import jacobian
+from drake_leg.kinematics.khalil import Array, jacobian
 from drake_leg.kinematics.leg import (
     LegGeometry,
     MovableLeg,
     foot_jacobian,
     foot_position,
     inverse_kinematics,
+)
+from drake_leg.lab.errata.catalogue import FORWARDS, MM, Effects, Values, angles, far_end, feet
+from drake_leg.lab.errata.printed import (
+    J12_PRINTED,
+    J12_RIGHT,
+    LEG_B_TABLE_PRINTED,
+    LEG_B_TABLE_RIGHT,
+    SIGMAS_PRINTED,
+    SIGMAS_RIGHT,
+    angle_values,
+    leg_b_matrices,
+    rotation_defect,
+    shown,
 )
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_B

@@ -7,11 +7,7 @@ from functools import partial
 
 from scipy.spatial.transform import Rotation
 
-from drake_leg.lab.errata.erratum import Effects, Values, angles
-from drake_leg.lab.errata.erratum import MM, classic, feet
-from drake_leg.lab.errata.printed import angle_values, rotation_defect, scara_matrices, shown
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.scara import (
     ScaraGeometry,
@@ -20,6 +16,8 @@ from drake_leg.kinematics.scara import (
     task_jacobian,
     tool_position,
 )
+from drake_leg.lab.errata.catalogue import MM, Effects, Values, angles, classic, feet
+from drake_leg.lab.errata.printed import angle_values, rotation_defect, scara_matrices, shown
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.runs.options import ScaraOptions
 from drake_leg.singularity.rank import examine

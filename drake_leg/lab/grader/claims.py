@@ -10,9 +10,8 @@ from typing import Literal
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import random_configurations
-from drake_leg.kinematics.khalil import jacobian
+from drake_leg.kinematics.feet import random_configurations
+from drake_leg.kinematics.khalil import Array, jacobian
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.spelling import plain, quoted, typed, without_latex
 

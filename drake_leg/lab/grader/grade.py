@@ -14,19 +14,23 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import table_length
-from drake_leg.kinematics.khalil import moving_rows
+from drake_leg.kinematics.feet import table_length
+from drake_leg.kinematics.khalil import Array, moving_rows
 from drake_leg.lab.grader.comparison import Comparison, Sampler, agrees_within_digits
 from drake_leg.lab.grader.definitions import Reader, unused_definitions, with_lengths_as_symbols
-from drake_leg.lab.grader.findings import Finding
-from drake_leg.lab.grader.lengths import Binding, printed_cells, readings, said_cells
 from drake_leg.lab.grader.matrices import TOLERANCE, Matrix, read_matrix
 from drake_leg.lab.grader.matrix_grader import MatrixGrader
-from drake_leg.lab.grader.printed import Printed
+from drake_leg.lab.grader.printed import Finding, Printed
 from drake_leg.lab.grader.singular_sets import grade_singular_sets
 from drake_leg.lab.grader.table_linter import lint_table
-from drake_leg.lab.grader.tables import Table, repaired
+from drake_leg.lab.grader.tables import (
+    Binding,
+    Table,
+    printed_cells,
+    readings,
+    repaired,
+    said_cells,
+)
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import evaluate, names_in
 from drake_leg.symbolic.spelling import spelled_as

@@ -9,15 +9,13 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import table_length
-from drake_leg.lab.grader.chains import scales
+from drake_leg.kinematics.feet import table_length
+from drake_leg.kinematics.khalil import Array
 from drake_leg.lab.grader.claims import Claim, claim_of
-from drake_leg.lab.grader.comparison import Comparison, Meaning, Target
+from drake_leg.lab.grader.comparison import Comparison, Meaning, Target, scales
 from drake_leg.lab.grader.definitions import Reader
-from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.mistakes import Subject
-from drake_leg.lab.grader.printed import Printed, PrintedMatrix
+from drake_leg.lab.grader.printed import Finding, Printed, PrintedMatrix, unreadable
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import names_in
 

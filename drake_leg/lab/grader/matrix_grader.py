@@ -9,18 +9,15 @@ from functools import cached_property
 
 import numpy as np
 
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import moving_rows
+from drake_leg.kinematics.khalil import Array, moving_rows
 from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
 from drake_leg.lab.grader.comparison import COUNT, Comparison, Meaning, Target
-from drake_leg.lab.grader.definitions import Reader
-from drake_leg.lab.grader.derived import RightForms
-from drake_leg.lab.grader.findings import Finding
-from drake_leg.lab.grader.lengths import cell_names
+from drake_leg.lab.grader.definitions import Reader, RightForms
 from drake_leg.lab.grader.matrices import TOLERANCE, Matrix, Place
 from drake_leg.lab.grader.mistakes import HALVES, Mistake, mistakes, table_mistakes
-from drake_leg.lab.grader.printed import Printed
+from drake_leg.lab.grader.printed import Finding, Printed
 from drake_leg.lab.grader.slips import COMMON, Vocabulary, changes, explain
+from drake_leg.lab.grader.tables import names_of_cells
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.spelling import is_joint_variable, plain, readable, renamed, spelled_as
 
@@ -59,7 +56,7 @@ class MatrixGrader:
             lengths=tuple(dict.fromkeys(abs(v) for c, v in lengths if c.column in ("d", "r"))),
             unit=printed.unit,
             units=reader.units,
-            names=cell_names(comparison.binding, self._spelled),
+            names=names_of_cells(comparison.binding, self._spelled),
         )
         self._trials = iter(range(MOST_TRIALS))
 

@@ -15,8 +15,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.kinematics.batches import Array
-from drake_leg.lab.grader.chains import (
+from drake_leg.kinematics.khalil import Array
+from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
+from drake_leg.lab.grader.comparison import (
     Chain,
     between,
     claimed_part,
@@ -24,10 +25,9 @@ from drake_leg.lab.grader.chains import (
     running_products,
     twists,
 )
-from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
-from drake_leg.lab.grader.lengths import Cell
 from drake_leg.lab.grader.other_tables import CONVENTION, DEGREES, other_tables
 from drake_leg.lab.grader.printed import Format
+from drake_leg.lab.grader.tables import Cell
 from drake_leg.robot.robot import Robot
 
 Mask = NDArray[np.bool_]  # which entries of a matrix belong to a part of it

@@ -10,10 +10,10 @@ from functools import partial
 
 import numpy as np
 
-from drake_leg.kinematics.batches import Array
-from drake_leg.lab.grader.chains import Chain
-from drake_leg.lab.grader.lengths import Cell
+from drake_leg.kinematics.khalil import Array
+from drake_leg.lab.grader.comparison import Chain
 from drake_leg.lab.grader.printed import Format
+from drake_leg.lab.grader.tables import Cell
 from drake_leg.robot.robot import Robot
 
 QUARTER = math.pi / 2.0

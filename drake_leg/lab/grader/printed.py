@@ -1,22 +1,67 @@
-"""A print as typed into a file: tables and matrices as text, with the units of their numbers."""
+"""What a check finds: where, what is wrong, what should be there."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.lab.grader.claims import kind_of_name
-from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.matrix_text import rows_of_text
 from drake_leg.lab.grader.tables import Table, TableRow
 from drake_leg.lab.grader.text_print import parse_table, parse_text
-from drake_leg.robot.toml_keys import parse_document
-from drake_leg.robot.toml_keys import Keys, shown
+from drake_leg.robot.toml_keys import Keys, parse_document, shown
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One fault of a table or of a printed matrix, or a part of it that cannot be read.
+
+    An error cannot be right; a warning can, but is seldom meant. What is not understood is neither
+    right nor wrong: its remedy says what to write instead.
+    """
+
+    place: str  # row 2, or T12 (3, 2)
+    fault: str
+    remedy: str
+    severity: Literal["error", "warning"] = "error"
+    understood: bool = True  # False: it cannot be read, and may be right
+    kind: str = ""  # of the mistake, in a word or a few: transposed, unit, sign
+    matrix: str = ""  # name as printed; empty where it is of a table
+    entries: tuple[tuple[int, int], ...] = ()  # rows and columns, from 1, that it is about
+
+    def sentence(self) -> str:
+        """Say it in one sentence, without a full stop."""
+        mark = "" if self.severity == "error" else " (a guess)"
+        if not self.understood:
+            mark = " (not understood)"
+        return f"{self.place}{mark}: {self.fault}; {self.remedy}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the fields by name."""
+        return asdict(self)
+
+
+def unreadable(place: str, sentence: object, matrix: str = "") -> Finding:
+    """Split a sentence, or an error, at its semicolon: what is not understood; what to write."""
+    fault, _, remedy = str(sentence).partition("; ")
+    remedy = remedy or "write it another way"
+    return Finding(place=place, fault=fault, remedy=remedy, understood=False, matrix=matrix)
+
+
+def errors(findings: Iterable[Finding]) -> list[Finding]:
+    """Keep what cannot be right."""
+    return [f for f in findings if f.severity == "error" and f.understood]
+
+
+def not_understood(findings: Iterable[Finding]) -> list[Finding]:
+    """Keep what cannot be read."""
+    return [finding for finding in findings if not finding.understood]
+
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 

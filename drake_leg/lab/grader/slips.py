@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from drake_leg.lab.grader.lengths import Cell, same
+from drake_leg.lab.grader.tables import Cell, same
 from drake_leg.symbolic.formulas import (
     Path,
     changed,

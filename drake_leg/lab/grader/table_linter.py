@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import fields
 
-from drake_leg.lab.grader.findings import Finding
+from drake_leg.lab.grader.printed import Finding
 from drake_leg.lab.grader.tables import (
     UNKNOWN,
     Repair,
@@ -20,8 +20,7 @@ from drake_leg.lab.grader.tables import (
     find_repair,
     likely_sigma,
 )
-from drake_leg.robot.robot import bounding_radius
-from drake_leg.robot.robot import Link, Robot, Segment
+from drake_leg.robot.robot import Link, Robot, Segment, bounding_radius
 from drake_leg.symbolic.spelling import quoted
 
 LONG = 10.0  # [m], a link longer than that is a crane's

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from typing import Any
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from drake_leg.runs.catalogue import run_kind
-from drake_leg.runs.outcome import Outcome
-import math
-from collections.abc import Mapping, Sequence
+
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import HEXABOT_LENGTHS, LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.options import STATE_TARGET, LegAOptions, LegBOptions, ScaraOptions
+from drake_leg.runs.outcome import Outcome
 from drake_leg.symbolic.catalogue import SUBJECTS as DERIVED
+
 
 @dataclass(frozen=True, kw_only=True)
 class Item:

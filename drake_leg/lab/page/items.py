@@ -3,38 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-import numpy as np
-from matplotlib.figure import Figure
-from drake_leg.pictures.plots import foot_plots
-from drake_leg.pictures.plots import pendulum_plots
-from drake_leg.pictures.plots.of_runs import LEG_JOINTS
-from drake_leg.pictures.plots.foot_plots import stroboscope
-from drake_leg.kinematics.leg import LegGeometry, determinant, foot_rotation_angles
-from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.kinematics.euler import rotation_matrices
-from drake_leg.lab.page.contents import GAIN
-from drake_leg.runs.options import LegBOptions
-from drake_leg.runs.outcome import Outcome
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 from markupsafe import Markup
-from drake_leg.pictures.drawing import draw
-from drake_leg.pictures.block_diagram import run_pictures
-from drake_leg.pictures.picture import ALL
+from matplotlib.figure import Figure
+
 from drake_leg.errors import PictureError
-from drake_leg.pictures.plots.free_body import free_body
-from drake_leg.pictures.plots.narrow import narrow
-from drake_leg.pictures.plots.singularity_maps import maps_of_posture
-from drake_leg.pictures.plots.style import for_light_and_dark, save, svg_text
+from drake_leg.kinematics.euler import rotation_matrices
+from drake_leg.kinematics.leg import LegGeometry, determinant, foot_rotation_angles
+from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.lab.page import mathematics
-from drake_leg.lab.page.contents import Item
+from drake_leg.lab.page.contents import GAIN, RUNS, SUBJECTS, Item, command
 from drake_leg.lab.page.pieces import picture, piece, power, prose
-from drake_leg.lab.page.contents import RUNS, command
-from drake_leg.lab.page.contents import SUBJECTS
+from drake_leg.pictures.block_diagram import run_pictures
+from drake_leg.pictures.drawing import draw
+from drake_leg.pictures.plots import foot_plots, pendulum_plots
+from drake_leg.pictures.plots.foot_plots import stroboscope
+from drake_leg.pictures.plots.free_body import free_body
+from drake_leg.pictures.plots.of_runs import LEG_JOINTS
+from drake_leg.pictures.plots.singularity_maps import maps_of_posture
+from drake_leg.pictures.plots.style import for_light_and_dark, narrow, save, svg_text
+from drake_leg.pictures.svg import ALL
 from drake_leg.runs.catalogue import run_kind
+from drake_leg.runs.options import LegBOptions
+from drake_leg.runs.outcome import Outcome
 from drake_leg.scene.images import still
 from drake_leg.scene.lettering import DARK, LIGHT
 from drake_leg.scene.replay import replay

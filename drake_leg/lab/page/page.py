@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+import platform
+from collections.abc import Callable, Iterator, Mapping
+from importlib.metadata import version
+from pathlib import Path
+
 from markupsafe import Markup
-from drake_leg.lab.errata.erratum import number
+
+from drake_leg.errors import PictureError
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.lab.page.pieces import errata_by_number
-from drake_leg.lab.page.pieces import power, prose
-from drake_leg.lab.page.contents import GAIN, RUNS
+from drake_leg.lab.errata.catalogue import number
+from drake_leg.lab.page.contents import GAIN, RUNS, chapters, command
+from drake_leg.lab.page.items import ItemMaker, missing
+from drake_leg.lab.page.pieces import (
+    errata_by_number,
+    errata_entries,
+    erratum_notes,
+    packed,
+    piece,
+    power,
+    prose,
+    template,
+)
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
 from drake_leg.singularity.stroke import leg_stroke
-import platform
-from collections.abc import Callable, Mapping
-from importlib.metadata import version
-from pathlib import Path
-from drake_leg.errors import PictureError
-from drake_leg.lab.page.contents import chapters
-from drake_leg.lab.page.pieces import errata_entries, erratum_notes
-from drake_leg.lab.page.items import ItemMaker, missing
-from drake_leg.lab.page.pieces import piece, power, template
-from drake_leg.lab.page.pieces import packed
-from drake_leg.lab.page.contents import RUNS, command
 from drake_leg.symbolic.catalogue import MissingSymPyError, require_sympy
+
 
 def highlights(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, Markup, str, str]]:
     """Return questions, answers, and the anchors and labels of the items that show them."""

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import io
+import json
 import re
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any
 from urllib.parse import quote
 from xml.etree import ElementTree
+
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 from PIL import Image
-from collections.abc import Iterable, Mapping
-from markupsafe import Markup
-from drake_leg.lab.errata.catalogue import errata
-from drake_leg.lab.errata.erratum import Erratum
-from drake_leg.errors import InvalidValueError
-import gzip
-import json
-from collections.abc import Mapping
-from drake_leg.errors import DrakeLegError
+
+from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.lab.errata.catalogue import Erratum, errata
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 PNG = "data:image/png;base64,"

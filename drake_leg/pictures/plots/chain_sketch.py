@@ -10,12 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drake_leg.colours import PURPLE
-from drake_leg.pictures.plots.sketch import Labels, Line
-from drake_leg.pictures.plots.sketch import AXES, COLOURS, Sketch
-from drake_leg.pictures.plots.style import GREY, INK, new_figure
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import size_of
-from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.kinematics.khalil import Array, base_transforms
+from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch
+from drake_leg.pictures.plots.style import GREY, INK, new_figure
 from drake_leg.robot.robot import Robot, Segment
 
 TRIED = 120  # postures, of which the one is drawn in which most is seen

@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
-import numpy as np
-from drake_leg.simulation.recording import Recording
 import math
+from collections.abc import Sequence
+
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from drake_leg.colours import BLUE, VERMILLION
-from drake_leg.pictures.plots.style import GREY, PLOT_WIDTH, claim, legend_above, new_figure, whole_ticks
-from drake_leg.pictures.plots.style import TIME, add_degrees, curves_plot, time_plot, widen_flat_axis
-from drake_leg.kinematics.leg import LegGeometry, foot_rotation_angles
-from drake_leg.kinematics.euler import rotation_matrices
-from drake_leg.robot.robot import Robot
-from collections.abc import Sequence
 from matplotlib.ticker import MaxNLocator, MultipleLocator
+
 from drake_leg.colours import BLUE, GREEN, VERMILLION
-from drake_leg.pictures.plots.style import LEGEND_BELOW, PLOT_WIDTH, new_figure
+from drake_leg.kinematics.euler import rotation_matrices
 from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.kinematics.leg import LegGeometry, foot_rotation_angles
+from drake_leg.pictures.plots.style import (
+    GREY,
+    LEGEND_BELOW,
+    PLOT_WIDTH,
+    TIME,
+    add_degrees,
+    claim,
+    curves_plot,
+    legend_above,
+    new_figure,
+    time_plot,
+    whole_ticks,
+    widen_flat_axis,
+)
+from drake_leg.robot.robot import Robot
+from drake_leg.simulation.recording import Recording
 
 LIKE_A_SINE = 0.02  # of the greatest value: how far a motion may be from a sine to be called one
 NEAR_SINGULAR = (

@@ -12,15 +12,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from drake_leg.colours import PURPLE
-from drake_leg.pictures.plots.chain_sketch import chain
-from drake_leg.pictures.plots.sketch import Sketch, direction
-from drake_leg.pictures.plots.style import BODY, GREY, new_figure
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position
+from drake_leg.pictures.plots.chain_sketch import chain
+from drake_leg.pictures.plots.sketch import Sketch, direction
+from drake_leg.pictures.plots.style import BODY, GREY, new_figure
 from drake_leg.robot.robot import Robot
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two

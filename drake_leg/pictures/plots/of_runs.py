@@ -8,15 +8,13 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from drake_leg.pictures.plots import foot_plots
-from drake_leg.pictures.plots import pendulum_plots
-from drake_leg.pictures.plots.foot_plots import sine_frequency
-from drake_leg.pictures.plots.foot_plots import stroboscope
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.simulation.recording import Recording
+from drake_leg.pictures.plots import foot_plots, pendulum_plots
+from drake_leg.pictures.plots.foot_plots import sine_frequency, stroboscope
 from drake_leg.robot.robot import JointType, Robot
+from drake_leg.simulation.recording import Recording
 
 LEG_JOINTS = {1: "hip", 2: "knee", 3: "ankle"}
 
@@ -67,7 +65,10 @@ def _leg(title: str, robot: Robot, recording: Recording) -> Named:
         rotation = f"{title}: rotation of the foot"
         yield "foot_rotation", lambda: foot_plots.rotation(robot, recording, rotation)
     yield from _joints(title, robot, recording)
-    yield "singularity", lambda: foot_plots.singularity(recording, f"{title}: distance from singularity")
+    yield (
+        "singularity",
+        lambda: foot_plots.singularity(recording, f"{title}: distance from singularity"),
+    )
 
 
 def _joints(title: str, robot: Robot, recording: Recording) -> Named:
@@ -98,7 +99,9 @@ def _along_x(title: str, recording: Recording) -> Named:
         gain = float(np.abs(recording["dx"]).max() / np.abs(sine).max())
     yield (
         "input_and_velocity",
-        lambda: foot_plots.input_and_velocity(recording, f"{title}: input and velocity", round(gain, 9)),
+        lambda: foot_plots.input_and_velocity(
+            recording, f"{title}: input and velocity", round(gain, 9)
+        ),
     )
     yield (
         "velocity_and_position",
@@ -127,4 +130,7 @@ def _scara(title: str, robot: Robot, recording: Recording) -> Named:
     yield "tool_velocity", lambda: foot_plots.velocity(recording, f"{title}: tool velocity", "tool")
     yield "joint_angles", lambda: foot_plots.joint_angles(recording, angles, turning)
     yield "joint_torques", lambda: foot_plots.torques(recording, torques, turning)
-    yield "singularity", lambda: foot_plots.singularity(recording, f"{title}: distance from singularity")
+    yield (
+        "singularity",
+        lambda: foot_plots.singularity(recording, f"{title}: distance from singularity"),
+    )

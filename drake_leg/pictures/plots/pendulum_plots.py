@@ -10,9 +10,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drake_leg.colours import BLUE, VERMILLION
-from drake_leg.pictures.plots.style import GREY, PLOT_WIDTH, claim, inset, legend_above, new_figure, whole_ticks
-from drake_leg.pictures.plots.style import TIME, add_degrees, time_plot, widen_flat_axis
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
+from drake_leg.pictures.plots.style import (
+    GREY,
+    PLOT_WIDTH,
+    TIME,
+    add_degrees,
+    claim,
+    inset,
+    legend_above,
+    new_figure,
+    time_plot,
+    whole_ticks,
+    widen_flat_axis,
+)
 from drake_leg.simulation.recording import Recording
 
 Span = tuple[float, float]

@@ -3,49 +3,44 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
+
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import ArrayLike
+
 from drake_leg.colours import BLUE, PURPLE, VERMILLION
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics import scara
+from drake_leg.kinematics.khalil import Array, finite_vectors
+from drake_leg.kinematics.leg import (
+    BRANCHES,
+    LegGeometry,
+    branch_angles,
+    determinant,
+    foot_jacobian,
+    foot_position,
+)
+from drake_leg.kinematics.movable import smallest_singular_value
+from drake_leg.kinematics.of_robot import geometry_of
+from drake_leg.kinematics.scara import ScaraGeometry, lift_position, task_jacobian, tool_position
 from drake_leg.pictures.plots.style import INK, LEGEND_BELOW, STYLE, TITLE, legend_above, new_figure
-from drake_leg.kinematics.batches import Array, finite_vectors
-from drake_leg.kinematics.leg import LegGeometry, determinant
-from drake_leg.singularity.sets import (
+from drake_leg.robot.robot import Robot
+from drake_leg.singularity.families import (
     axis_reach,
+    facing,
     folded_feet,
     hip_axis_arcs,
     leaning_over,
     stretched_feet,
 )
-from collections.abc import Callable, Sequence
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from drake_leg.colours import BLUE, VERMILLION
-from drake_leg.pictures.plots.style import INK, LEGEND_BELOW, new_figure
-from drake_leg.kinematics import scara
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.leg import (
-    BRANCHES,
-    LegGeometry,
-    branch_angles,
-    foot_jacobian,
-    foot_position,
-)
-from drake_leg.kinematics.movable import smallest_singular_value
-from drake_leg.kinematics.scara import ScaraGeometry, task_jacobian, tool_position
-from drake_leg.singularity.families import facing
-from drake_leg.singularity.sets import axis_reach
-from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.of_robot import geometry_of
-from drake_leg.kinematics.scara import ScaraGeometry, lift_position
-from drake_leg.robot.robot import Robot
 
 MM = 1e3  # [mm/m]
 CUBIC_CM = 1e6  # [cm^3/m^3]

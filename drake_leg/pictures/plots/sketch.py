@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-import numpy as np
-from matplotlib.axes import Axes
-from drake_leg.pictures.plots.style import GREY, INK
-from drake_leg.kinematics.batches import Array
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
+
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, FancyArrowPatch
+
 from drake_leg.colours import BLUE, GREEN, PURPLE, VERMILLION
+from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.plots.style import BODY, GREY, INK
 
 Point = tuple[float, float]

@@ -10,7 +10,6 @@ from pydrake.systems.primitives import ConstantVectorSource, VectorLogSink
 
 from drake_leg.diagrams.wiring import LiveWire
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.compare.diagram_signals import DiagramSignals
 from drake_leg.simulink.compare.findings import (
     Blocks,
     Verdict,
@@ -20,7 +19,7 @@ from drake_leg.simulink.compare.findings import (
     missing,
 )
 from drake_leg.simulink.compare.sides import Roles, Sides
-from drake_leg.simulink.compare.signals import CLOSE, Atom, Scalar, close
+from drake_leg.simulink.compare.signals import CLOSE, Atom, DiagramSignals, Scalar, close
 from drake_leg.simulink.compare.simulink_mechanism import SENSORS
 from drake_leg.simulink.compare.simulink_signals import SINKS, unit_factor
 from drake_leg.simulink.model import Block

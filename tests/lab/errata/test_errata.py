@@ -10,17 +10,27 @@ import sympy as sp
 from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.spatial.transform import Rotation
 
-from drake_leg.lab.errata.catalogue import errata
-from drake_leg.lab.errata.erratum import Erratum
-from drake_leg.lab.errata.erratum import angles, number, vector
-from drake_leg.lab.errata.printed import J12_PRINTED, J12_RIGHT, LEG_B_TABLE_PRINTED, LEG_B_TABLE_RIGHT, SIGMAS_PRINTED, SIGMAS_RIGHT, angle_values, leg_b_matrices, scara_matrices, shown, texts
 from drake_leg.kinematics.khalil import base_transforms, foot_pose, jacobian, row_transform
-from drake_leg.units import STANDARD_GRAVITY
+from drake_leg.lab.errata.catalogue import Erratum, angles, errata, number, vector
+from drake_leg.lab.errata.printed import (
+    J12_PRINTED,
+    J12_RIGHT,
+    LEG_B_TABLE_PRINTED,
+    LEG_B_TABLE_RIGHT,
+    SIGMAS_PRINTED,
+    SIGMAS_RIGHT,
+    angle_values,
+    leg_b_matrices,
+    scara_matrices,
+    shown,
+    texts,
+)
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.symbolic.chain import evaluate
 from drake_leg.symbolic.notation import text
+from drake_leg.units import STANDARD_GRAVITY
 
 SCARA_PRINTED, SCARA_RIGHT = scara_matrices().printed, scara_matrices().right
 LEG_B_PRINTED, LEG_B_RIGHT = leg_b_matrices().printed, leg_b_matrices().right

@@ -8,11 +8,10 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil
-from drake_leg.lab.grader.chains import chain_of
+from drake_leg.lab.grader.comparison import chain_of
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.lengths import Cell, cell_values, readings
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix, printed_of_document
-from drake_leg.lab.grader.tables import Table, TableRow
+from drake_leg.lab.grader.tables import Cell, Table, TableRow, cell_values, readings
 from drake_leg.lab.grader.text_print import parse_text
 from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg

@@ -9,15 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drake_leg.lab.grader.findings import errors
-from drake_leg.lab.grader.printed import read_printed
+from drake_leg.lab.grader.printed import errors, read_printed
 from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
 from drake_leg.lab.grader.tables import COLUMNS, Table, TableRow, repaired, table_of_document
 from drake_leg.robot.robot import Inertial
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
 from drake_leg.robot.toml_keys import parse_document
 from drake_leg.robot.toml_reader import read_robot
 from drake_leg.robot.toml_writer import robot_toml
-from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
 
 PRINTED = Path(__file__).parent / "printed"
 

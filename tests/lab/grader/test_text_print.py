@@ -4,9 +4,8 @@ import time
 
 import pytest
 
-from drake_leg.lab.grader.findings import errors, not_understood
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.printed import read_printed
+from drake_leg.lab.grader.printed import errors, not_understood, read_printed
 from drake_leg.lab.grader.text_print import parse_text
 from drake_leg.robot.robots import LEG_A
 

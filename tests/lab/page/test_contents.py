@@ -9,11 +9,8 @@ import sympy as sp
 
 from drake_leg.lab.errata.catalogue import errata
 from drake_leg.lab.page import mathematics
-from drake_leg.lab.page.contents import Item, chapters
-from drake_leg.lab.page.items import KINDS
-from drake_leg.lab.page.items import PLOTS
-from drake_leg.lab.page.contents import RUNS, command
-from drake_leg.lab.page.contents import SUBJECTS
+from drake_leg.lab.page.contents import RUNS, SUBJECTS, Item, chapters, command
+from drake_leg.lab.page.items import KINDS, PLOTS
 from drake_leg.scene.scene import VIEWS
 
 ITEMS = [item for chapter in chapters() for item in chapter.items]

@@ -9,10 +9,9 @@ import pytest
 import sympy as sp
 
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.lab.page import matrices
-from drake_leg.lab.page.contents import chapters
-from drake_leg.lab.page.matrices import comparisons, methods
-from drake_leg.lab.page.contents import SUBJECTS
+from drake_leg.lab.page import mathematics
+from drake_leg.lab.page.contents import SUBJECTS, chapters
+from drake_leg.lab.page.mathematics import comparisons, methods
 from drake_leg.symbolic.catalogue import derived, derived_equations
 from drake_leg.symbolic.notation import html
 
@@ -37,10 +36,10 @@ def test_every_formula_agrees_with_the_chain_and_with_drake(name, seed):
 @pytest.mark.parametrize("entry", [(0, 0), (1, 3), (2, 2)])
 def test_a_wrong_entry_is_seen(entry, monkeypatch):
     row, column = entry
-    right = matrices.matrices(derived("leg-b"))
+    right = mathematics.matrices(derived("leg-b"))
     wrong = sp.Matrix(right["T04"])
     wrong[row, column] += sp.cos(derived("leg-b").chain.q[0])
-    monkeypatch.setattr(matrices, "matrices", lambda _: right | {"T04": wrong})
+    monkeypatch.setattr(mathematics, "matrices", lambda _: right | {"T04": wrong})
     compared = comparisons(posed("leg-b", 0))["T04"]
     assert min(compared.from_chain, compared.from_drake) > 0.1
 
@@ -73,7 +72,7 @@ def test_direct_and_indirect_jacobian_are_one(name):
 )
 def test_a_variant_has_its_own_signs(matrix, place, leg_a, leg_b):
     for name, shown in (("leg-a", leg_a), ("leg-b", leg_b)):
-        entry = html(matrices.matrices(derived(name))[matrix][place])
+        entry = html(mathematics.matrices(derived(name))[matrix][place])
         assert " ".join(unescape(re.sub("<[^>]*>", "", entry)).split()) == shown
 
 

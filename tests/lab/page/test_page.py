@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import entry, main
-from drake_leg.lab.page.contents import chapters
-from drake_leg.lab.page.contents import RUNS
+from drake_leg.lab.page.contents import RUNS, chapters
 
 pytestmark = pytest.mark.slow
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from drake_leg.lab.page.pieces import picture
 from drake_leg.pictures.plots.free_body import free_body
 from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 from drake_leg.pictures.plots.style import svg_text
-from drake_leg.lab.page.pieces import picture
 from drake_leg.robot.robots import LEG_A, SCARA
 
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")

@@ -11,15 +11,25 @@ import pytest
 from chains import POSTURES
 
 from drake_leg.colours import GREEN, VERMILLION
-from drake_leg.pictures.plots import pendulum_plots as pendulum_figures
 from drake_leg.pictures.plots import foot_plots
+from drake_leg.pictures.plots import pendulum_plots as pendulum_figures
 from drake_leg.pictures.plots.of_runs import figures_of_run
-from drake_leg.pictures.plots.style import DARK, LINES, STYLE, for_light_and_dark, new_figure, save
-from drake_leg.pictures.plots.style import add_degrees, curves_plot, time_plot, widen_flat_axis
-from drake_leg.simulation.recording import Recording
+from drake_leg.pictures.plots.style import (
+    DARK,
+    LINES,
+    STYLE,
+    add_degrees,
+    curves_plot,
+    for_light_and_dark,
+    new_figure,
+    save,
+    time_plot,
+    widen_flat_axis,
+)
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
+from drake_leg.simulation.recording import Recording
 
 ALONG_X = ["input_and_velocity", "velocity_and_position", "input_velocity_and_position"]
 TURNING = ["foot_rotation", "joint_angles", "joint_torques", "singularity"]

@@ -12,11 +12,11 @@ from chains import POSTURES, random_chain
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
+from drake_leg.kinematics.khalil import row_transform
 from drake_leg.pictures.plots.free_body import free_body
 from drake_leg.pictures.plots.sketch import Sketch, direction
 from drake_leg.pictures.plots.style import svg_text
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.kinematics.khalil import row_transform
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA, hexabot_leg
 
 

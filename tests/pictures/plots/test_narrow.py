@@ -9,10 +9,17 @@ import pytest
 from matplotlib.ticker import NullLocator
 
 from drake_leg.pictures.plots.free_body import free_body
-from drake_leg.pictures.plots.narrow import IN_SPACE, MOST_TICKS, WIDTH, narrow
-from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 from drake_leg.pictures.plots.of_runs import figures_of_run
-from drake_leg.pictures.plots.style import claim, legend_above, new_figure
+from drake_leg.pictures.plots.singularity_maps import maps_of_posture
+from drake_leg.pictures.plots.style import (
+    IN_SPACE,
+    MOST_NARROW_TICKS,
+    WIDTH,
+    claim,
+    legend_above,
+    narrow,
+    new_figure,
+)
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA
 from drake_leg.runs.catalogue import RUNS
@@ -131,7 +138,7 @@ def test_letters_stay_as_large_and_curves_as_they_are():
     ][:6]
     for one, other in zip(wide.axes[0].lines, slim.axes[0].lines, strict=True):
         np.testing.assert_array_equal(one.get_xydata(), other.get_xydata())
-    assert len(wide.axes[0].get_xticks()) > MOST_TICKS + 1 >= len(slim.axes[0].get_xticks())
+    assert len(wide.axes[0].get_xticks()) > MOST_NARROW_TICKS + 1 >= len(slim.axes[0].get_xticks())
     assert [t.get_text() for t in slim.axes[0].get_legend().get_texts()] == ["x", "y", "z"]
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from drake_leg.pictures.plots import foot_plots
-from drake_leg.pictures.plots.of_runs import figures_of_run
 from drake_leg.pictures.plots.foot_plots import sine_frequency, step_frequency, torques_away
-from drake_leg.simulation.recording import Recording
+from drake_leg.pictures.plots.of_runs import figures_of_run
 from drake_leg.runs.catalogue import RUNS
+from drake_leg.simulation.recording import Recording
 
 QUARTER = "velocity leads by a quarter period"
 JOINTS = {1: "hip", 2: "knee", 3: "ankle"}

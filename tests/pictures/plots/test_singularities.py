@@ -5,10 +5,10 @@ import pytest
 
 from drake_leg.colours import BLUE, VERMILLION
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian
 from drake_leg.pictures.plots import singularity_maps
 from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 from drake_leg.pictures.plots.style import for_light_and_dark, save
-from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
 from drake_leg.singularity.rank import examine
 
