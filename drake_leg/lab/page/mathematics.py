@@ -107,14 +107,14 @@ def _row_comparison(robot: Robot, witness: _Witness) -> Comparison:
     formula = general_transform()
     from_chain = from_drake = 0.0
     position = 0
-    for number, row in enumerate(robot.rows, start=1):
+    for index, row in enumerate(robot.rows, start=1):
         q = 0.0
         if row.joint != "fixed":
             q, position = witness.q[position], position + 1
         r = row.r + q * (row.joint == "prismatic")
         theta = row.theta + q * (row.joint == "revolute")
         value = evaluate(formula, {"d": row.d, "alpha": row.alpha, "r": r, "theta": theta})
-        drake = witness.by_drake(f"T{number - 1}{number}", ())
+        drake = witness.by_drake(f"T{index - 1}{index}", ())
         from_chain = max(from_chain, float(np.abs(value - row_transform(row, q)).max()))
         from_drake = max(from_drake, float(np.abs(value - drake).max()))
     return Comparison(formula=formula, value=None, from_chain=from_chain, from_drake=from_drake)
