@@ -1,4 +1,4 @@
-"""Units, as values in SI, and what every quantity must be: finite and of a sensible size."""
+"""Units as values in SI, and checks that a quantity is finite and of a sensible size."""
 
 from __future__ import annotations
 
@@ -108,6 +108,15 @@ _SI_NAMES: dict[Powers, str] = {
     _FREQUENCY: "1/s",
 }
 
+# No quantity of a robot is smaller or larger than this in SI units; numbers beyond overflow in
+# parsers and solvers.
+LEAST, MOST = 1e-30, 1e15
+LARGEST_ANGLE = 1e6  # [rad] or [m]
+
+# [rad or m], how far beyond a limit a joint is still at it: more than the rounding of degrees and
+# the integration error of a motion that turns back at a limit, and too little to be seen.
+AT_LIMIT = 1e-6
+
 
 @dataclass(frozen=True, kw_only=True)
 class Unit:
@@ -204,12 +213,12 @@ def _atom(words: list[str]) -> tuple[Unit, list[str]]:
 
 
 def value_in_si(unit: str) -> float:
-    """Return what one of a unit is in SI: 0.001 for ``mm``."""
+    """Return the value of a unit in SI: 0.001 for ``mm``."""
     return parse_unit(unit).in_si(1.0)
 
 
 def _choices(*units: str) -> dict[str, float]:
-    """Name units that a person may choose from, with their values in SI."""
+    """Map units that a person may choose to their values in SI."""
     return {unit: value_in_si(unit) for unit in units}
 
 
@@ -228,7 +237,7 @@ def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> flo
     Parameters
     ----------
     what : str
-        The quantity that the unit is of, for the error's sentence.
+        Name of the quantity, for the error message.
 
     Raises
     ------
@@ -242,7 +251,7 @@ def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> flo
 
 @dataclass(frozen=True, kw_only=True)
 class JointUnits:
-    """The units that a robot file uses at one joint, and how they become SI and radians."""
+    """The units that a robot file uses at one joint, with their conversion to SI."""
 
     position: str  # as in sentences and comments: deg, rad or m
     effort: str
@@ -315,16 +324,6 @@ def joint_entries(name: str, q: Sequence[float], slides: Sequence[bool]) -> dict
     return {name: shown, f"{name}_units": ["m" if sliding else "deg" for sliding in slides]}
 
 
-# What is smaller or larger than this in SI units is no robot; numbers beyond it end in an
-# overflow inside a parser or a solver.
-LEAST, MOST = 1e-30, 1e15
-LARGEST_ANGLE = 1e6  # [rad] or [m]
-
-# [rad or m], how far beyond a limit a joint is still at it: more than the rounding of degrees and
-# the integration error of a motion that turns back at a limit, and too little to be seen.
-AT_LIMIT = 1e-6
-
-
 def require_number(what: str, value: object) -> None:
     """Refuse what is not a real number."""
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -343,7 +342,7 @@ def require_positive(what: str, value: float, unit: str) -> None:
 
 
 def require_non_negative(what: str, value: float, unit: str) -> None:
-    """Refuse a value that is negative, not finite, or too large or small to be one of a robot."""
+    """Refuse a value that is negative, not finite, or not of a sensible size."""
     require_number(what, value)
     if not (math.isfinite(value) and value >= 0.0):
         raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be zero or positive")
@@ -352,7 +351,7 @@ def require_non_negative(what: str, value: float, unit: str) -> None:
 
 
 def require_angle(what: str, value: float) -> None:
-    """Refuse a joint position [rad or m] that is not finite or beyond any robot's."""
+    """Refuse a joint position [rad or m] that is not finite or is unreasonably large."""
     require_number(what, value)
     if not math.isfinite(value):
         raise InvalidValueError(f"{what} is {float(value)!r}; it must be a finite angle")
@@ -363,7 +362,7 @@ def require_angle(what: str, value: float) -> None:
 
 
 def beyond(position: float, low: float, high: float) -> float:
-    """Tell how far a joint is outside its limits [rad or m], which may be infinite.
+    """How far a joint is outside its limits [rad or m], which may be infinite.
 
     Returns
     -------

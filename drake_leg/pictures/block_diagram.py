@@ -14,8 +14,7 @@ from drake_leg.pictures.of_diagram import diagram_picture
 from drake_leg.pictures.of_plant import link_picture, mechanism_picture
 from drake_leg.pictures.of_simulink import model_pictures
 from drake_leg.pictures.svg import ALL, MECHANISM, SIGNALS, Picture
-from drake_leg.robot.names import frame_name
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, frame_name
 from drake_leg.simulink.listing import printable
 from drake_leg.simulink.model import Model
 from drake_leg.systems.frame_sensor import FrameSensor

@@ -28,7 +28,7 @@ from drake_leg.pictures.mechanical import (
     spring_words,
 )
 from drake_leg.pictures.svg import DrawnBlock, Picture, wrapped
-from drake_leg.robot.names import PLACES, frame_name, place_name
+from drake_leg.robot.robot import PLACES, frame_name, place_name
 
 
 def link_picture(plant: MultibodyPlant, link: str, *, title: str, shape: str = "solid") -> Picture:

@@ -26,8 +26,7 @@ from pydrake.systems.framework import Diagram, System
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, finite_vectors
 from drake_leg.models.sdf import sdf_text
-from drake_leg.robot.names import place_name
-from drake_leg.robot.robot import Robot, link_colour
+from drake_leg.robot.robot import Robot, link_colour, place_name
 from drake_leg.scene.parts import Part, rod, size_of
 
 PALE = (0.72, 0.73, 0.76)

@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drake_leg.colours import PURPLE
-from drake_leg.kinematics.chain import size_of
-from drake_leg.kinematics.khalil import Array, base_transforms
+from drake_leg.kinematics.khalil import Array, base_transforms, chain_length
 from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch
 from drake_leg.pictures.plots.style import GREY, INK, new_figure
 from drake_leg.robot.robot import Robot, Segment
@@ -100,12 +99,12 @@ def _best_seen(robot: Robot) -> _Seen:
             right = np.array([-s, c, 0.0])
             up = np.array([-math.sin(el) * c, -math.sin(el) * s, math.cos(el)])
             found.append(_Seen(q, X, right, up))
-    return max(found, key=lambda seen: _clearness(seen, size_of(robot.rows)))
+    return max(found, key=lambda seen: _clearness(seen, chain_length(robot.rows)))
 
 
 def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
     """Range in which a joint may be drawn [rad or m]."""
-    mechanics, size = segment.mechanics, size_of(robot.rows)
+    mechanics, size = segment.mechanics, chain_length(robot.rows)
     turns = segment.row.joint == "revolute"
     low, high = (-WIDEST, WIDEST) if turns else (0.2 * size, 0.5 * size)
     lower = low if mechanics.lower is None else mechanics.lower
