@@ -30,7 +30,6 @@ from drake_leg.symbolic.catalogue import (
     DerivedRobot,
     derived_equations,
     require_subject,
-    require_sympy,
 )
 
 if TYPE_CHECKING:
@@ -46,8 +45,7 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
         "Derive a report's transforms, its Jacobian by two methods, its determinant "
-        "and its singularities from the Khalil rows, in symbols; or those of a robot of your own. "
-        "Needs SymPy: pip install 'drake-leg[symbolic]'."
+        "and its singularities from the Khalil rows, in symbols; or those of a robot of your own."
     )
     parser.epilog = (
         "Exit status: 0 everything was derived, 2 bad input, 3 something was not derived in time."
@@ -91,7 +89,6 @@ def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -
 def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
     """Derive what follows from a table, and print each piece when it is done."""
     robot = robot_source(chosen.name).robot()
-    require_sympy(f"the derivation of {chosen.name}")
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import own_pieces
 

@@ -170,9 +170,6 @@ def _check_table(path: Path, chosen: argparse.Namespace) -> int:
 
 
 def _check_print(robot: Robot, chosen: argparse.Namespace) -> int:
-    from drake_leg.symbolic.catalogue import require_sympy
-
-    require_sympy("grading a print")
     from drake_leg.lab.grader.grade import grade
     from drake_leg.lab.grader.printed import read_printed
 
