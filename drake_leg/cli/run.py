@@ -1,4 +1,4 @@
-"""``drake-leg run``."""
+"""``drake-leg run``: one run carried out, written and drawn."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
-from drake_leg.cli.showing import Shows, add_shows, say_if_sketched
+from drake_leg.cli.showing import Shows, add_shows, remark_if_sketched
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -16,6 +16,7 @@ from drake_leg.cli.terminal import (
     STOPPED_EARLY,
     Pictures,
     add_output,
+    at_work,
     fail,
     remark,
 )
@@ -67,17 +68,16 @@ def _run(chosen: argparse.Namespace) -> int:
         print(f"wrote {folder.path}: {rows}{_quality(summary)}")
     pictures = Pictures()
     try:
-        with ProgressBar(sys.stderr, chosen.name, 1.0, "") as bar:
-            bar.turn_to("pictures")
+        with at_work(chosen.name, "pictures"):
             _draw(chosen.name, kind, outcome, folder, pictures)
             made = shows.write(kind.heading, outcome, folder, pictures)
     except KeyboardInterrupt:
         return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
     for path in made:
         print(f"wrote {path}")
-    pictures.say_failures()
+    pictures.print_failures()
     if shows.stills:
-        say_if_sketched()
+        remark_if_sketched()
     said = ("grazing", "ill_conditioned", "inaccuracy")
     remarks = [*summary.get("limits_exceeded", ()), *map(summary.get, said)]
     for sentence in filter(None, remarks):

@@ -1,4 +1,4 @@
-"""What commands print: sentences with options, numbers, pictures that fail, exit statuses."""
+"""What commands print: sentences with options, what could not be drawn, the exit status."""
 
 from __future__ import annotations
 
@@ -13,8 +13,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drake_leg.errors import DrakeLegError, InvalidValueError, PictureError, PlaceError
-from drake_leg.progress import BUDGET
+from drake_leg.progress import BUDGET, ProgressBar
 from drake_leg.units import require_positive
+
+FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130  # exit statuses
+TRACEBACK = "DRAKE_LEG_TRACEBACK"  # environment variable: print tracebacks of unexpected errors
 
 _SETTING = re.compile(r"`(?:(?P<name>[a-z][a-z0-9_]*)(?:=(?P<value>[^`]+))?|(?P<other>'[^`]+'))`")
 
@@ -22,14 +25,19 @@ _SETTING = re.compile(r"`(?:(?P<name>[a-z][a-z0-9_]*)(?:=(?P<value>[^`]+))?|(?P<
 def as_options(text: object) -> str:
     """Write the settings in a sentence of the library as options."""
 
-    def option(found: re.Match[str]) -> str:
-        name, value, other = found.group("name", "value", "other")
+    def written(setting: re.Match[str]) -> str:
+        name, value, other = setting.group("name", "value", "other")
         if other:
             return _plain(other)
-        option = f"--{name.replace('_', '-')}"
+        option = option_of(name)
         return option if value in (None, "True") else f"{option} {_plain(value)}"
 
-    return _SETTING.sub(option, str(text))
+    return _SETTING.sub(written, str(text))
+
+
+def option_of(name: str) -> str:
+    """Write the name of a setting as its option: ``max_step`` as ``--max-step``."""
+    return f"--{name.replace('_', '-')}"
 
 
 def _plain(value: str) -> str:
@@ -47,9 +55,6 @@ def place_given_by(option: str) -> Iterator[None]:
             overwrite = ", or add --overwrite" if error.replaceable else ""
             error.advice = f"choose another {option}{overwrite}"
         raise
-
-
-FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 
 
 def fail(error: object, status: int) -> int:
@@ -119,7 +124,12 @@ def numbers(option: str, text: str, count: int | None = None) -> list[float]:
     return values
 
 
-PLACES = "DRAKE_LEG_TRACEBACK"  # environment variable: print the traceback of unexpected errors
+@contextmanager
+def at_work(label: str, stage: str) -> Iterator[None]:
+    """Show for how long something of unknown length has been going on."""
+    with ProgressBar(sys.stderr, label, 1.0, "") as bar:
+        bar.turn_to(stage)
+        yield
 
 
 @contextmanager
@@ -130,7 +140,7 @@ def picture(what: str) -> Iterator[None]:
     except DrakeLegError:
         raise
     except Exception as error:
-        show_place()
+        show_traceback()
         raise PictureError(what, error) from error
 
 
@@ -146,16 +156,16 @@ class Pictures:
         try:
             yield
         except Exception as error:
-            show_place()
+            show_traceback()
             self.failures.append(PictureError(what, error))
 
-    def say_failures(self) -> None:
+    def print_failures(self) -> None:
         """Print the errors."""
         for failure in self.failures:
             remark(failure)
 
 
-def show_place() -> None:
-    """Print where the error comes from, if the environment asks for it."""
-    if PLACES in os.environ:
+def show_traceback() -> None:
+    """Print the traceback of the current error, if the environment asks for it."""
+    if TRACEBACK in os.environ:
         traceback.print_exc()
