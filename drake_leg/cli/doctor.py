@@ -244,7 +244,7 @@ def _stroke(stroke: Stroke) -> str:
     if stroke.joint is not None:
         if stroke.length == 0.0:
             return f"none: joint {stroke.joint} is at its limit, or outside"
-        return f"{stroke.length:.9g} m, where joint {stroke.joint} comes to its limit"
+        return f"{stroke.length:.9g} m, where joint {stroke.joint} reaches its limit"
     if stroke.length == 0.0:
         return "none: the foot cannot go straight along it"
     if math.isinf(stroke.length):

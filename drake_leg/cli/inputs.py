@@ -76,7 +76,7 @@ def add_posture(parser: argparse.ArgumentParser) -> None:
 
 
 def posture(name: str, robot: Robot, text: str | None) -> list[float]:
-    """Read the posture that was asked for, or choose one [rad or m].
+    """Read a posture, or choose the one where a run starts [rad or m].
 
     ``name`` is the robot's on the command line, ``text`` as in ``90,-50,-90``.
     """

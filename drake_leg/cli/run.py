@@ -78,8 +78,8 @@ def _run(chosen: argparse.Namespace) -> int:
     pictures.print_failures()
     if shows.stills:
         remark_if_sketched()
-    said = ("grazing", "ill_conditioned", "inaccuracy")
-    remarks = [*summary.get("limits_exceeded", ()), *map(summary.get, said)]
+    warnings = map(summary.get, ("grazing", "ill_conditioned", "inaccuracy"))
+    remarks = [*summary.get("limits_exceeded", ()), *warnings]
     for sentence in filter(None, remarks):
         remark(sentence)
     return _status(summary, folder, pictures)
@@ -112,7 +112,7 @@ def _draw(
 
 
 def _status(summary: Mapping[str, Any], folder: ResultsFolder, pictures: Pictures) -> int:
-    """Say what did not go well, and choose the exit status."""
+    """Print what went wrong, and choose the exit status."""
     status = FAILED if summary.get("inaccuracy") else 0
     if pictures.failures:
         status = fail(f"the data in {folder.path} are whole", FAILED)
@@ -148,7 +148,7 @@ def _quality(summary: Mapping[str, Any]) -> str:
 
 
 def _cost(summary: Mapping[str, Any], disturbed: Mapping[str, Any]) -> str:
-    """Say how far a disturbance took the foot, for how long, and with what torques."""
+    """Describe how far a disturbance took the foot, for how long, and with what torques."""
     said = (
         f", foot up to {summary['greatest_distance_from_command_m']:.3g} m from its command, "
         f"farther than {disturbed['band_m']:g} m for {disturbed['time_off_band_s']:.3g} s, "

@@ -21,7 +21,7 @@ ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}  # of the files of t
 
 
 def stop_note(summary: Mapping[str, Any]) -> str | None:
-    """Say why a run stopped before its end, from what ``summary.json`` says, if it did."""
+    """Describe why a run stopped before its end, if it did, from its ``summary.json``."""
     reason, at = summary.get("stop_reason"), summary.get("stopped_at_s")
     if not isinstance(reason, str):
         return None
@@ -64,7 +64,7 @@ def remark_if_sketched() -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Shows:
-    """What was asked for besides the folder of results."""
+    """The files to write besides the folder of results, and whether to add stills to it."""
 
     replay: Path | None
     video: Path | None
@@ -82,7 +82,7 @@ class Shows:
         )
 
     def check(self) -> None:
-        """Refuse files that cannot be made, before any work is done for them."""
+        """Refuse files that cannot be written, before work is done for them."""
         for option, path in self._files().items():
             from drake_leg.scene.replay import check_show  # not needed without these options
 

@@ -23,7 +23,7 @@ _SETTING = re.compile(r"`(?:(?P<name>[a-z][a-z0-9_]*)(?:=(?P<value>[^`]+))?|(?P<
 
 
 def as_options(text: object) -> str:
-    """Write the settings in a sentence of the library as options."""
+    """Rewrite the settings in a sentence of the library as options."""
 
     def written(setting: re.Match[str]) -> str:
         name, value, other = setting.group("name", "value", "other")
@@ -47,7 +47,7 @@ def _plain(value: str) -> str:
 
 @contextmanager
 def place_given_by(option: str) -> Iterator[None]:
-    """Advise to change this option where a place cannot be written, unless another was named."""
+    """Add to a ``PlaceError`` the advice to change this option, unless it names another."""
     try:
         yield
     except PlaceError as error:
@@ -134,7 +134,7 @@ def at_work(label: str, stage: str) -> Iterator[None]:
 
 @contextmanager
 def picture(what: str) -> Iterator[None]:
-    """Make one sentence of whatever goes wrong with a picture."""
+    """Raise any error of a picture as a ``PictureError``."""
     try:
         yield
     except DrakeLegError:
@@ -145,14 +145,14 @@ def picture(what: str) -> Iterator[None]:
 
 
 class Pictures:
-    """Pictures that are tried one after the other; ``failures`` has the errors."""
+    """Collects the errors of pictures that are made one after the other."""
 
     def __init__(self) -> None:
         self.failures: list[PictureError] = []
 
     @contextmanager
     def trying(self, what: str) -> Iterator[None]:
-        """Try to make one, and keep the error if it fails."""
+        """Keep the error if this picture fails."""
         try:
             yield
         except Exception as error:
