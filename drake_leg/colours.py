@@ -1,4 +1,4 @@
-"""The colours that all pictures share, and their backgrounds."""
+"""The colours and backgrounds that all pictures share."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Literal
 
 Colour = tuple[float, float, float]  # red, green, blue in 0...1
 
-# Follows the reader's light or dark theme, always white, or transparent.
+# White or dark as the reader's system, always white, or transparent.
 Background = Literal["auto", "white", "none"]
 
-# Okabe and Ito's palette, which colour-blind readers can distinguish.
+# Okabe and Ito's colours, told apart by colour-blind eyes.
 BLUE, ORANGE, GREEN = "#0072B2", "#E69F00", "#009E73"
 SKY_BLUE, YELLOW, VERMILLION, REDDISH_PURPLE = "#56B4E9", "#F0E442", "#D55E00", "#CC79A7"
 
