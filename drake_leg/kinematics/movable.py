@@ -35,9 +35,7 @@ class Movable(ABC):
     """
 
     turning: tuple[bool, ...] = (True, True, True)  # (n,): revolute, not prismatic
-    twists: Array = (
-        TRANSLATION  # (6, m): rotation, then translation of the foot, for each component of v
-    )
+    twists: Array = TRANSLATION  # (6, m): rotation, then translation, for each component of v
     row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0)  # that scale the rows of J to lengths [m/unit]
     length: float  # of the stretched arm [m]
     determinant_scale: float  # roughly the greatest determinant, in its unit

@@ -11,10 +11,7 @@ import numpy as np
 from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.singularity.families import singular_words
 
-STOP, SLOW = (
-    0.01,
-    0.04,
-)  # of the arm's length: singular values at which the foot stops, begins to slow
+STOP, SLOW = 0.01, 0.04  # of the arm's length: singular values where the foot stops, slows down
 GREATEST_RATE = 4.0  # [rad/s or m/s] of a joint
 LOOK = 1e-4  # [rad or m] of the fastest joint, trial step that shows where the singular value goes
 
