@@ -133,7 +133,7 @@ class _Posture(NamedTuple):
     Vt: Array  # (m, n)
 
     def solve(self, v: Array) -> Array:
-        """Return the smallest rates that produce velocities v, (n,)."""
+        """Smallest rates that produce velocities v, (n,)."""
         solution: Array = self.Vt.T @ ((self.U.T @ v) / self.sigma)
         return solution
 
@@ -208,7 +208,7 @@ class MovableChain(Movable):
         return found
 
     def at(self, q: Floats) -> Self:
-        """What can be commanded in a posture."""
+        """The chain with the twists of a posture: itself, unless it ``varies``."""
         if not self.varies:
             return self
         return type(self)(self.rows, tangent_twists(self.rows, q), varies=True)

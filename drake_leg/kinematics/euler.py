@@ -114,7 +114,7 @@ def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
 
 
 def gimbal_distance(sequence: str, angles: ArrayLike) -> Array:
-    """How far the second of Euler angles (..., 3) is from gimbal lock, (...) [rad].
+    """Distance of the second of Euler angles (..., 3) from gimbal lock, (...) [rad].
 
     It is 0 at gimbal lock, and pi/2 where the first and the third axis are at right angles.
     """
@@ -130,7 +130,7 @@ def continuous_angles(sequence: str, series: ArrayLike) -> Array:
     pi - b, c + pi)`` for Tait-Bryan sequences, ``(a + pi, -b, c + pi)`` for proper ones; at
     gimbal lock it has a whole line of them. The result is the same rotation at every sample
     and passes straight through gimbal lock. Two samples must be less than about a quarter turn
-    apart. The first sample stays as it is.
+    apart. The first sample is unchanged.
     """
     axes = _axes(sequence)
     checked = finite_vectors("the Euler angles", series, 3)

@@ -36,7 +36,7 @@ def stop_force(stop: HardStop, depth: ArrayLike, rate: ArrayLike) -> Array:
 def limit_force(mechanics: JointMechanics, q: ArrayLike, qdot: ArrayLike) -> Array:
     """Force of a joint's limits on it, along the joint, (...) [N*m or N]; 0 within them.
 
-    Limits without a stop do nothing here.
+    Limits without a stop contribute nothing.
     """
     at, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
     total: Array = np.zeros(np.broadcast_shapes(at.shape, rate.shape))

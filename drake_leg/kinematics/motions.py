@@ -94,16 +94,16 @@ class SineStep:
         return np.eye(3) - np.outer(self.direction, self.direction)
 
     def displacement(self, time: ArrayLike) -> Array:
-        """Return where the foot is, seen from where it starts: times (n,) [s] to (n, 3) [m]."""
+        """Displacement of the foot from its start at times (n,) [s], (n, 3) [m]."""
         advance = self.amplitude / self.frequency * (1.0 - np.cos(self._phase(time)))
         return np.outer(advance, self.direction)
 
     def velocity(self, time: ArrayLike) -> Array:
-        """Return the derivative of the displacement: times (n,) [s] to (n, 3) [m/s]."""
+        """Velocity of the foot at times (n,) [s], (n, 3) [m/s]."""
         return np.outer(self.amplitude * np.sin(self._phase(time)), self.direction)
 
     def acceleration(self, time: ArrayLike) -> Array:
-        """Return the derivative of the velocity: times (n,) [s] to (n, 3) [m/s^2]."""
+        """Acceleration of the foot at times (n,) [s], (n, 3) [m/s^2]."""
         rate = self.amplitude * self.frequency
         return np.outer(rate * np.cos(self._phase(time)), self.direction)
 
@@ -194,17 +194,17 @@ class EllipticStep(SineStep):
         return np.cross(self.direction, UP)[:, np.newaxis]
 
     def displacement(self, time: ArrayLike) -> Array:
-        """Return where the foot is, seen from where it starts: times (n,) [s] to (n, 3) [m]."""
+        """Displacement of the foot from its start at times (n,) [s], (n, 3) [m]."""
         rise = self.lift / 2.0 * np.sin(self._phase(time))
         return super().displacement(time) + np.outer(rise, UP)
 
     def velocity(self, time: ArrayLike) -> Array:
-        """Return the derivative of the displacement: times (n,) [s] to (n, 3) [m/s]."""
+        """Velocity of the foot at times (n,) [s], (n, 3) [m/s]."""
         climb = self.lift / 2.0 * self.frequency * np.cos(self._phase(time))
         return super().velocity(time) + np.outer(climb, UP)
 
     def acceleration(self, time: ArrayLike) -> Array:
-        """Return the derivative of the velocity: times (n,) [s] to (n, 3) [m/s^2]."""
+        """Acceleration of the foot at times (n,) [s], (n, 3) [m/s^2]."""
         slowing = -self.lift / 2.0 * self.frequency**2 * np.sin(self._phase(time))
         return super().acceleration(time) + np.outer(slowing, UP)
 

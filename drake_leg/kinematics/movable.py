@@ -109,12 +109,12 @@ class Movable(ABC):
 
     @property
     def joints(self) -> int:
-        """How many joints move: n."""
+        """Number of moving joints, n."""
         return len(self.turning)
 
     @property
     def size(self) -> int:
-        """How many velocities are commanded: m."""
+        """Number of commanded velocities, m."""
         return int(self.twists.shape[1])
 
     @property

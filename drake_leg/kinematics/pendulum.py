@@ -141,12 +141,12 @@ def acceleration(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
 
 
 def _swing(q0: float) -> float:
-    """Return the angle from hanging, brought into [-pi, pi]."""
+    """Angle from hanging, wrapped to [-pi, pi]."""
     return math.remainder(q0 - math.pi / 2, 2 * math.pi)
 
 
 def _oscillates(model: PendulumModel, q0: float) -> bool:
-    """Tell whether the undamped pendulum released at rest at q0 swings with a finite period."""
+    """Whether the undamped pendulum, released at rest at q0, swings with a finite period."""
     return (
         model.damping == 0.0
         and model.spring_stiffness == 0.0

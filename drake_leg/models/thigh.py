@@ -52,7 +52,7 @@ class ThighSubsystem:
 
 
 def thighs(robot: Robot) -> tuple[ThighSubsystem, ...]:
-    """Take a robot's moving links as thigh subsystems, from base to tip.
+    """Describe a robot's moving links as thigh subsystems, from base to tip.
 
     Raises
     ------

@@ -446,7 +446,7 @@ def require_unique(names: Iterable[tuple[str, str]]) -> None:
 
 
 def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]], *, title: str) -> str:
-    """Return a table with its title above; all texts are escaped."""
+    """HTML of a table with a title above it, for notebooks; all texts are escaped."""
     head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows

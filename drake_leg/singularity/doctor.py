@@ -68,7 +68,7 @@ class Diagnosis:
     holds_orientation: bool  # along the stroke
     forward: Stroke | None  # None where the posture is singular already
     backward: Stroke | None
-    greatest_amplitude: float | None  # [m/s], at the frequency asked for
+    greatest_amplitude: float | None  # [m/s], at the given frequency
     feet: Feet | None  # the inverse kinematics; None if not requested
 
     @property
@@ -233,7 +233,7 @@ def _limited(
     direction: Sequence[float],
     moved: Movable | None,
 ) -> Stroke:
-    """Return the stroke to the first singularity, or to a joint limit before it."""
+    """Stroke to the first singularity, or to a joint limit before it."""
     lifted, limits = _lifted(robot, q), limits_of(robot.moving)
     already = _outside(robot, lifted)
     if already:

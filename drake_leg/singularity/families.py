@@ -39,7 +39,7 @@ class Edges:
 
 
 class Approach(NamedTuple):
-    """How near a path comes to a boundary."""
+    """Where a path comes nearest to a boundary, or first meets it."""
 
     parameter: float  # of the path
     family: Family
@@ -171,7 +171,7 @@ def breaks_of_line(extremes: Sequence[float], end: float) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Nearness:
-    """How near a posture is to a singular family."""
+    """Distance of a posture from a singular family."""
 
     family: Family
     measure: float  # 0 on the family, 1 farthest from it

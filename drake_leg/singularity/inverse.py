@@ -45,7 +45,7 @@ class _Joint(NamedTuple):
     settling: float  # [s]
 
     def allowed(self, room: float) -> float:
-        """Return the greatest rate towards a limit that is ``room`` away."""
+        """Greatest rate towards a limit at the distance ``room``."""
         rate = room / (self.settling if room >= 0.0 else RETREAT)
         return min(max(rate, -self.most), self.most)
 
