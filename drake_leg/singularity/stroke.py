@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.chain import RANK_TOLERANCE, MovableChain, Sweep, sweep, twist_between
 from drake_leg.kinematics.khalil import Array, chain_length, moving_rows, one_vector
-from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.movable import TRANSLATION, Movable
 from drake_leg.kinematics.of_robot import joints_in_words
 from drake_leg.robot.robot import Robot, Row
@@ -21,7 +20,6 @@ from drake_leg.singularity.families import (
     Approach,
     Families,
     Family,
-    LegFamilies,
     ScaraFamilies,
     approaches,
     breaks_of_line,
@@ -103,11 +101,6 @@ def approaches_on_line(
     """
     breaks = breaks_of_line(families.extremes(p, d), end)
     return approaches(families.edges(q), line(p, d), breaks)
-
-
-def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
-    """``closed_stroke`` of a leg."""
-    return closed_stroke(LegFamilies(leg), q, direction)
 
 
 def greatest_amplitude(stroke: Stroke, frequency: float) -> float:

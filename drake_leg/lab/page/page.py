@@ -27,14 +27,15 @@ from drake_leg.lab.page.pieces import (
 )
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
-from drake_leg.singularity.stroke import leg_stroke
+from drake_leg.singularity.families import LegFamilies
+from drake_leg.singularity.stroke import closed_stroke
 
 
 def highlights(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, Markup, str, str]]:
     """Return questions, answers, and the anchors and labels of the items that show them."""
     step, options = outcomes["leg-b"], LegBOptions()
-    room = leg_stroke(
-        LegGeometry.from_robot(step.robot), options.posture(), options.unit_direction()
+    room = closed_stroke(
+        LegFamilies(LegGeometry.from_robot(step.robot)), options.posture(), options.unit_direction()
     )
     yield (
         "Can the leg make a strictly forward step?",
