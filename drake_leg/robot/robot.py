@@ -39,7 +39,7 @@ LINK_COLOURS = tuple(map(rgb, (BLUE, ORANGE, GREEN, SKY_BLUE, YELLOW, VERMILLION
 
 BASE = "base"  # the link that is welded to the world
 BASE_WELD = "base_weld"
-PLACES = ("base", "cog", "end")  # of every link: a frame each
+PLACES = ("base", "cog", "end")  # of the frames on every link
 
 
 @dataclass(frozen=True, kw_only=True)

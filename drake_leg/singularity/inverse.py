@@ -24,7 +24,7 @@ STEEPEST = 0.5  # [1/rad] of the arm's length: bound of the slope of the smalles
 
 METHODS = ("exact", "damped", "limited")
 DAMPED_BELOW = 0.03  # of the arm's length: singular value at which damping begins
-UNLIMITED_RATE = 2.0 * math.pi  # [rad/s or m/s] of a joint without a limit of its own
+DEFAULT_RATE = 2.0 * math.pi  # [rad/s or m/s] of a joint without a limit of its own
 SETTLING = 0.1  # [s], time constant of a joint's approach to its limit
 LAGS = 8.0  # least settling in time constants of the filters: from 27/4 on it does not overshoot
 
@@ -269,7 +269,7 @@ class Inverse:
 
     method: str = "exact"
     damped_below: float | None = None  # [m]; None: DAMPED_BELOW of the arm's length
-    rate_limit: float | None = None  # [rad/s] of turning joints; None: their own, or UNLIMITED_RATE
+    rate_limit: float | None = None  # [rad/s] of turning joints; None: their own, or DEFAULT_RATE
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
@@ -323,4 +323,4 @@ class Inverse:
         own = segment.mechanics.velocity
         if self.rate_limit is not None and segment.row.joint == "revolute":
             return self.rate_limit
-        return UNLIMITED_RATE if own is None else own
+        return DEFAULT_RATE if own is None else own
