@@ -106,7 +106,7 @@ def _links(leg: LegGeometry, q: ArrayLike) -> _Links:
     (q1, q2, q3), cos, sin = split("q", q, 3)
     x2, z2 = leg.l2 * cos(q2), leg.l2 * sin(q2)
     x3, z3 = leg.l3 * cos(q2 + q3), leg.l3 * sin(q2 + q3)
-    return _Links(cos(q1), sin(q1), x2, z2, x3, z3, leg.l1 + x2 + x3)
+    return _Links(cos(q1), sin(q1), x2, z2, x3, z3, leg.l1 + (x2 + x3))
 
 
 def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:

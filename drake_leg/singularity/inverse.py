@@ -18,7 +18,7 @@ from drake_leg.units import require_positive
 
 FLOOR = 0.25  # of lambda: about where sigma settles while the command pushes outwards
 LEAST = 1e-7  # of the arm's length: selects the smallest of a redundant robot's rates
-DIFFERENCE = 1e-7  # [s], of the derivative of damped rates
+DIFFERENCE = 1e-7  # [s], of the derivative of damped rates; it magnifies their rounding 1e7 times
 TYPICAL = 0.2  # of the arm's length: slope of sigma along w at a boundary
 STEEPEST = 0.5  # [1/rad] of the arm's length: bound of the slope of the smallest singular value
 
