@@ -8,6 +8,13 @@ from typing import TypeVar
 
 from drake_leg.pictures.svg import Picture
 
+# In crossings. A loop's lane is below the blocks where that costs nothing.
+ABOVE_A_BLOCK = 0.15
+DISORDER = 0.01  # of blocks against the order in which the diagram lists them
+SWEEPS = 8
+T = TypeVar("T")
+_Found = tuple[float, list[list[int]], list[list[int]], list[list[int]]]
+
 
 @dataclass(frozen=True)
 class Spot:
@@ -163,14 +170,6 @@ def _tracks_of_net(
     return tracks
 
 
-# In crossings. A loop's lane is below the blocks where that costs nothing.
-ABOVE_A_BLOCK = 0.15
-DISORDER = 0.01  # of blocks against the order in which the diagram lists them
-SWEEPS = 8
-
-T = TypeVar("T")
-
-
 @dataclass
 class Order:
     """The order in the columns, and of the ports on both sides of every block."""
@@ -208,9 +207,6 @@ def order_of(picture: Picture, columns: Columns) -> Order:
         best = min(best, search.improved(), key=lambda found: found[0])
     _, members, inputs, outputs = best
     return Order(members=members, inputs=inputs, outputs=outputs)
-
-
-_Found = tuple[float, list[list[int]], list[list[int]], list[list[int]]]
 
 
 class _Search:

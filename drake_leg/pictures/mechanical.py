@@ -15,6 +15,8 @@ from drake_leg.simulink.bodies import SHAPES
 CAPTION_WIDTH = 84.0  # [px], of a mechanical block
 SIGNAL_WIDTH = 88.0  # [px], of a signal block
 SAME = 1e-12  # [m], and of a rotation matrix: what is nearer coincides
+_KINDS = {shape: kind for kind, shape in SHAPES.items()}
+Output = tuple[int, int]  # block, and its output
 
 
 def number_text(value: float) -> str:
@@ -75,11 +77,6 @@ def _axis(axis: Sequence[float]) -> str:
         if abs(abs(part) - 1.0) < 1e-9:
             return letter if part > 0.0 else f"−{letter}"
     return f"({', '.join(f'{part:.3g}' for part in axis)})"
-
-
-_KINDS = {shape: kind for kind, shape in SHAPES.items()}
-
-Output = tuple[int, int]  # block, and its output
 
 
 class Chain:

@@ -34,6 +34,27 @@ _PRETTY = {
 }
 _NAMELESS = re.compile(r"[uy]\d+|data")
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+TO_PHYSICAL, TO_SIGNAL = "Simulink-PS", "PS-Simulink"  # how converters' names begin
+ACCELERATIONS = ("a", "qddot")  # inputs that only a motion's acceleration feeds
+_GLYPHS: dict[type, str] = {
+    ConstantVectorSource: "constant",
+    Demultiplexer: "demux",
+    Gain: "gain",
+    Integrator: "integrator",
+    MatrixGain: "gain",
+    Multiplexer: "mux",
+    MultibodyPlant: "plant",
+    Sine: "sine",
+    VectorLogSink: "scope",
+}
+_INSIDE = {
+    "InverseJacobian": ("J⁻¹",),
+    "PrescribedMotion": ("inverse", "dynamics"),
+    "FrameSensor": ("6 DOF",),
+    "EnergySensor": ("T + V",),
+}
+# Blocks of the mechanical side, drawn as Simscape's are.
+_PHYSICAL = ("MultibodyPlant", "PrescribedMotion", "FrameSensor", "EnergySensor")
 
 
 def pretty(name: str) -> str:
@@ -75,32 +96,6 @@ def signal_names(systems: Mapping[str, System], shown: Sequence[LiveWire]) -> di
 
 def _sub(place: int) -> str:
     return str(place + 1).translate(_SUBSCRIPTS)
-
-
-TO_PHYSICAL, TO_SIGNAL = "Simulink-PS", "PS-Simulink"  # how converters' names begin
-ACCELERATIONS = ("a", "qddot")  # inputs that only a motion's acceleration feeds
-
-_GLYPHS: dict[type, str] = {
-    ConstantVectorSource: "constant",
-    Demultiplexer: "demux",
-    Gain: "gain",
-    Integrator: "integrator",
-    MatrixGain: "gain",
-    Multiplexer: "mux",
-    MultibodyPlant: "plant",
-    Sine: "sine",
-    VectorLogSink: "scope",
-}
-
-_INSIDE = {
-    "InverseJacobian": ("J⁻¹",),
-    "PrescribedMotion": ("inverse", "dynamics"),
-    "FrameSensor": ("6 DOF",),
-    "EnergySensor": ("T + V",),
-}
-
-# Blocks of the mechanical side, drawn as Simscape's are.
-_PHYSICAL = ("MultibodyPlant", "PrescribedMotion", "FrameSensor", "EnergySensor")
 
 
 def diagram_picture(

@@ -70,6 +70,7 @@ _INSIDE = {
     TO_SIGNAL: ("PS", "S"),
 }
 _SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
+MOST_BLOCKS = 300  # in one picture; more take minutes to lay out, and nobody can read them
 
 
 def signal_block(
@@ -276,9 +277,6 @@ def _is_wide(line: _Line, glyph: Mapping[str, str]) -> bool:
     """Whether a Mux or a Demux tells that a line carries several signals."""
     ends = {glyph[split_port(port)[0]] for port in line.targets}
     return glyph[split_port(line.source)[0]] == "mux" or "demux" in ends
-
-
-MOST_BLOCKS = 300  # in one picture; more take minutes to lay out, and nobody can read them
 
 
 def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Picture, ...]:

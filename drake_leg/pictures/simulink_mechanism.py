@@ -30,6 +30,24 @@ from drake_leg.simulink.model import Block, Model, number, split_port, vector
 
 _LONGEST = 24  # characters of a line
 _MOST_LINES = 3
+TO_PHYSICAL, TO_SIGNAL = "Simulink-PS Converter", "PS-Simulink Converter"
+_SIGNAL_KINDS = (TO_PHYSICAL, TO_SIGNAL, "Spectrum Analyzer", "Probe")
+_LIBRARIES = ("sm_lib", "nesl_utility", "nesl_utility_internal", "fl_lib")
+Node = tuple[str, ...]  # ports that one connection joins
+JOINT_GLYPHS = {
+    "6-DOF Joint": "six_dof",
+    "Prismatic Joint": "prismatic",
+    "Revolute Joint": "revolute",
+}
+_GLYPHS = JOINT_GLYPHS | {
+    "Mechanism Configuration": "configuration",
+    "Rigid Transform": "transform",
+    "Solver Configuration": "configuration",
+    "World Frame": "world",
+}
+_INSIDE = {"Mechanism Configuration": ("g ↓",), "Solver Configuration": ("f(x) = 0",)}
+_SENSORS = ("6-DOF Joint", "Bushing Joint", "Transform Sensor")
+_LEAVES = ("Solid", "Inertia", "Configuration", "Graphic")  # how names of what ends a chain end
 
 
 def unique_names(model: Model) -> dict[str, str]:
@@ -51,13 +69,6 @@ def cut(text: str) -> str:
     """Cut a line of text off after 24 characters, and leave out what cannot be printed."""
     text = printable(text)
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
-
-
-TO_PHYSICAL, TO_SIGNAL = "Simulink-PS Converter", "PS-Simulink Converter"
-_SIGNAL_KINDS = (TO_PHYSICAL, TO_SIGNAL, "Spectrum Analyzer", "Probe")
-_LIBRARIES = ("sm_lib", "nesl_utility", "nesl_utility_internal", "fl_lib")
-
-Node = tuple[str, ...]  # ports that one connection joins
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,20 +134,6 @@ def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
     sid, side, _ = split_port(port)
     kind = blocks[sid].kind
     return kind == TO_PHYSICAL or (side == "rconn" and kind != TO_SIGNAL)
-
-
-JOINT_GLYPHS = {
-    "6-DOF Joint": "six_dof",
-    "Prismatic Joint": "prismatic",
-    "Revolute Joint": "revolute",
-}
-_GLYPHS = JOINT_GLYPHS | {
-    "Mechanism Configuration": "configuration",
-    "Rigid Transform": "transform",
-    "Solver Configuration": "configuration",
-    "World Frame": "world",
-}
-_INSIDE = {"Mechanism Configuration": ("g ↓",), "Solver Configuration": ("f(x) = 0",)}
 
 
 def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> DrawnBlock:
@@ -246,10 +243,6 @@ def _dimensions(shape: Shape) -> str:
     if isinstance(shape, Cylinder):
         return f"{radius}, l {number_text(1e3 * shape.length)} mm"
     return f"{radius} mm"
-
-
-_SENSORS = ("6-DOF Joint", "Bushing Joint", "Transform Sensor")
-_LEAVES = ("Solid", "Inertia", "Configuration", "Graphic")  # how names of what ends a chain end
 
 
 def model_mechanism_picture(

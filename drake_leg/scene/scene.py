@@ -36,6 +36,7 @@ MOST_POSTURES = 400  # of a motion that are examined to find out how much room i
 
 # A plant's motion: as it was recorded, as Drake logged it, or as time (rows,) and q (rows, q).
 Record: TypeAlias = "PlantMotion | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
+_FROM_ABOVE = (0.0, -1e-4, 1.0)  # the little that leaves y up in the picture
 
 
 class OtherRobotError(InvalidValueError):
@@ -221,8 +222,6 @@ class View:
         right /= np.linalg.norm(right)
         return np.column_stack([right, np.cross(back, right), back])
 
-
-_FROM_ABOVE = (0.0, -1e-4, 1.0)  # the little that leaves y up in the picture
 
 VIEWS = {
     view.name: view

@@ -3,8 +3,7 @@ import math
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.scene.teleop import SILENCE, VelocityCommands
-from drake_leg.scene.teleop_page import FASTEST
+from drake_leg.scene.teleop import FASTEST, SILENCE, VelocityCommands
 
 
 class Clock:

@@ -10,7 +10,7 @@ from drake_leg.robot.robots import LEG_A, LEG_B
 from drake_leg.robot.toml_reader import read_robot
 from drake_leg.scene.driven_foot import DrivenFoot
 from drake_leg.scene.scene import VIEWS
-from drake_leg.scene.teleop_page import teleop_page, teleop_scene
+from drake_leg.scene.teleop import teleop_page, teleop_scene
 
 Q = np.radians([90.0, -50.0, -90.0])
 DESK = """

@@ -5,7 +5,7 @@ import numpy as np
 
 from drake_leg.kinematics.leg import LegGeometry, branch_angles, foot_position
 from drake_leg.robot.robots import LEG_A, LEG_B
-from drake_leg.scene.teleop_page import section_circles, section_triangles
+from drake_leg.scene.teleop import section_circles, section_triangles
 
 UNEQUAL = replace(LegGeometry.from_robot(LEG_B), l3=0.06)
 

@@ -36,6 +36,12 @@ NEAR_SINGULAR = (
     0.05  # of the greatest smallest singular value: where torques say nothing about a leg
 )
 FAR_HIGHER = 3.0  # times the torques elsewhere: what would hide them
+ROOM = 1.3  # times the greatest torque away from a singularity: what an axis shows
+STILL = 1e-6  # [m or m/s], a coordinate that changes less is said to be constant
+FEW = 4  # joints whose panels have room for their names beside them
+SINGULARITY = {"det_j": "det J", "manipulability": "manipulability"}
+INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gaps of the other
+GHOSTS = 9  # postures
 
 
 def step_frequency(recording: Recording) -> float | None:
@@ -80,13 +86,6 @@ def torques_away(recording: Recording, columns: list[str]) -> tuple[float, float
         return None
     away, there = float(torques[~near].max()), float(torques[near].max())
     return (away, there) if there > FAR_HIGHER * away else None
-
-
-ROOM = 1.3  # times the greatest torque away from a singularity: what an axis shows
-STILL = 1e-6  # [m or m/s], a coordinate that changes less is said to be constant
-FEW = 4  # joints whose panels have room for their names beside them
-SINGULARITY = {"det_j": "det J", "manipulability": "manipulability"}
-INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gaps of the other
 
 
 def position(recording: Recording, title: str, what: str = "foot") -> Figure:
@@ -294,9 +293,6 @@ def _power(value: float) -> str:
     if value == 0.0:
         return "0"
     return f"$10^{{{math.ceil(math.log10(value))}}}$"
-
-
-GHOSTS = 9  # postures
 
 
 def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:

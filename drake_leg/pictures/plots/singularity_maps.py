@@ -54,6 +54,8 @@ STAR: dict[str, Any] = {
 SHEET: dict[str, Any] = {"linewidth": 0, "rasterized": True}  # thousands of faces
 STRETCHED, ON_AXIS = "sin $q_3$ = 0", "$\\rho$ = 0"
 MARKED = "this posture"
+SIDES = (1, -1)  # the foot in front of the hip, and behind it
+Maps = dict[str, Callable[[], Figure]]
 
 
 def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
@@ -184,9 +186,6 @@ def _pieces(arc: Array) -> Sequence[Array]:
     return [piece[~np.isnan(piece).any(axis=1)] for piece in np.split(arc, gaps)]
 
 
-SIDES = (1, -1)  # the foot in front of the hip, and behind it
-
-
 def dexterity(leg: LegGeometry, start: Sequence[float] | Array, title: str) -> Figure:
     """Draw the smallest singular value over the leg's own plane, for both ways of facing the foot.
 
@@ -278,9 +277,6 @@ def _where_reached(q: Array, jacobian: Callable[[Array], Array]) -> Array:
     sigma = np.full(inside.shape, np.nan)
     sigma[inside] = MM * smallest_singular_value(jacobian(q[inside]))
     return sigma
-
-
-Maps = dict[str, Callable[[], Figure]]
 
 
 def maps_of_posture(robot: Robot, q: Sequence[float]) -> Maps:

@@ -23,6 +23,9 @@ LED = 20.0  # [pt], farther than which a thin line leads to a label
 SPARE = 2.0  # [px] around a label
 SPACING = 5.0  # [px] of the points that stand for a line
 THIN = 4.0  # [pt], up to which a line has no sides
+AXES = ("x", "y", "z")
+COLOURS = (VERMILLION, GREEN, BLUE)  # of the axes x, y, z
+FACING = 0.98  # cosine from which on an axis is seen end on
 
 
 class Labels:
@@ -99,11 +102,6 @@ class Labels:
 def _unit(vector: Point) -> Array:
     length = math.hypot(*vector)
     return np.array(vector) / length if length > 0.0 else np.zeros(2)
-
-
-AXES = ("x", "y", "z")
-COLOURS = (VERMILLION, GREEN, BLUE)  # of the axes x, y, z
-FACING = 0.98  # cosine from which on an axis is seen end on
 
 
 class Sketch:
