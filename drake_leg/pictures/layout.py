@@ -1,4 +1,9 @@
-"""Where everything is: columns, order, heights and channels put together, part by part."""
+"""Lays out a block diagram: columns, order, heights, and channels for the wires.
+
+Heights minimise the bends of the wires by a linear programme, after Gansner, Koutsofios, North and
+Vo, "A technique for drawing directed graphs", 1993, section 4: bends are charged by their height,
+so that most wires become straight. Ports of bars and boxes slide along their sides.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +23,12 @@ from drake_leg.pictures.svg import LINE, SIZE, SMALL, Picture, Point, text_width
 PITCH = 9.0  # [px], between vertical lines of a channel
 BEFORE, AFTER = 10.0, 16.0  # [px], free at a channel's sides; an arrow's head is at the right one
 NARROWEST = 26.0  # [px], of a channel
-ROUNDS = 12  # of taking lines off each other
+ROUNDS = 12  # of separating lines that overlap
 ROW = 1400.0  # [px], width that a row should not exceed
 BETWEEN = 36.0  # [px], two parts
 GAP = 16.0  # [px], between blocks, their captions included
 LANE_GAP = 13.0  # [px], to a lane
-# What a pixel costs: of a bend, by what it joins; of a block's growth; of the picture's height.
+# Cost of a pixel: of a bend, by what it joins; of a block's growth; of the picture's height.
 OF_BLOCKS, OF_LANE_AND_BLOCK, OF_LANES = 3.0, 4.0, 8.0
 OF_SINK, OF_SOURCE, BACKWARD = 0.3, 1.3, 0.1  # times that, at ends and beginnings, and of a loop
 OF_BAR_END = 0.8  # the same, to a bar
@@ -34,7 +39,7 @@ Terms = dict[int, float]
 
 @dataclass(frozen=True)
 class Label:
-    """A line of text and the box that it fills."""
+    """A line of text and its box."""
 
     text: str
     box: Box
@@ -53,7 +58,7 @@ class Route:
 
 @dataclass(frozen=True)
 class Layout:
-    """A picture with all its places [px]."""
+    """A picture with the positions of everything in it [px]."""
 
     picture: Picture
     boxes: tuple[Box, ...]  # of the blocks
@@ -67,7 +72,7 @@ class Layout:
 
 
 def lay_out(picture: Picture) -> Layout:
-    """Lay a picture out, from left to right; the same for the same picture."""
+    """Lay out a picture from left to right; the result is deterministic."""
     columns = columns_of(picture)
     order = order_of(picture, columns)
     heights, lanes = _without_overlaps(picture, columns, order)
@@ -84,7 +89,7 @@ def _channels(columns: Columns) -> list[list[Track]]:
 def _without_overlaps(
     picture: Picture, columns: Columns, order: Order
 ) -> tuple[Heights, list[dict[int, int]]]:
-    """Move ends apart until no two nets lie on each other, in whatever order."""
+    """Move ends apart until no two nets overlap."""
     apart: list[tuple[End, End, float]] = []
     for _ in range(ROUNDS):
         heights = heights_of(picture, columns, order, apart)
@@ -97,7 +102,7 @@ def _without_overlaps(
 
 
 def _parted(a: Trunk, b: Trunk, heights: Heights) -> tuple[End, End, float]:
-    """Demand a distance between the two ends that lie on each other."""
+    """Require a distance between the two ends that overlap."""
     y = heights.ends
     out, into = min(
         ((o, i) for o in a.track.ends if not o.left for i in b.track.ends if i.left),
@@ -108,7 +113,7 @@ def _parted(a: Trunk, b: Trunk, heights: Heights) -> tuple[End, End, float]:
 
 
 class _Placing:
-    """Turns columns and heights into places."""
+    """Converts columns and heights into positions."""
 
     def __init__(
         self, picture: Picture, columns: Columns, heights: Heights, lanes: list[dict[int, int]]
@@ -181,7 +186,7 @@ class _Placing:
         return (self.right if end.left else self.left)[spot.column], y
 
     def layout(self) -> Layout:
-        """Put everything together."""
+        """Return the layout."""
         blocks = self.picture.blocks
         inputs, outputs = (
             {
@@ -206,7 +211,7 @@ class _Placing:
         )
 
     def _framed(self, layout: Layout) -> Layout:
-        """Let the picture begin at its leftmost wire; its lowest one may be a loop's."""
+        """Widen the picture to hold wires beyond the last column."""
         xs = [x for route in layout.routes for x, _ in route.points]
         return replace(layout, width=max([layout.width, *xs]))
 
@@ -242,7 +247,7 @@ class _Placing:
     def _ways(
         self, net: int, track: Track, tracks: Mapping[tuple[int, int], Track]
     ) -> Iterator[tuple[tuple[int, int], list[Point]]]:
-        """Follow a net from where it enters a channel to all of its targets."""
+        """Follow a net from its entry into a channel to all of its targets."""
         first = self._point(track.ends[0])
         lane = self.lanes[track.channel].get(net)
         x = None if lane is None else self.trunk_start[track.channel] + PITCH * lane
@@ -260,7 +265,7 @@ class _Placing:
 
 
 def lay_out_parts(picture: Picture) -> Layout:
-    """Lay a picture out part by part, and put the parts into rows, in their order."""
+    """Lay out the connected parts of a picture, and arrange them in rows."""
     parts = _parts(picture)
     if len(parts) < 2:
         return lay_out(picture)
@@ -270,7 +275,7 @@ def lay_out_parts(picture: Picture) -> Layout:
 
 
 def _parts(picture: Picture) -> list[list[int]]:
-    """Gather the blocks that wires join, in the order of the first ones."""
+    """Find the connected components, ordered by their first blocks."""
     parts = {index: [index] for index in range(len(picture.blocks))}
     for net in picture.nets:
         for other, _ in net.targets:
@@ -282,7 +287,7 @@ def _parts(picture: Picture) -> list[list[int]]:
 
 
 def _part(picture: Picture, blocks: Sequence[int]) -> Picture:
-    """Make a part a picture of its own."""
+    """Make a picture of one component."""
     place = {block: index for index, block in enumerate(blocks)}
     return Picture(
         title=picture.title,
@@ -300,7 +305,7 @@ def _part(picture: Picture, blocks: Sequence[int]) -> Picture:
 
 
 def _places(layouts: Sequence[Layout]) -> Iterable[Point]:
-    """Put one part beside the other until the row is full."""
+    """Place parts side by side until a row is full."""
     widest = max(ROW, *(layout.width for layout in layouts))
     x = y = height = 0.0
     for layout in layouts:
@@ -311,7 +316,7 @@ def _places(layouts: Sequence[Layout]) -> Iterable[Point]:
 
 
 def _moved(layout: Layout, place: Point) -> Layout:
-    """Move a layout right and down; its size is counted from where it was."""
+    """Move a layout right and down; its size still counts from the origin."""
     dx, dy = place
 
     def point(old: Point) -> Point:
@@ -342,7 +347,7 @@ def _moved(layout: Layout, place: Point) -> Layout:
 
 
 def _joined(picture: Picture, parts: Sequence[Sequence[int]], layouts: Sequence[Layout]) -> Layout:
-    """Number the blocks and the nets of all parts as in the whole picture."""
+    """Join the layouts of all parts, numbered as in the whole picture."""
     found = {
         block: (layout.boxes[index], layout.captions[index])
         for blocks, layout in zip(parts, layouts, strict=True)
@@ -376,7 +381,7 @@ def _joined(picture: Picture, parts: Sequence[Sequence[int]], layouts: Sequence[
 
 @dataclass(frozen=True)
 class Heights:
-    """Vertical places [px], of every spot and of every end of a net."""
+    """Vertical positions of all spots and of all ends of nets [px]."""
 
     top: tuple[float, ...]  # of every spot
     bottom: tuple[float, ...]  # without the caption
@@ -397,13 +402,14 @@ def heights_of(
 ) -> Heights:
     """Place blocks, lanes and ports.
 
-    Of each pair of ends in ``apart`` the first must be lower by so much than the second [px].
+    For each (first, second, distance) in ``apart`` the first end is at least that far below the
+    second [px].
     """
     return _Programme(picture, columns, order).solve(apart)
 
 
 class _Programme:
-    """The variables, rows and costs of one picture."""
+    """The linear programme of one picture: variables, constraints and costs."""
 
     def __init__(self, picture: Picture, columns: Columns, order: Order) -> None:
         self.columns = columns
@@ -463,7 +469,7 @@ class _Programme:
                     self._at_least(lower, upper, PORT_PITCH if inner else pad)
 
     def _stack(self, members: list[int]) -> None:
-        """Keep a column's order, above zero and below the picture's lower edge."""
+        """Keep a column's order, inside the picture."""
         spots = self.columns.spots
         if not members:
             return
@@ -492,7 +498,7 @@ class _Programme:
 
     @staticmethod
     def _share(picture: Picture, source: int, target: int) -> float:
-        """Let what ends in a scope or at a bar bend first, and what begins somewhere last."""
+        """Scale a bend's cost: wires into scopes and bars bend first, those from sources last."""
         block = picture.blocks[target]
         ends = target >= 0 and not block.outputs and len(block.inputs) == 1
         begins = source >= 0 and not picture.blocks[source].inputs

@@ -1,4 +1,4 @@
-"""The mechanism of a Simulink model as a picture, from the world outwards."""
+"""Reads the mechanism of a Simulink model as a picture, from the world outwards."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def network_of(model: Model) -> Network:
 
 
 def ports_by_block(ports: Iterable[str]) -> dict[str, list[str]]:
-    """Gather ports by the SIDs of their blocks, in the order of sides and numbers."""
+    """Group ports by the SIDs of their blocks, ordered by side and number."""
     found: dict[str, list[str]] = {}
     for port in sorted(ports, key=lambda port: split_port(port)[1:]):
         found.setdefault(split_port(port)[0], []).append(port)
@@ -188,7 +188,7 @@ def _gravity(block: Block) -> Iterator[str]:
 
 
 def _joint(block: Block) -> Iterator[str]:
-    """Say what drives a joint with one degree of freedom, and what acts in it."""
+    """Describe the actuation, damping and spring of a joint with one degree of freedom."""
     get, turning = block.parameters.get, block.kind == "Revolute Joint"
     for what in ("Motion", "Torque", "Force"):
         if str(get(f"{what}ActuationMode", "")).startswith("Input"):
@@ -258,7 +258,7 @@ def model_mechanism_picture(
 
 
 class _Walk:
-    """Goes from frame to frame and attaches what is connected there."""
+    """Traverses the frames breadth-first and attaches the connected blocks."""
 
     def __init__(self, model: Model, network: Network, names: Mapping[str, str]) -> None:
         self.network, self.names = network, names
@@ -296,7 +296,7 @@ class _Walk:
                 self._place(sid)
 
     def _place(self, sid: str) -> None:
-        """Attach a block to the frames that are reached; its other ones are reached from now on."""
+        """Attach a block to the frames reached so far; its other frames are then reached, too."""
         self.placed.add(sid)
         index, opened = len(self.chain.blocks), 0
         attached = []

@@ -1,4 +1,7 @@
-"""A foot driven by hand from a page: the page's commands in, posture and guard out."""
+"""Drives a foot from a page: reads the page's commands, publishes posture and guard.
+
+The page also shows the section of the workspace that a leg reaches without turning its hip.
+"""
 
 from __future__ import annotations
 
@@ -59,13 +62,13 @@ REGION, AXIS = rgb(BLUE), rgb(VERMILLION)
 BRIGHT_REGION, BRIGHT_AXIS = (0.42, 0.76, 1.0), (1.0, 0.65, 0.36)  # their lines, on dark pages
 ROOM_AROUND = 0.25  # the posture, of its size
 TURNS = 24  # of the hip, at which the section that a leg reaches is examined
-TRIED = 400  # postures that tell how much room a robot takes whose reach is not known
+TRIED = 400  # postures that determine the size of the scene of another robot
 CORNERS = 96  # of a circle
 
 
 @dataclass(frozen=True, kw_only=True)
 class Orders:
-    """What the pages have commanded since they were last read."""
+    """The pages' commands since the last reading."""
 
     velocity: list[float]  # (3,) [mm/s]
     tab: str  # of the page that drives; empty at rest
@@ -128,7 +131,7 @@ class VelocityCommands:
             return {"velocity": self._velocity}
 
     def read(self) -> Orders:
-        """Return what is commanded now, and what else was asked for since the last call."""
+        """Return the current velocity, and the other commands since the last call."""
         with self._lock:
             lapsed = bool(self._tab) and self._clock() - self._heard > SILENCE
             if lapsed:
@@ -159,7 +162,7 @@ def drive_robot(
     wait: Callable[[float], None] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
 ) -> Step:
-    """Let a person drive a robot's foot, until the page quits or Ctrl-C.
+    """Let a user drive a robot's foot from a page, until the page quits or Ctrl-C.
 
     Parameters
     ----------
@@ -168,7 +171,7 @@ def drive_robot(
     q : (n,) array_like
         Where it starts [rad or m].
     say : callable
-        Called with each new sentence of the guard, also when it lets the foot go.
+        Called with each new message of the guard, also when it releases the foot.
     keep : {"position", "pose"}, optional
         Whether the foot may turn, as ``movable`` takes it.
     once : bool
@@ -219,7 +222,7 @@ def drive_robot(
 def _state(drive: DrivenFoot, step: Step, orders: Orders) -> dict[str, Any]:
     poses = shown(drive.robot).poses(step.q)[1:]
     if drive.leg is not None:
-        poses = np.concatenate([poses, _hip(step.q[0])])
+        poses = np.concatenate([poses, _hip_pose(step.q[0])[np.newaxis]])
     return {
         "poses": np.round(pose_rows(poses), 7).tolist(),
         "velocity": orders.velocity,
@@ -233,31 +236,26 @@ def _state(drive: DrivenFoot, step: Step, orders: Orders) -> dict[str, Any]:
     }
 
 
-def _hip(q1: float) -> Array:
-    """Pose of the section that a leg reaches: turned with the hip."""
-    X = np.eye(4)
-    X[:2, :2] = [[np.cos(q1), -np.sin(q1)], [np.sin(q1), np.cos(q1)]]
-    return X[np.newaxis]
-
-
 def teleop_scene(drive: DrivenFoot, q: Array) -> Scene:
-    """Make a scene that holds everything that the foot reaches, from where it starts, q (n,)."""
+    """Make a scene that contains the foot's whole workspace, for a start at q (n,)."""
     return scene_of(at_rest(drive.robot, q), room=ROOM_AROUND, around=_reach(drive))
 
 
 def _reach(drive: DrivenFoot) -> Array:
-    """Places of the foot around all others, (n, 3) [m]."""
+    """Points around the foot's workspace, (n, 3) [m]."""
     if drive.leg is None:
         plant = shown(drive.robot)
         return plant.traced(plant.poses(_postures(plant)))[:, 0]
     _, outer = section_circles(drive.leg)
     turns = 2.0 * np.pi * np.arange(TURNS) / TURNS
-    return np.concatenate([outer @ _turned(turn).T for turn in turns])
+    return np.concatenate([outer @ _hip_pose(turn)[:3, :3].T for turn in turns])
 
 
-def _turned(q1: float) -> Array:
-    c, s = np.cos(q1), np.sin(q1)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+def _hip_pose(q1: float) -> Array:
+    """Pose of the section that a leg reaches: it turns with the hip, (4, 4)."""
+    X = np.eye(4)
+    X[:2, :2] = [[np.cos(q1), -np.sin(q1)], [np.sin(q1), np.cos(q1)]]
+    return X
 
 
 def _postures(plant: ShownPlant) -> Array:
@@ -297,7 +295,7 @@ def _legend(leg: LegGeometry | None) -> tuple[Entry, ...]:
 
 
 def _note(drive: DrivenFoot) -> str:
-    """Say what of a command acts."""
+    """Describe which part of a command acts."""
     if drive.moved.varies:
         return "The foot goes along a curve or a surface: what of a command lies in it acts."
     said = []
@@ -309,7 +307,7 @@ def _note(drive: DrivenFoot) -> str:
 
 
 def _movable(drive: DrivenFoot) -> list[bool]:
-    """Tell of x, y, z along which of them the foot can be driven."""
+    """Tell along which of x, y, z the foot can be driven."""
     moved = np.linalg.norm(drive.moved.twists[3:], axis=1) > 1e-6
     return [True] * 3 if drive.moved.varies else moved.tolist()
 
@@ -340,7 +338,7 @@ def _data(drive: DrivenFoot, scene: Scene) -> dict[str, Any]:
 
 
 def _draw_region(meshcat: Meshcat, leg: LegGeometry | None) -> None:
-    """Draw the section that the foot reaches, its borders, and the hip axis."""
+    """Draw the section of the workspace, its boundaries, and the hip axis."""
     if leg is None:
         return
     vertices, triangles = section_triangles(leg)
@@ -362,7 +360,7 @@ def _draw_region(meshcat: Meshcat, leg: LegGeometry | None) -> None:
 
 
 def section_circles(leg: LegGeometry) -> tuple[Array, Array]:
-    """Inner and outer border of what the foot reaches without turning the hip.
+    """Inner and outer boundary of the workspace without turning the hip.
 
     Returns
     -------
@@ -377,7 +375,7 @@ def section_circles(leg: LegGeometry) -> tuple[Array, Array]:
 
 
 def section_triangles(leg: LegGeometry) -> tuple[Array, Array]:
-    """The section as a surface.
+    """Triangulate the section.
 
     Returns
     -------

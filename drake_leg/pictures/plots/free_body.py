@@ -1,6 +1,7 @@
-"""The robots with the frames of their tables: report A, figures 1 and 9; report B, 2 and 3.
+"""Free-body drawings of robots with the frames of their Khalil tables.
 
-Everything is placed by the Khalil table of the robot that is drawn.
+Report A, figures 1 and 9; report B, figures 2 and 3. Another chain is drawn twice, with its frames
+and with the forces on its bodies, above its table.
 """
 
 from __future__ import annotations
@@ -26,9 +27,9 @@ from drake_leg.robot.robot import Robot, Segment
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two
 RIGHT, BACK, UP = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-TRIED = 120  # postures, of which the one is drawn in which most is seen
+TRIED = 120  # postures, of which the clearest is drawn
 WIDEST = math.radians(75.0)  # of a joint from the middle of its range
-AZIMUTHS = (-65.0, -25.0, 25.0, 65.0)  # [deg], from where it is looked at
+AZIMUTHS = (-65.0, -25.0, 25.0, 65.0)  # [deg], of the view
 ELEVATION = 22.0  # [deg]
 SAME = 1e-6  # of the robot's size: points that are no farther apart are one
 WIDTH, HIGHEST, LOWEST = 6.8, 5.2, 1.6  # [inch] of a view, or of two
@@ -39,7 +40,7 @@ COLUMNS = (("row", 0.0), ("σ", 0.08), ("d [mm]", 0.16), ("α [deg]", 0.31), ("r
 
 
 def free_body(robot: Robot, *, title: str | None = None) -> Figure:
-    """Draw a robot with its frames, angles, lengths and what pulls at it.
+    """Draw a robot with its frames, angles, lengths, and the forces on it.
 
     Parameters
     ----------
@@ -52,7 +53,7 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     Returns
     -------
     Figure
-        In a posture in which everything is seen.
+        In a posture in which everything can be seen.
 
     Examples
     --------
@@ -243,7 +244,7 @@ def _along(at: tuple[float, float], angle: float, length: float) -> tuple[float,
 
 
 class _Seen(NamedTuple):
-    """A posture, and from where it is looked at."""
+    """A posture and a view of it."""
 
     q: Array  # [rad or m]
     X_B: Array  # (n + 1, 4, 4), of the base and every row
@@ -251,7 +252,7 @@ class _Seen(NamedTuple):
     up: Array
 
     def corners(self) -> Array:
-        """Where each row's way bends, from x of the frame before to its own z, (n, 3) [m]."""
+        """Corner of each row's link: from x of the previous frame to its own z, (n, 3) [m]."""
         start, end, x = self.X_B[:-1, :3, 3], self.X_B[1:, :3, 3], self.X_B[:-1, :3, 0]
         found: Array = start + x * ((end - start) * x).sum(axis=1, keepdims=True)
         return found
@@ -265,7 +266,7 @@ class _Seen(NamedTuple):
 def chain(robot: Robot, title: str) -> Figure:
     """Draw a chain twice, with its frames and with its bodies, above its table.
 
-    Posture and side are those, among many that are tried, in which most is seen.
+    Of many postures and views the clearest is drawn.
     """
     seen = _best_seen(robot)
     unit = _unit_of(seen)
@@ -300,7 +301,7 @@ def _panels(title: str, size: Array, rows: int) -> tuple[Figure, list[Axes]]:
 
 
 def _best_seen(robot: Robot) -> _Seen:
-    """Try postures and sides, always the same ones, and take the clearest."""
+    """Try postures and views, always the same ones, and return the clearest."""
     random = np.random.default_rng(1).uniform(-1.0, 1.0, (TRIED, len(robot.moving)))
     low, high = np.array([_range(robot, segment) for segment in robot.moving]).T
     postures = (low + high) / 2.0 + random * (high - low) / 2.0
@@ -333,7 +334,7 @@ def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
 
 
 def _clearness(seen: _Seen, size: float) -> float:
-    """Rate how well places can be told apart, and how well axes are seen."""
+    """Rate how well places can be told apart and axes can be seen."""
     origins = seen.X_B[:, :3, 3]
     flat = seen.on_paper(origins)
     first, second = np.triu_indices(len(origins), 1)
@@ -361,7 +362,7 @@ def _bounds(seen: _Seen, margin: float) -> tuple[Array, Array]:
 
 
 def _draw_links(sketch: Sketch, seen: _Seen, width: float) -> list[Line]:
-    """Draw every row's way: along x of the frame before, then along its own z."""
+    """Draw the link of every row: along x of the previous frame, then along its own z."""
     drawn = []
     origins = seen.X_B[:, :3, 3]
     for start, corner, end in zip(origins[:-1], seen.corners(), origins[1:], strict=True):
@@ -438,7 +439,7 @@ def _draw_bodies(sketch: Sketch, robot: Robot, seen: _Seen) -> None:
 
 
 def _write_table(axes: Axes, robot: Robot, q: Array) -> None:
-    """Write the Khalil table, and where the joints are drawn."""
+    """Write the Khalil table with the drawn joint positions."""
     axes.axis("off")
     count = len(robot.rows) + 1
     axes.set(xlim=(0.0, 1.0), ylim=(-count, 0.5))

@@ -1,4 +1,4 @@
-"""Where the leg and the SCARA are singular, and how well foot and tool move elsewhere."""
+"""Maps of the singularities and of the smallest singular value, for the leg and the SCARA."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 
 
 def foot_space(leg: LegGeometry, title: str) -> Figure:
-    """Draw where the foot is at the singular postures: torus, circle, piece of the hip axis.
+    """Draw the foot's singular positions: a torus, a circle, a segment of the hip axis.
 
     The torus is cut open.
     """
@@ -174,7 +174,7 @@ def _legend(figure: Figure, axes: Axes3D, *entries: tuple[str, str]) -> None:
 
 
 def _wrapped_degrees(arc: Array) -> Array:
-    """Write an arc in -180 ... 180 degrees, with a gap of NaN where it leaves and comes back."""
+    """Write an arc in -180 ... 180 degrees, with a NaN gap where it wraps around."""
     wrapped = np.degrees((arc + math.pi) % (2.0 * math.pi) - math.pi)
     jumps = np.flatnonzero(np.abs(np.diff(wrapped, axis=0)).max(axis=1) > 180.0) + 1
     return np.insert(wrapped, jumps, np.nan, axis=0)

@@ -17,7 +17,7 @@ from drake_leg.pictures.plots.style import BODY, GREY, INK
 Point = tuple[float, float]
 Line = tuple[Point, Point, float]
 
-TURNS = 24  # directions in which a place is looked for
+TURNS = 24  # directions in which a place is searched
 RINGS = (0.0, 6.0, 14.0, 24.0, 36.0, 50.0, 70.0, 95.0)  # [pt] from what is named to its label
 LED = 20.0  # [pt], farther than which a thin line leads to a label
 SPARE = 2.0  # [px] around a label
