@@ -52,6 +52,14 @@ class Columns:
     members: tuple[tuple[int, ...], ...]  # spots of every column, in the picture's order
     tracks: tuple[Track, ...]
 
+    @property
+    def channels(self) -> list[list[Track]]:
+        """The tracks of every channel."""
+        channels: list[list[Track]] = [[] for _ in range(len(self.members) + 1)]
+        for track in self.tracks:
+            channels[track.channel].append(track)
+        return channels
+
 
 def columns_of(picture: Picture) -> Columns:
     """Assign every block to a column, and lanes to the nets that pass columns.
@@ -215,9 +223,7 @@ class _Search:
     def __init__(self, picture: Picture, columns: Columns, order: Order) -> None:
         self.columns, self.order = columns, order
         self.loose = [s.block >= 0 and picture.blocks[s.block].loose for s in columns.spots]
-        self.channels: list[list[Track]] = [[] for _ in range(len(columns.members) + 1)]
-        for track in columns.tracks:
-            self.channels[track.channel].append(track)
+        self.channels = columns.channels
 
     def cost(self, column: int) -> float:
         """Return the part of the cost that depends on one column's order."""

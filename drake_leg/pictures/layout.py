@@ -79,21 +79,15 @@ def lay_out(picture: Picture) -> Layout:
     return _Placing(picture, columns, heights, lanes).layout()
 
 
-def _channels(columns: Columns) -> list[list[Track]]:
-    channels: list[list[Track]] = [[] for _ in range(len(columns.members) + 1)]
-    for track in columns.tracks:
-        channels[track.channel].append(track)
-    return channels
-
-
 def _without_overlaps(
     picture: Picture, columns: Columns, order: Order
 ) -> tuple[Heights, list[dict[int, int]]]:
     """Move ends apart until no two nets overlap."""
+    programme = _Programme(picture, columns, order)
     apart: list[tuple[End, End, float]] = []
     for _ in range(ROUNDS):
-        heights = heights_of(picture, columns, order, apart)
-        found = [lanes_of(trunks_of(t, heights.ends)) for t in _channels(columns)]
+        heights = programme.solve(apart)
+        found = [lanes_of(trunks_of(t, heights.ends)) for t in columns.channels]
         pairs = [pair for _, conflicts in found for pair in conflicts]
         if not pairs:
             break
@@ -196,24 +190,18 @@ class _Placing:
             }
             for left in (False, True)
         )
-        return self._framed(
-            Layout(
-                picture=self.picture,
-                boxes=tuple(self.boxes),
-                captions=tuple(map(self._caption, range(len(blocks)))),
-                inputs=inputs,
-                outputs=outputs,
-                routes=tuple(self._routes()),
-                labels=tuple(self._labels(outputs)),
-                width=self.width,
-                height=self.heights.total,
-            )
+        routes = tuple(self._routes())
+        return Layout(
+            picture=self.picture,
+            boxes=tuple(self.boxes),
+            captions=tuple(map(self._caption, range(len(blocks)))),
+            inputs=inputs,
+            outputs=outputs,
+            routes=routes,
+            labels=tuple(self._labels(outputs)),
+            width=max([self.width, *(x for route in routes for x, _ in route.points)]),
+            height=self.heights.total,
         )
-
-    def _framed(self, layout: Layout) -> Layout:
-        """Widen the picture to hold wires beyond the last column."""
-        xs = [x for route in layout.routes for x, _ in route.points]
-        return replace(layout, width=max([layout.width, *xs]))
 
     def _caption(self, index: int) -> tuple[Label, ...]:
         box = self.boxes[index]
@@ -394,20 +382,6 @@ def caption_height(lines: int) -> float:
     return LINE * lines + 3.0 if lines else 0.0
 
 
-def heights_of(
-    picture: Picture,
-    columns: Columns,
-    order: Order,
-    apart: Iterable[tuple[End, End, float]] = (),
-) -> Heights:
-    """Place blocks, lanes and ports.
-
-    For each (first, second, distance) in ``apart`` the first end is at least that far below the
-    second [px].
-    """
-    return _Programme(picture, columns, order).solve(apart)
-
-
 class _Programme:
     """The linear programme of one picture: variables, constraints and costs."""
 
@@ -434,7 +408,7 @@ class _Programme:
         return len(self.costs) - 1
 
     def _at_least(self, high: int, low: int, distance: float) -> None:
-        """Demand ``high >= low + distance``."""
+        """Require ``high >= low + distance``."""
         self.rows.append(({high: 1.0, low: -1.0}, distance))
 
     def _add_lane(self, spot: int) -> None:
@@ -507,6 +481,11 @@ class _Programme:
         return share * (OF_BAR_END if bar else 1.0)
 
     def solve(self, apart: Iterable[tuple[End, End, float]]) -> Heights:
+        """Place blocks, lanes and ports.
+
+        For each (first, second, distance) in ``apart`` the first end is at least that far below
+        the second [px].
+        """
         rows = [*self.rows]
         for low, high, distance in apart:
             rows.append(({self.end[low]: 1.0, self.end[high]: -1.0}, distance))

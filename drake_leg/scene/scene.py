@@ -80,7 +80,7 @@ class PlantMotion:
                 f"of shape {self.q.shape}; there must be one row of {positions} at each time"
             )
         if not (np.isfinite(self.time).all() and np.isfinite(self.q).all()):
-            raise InvalidValueError(f"a motion of {name!r} has a value not finite")
+            raise InvalidValueError(f"a motion of {name!r} has a value that is not finite")
         if (np.diff(self.time) < 0.0).any():
             raise InvalidValueError(f"the times of a motion of {name!r} fall somewhere")
 

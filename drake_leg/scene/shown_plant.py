@@ -357,7 +357,7 @@ class ShownPlant:
             for name in names:
                 if name not in frames:
                     raise InvalidValueError(
-                        f"the plant has no frame {name!r}, which is to leave a trace"
+                        f"the plant has no frame {name!r}, for a trace"
                     )
             return [self._fixed(frames[name]) for name in names]
         ends = [self._end_point(body) for body in self._last_bodies()]
@@ -424,7 +424,7 @@ def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()
         plants = list(_systems(what, MultibodyPlant))
         if len(plants) != 1:
             raise InvalidValueError(
-                f"the diagram has {len(plants)} plants; one can be shown: pass it alone"
+                f"the diagram has {len(plants)} plants; pass one of them alone"
             )
         inspectors = [graph.model_inspector() for graph in _systems(what, SceneGraph)]
         return ShownPlant(

@@ -297,10 +297,10 @@ def _legend(leg: LegGeometry | None) -> tuple[Entry, ...]:
 def _note(drive: DrivenFoot) -> str:
     """Describe which part of a command acts."""
     if drive.moved.varies:
-        return "The foot goes along a curve or a surface: what of a command lies in it acts."
+        return "The foot goes along a curve or a surface: only that part of a command acts."
     said = []
     if np.linalg.matrix_rank(drive.moved.twists[3:]) < 3:
-        said.append(f"The foot {motion_in_words(drive.moved)}: what of a command lies there acts.")
+        said.append(f"The foot {motion_in_words(drive.moved)}: only that part of a command acts.")
     if drive.moved.keeps_orientation:
         said.append("It does not turn.")
     return " ".join(said)

@@ -168,7 +168,7 @@ def replaced(page: str, old: str, new: str) -> str:
     """
     before, found, after = page.rpartition(old)
     if not found:
-        raise PageError(f"Meshcat's page has no {old}: this version of Drake is not known")
+        raise PageError(f"Meshcat's page has no {old}: this version of Drake is not supported")
     return before + new + after
 
 

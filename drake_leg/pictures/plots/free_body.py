@@ -21,7 +21,7 @@ from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position
-from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch, direction
+from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch, direction, polar
 from drake_leg.pictures.plots.style import BODY, GREY, INK, new_figure
 from drake_leg.robot.robot import Robot, Segment
 
@@ -99,10 +99,10 @@ def pendulum(robot: Robot, title: str) -> Figure:
     if model.damping:
         sketch.torque(pivot, 15.0, 75.0, "$c\\,\\dot{q}$", 1.0)
     if model.spring_stiffness:
-        sketch.dashed(pivot, _along(pivot, -rest, 0.9 * length))
-        sketch.text(_along(pivot, -rest, 0.97 * length), "$q_\\mathrm{ref}$")
+        sketch.dashed(pivot, polar(pivot, -rest, 0.9 * length))
+        sketch.text(polar(pivot, -rest, 0.97 * length), "$q_\\mathrm{ref}$")
         sketch.torque(pivot, -drawn_at, -rest, "", 4.0)
-        pull = _along(pivot, -rest - 5.0, 1.06 * length)
+        pull = polar(pivot, -rest - 5.0, 1.06 * length)
         sketch.text(pull, "$k\\,(q - q_\\mathrm{ref})$", PURPLE)
     sketch.dimension(pivot, centre, "$L/2$", -1.5)
     sketch.dimension(pivot, end, f"$L$ = {length:g} mm", -2.3)
@@ -136,9 +136,9 @@ def _leg_side(robot: Robot, sign: int, sketch: Sketch) -> None:
     sketch.frame(X_B[3], 3, moved=moved | above if sign > 0 else moved)
     sketch.frame(X_B[4], 4, moved={"x": (0.3, 0.0), "z": (0.5, -0.15)} | above)
     across, along = direction(sketch, X_B[1]), direction(sketch, X_B[2])
-    sketch.dashed(at[2], _along(at[2], across, 2.2 * sketch.unit))
+    sketch.dashed(at[2], polar(at[2], across, 2.2 * sketch.unit))
     sketch.angle(at[2], across, along, "$q_2$", 1.6)
-    sketch.dashed(at[3], _along(at[3], along, 2.1 * sketch.unit))
+    sketch.dashed(at[3], polar(at[3], along, 2.1 * sketch.unit))
     sketch.angle(at[3], along, direction(sketch, X_B[3]), "$q_3$", 1.75)
     lengths = [f"$l_{row}$ = {1e3 * robot.rows[row].d:g}" for row in (1, 2, 3)]
     sketch.dimension(at[1], at[2], lengths[0], -2.2)
@@ -225,7 +225,7 @@ def _scara_top(robot: Robot, arm: ScaraGeometry, sketch: Sketch) -> None:
     before = 0.0
     for index, turn in enumerate(turns, start=1):
         sketch.angle(at[index], before, before + turn, f"$q_{index}$", 1.7)
-        sketch.dashed(at[index], _along(at[index], before, 2.0 * sketch.unit))
+        sketch.dashed(at[index], polar(at[index], before, 2.0 * sketch.unit))
         before += turn
     sketch.frame(X_B[0], 0, "xy", scale=2.1, moved={"x": (0.3, 0.0)})
     sketch.frame(X_B[1], 1, moved={"z": (-0.4, 0.0)})
@@ -234,13 +234,6 @@ def _scara_top(robot: Robot, arm: ScaraGeometry, sketch: Sketch) -> None:
     sketch.dimension(at[1], at[2], f"$l_1$ = {1e3 * arm.l1:g}", -2.3)
     sketch.dimension(at[2], at[3], f"$l_2$ = {1e3 * arm.l2:g}", 1.8)
     sketch.heading("from above [mm]")
-
-
-def _along(at: tuple[float, float], angle: float, length: float) -> tuple[float, float]:
-    return (
-        at[0] + length * math.cos(math.radians(angle)),
-        at[1] + length * math.sin(math.radians(angle)),
-    )
 
 
 class _Seen(NamedTuple):

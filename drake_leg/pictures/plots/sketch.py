@@ -308,9 +308,9 @@ class Sketch:
             Arc(at, 2 * radius, 2 * radius, theta1=low, theta2=high, color=colour, linewidth=1.1)
         )
         sense = math.copysign(min(10.0, abs(second - first) / 2), second - first)
-        ends = [_around(at, radius, angle) for angle in (second - sense, second)]
+        ends = [polar(at, angle, radius) for angle in (second - sense, second)]
         self._arrow(ends[0], ends[1], colour, "-|>", 1.1)
-        self.text(_around(at, radius + 0.28 * self.unit, (first + second) / 2), label, colour)
+        self.text(polar(at, (first + second) / 2, radius + 0.28 * self.unit), label, colour)
 
     def torque(self, at: Point, first: float, second: float, label: str, size: float) -> None:
         """Draw a torque about an axis seen end on, as ``angle`` draws an angle."""
@@ -337,10 +337,11 @@ class Sketch:
         self.axes.autoscale_view()
 
 
-def _around(at: Point, radius: float, angle: float) -> Point:
+def polar(at: Point, angle: float, length: float) -> Point:
+    """Return the point at a distance from another, in a direction [deg]."""
     return (
-        at[0] + radius * math.cos(math.radians(angle)),
-        at[1] + radius * math.sin(math.radians(angle)),
+        at[0] + length * math.cos(math.radians(angle)),
+        at[1] + length * math.sin(math.radians(angle)),
     )
 
 
