@@ -26,7 +26,6 @@ from drake_leg.models.plant import build_plant
 from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.robot.names import frame_name
 from drake_leg.robot.robot import Robot, Row
-from drake_leg.symbolic.catalogue import require_sympy
 from drake_leg.units import require_positive
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
@@ -162,8 +161,6 @@ def prove(
     ------
     InvalidValueError
         If there is no sample, the seed is negative, or the budget is not positive.
-    MissingSymPyError
-        If SymPy is not installed.
 
     Examples
     --------
@@ -179,7 +176,6 @@ def prove(
     if seed < 0:
         raise InvalidValueError(f"the seed is {seed}; it must not be negative")
     require_positive("the budget", budget, "s")
-    require_sympy("a proof")
     q = random_configurations(robot, samples, np.random.default_rng(seed))
     found, missing = _compute(_testimonies(robot), q, TimeBudget(budget), progress)
     size = greatest_reach(robot)

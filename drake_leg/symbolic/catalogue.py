@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.errors import InvalidValueError
 from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
@@ -69,7 +68,7 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     """Derive a robot's matrices and equations from its Khalil table, in symbols.
 
     Transforms between neighbours and to the base, the Jacobian by two methods and their
-    difference, its determinant, and the singular postures. Needs SymPy.
+    difference, its determinant, and the singular postures.
 
     Parameters
     ----------
@@ -90,8 +89,6 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     ------
     InvalidValueError
         If there is no such equation.
-    MissingSymPyError
-        If SymPy is not installed.
     TimeBudgetError
         If the derivation takes longer.
 
@@ -108,27 +105,12 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
         report = SUBJECTS[name].numbering.partition(",")[0].removeprefix("Report ")
         found = Equations(robot, spending.spend(lambda: derived_equations(name)), report)
     else:
-        require_sympy(f"the derivation of {robot.name}")
         from drake_leg.symbolic.derivation import Derivation
         from drake_leg.symbolic.equations import own_pieces
 
         pieces = own_pieces(Derivation(robot.rows))
         found = Equations(robot, tuple(e for p in pieces for e in spending.spend(p.derive)))
     return found.choose(*wanted) if wanted else found
-
-
-class MissingSymPyError(DrakeLegError):
-    """SymPy is needed and not installed."""
-
-    def __init__(self, purpose: str) -> None:
-        self.purpose = purpose
-        super().__init__(f"{purpose} needs SymPy: pip install 'drake-leg[symbolic]'")
-
-
-def require_sympy(purpose: str) -> None:
-    """Raise ``MissingSymPyError`` unless SymPy is installed; ``purpose`` begins its sentence."""
-    if find_spec("sympy") is None:
-        raise MissingSymPyError(purpose)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,12 +130,11 @@ SUBJECTS = {
 
 
 def require_subject(name: str) -> None:
-    """Raise an error unless ``name`` is one of ``SUBJECTS`` and SymPy is installed."""
+    """Raise an error unless ``name`` is one of ``SUBJECTS``."""
     if name not in SUBJECTS:
         raise InvalidValueError(
             f"there is no derivation {name!r}; the derivations are {', '.join(SUBJECTS)}"
         )
-    require_sympy(f"the derivation of {name}")
 
 
 def derived_equations(name: str) -> tuple[Equation, ...]:
@@ -166,8 +147,6 @@ def derived_equations(name: str) -> tuple[Equation, ...]:
     ------
     InvalidValueError
         If there is no such robot.
-    MissingSymPyError
-        If SymPy is not installed.
     """
     require_subject(name)
     from drake_leg.symbolic import equations

@@ -17,7 +17,6 @@ from drake_leg.kinematics.leg import LegGeometry, foot_position, inverse_kinemat
 from drake_leg.robot.robot import Row
 from drake_leg.robot.toml_reader import ClassicRow, khalil_rows
 from drake_leg.runs.options import LegBOptions
-from drake_leg.symbolic.catalogue import require_sympy
 
 Values = Mapping[str, Any]  # numbers, vectors and texts, by their names in errata.toml
 Effects = Mapping[int, Callable[[], Values]]  # by the errata's numbers
@@ -99,11 +98,6 @@ def errata() -> tuple[Erratum, ...]:
     """List what the reports print wrongly, by number.
 
     Their effects are computed now, at the robots' and the runs' own numbers.
-
-    Raises
-    ------
-    MissingSymPyError
-        If SymPy is not installed.
     """
     effects = _effects()
     text = (files(__package__) / "errata.toml").read_text(encoding="utf-8")
@@ -117,7 +111,6 @@ def errata() -> tuple[Erratum, ...]:
 
 
 def _effects() -> Effects:
-    require_sympy("the list of errata")
     from drake_leg.lab.errata import leg_a_errors, leg_b_errors, pendulum_errors, scara_errors
 
     return {

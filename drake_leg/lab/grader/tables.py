@@ -12,7 +12,6 @@ from typing import Any, Literal, NamedTuple
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.robot import Robot
-from drake_leg.symbolic.catalogue import require_sympy
 from drake_leg.symbolic.spelling import plain, quoted
 
 Kind = Literal["nothing", "zero", "number", "length", "angle", "variable", "fixed", "other"]
@@ -136,11 +135,10 @@ def _kind_of(text: str, variables: frozenset[str]) -> Kind:
 def cell_names(text: str, variables: frozenset[str] = frozenset()) -> set[str]:
     """Collect the symbols of a cell's formula; refuse what is no formula.
 
-    SymPy is needed only for a cell that is more than a number.
+    SymPy is imported only for a cell that is more than a number.
     """
     if _NUMBER.fullmatch(text):
         return set()
-    require_sympy("a table with formulas")
     from drake_leg.symbolic.formulas import names_in
     from drake_leg.symbolic.parser import parse_formula
 

@@ -28,7 +28,6 @@ from drake_leg.lab.page.pieces import (
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
 from drake_leg.singularity.stroke import leg_stroke
-from drake_leg.symbolic.catalogue import MissingSymPyError, require_sympy
 
 
 def highlights(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, Markup, str, str]]:
@@ -110,7 +109,6 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> list[Pictur
     ``progress`` is called with the number of stages done, of ``STAGES``. Returned are the items
     that could not be made; the page has a sentence in their places.
     """
-    require_sympy("the report")
     done = 0
 
     def count() -> None:
@@ -127,7 +125,7 @@ def write_report(folder: Path, progress: Callable[[float], None]) -> list[Pictur
     for item in (item for chapter in chapters() for item in chapter.items):
         try:
             shown[item.id] = maker.make(item)
-        except (OSError, MissingSymPyError):
+        except OSError:
             raise
         except Exception as error:
             failures.append(PictureError(f"{item.id} ({item.title})", error))
