@@ -356,9 +356,7 @@ class ShownPlant:
             frames = {frame.name(): frame for frame in self._all_frames}
             for name in names:
                 if name not in frames:
-                    raise InvalidValueError(
-                        f"the plant has no frame {name!r}, for a trace"
-                    )
+                    raise InvalidValueError(f"the plant has no frame {name!r}, for a trace")
             return [self._fixed(frames[name]) for name in names]
         ends = [self._end_point(body) for body in self._last_bodies()]
         return ends or [(len(self.frames) - 1, np.zeros(3))]
@@ -424,7 +422,7 @@ def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()
         plants = list(_systems(what, MultibodyPlant))
         if len(plants) != 1:
             raise InvalidValueError(
-                f"the diagram has {len(plants)} plants; pass one of them alone"
+                f"the diagram has {len(plants)} plants; pass one with one plant, or a plant alone"
             )
         inspectors = [graph.model_inspector() for graph in _systems(what, SceneGraph)]
         return ShownPlant(
