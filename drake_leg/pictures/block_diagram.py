@@ -1,4 +1,4 @@
-"""The picture of a diagram: its signals, the mechanism inside its plant, or one link of it."""
+"""Draws a diagram: its signals, the mechanism inside its plant, or one link."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def run_pictures(
     scopes: bool = True,
     accelerations: bool = True,
 ) -> tuple[Picture, ...]:
-    """Read the pictures of what a run simulates: signals, mechanism, all (both), or a link's.
+    """Read the pictures of a run's diagram: its signals, its mechanism, both, or one link.
 
-    ``robot`` is what the plant was built from: it tells the shapes of the solids, which are boxes
-    without it.
+    ``robot`` is what the plant was built from and has the shapes of its solids; without it they are
+    boxes.
 
     Raises
     ------
