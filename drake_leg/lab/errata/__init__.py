@@ -1,4 +1,4 @@
-"""What the two reports print wrongly, what is right, and what the error does."""
+"""The errors in the two reports: what is printed, what is right, and the error's effect."""
 
 from drake_leg.lab.errata.catalogue import Erratum, errata
 

@@ -1,4 +1,4 @@
-"""What is right, derived with SymPy and written in the print's own notation."""
+"""Reads a print's definitions and formulas, and derives the right entries in its notation."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class RightForms:
         return spelled_as(spelling, text)
 
     def _lengths(self, spelling: str) -> dict[sp.Symbol, sp.Expr]:
-        """Name the table's lengths as the print does, or write their numbers."""
+        """Write the table's lengths with the print's names, or as numbers."""
         spelled = re.sub(r"[_{}\\]", "", spelling.casefold())
         named = any(plain(name) in spelled for name in self._symbols)
         return {
@@ -101,7 +101,7 @@ class _Decimals(StrPrinter):  # type: ignore[misc] # SymPy has no types
 
 
 def _is_decimal(expression: sp.Basic) -> bool:
-    """Whether an expression is a fraction that people write with a point."""
+    """Whether an expression is a fraction that is written with a decimal point."""
     return bool(expression.is_Rational and expression.q not in (1, 2))
 
 
@@ -386,7 +386,7 @@ def _is_sibling(name: str, others: Collection[str]) -> bool:
 
 
 def unused_definitions(printed: Printed) -> Iterator[Finding]:
-    """Find what is defined and graded nowhere: often a result under another name.
+    """Find definitions that nothing graded uses: often a result under another name.
 
     Not understood are every formula that moves, and every length with the name of a result.
     """

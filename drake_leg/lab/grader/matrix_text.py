@@ -1,4 +1,4 @@
-r"""A matrix pasted as one text: LaTeX, MATLAB, Python, Markdown, or plain rows.
+r"""Splits a matrix pasted as text into entries: LaTeX, MATLAB, Python, Markdown, or plain rows.
 
 ``\begin{bmatrix} a & b \\ c & d \end{bmatrix}``, ``[a b; c d]``, ``Matrix([[a, b], [c, d]])``,
 ``| a | b |``, lines separated by tabs or spaces, and the boxes that SymPy draws.
