@@ -316,7 +316,7 @@ class _Arm:
         return holding
 
     def zeros(self, functions: Sequence[Function]) -> Array:
-        """Run Newton's method with least-norm steps from all starts; keep what converges, (N, v)."""
+        """Run Newton's method with shortest steps from all starts; keep what converged, (N, v)."""
         x = self.starts.copy()
         scales = np.array([self.size(function) for function in functions])
 
