@@ -165,7 +165,7 @@ def _carrier(sides: Sides, roles: Roles, block: Block) -> Verdict:
         if names
     ]
     if scalars and not best:
-        return missing(block, f"no block of the diagram has an output {scalars[0]}")
+        return missing(block, f"no output of the diagram is {scalars[0]}")
     names = list(dict.fromkeys(best or sides.live.of_type(ConstantVectorSource)))
     return matched(block, listed(names), names)
 
