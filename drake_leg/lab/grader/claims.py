@@ -175,7 +175,7 @@ def claim_of(
     asked = f"name every row {rows_key}, each one of {', '.join(JACOBIAN_ROWS)}"
     names = [plain(row).replace(" ", "").replace("omega", "w") for row in rows or read.rows]
     if any(row not in JACOBIAN_ROWS for row in names):
-        raise InvalidValueError(f"its rows are said to be {', '.join(rows)}; {asked}")
+        raise InvalidValueError(f"its rows are named {', '.join(rows)}; {asked}")
     indices = tuple(JACOBIAN_ROWS[row] for row in names)
     if read.kind == "determinant":
         indices = indices or task_rows(robot, 3) or POSITION

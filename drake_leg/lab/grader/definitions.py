@@ -314,9 +314,9 @@ def _require_one_meaning(said: Iterable[tuple[str, float | str]], origin: str) -
         other, known = first.setdefault(plain(name), (name, value))
         if _number_or_text(known) == _number_or_text(value):
             continue
-        values = f"is said to be {_said(known)} and {_said(value)}"
+        values = f"is given as {_said(known)} and as {_said(value)}"
         if other == name:
-            raise InvalidValueError(f"{origin}: {quoted(name)} {values}; say it once")
+            raise InvalidValueError(f"{origin}: {quoted(name)} {values}; define it once")
         raise InvalidValueError(
             f"{origin}: {quoted(other)} and {quoted(name)} are read as one symbol, which {values}; "
             "choose another name for one of them"

@@ -111,7 +111,7 @@ class PrintedMatrix:
     name: str  # T12, T04, J, ...
     entries: tuple[tuple[str, ...], ...]
     caption: str = ""
-    rows: tuple[str, ...] = ()  # of a Jacobian: x, y, z, wx, wy, wz; empty where not said
+    rows: tuple[str, ...] = ()  # of a Jacobian: x, y, z, wx, wy, wz; empty if missing
     where: Mapping[str, str] = field(default_factory=dict)  # name to formula, for this matrix
 
     @property
@@ -139,7 +139,7 @@ class Printed:
 
     @property
     def unit(self) -> str:
-        """The unit of lengths: m where it is not said."""
+        """The unit of lengths: m if the print does not say it."""
         return self.lengths or "m"
 
     @property

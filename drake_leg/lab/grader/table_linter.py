@@ -194,7 +194,7 @@ def _lint_numbers(table: Table) -> Iterator[Finding]:
 def _unit_finding(what: str, choice: str) -> Finding:
     return Finding(
         place="table",
-        fault=f"the unit of its {what} is not said",
+        fault=f"the unit of its {what} is missing",
         remedy=f"say {what} = {choice}",
         severity="warning",
     )

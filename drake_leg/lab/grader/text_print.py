@@ -205,8 +205,8 @@ def _of_equation(name: str, value: str, line: int) -> Iterator[_Statement]:
     """Read ``name = value``."""
     kind = kind_of_name(name)
     if kind in ("transform", "rotation") and re.search(r"[TtHhR]", name) and not _number(value):
-        sentence = f"{quoted(name)} is said to be {quoted(value, 30)}; write the matrix that comes "
-        yield _Statement("unread", line, text=sentence + "out, in brackets")
+        sentence = f"{quoted(name)} is given as {quoted(value, 30)}; write the resulting matrix, "
+        yield _Statement("unread", line, text=sentence + "in brackets")
     elif _has_columns_of_one(name, value):
         yield _Statement("matrix", line, name, value)
     elif not all(map(_NAME.fullmatch, value.split("=")[:-1])):
