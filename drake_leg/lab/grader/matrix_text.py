@@ -102,8 +102,7 @@ def _something_beside(text: str) -> InvalidValueError:
             f"{quoted(text, 30)} is on its line, too; write each matrix in a line of its own"
         )
     return InvalidValueError(
-        f"{quoted(text, 30)} is beside the matrix; multiply it in, and write the resulting "
-        "matrix"
+        f"{quoted(text, 30)} is beside the matrix; multiply it in, and write the resulting matrix"
     )
 
 
