@@ -1,4 +1,4 @@
-"""The errata: their texts, and where the numbers in them are computed."""
+"""Lists the errata: their texts from ``errata.toml``, with computed numbers filled in."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ Effects = Mapping[int, Callable[[], Values]]  # by the errata's numbers
 class Erratum:
     """One error of a report."""
 
-    number: int  # from 1 through both reports, and from 26 through both once more
+    number: int  # 1 to 25 through both reports, from 26 through both again
     source: str  # the report
     where: str  # section, equation, table or figure there
     printed: str  # what it prints: text in quotation marks, a formula without
     right: str  # what it should print
-    effect: str  # a sentence on what the error does, its numbers computed
+    effect: str  # a sentence on the error's effect, with computed numbers
 
 
 class _Filled(Formatter):
-    """Fills in numbers and vectors with so many decimals, one by default; texts as they are."""
+    """Formats numbers and vectors with a number of decimals, 1 by default; texts unchanged."""
 
     def format_field(self, value: Any, format_spec: str) -> str:  # noqa: ANN401
         if isinstance(value, str):
@@ -77,7 +77,7 @@ def far_end(leg: LegGeometry, options: LegBOptions) -> Array:
 
 
 def classic(rows: Sequence[Row]) -> tuple[Row, ...]:
-    """Take a table's r and θ about the z axis before, which makes its rows classic ones."""
+    """Read a table's rows as classic ones: r and θ along and about the previous z axis."""
     return khalil_rows(
         [
             ClassicRow(joint=row.joint, theta=row.theta, d=row.r, a=row.d, alpha=row.alpha)
@@ -87,7 +87,7 @@ def classic(rows: Sequence[Row]) -> tuple[Row, ...]:
 
 
 def feet(wrong: Sequence[Row], true: Sequence[Row], q: Sequence[float]) -> Values:
-    """Where two tables have the foot [mm]."""
+    """Positions of the foot of two tables [mm]."""
     return {
         "wrong": MM * foot_pose(wrong, q)[:3, 3],
         "true": MM * foot_pose(true, q)[:3, 3],
@@ -95,10 +95,7 @@ def feet(wrong: Sequence[Row], true: Sequence[Row], q: Sequence[float]) -> Value
 
 
 def errata() -> tuple[Erratum, ...]:
-    """List what the reports print wrongly, by number.
-
-    Their effects are computed now, at the robots' and the runs' own numbers.
-    """
+    """List the errors in the reports by number, with effects computed from the robots and runs."""
     effects = _effects()
     text = (files(__package__) / "errata.toml").read_text(encoding="utf-8")
     found = []

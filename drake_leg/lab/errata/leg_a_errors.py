@@ -1,4 +1,4 @@
-"""What the errata of report A's leg do."""
+"""Computes the effects of the errata of report A's leg."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the errata of report A's pendulum do."""
+"""Computes the effects of the errata of report A's pendulum."""
 
 from __future__ import annotations
 

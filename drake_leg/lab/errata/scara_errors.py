@@ -1,4 +1,4 @@
-"""What the errata of report B's SCARA do."""
+"""Computes the effects of the errata of report B's SCARA."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def _values() -> dict[str, float]:
 
 
 def _tool() -> Array:
-    """Where the tool is at the default posture [mm]."""
+    """Position of the tool at the default posture [mm]."""
     return MM * tool_position(GEOMETRY, _posture())
 
 
 def _tool_with(name: str) -> Array:
-    """Where the tool would be with one transform as it is printed [mm]."""
+    """Position of the tool with one transform as it is printed [mm]."""
     return scara_matrices().product(_values(), name)[:3, 3]
 
 
