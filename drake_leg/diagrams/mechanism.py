@@ -21,7 +21,7 @@ from drake_leg.diagrams.disturbance import (
     add_push,
     with_torque_limit,
 )
-from drake_leg.diagrams.wiring import plant_of
+from drake_leg.diagrams.wiring import all_blocks, plant_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import Robot
@@ -244,13 +244,15 @@ def start_at_targets(robot: Robot) -> Callable[[Diagram, Context], None]:
 
 
 def start_on_motion(diagram: Diagram, context: Context) -> None:
-    """Put the joints on their prescribed motion, positions and velocities.
+    """Put all joints with a prescribed motion on it, positions and velocities.
 
-    ``context`` is the root context of a diagram with a motion-driven mechanism.
+    ``context`` is the root context.
     """
-    motion = diagram.GetSubsystemByName(MOTION)
-    plant = plant_of(diagram)
-    for block in diagram.GetSystems():
+    blocks = list(all_blocks(diagram))
+    for block in blocks:
         if isinstance(block, InputFilter) and not block.has_initial:
             block.start_from_input(block.GetMyMutableContextFromRoot(context))
-    motion.start(motion.GetMyContextFromRoot(context), plant.GetMyMutableContextFromRoot(context))
+    for block in blocks:
+        if isinstance(block, PrescribedMotion):
+            plant_context = block.plant.GetMyMutableContextFromRoot(context)
+            block.start(block.GetMyContextFromRoot(context), plant_context)

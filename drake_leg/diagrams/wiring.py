@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from drake_leg.errors import InvalidValueError
 
@@ -19,6 +20,14 @@ class LiveWire:
     output: str  # its port
     target: str  # block
     input: str  # its port
+
+
+def all_blocks(diagram: Diagram) -> Iterator[System]:
+    """Iterate over the blocks of a diagram, and of the diagrams inside it."""
+    for system in diagram.GetSystems():
+        yield system
+        if isinstance(system, Diagram):
+            yield from all_blocks(system)
 
 
 def built(builder: DiagramBuilder) -> Diagram:

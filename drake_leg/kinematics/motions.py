@@ -65,6 +65,10 @@ class SineStep:
     def __post_init__(self) -> None:
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
+        if len(self.direction) != 3:
+            raise InvalidValueError(
+                f"the direction is {self.direction!r}; it must have three components"
+            )
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
 

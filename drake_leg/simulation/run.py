@@ -21,7 +21,7 @@ from pydrake.systems.framework import Context, Diagram, EventStatus
 from pydrake.systems.primitives import VectorLogSink
 
 from drake_leg.diagrams.disturbance import is_disturbed
-from drake_leg.diagrams.mechanism import MOTION, start_on_motion
+from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import (
     DrakeLegError,
     InvalidValueError,
@@ -150,7 +150,7 @@ def simulate(
         )
     simulator = _simulator(diagram, settings)
     integrator, context = simulator.get_mutable_integrator(), simulator.get_mutable_context()
-    _start(start or _default_start(diagram), diagram, context)
+    _start(start or start_on_motion, diagram, context)
     watch = _Watch(diagram, context, settings, longest_step, progress)
 
     def after_step(root: Context) -> EventStatus:
@@ -200,13 +200,6 @@ def _advance(simulator: Simulator, duration: float) -> tuple[str | None, DrakeLe
     finally:
         simulator.clear_monitor()  # it holds the integrator, which holds all
     return None, None
-
-
-def _default_start(diagram: Diagram) -> Start:
-    """Return how a diagram starts if no ``start`` is given."""
-    if diagram.HasSubsystemNamed(MOTION):
-        return start_on_motion
-    return lambda _diagram, _context: None
 
 
 def _start(start: Start, diagram: Diagram, context: Context) -> None:

@@ -133,6 +133,11 @@ class PrescribedMotion(Diagram):
         self._state = self.GetInputPort("state")
 
     @property
+    def plant(self) -> MultibodyPlant:
+        """The plant whose joints it drives."""
+        return self._plant
+
+    @property
     def knows_its_plant(self) -> bool:
         """Whether the torque is computed for the plant as it is."""
         return self._believed is self._plant

@@ -127,3 +127,8 @@ def test_an_ellipse_without_lift_is_the_straight_step():
     flat, straight = EllipticStep(**STEP, lift=0.0), SineStep(**STEP)
     np.testing.assert_array_equal(flat.displacement(TIME), straight.displacement(TIME))
     np.testing.assert_array_equal(flat.velocity(TIME), straight.velocity(TIME))
+
+
+def test_a_direction_has_three_components():
+    with pytest.raises(InvalidValueError, match="three components"):
+        SineStep(direction=(1.0, 0.0))
