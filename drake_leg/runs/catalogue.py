@@ -37,8 +37,8 @@ class RunKind:
     """One name on the command line."""
 
     title: str
-    motion: str = ""  # what is moved along, where the title does not say it
-    shows: str  # figures of the reports that it reproduces
+    motion: str = ""  # of the foot or tool, unless the title says it
+    shows: str  # the figures of the reports that it reproduces
     options: type[RunOptions]
     module: str  # in this package, with functions run, diagram and robot
 
@@ -68,7 +68,7 @@ class RunKind:
 
 @dataclass(frozen=True, kw_only=True)
 class OwnRobot(RunKind):
-    """The straight step of a robot of a person's own."""
+    """The straight step of a user's own robot."""
 
     own: Robot
     motion: str = STEP

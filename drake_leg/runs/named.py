@@ -1,4 +1,4 @@
-"""A named run from Python: what ``drake-leg run`` does, as one function with one result."""
+"""Carries out a named run from Python, as ``drake-leg run`` does."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
 from drake_leg.kinematics.khalil import Array
+from drake_leg.pictures.plots.of_runs import figures_of_run
 from drake_leg.robot.names import html_table
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.catalogue import OwnRobot, run_kind
-from drake_leg.runs.outcome import Outcome
+from drake_leg.runs.outcome import Outcome, figure_files
 from drake_leg.simulation.recording import Recording
 
 if TYPE_CHECKING:
@@ -58,13 +59,13 @@ class Figures(Mapping[str, "Figure"]):
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """What a run came to; a notebook shows its summary and its first figure."""
+    """Result of a run; a notebook shows its summary and its first figure."""
 
     name: str  # of the run, as in `drake-leg list`, or of the robot
     title: str
     robot: Robot
     recording: Recording
-    exact: Mapping[str, Array]  # by column: what the recording ought to hold, where it is known
+    exact: Mapping[str, Array]  # by column: the exact values, where they are known
     summary: Mapping[str, Any]  # as in summary.json
     figures: Figures
 
@@ -158,8 +159,6 @@ def run(
 
 
 def _figures(title: str, outcome: Outcome) -> Figures:
-    from drake_leg.pictures.plots.of_runs import figures_of_run
-
     return Figures(
         dict(
             figures_of_run(
@@ -171,8 +170,6 @@ def _figures(title: str, outcome: Outcome) -> Figures:
 
 def _write(folder: ResultsFolder, name: str, title: str, outcome: Outcome) -> None:
     """Write the data, then the figures one by one."""
-    from drake_leg.runs.outcome import figure_files
-
     with folder.begun() as scratch:
         outcome.write(scratch, name)
     for _, write in figure_files(title, outcome):

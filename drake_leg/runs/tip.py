@@ -1,4 +1,4 @@
-"""What the runs have in common in which a foot or a tool follows a commanded motion."""
+"""The common part of all runs in which a foot or a tool follows a commanded motion."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ Config = TypeVar("Config", HexabotLegConfig, EllipseConfig, ScaraConfig)
 
 
 class Followed(NamedTuple):
-    """How a tip was to follow its motion, and what it did."""
+    """A tip's simulated motion, with its settings and the singularities met."""
 
     run: Run
     settings: IntegratorSettings
@@ -58,7 +58,7 @@ def follow(
     *,
     lag: float | None = None,
 ) -> Followed:
-    """Look ahead, then simulate.
+    """Forecast singularities, then simulate.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def follow(
 def longest_step(
     motion: SineStep, control: Control, disturbance: Disturbance, lag: float | None = None
 ) -> float:
-    """Choose the greatest step [s] for all that is fast in a run: at most 40 ms."""
+    """Choose the longest step [s] that resolves all that is fast in a run: at most 40 ms."""
     steps = [ROW_INTERVAL, 2.0 * math.pi / (STEPS_PER_PERIOD * motion.frequency)]
     if control.inverse.method == "limited":
         steps.append(STEP_OF_LIMITED_RATES)
@@ -112,7 +112,7 @@ def longest_step(
 def tip_columns(
     robot: Robot, run: Run, command: Sequence[str] = ("dx[m/s]", "dy[m/s]", "dz[m/s]")
 ) -> dict[str, Array]:
-    """Name what the scopes of a motion-driven robot recorded: header to column.
+    """Collect the recorded columns of a motion-driven robot, by header.
 
     They are time, input, command, joints, tip and torques; ``command`` has the headers of the
     three commanded velocities.
