@@ -53,12 +53,12 @@ class RunKind:
         return outcome
 
     def diagram(self, options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
-        """Build what is simulated, and say how it starts."""
+        """Build the diagram that is simulated; return it with its start."""
         built: tuple[Diagram, Start] = self._loaded().diagram(options)
         return built
 
     def robot(self, options: Any) -> Robot:  # noqa: ANN401
-        """Return what moves."""
+        """Return the robot that moves."""
         robot: Robot = self._loaded().robot(options)
         return robot
 
@@ -82,12 +82,12 @@ class OwnRobot(RunKind):
         return outcome
 
     def diagram(self, options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
-        """Build what is simulated, and say how it starts."""
+        """Build the diagram that is simulated; return it with its start."""
         built: tuple[Diagram, Start] = self._loaded().robot_diagram(self.own, options)
         return built
 
     def robot(self, _options: Any) -> Robot:  # noqa: ANN401
-        """Return what moves."""
+        """Return the robot that moves."""
         return self.own
 
 
