@@ -1,7 +1,7 @@
 """The errors that this package raises, each with the numbers that explain it.
 
 An error's text is one sentence: the problem, and, after a colon, what the caller can do. Advice is
-written for Python; settings stand in backquotes, as ``choose `inverse='damped'` ``, so that the
+written for Python; settings are in backquotes, as ``choose `inverse='damped'` ``, so that the
 command line can show them as its options.
 """
 
@@ -23,7 +23,7 @@ class DrakeLegError(Exception):
     problem : str
         What is wrong.
     advice : str
-        What to do about it, in Python's terms; empty where there is nothing to say.
+        What to do about it, in Python's terms; may be empty.
     """
 
     advice = ""
@@ -121,7 +121,7 @@ def in_a_line(error: BaseException) -> str:
 
 
 class SingularConfigurationError(DrakeLegError):
-    """The inverse Jacobian was asked for where it does not exist.
+    """The inverse Jacobian is needed where it does not exist.
 
     Attributes
     ----------

@@ -47,7 +47,6 @@ from drake_leg.scene.scene import OtherRobotError
 from drake_leg.scene.server import RefusedError, ServerError
 from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import run as simulation_run
-from drake_leg.symbolic.catalogue import MissingSymPyError
 
 
 def errors_of_the_package():
@@ -69,7 +68,6 @@ PROVOKED_ELSEWHERE = {
     UnlikeReplaysError: "tests/lab/page/test_replays.py",
     ServerError: "tests/scene/test_server.py",
     OtherRobotError: "tests/scene/test_scene.py",
-    MissingSymPyError: "tests/symbolic/test_catalogue.py",
     TimeBudgetError: "tests/test_time_budget.py",
 }
 

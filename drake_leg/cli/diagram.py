@@ -1,4 +1,4 @@
-"""``drake-leg diagram``."""
+"""``drake-leg diagram``: a run or a Simulink model drawn as a block diagram."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from drake_leg.cli.run_options import kind_of
-from drake_leg.cli.terminal import picture
+from drake_leg.cli.terminal import option_of, picture
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.robot.robot import Robot
@@ -138,8 +138,7 @@ def _frames(chosen: argparse.Namespace) -> str:
 def _refuse_signal_options(chosen: argparse.Namespace, why: str) -> None:
     for option in ("without_scopes", "without_accelerations"):
         if getattr(chosen, option):
-            name = f"--{option.replace('_', '-')}"
-            raise InvalidValueError(f"{name} {why}: draw {chosen.name} without it")
+            raise InvalidValueError(f"{option_of(option)} {why}: draw {chosen.name} without it")
 
 
 def _subject(name: str) -> tuple[str, Diagram, Robot]:

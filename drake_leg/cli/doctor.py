@@ -1,4 +1,4 @@
-"""``drake-leg doctor``."""
+"""``drake-leg doctor``: a posture examined, or found for the foot."""
 
 from __future__ import annotations
 
@@ -11,10 +11,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_robot_source, joint_positions, robot_source
-from drake_leg.cli.terminal import BAD_INPUT, FAILED, Pictures, as_options, fail, numbers
+from drake_leg.cli.terminal import (
+    BAD_INPUT,
+    FAILED,
+    Pictures,
+    as_options,
+    at_work,
+    fail,
+    numbers,
+)
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.files import ResultsFolder
-from drake_leg.progress import ProgressBar
 from drake_leg.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -86,8 +93,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
         motion["direction"] = numbers("--direction", chosen.direction, 3)
     if chosen.frequency is not None:
         motion["frequency"] = numbers("--frequency", chosen.frequency, 1)[0]
-    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
-        bar.turn_to("the posture")
+    with at_work(f"doctor of {chosen.robot}", "the posture"):
         diagnosis = examine_posture(robot, q, **motion, **place)
     if chosen.json:
         print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
@@ -95,11 +101,10 @@ def _doctor(chosen: argparse.Namespace) -> int:
         print("\n".join(_lines(diagnosis)))
     if folder is None:
         return 0
-    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
-        bar.turn_to("its maps")
+    with at_work(f"doctor of {chosen.robot}", "its maps"):
         pictures = _write_maps(folder, maps, diagnosis)
     print(f"wrote {folder.path}", file=sys.stderr if chosen.json else sys.stdout)
-    pictures.say_failures()
+    pictures.print_failures()
     if folder.remark:
         return fail(folder.remark, BAD_INPUT)
     return FAILED if pictures.failures else 0
@@ -131,8 +136,7 @@ def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any])
     from drake_leg.kinematics.feet import feet
     from drake_leg.singularity.doctor import feet_json
 
-    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
-        bar.turn_to("postures for the foot")
+    with at_work(f"doctor of {chosen.robot}", "postures for the foot"):
         found = feet(robot, **place)
     if chosen.json:
         print(json.dumps(feet_json(found), indent=2, allow_nan=False))
@@ -240,7 +244,7 @@ def _stroke(stroke: Stroke) -> str:
     if stroke.joint is not None:
         if stroke.length == 0.0:
             return f"none: joint {stroke.joint} is at its limit, or outside"
-        return f"{stroke.length:.9g} m, where joint {stroke.joint} comes to its limit"
+        return f"{stroke.length:.9g} m, where joint {stroke.joint} reaches its limit"
     if stroke.length == 0.0:
         return "none: the foot cannot go straight along it"
     if math.isinf(stroke.length):

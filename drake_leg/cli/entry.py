@@ -1,4 +1,4 @@
-"""The parser, the errors' way to the terminal, and the exit status."""
+"""Parses the command line, carries out the command and prints its errors."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from drake_leg.errors import (
     SingularConfigurationError,
 )
 
-# Name -> module, whose function configure_NAME describes the command, and its line of help. Only
-# the module of the command that is asked for is imported.
+# Name -> module, whose function configure_NAME describes the command, and a line of help. Only the
+# module of the command that is run is imported.
 COMMANDS = {
     "list": ("drake_leg.cli.listing", "list the runs"),
     "run": ("drake_leg.cli.run", "carry out one run"),
@@ -57,7 +57,7 @@ class _Version(argparse.Action):
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, without the usage in front."""
+    """Prints errors in one sentence, without the usage."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {message}\n")

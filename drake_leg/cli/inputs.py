@@ -1,4 +1,4 @@
-"""What commands take: a robot, and a posture in degrees and metres."""
+"""What commands take: a robot by its name or file, and a posture in degrees and metres."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import PendulumOptions, ScaraOptions, StepOptions
 
+# The reports' robots by their names on the command line.
 ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
 
 
@@ -67,16 +68,15 @@ def robot_source(name: str) -> RobotSource:
     )
 
 
-HELP = "joint angles [deg]; a lift [m]"
-
-
 def add_posture(parser: argparse.ArgumentParser) -> None:
-    """Add the option."""
-    parser.add_argument("--q", metavar="X,Y,Z", help=f"{HELP} (default: where a run starts)")
+    """Add the option ``--q``."""
+    parser.add_argument(
+        "--q", metavar="X,Y,Z", help="joint angles [deg]; a lift [m] (default: where a run starts)"
+    )
 
 
 def posture(name: str, robot: Robot, text: str | None) -> list[float]:
-    """Read the posture that was asked for, or choose one [rad or m].
+    """Read a posture, or choose the one where a run starts [rad or m].
 
     ``name`` is the robot's on the command line, ``text`` as in ``90,-50,-90``.
     """
@@ -101,8 +101,8 @@ def joint_positions(
     ]
 
 
-def as_option(robot: Robot, q: list[float]) -> str:
-    """Write a posture [rad or m] as the option takes it."""
+def as_typed(robot: Robot, q: list[float]) -> str:
+    """Write a posture [rad or m] as ``--q`` takes it."""
     return ",".join(
         f"{math.degrees(value) if segment.row.joint == 'revolute' else value:.6g}"
         for value, segment in zip(q, robot.moving, strict=True)

@@ -11,7 +11,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
-from drake_leg.cli.showing import say_if_sketched
+from drake_leg.cli.showing import remark_if_sketched
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -25,29 +25,27 @@ from drake_leg.cli.terminal import (
 from drake_leg.errors import TimeBudgetError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.progress import ProgressBar, TimeBudget
-from drake_leg.symbolic.catalogue import (
-    SUBJECTS,
-    DerivedRobot,
-    derived_equations,
-    require_subject,
-    require_sympy,
-)
 
 if TYPE_CHECKING:
-    from drake_leg.lab.errata.catalogue import Erratum
+    from drake_leg.lab.errata.erratum import Erratum
+    from drake_leg.symbolic.catalogue import DerivedRobot
     from drake_leg.symbolic.equations import Equation
 
 SHORTHAND = "c1 = cos(q1), s1 = sin(q1), c23 = cos(q2 + q3) and so on"
+MOST_NAMED = 6  # pieces of a derivation that a sentence names
+WIDEST, INDENT = 100, 13  # columns of an erratum, and those before its text
 
-MOST_NAMED = 6  # pieces that a sentence names
+
+# --- derive ----------------------------------------------------------------------------------
 
 
 def configure_derive(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
+    from drake_leg.symbolic.catalogue import SUBJECTS
+
     parser.description = (
         "Derive a report's transforms, its Jacobian by two methods, its determinant "
-        "and its singularities from the Khalil rows, in symbols; or those of a robot of your own. "
-        "Needs SymPy: pip install 'drake-leg[symbolic]'."
+        "and its singularities from the Khalil rows, in symbols; or those of a robot of your own."
     )
     parser.epilog = (
         "Exit status: 0 everything was derived, 2 bad input, 3 something was not derived in time."
@@ -64,6 +62,8 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
 
 
 def _derive(chosen: argparse.Namespace) -> int:
+    from drake_leg.symbolic.catalogue import SUBJECTS
+
     budget = TimeBudget(budget_of(chosen))
     own = chosen.name not in SUBJECTS and (
         chosen.name in ROBOT_NAMES or chosen.name.lower().endswith(".toml")
@@ -74,6 +74,8 @@ def _derive(chosen: argparse.Namespace) -> int:
 
 def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
     """Derive a report's equations, all or none."""
+    from drake_leg.symbolic.catalogue import SUBJECTS, derived_equations, require_subject
+
     bar.turn_to("its equations")
     require_subject(chosen.name)
     try:
@@ -91,7 +93,6 @@ def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -
 def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
     """Derive what follows from a table, and print each piece when it is done."""
     robot = robot_source(chosen.name).robot()
-    require_sympy(f"the derivation of {chosen.name}")
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import own_pieces
 
@@ -143,8 +144,7 @@ def _title(subject: DerivedRobot, equation: Equation) -> str:
     return where + equation.title
 
 
-WIDEST = 100  # columns
-INDENT = 13  # columns before the text
+# --- errata ----------------------------------------------------------------------------------
 
 
 def configure_errata(parser: argparse.ArgumentParser) -> None:
@@ -182,6 +182,9 @@ def _paragraph(erratum: Erratum) -> str:
     return "\n".join(lines)
 
 
+# --- report ----------------------------------------------------------------------------------
+
+
 def configure_report(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
@@ -201,7 +204,7 @@ def _report(chosen: argparse.Namespace) -> int:
     with ProgressBar(sys.stderr, "report", STAGES, "stages") as bar, folder.begun() as scratch:
         failures = write_report(scratch, bar)
     print(f"wrote {folder.path / 'report.html'} and its figures and replays")
-    say_if_sketched()
+    remark_if_sketched()
     for error in failures:
         remark(error)
     if folder.remark:

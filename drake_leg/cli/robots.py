@@ -13,18 +13,25 @@ from typing import TYPE_CHECKING
 from drake_leg.cli.inputs import RobotSource, add_robot_source, robot_source
 from drake_leg.cli.terminal import (
     BAD_INPUT,
+    FAILED,
     STOPPED_EARLY,
     add_budget,
     as_options,
     budget_of,
     refuse_ignored,
 )
+from drake_leg.errors import InvalidValueError
+from drake_leg.files import write_text
 from drake_leg.progress import ProgressBar
 from drake_leg.robot.robot import Robot
+from drake_leg.robot.toml_writer import robot_toml
 
 if TYPE_CHECKING:
     from drake_leg.lab.grader.printed import Finding
     from drake_leg.models.proof import Comparison, Proof
+
+SAMPLES, SEED = 32, 0  # of a proof
+TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")  # endings of files with a printed table
 
 
 def configure_sdf(parser: argparse.ArgumentParser) -> None:
@@ -43,11 +50,9 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
 
 
 def _sdf(chosen: argparse.Namespace) -> int:
-    from drake_leg.files import write_text
     from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
     from drake_leg.lab.grader.tables import table_of_document
     from drake_leg.models.sdf import sdf_text
-    from drake_leg.robot.toml_writer import robot_toml
 
     if chosen.out is None:
         refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --out")
@@ -64,11 +69,6 @@ def _sdf(chosen: argparse.Namespace) -> int:
     )
     print(f"wrote {chosen.out}")
     return 0
-
-
-FOUND = 1  # exit status where something is wrong with what was checked
-SAMPLES, SEED = 32, 0
-TABLES = (".csv", ".tsv", ".txt", ".md", ".tex")
 
 
 def configure_check(parser: argparse.ArgumentParser) -> None:
@@ -108,22 +108,21 @@ def _check(chosen: argparse.Namespace) -> int:
         return _check_print(robot_source(chosen.robot).robot(), chosen)
     if Path(chosen.robot).suffix.lower() in TABLES:
         return _check_table(Path(chosen.robot), chosen)
-    source = robot_source(chosen.robot)
     from drake_leg.lab.grader.printed import is_print
 
+    source = robot_source(chosen.robot)
     if is_print(source.document()):
         return _check_table(Path(chosen.robot), chosen)
     return _check_robot(source, chosen)
 
 
 def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.grader.printed import errors, not_understood
     from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
     from drake_leg.lab.grader.tables import table_of_document
     from drake_leg.models.proof import prove
 
     findings = lint_table(table_of_document(source.document()))
-    if errors(findings) or not_understood(findings):
+    if any(_counts(findings)):
         return _report(source.where, findings, chosen)
     robot = source.robot()
     findings += lint_sizes(robot)
@@ -139,7 +138,7 @@ def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
         _print_findings(source.where, findings, "no slip in the table")
         print("\n".join(_proof_lines(robot, proof)))
     if not proof.holds:
-        return FOUND
+        return FAILED
     return 0 if proof.complete else STOPPED_EARLY
 
 
@@ -156,7 +155,6 @@ def _check_table(path: Path, chosen: argparse.Namespace) -> int:
         },
         "means nothing to a printed table alone, which is only read for slips",
     )
-    from drake_leg.errors import InvalidValueError
     from drake_leg.lab.grader.printed import read_printed
     from drake_leg.lab.grader.table_linter import lint_table
 
@@ -170,9 +168,6 @@ def _check_table(path: Path, chosen: argparse.Namespace) -> int:
 
 
 def _check_print(robot: Robot, chosen: argparse.Namespace) -> int:
-    from drake_leg.symbolic.catalogue import require_sympy
-
-    require_sympy("grading a print")
     from drake_leg.lab.grader.grade import grade
     from drake_leg.lab.grader.printed import read_printed
 
@@ -181,15 +176,14 @@ def _check_print(robot: Robot, chosen: argparse.Namespace) -> int:
 
 
 def _report(what: str, findings: Sequence[Finding], chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.grader.printed import errors, not_understood
-
+    wrong, unread = _counts(findings)
     if chosen.json:
         _print_json(what, findings, None)
     else:
         _print_findings(what, findings, "nothing is wrong")
-    if errors(findings):
-        return FOUND
-    return BAD_INPUT if not_understood(findings) else 0
+    if wrong:
+        return FAILED
+    return BAD_INPUT if unread else 0
 
 
 def _print_findings(what: str, findings: Sequence[Finding], praise: str) -> None:
@@ -199,10 +193,8 @@ def _print_findings(what: str, findings: Sequence[Finding], praise: str) -> None
 
 
 def _summary(findings: Sequence[Finding], praise: str) -> str:
-    """Count what is wrong, what is doubtful and what is not understood."""
-    from drake_leg.lab.grader.printed import errors, not_understood
-
-    wrong, unread = len(errors(findings)), len(not_understood(findings))
+    """Write how much is wrong, how much is doubtful and how much is not understood."""
+    wrong, unread = _counts(findings)
     guesses = len(findings) - wrong - unread
     counts = [f"{wrong} wrong" if wrong else praise]
     if guesses:
@@ -212,17 +204,20 @@ def _summary(findings: Sequence[Finding], praise: str) -> str:
     return ", ".join(counts)
 
 
-def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> None:
+def _counts(findings: Sequence[Finding]) -> tuple[int, int]:
+    """Count what is wrong and what is not understood."""
     from drake_leg.lab.grader.printed import errors, not_understood
 
-    unread = not_understood(findings)
+    return len(errors(findings)), len(not_understood(findings))
+
+
+def _print_json(what: str, findings: Sequence[Finding], proof: Proof | None) -> None:
+    wrong, unread = _counts(findings)
     content = {
         "checked": what,
-        "ok": not errors(findings)
-        and not unread
-        and (proof is None or (proof.holds and proof.complete)),
-        "wrong": len(errors(findings)),
-        "not_understood": len(unread),
+        "ok": not wrong and not unread and (proof is None or (proof.holds and proof.complete)),
+        "wrong": wrong,
+        "not_understood": unread,
         "findings": [finding.as_json() for finding in findings],
         "proof": proof and proof.as_json(),
     }

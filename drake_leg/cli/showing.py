@@ -1,29 +1,27 @@
-"""What shows a motion: a page, a video, stills, and the server of a live page."""
+"""What shows a robot or its motion: views, a page, a video, stills."""
 
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from drake_leg.cli.terminal import Pictures, as_options, numbers, place_given_by, remark
-from drake_leg.errors import InvalidValueError, OutputError
+from drake_leg.cli.terminal import Pictures, as_options, place_given_by, remark
+from drake_leg.errors import OutputError
 from drake_leg.files import ResultsFolder
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
     from drake_leg.scene.scene import PlantMotion
-    from drake_leg.scene.server import Server
 
-ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}
+ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}  # of the files of these options
 
 
 def stop_note(summary: Mapping[str, Any]) -> str | None:
-    """Say why a run stopped before its end, from what ``summary.json`` says, if it did."""
+    """Describe why a run stopped before its end, if it did, from its ``summary.json``."""
     reason, at = summary.get("stop_reason"), summary.get("stopped_at_s")
     if not isinstance(reason, str):
         return None
@@ -44,8 +42,19 @@ def add_shows(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def say_if_sketched() -> None:
-    """Print why matplotlib drew what VTK could not render, if it did."""
+def add_view(parser: argparse.ArgumentParser, what: str) -> None:
+    """Add the option that names a view."""
+    parser.add_argument(
+        "--from",
+        dest="view",
+        default="3d",
+        metavar="VIEW",
+        help=f"view {what}: 3d, right, front or top (default 3d)",
+    )
+
+
+def remark_if_sketched() -> None:
+    """Print why matplotlib drew the pictures instead of VTK, if it did."""
     from drake_leg.scene.images import sketching
 
     sentence = sketching()
@@ -55,7 +64,7 @@ def say_if_sketched() -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Shows:
-    """What was asked for besides the folder of results."""
+    """The files to write besides the folder of results, and whether to add stills to it."""
 
     replay: Path | None
     video: Path | None
@@ -73,9 +82,9 @@ class Shows:
         )
 
     def check(self) -> None:
-        """Refuse files that cannot be made, before any work is done for them."""
+        """Refuse files that cannot be written, before work is done for them."""
         for option, path in self._files().items():
-            from drake_leg.scene.replay import check_show
+            from drake_leg.scene.replay import check_show  # not needed without these options
 
             if path.suffix.lower() not in ENDINGS[option]:
                 endings = " or ".join(ENDINGS[option])
@@ -128,62 +137,3 @@ class Shows:
     def _files(self) -> dict[str, Path]:
         given = {"replay": self.replay, "video": self.video}
         return {option: path for option, path in given.items() if path is not None}
-
-
-HOST = "localhost"
-
-
-def add_server(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument(
-        "--host",
-        help=f"name or address to serve at; '*' lets other machines in (default {HOST})",
-    )
-    parser.add_argument(
-        "--port", metavar="N", help="port to serve at (default the first free one from 7000 on)"
-    )
-    parser.add_argument("--no-browser", action="store_true", help="do not open a browser")
-    parser.add_argument(
-        "--once", action="store_true", help="end at once, without a browser, to try it"
-    )
-
-
-def server_options(chosen: argparse.Namespace) -> dict[str, bool]:
-    """Tell which of the options were given."""
-    return {
-        "--host": chosen.host is not None,
-        "--port": chosen.port is not None,
-        "--no-browser": chosen.no_browser,
-        "--once": chosen.once,
-    }
-
-
-LEAVING = (
-    "Escape in the page, or Ctrl-C here, ends it. Then the posture is printed, as for --q, and "
-    "the exit status is 0."
-)
-
-
-def start_server(chosen: argparse.Namespace, shows: str) -> Server:
-    """Listen, print where, and open a browser; the server does not serve yet."""
-    from drake_leg.scene.server import Server, open_browser
-
-    server = Server(HOST if chosen.host is None else chosen.host, _port(chosen.port))
-    print(f"{shows}: {server.url}", flush=True)
-    print("Press Escape in the page or Ctrl-C here to end", flush=True)
-    if not (chosen.once or chosen.no_browser or open_browser(server.url)):
-        print(
-            f"drake-leg: no browser was found; open {server.url} in one",
-            file=sys.stderr,
-            flush=True,
-        )
-    return server
-
-
-def _port(text: str | None) -> int | None:
-    if text is None:
-        return None
-    value = numbers("--port", text, 1)[0]
-    if value != int(value):
-        raise InvalidValueError(f"--port is {text}; it must be a whole number")
-    return int(value)

@@ -10,13 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.run_options import add_run_options, kind_of, options_of
-from drake_leg.cli.terminal import refuse_ignored, remark
+from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, RunKind
 from drake_leg.runs.options import RunOptions
 
 if TYPE_CHECKING:
     from drake_leg.simulink.compare.findings import Comparison
+
+ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")  # options that change no diagram
+NO_EFFECT = "has no effect on compare, which simulates nothing"
 
 
 def configure_inspect(parser: argparse.ArgumentParser) -> None:
@@ -41,10 +44,6 @@ def _inspect(chosen: argparse.Namespace) -> int:
     else:
         print("\n".join(as_lines(model)), flush=True)
     return 0
-
-
-DIFFERENT = 1  # exit status
-ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")
 
 
 def configure_compare(parser: argparse.ArgumentParser) -> None:
@@ -80,12 +79,11 @@ def _compare(chosen: argparse.Namespace) -> int:
     kind = kind_of(chosen.name)
     options = options_of(kind, chosen)
     _refuse_options_of_runs(kind, options, chosen)
+    from drake_leg.simulink.compare.compare import LiveModel, compare
     from drake_leg.simulink.listing import plain, printable
     from drake_leg.simulink.reader import read_model
 
     model = read_model(chosen.model)
-    from drake_leg.simulink.compare.compare import LiveModel, compare
-
     diagram, start = kind.diagram(options)
     root = diagram.CreateDefaultContext()
     start(diagram, root)
@@ -105,19 +103,16 @@ def _compare(chosen: argparse.Namespace) -> int:
         print(json.dumps(lists, indent=2, allow_nan=False))
     else:
         print("\n".join(map(printable, _lines(found, chosen))))
-    return 0 if found.agrees else DIFFERENT
+    return 0 if found.agrees else FAILED
 
 
 def _refuse_options_of_runs(kind: RunKind, options: RunOptions, chosen: argparse.Namespace) -> None:
     """Refuse an option that changes no diagram; in a file, which may be a run's, only say so."""
     defaults = kind.options()
     for name in ONLY_OF_RUNS:
-        option = f"--{name.replace('_', '-')}"
-        refuse_ignored(
-            {option: name in chosen}, "has no effect on compare, which simulates nothing"
-        )
+        refuse_ignored({option_of(name): name in chosen}, NO_EFFECT)
         if getattr(options, name, None) != getattr(defaults, name, None):
-            remark(f"{name} of {chosen.config} has no effect on compare, which simulates nothing")
+            remark(f"{name} of {chosen.config} {NO_EFFECT}")
 
 
 def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What commands print: sentences with options, numbers, pictures that fail, exit statuses."""
+"""What commands print: sentences with options, what could not be drawn, the exit status."""
 
 from __future__ import annotations
 
@@ -13,23 +13,31 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drake_leg.errors import DrakeLegError, InvalidValueError, PictureError, PlaceError
-from drake_leg.progress import BUDGET
+from drake_leg.progress import BUDGET, ProgressBar
 from drake_leg.units import require_positive
+
+FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130  # exit statuses
+TRACEBACK = "DRAKE_LEG_TRACEBACK"  # environment variable: print tracebacks of unexpected errors
 
 _SETTING = re.compile(r"`(?:(?P<name>[a-z][a-z0-9_]*)(?:=(?P<value>[^`]+))?|(?P<other>'[^`]+'))`")
 
 
 def as_options(text: object) -> str:
-    """Write the settings in a sentence of the library as options."""
+    """Rewrite the settings in a sentence of the library as options."""
 
-    def option(found: re.Match[str]) -> str:
-        name, value, other = found.group("name", "value", "other")
+    def written(setting: re.Match[str]) -> str:
+        name, value, other = setting.group("name", "value", "other")
         if other:
             return _plain(other)
-        option = f"--{name.replace('_', '-')}"
+        option = option_of(name)
         return option if value in (None, "True") else f"{option} {_plain(value)}"
 
-    return _SETTING.sub(option, str(text))
+    return _SETTING.sub(written, str(text))
+
+
+def option_of(name: str) -> str:
+    """Write the name of a setting as its option: ``max_step`` as ``--max-step``."""
+    return f"--{name.replace('_', '-')}"
 
 
 def _plain(value: str) -> str:
@@ -39,7 +47,7 @@ def _plain(value: str) -> str:
 
 @contextmanager
 def place_given_by(option: str) -> Iterator[None]:
-    """Advise to change this option where a place cannot be written, unless another was named."""
+    """Add to a ``PlaceError`` the advice to change this option, unless it names another."""
     try:
         yield
     except PlaceError as error:
@@ -47,9 +55,6 @@ def place_given_by(option: str) -> Iterator[None]:
             overwrite = ", or add --overwrite" if error.replaceable else ""
             error.advice = f"choose another {option}{overwrite}"
         raise
-
-
-FAILED, BAD_INPUT, STOPPED_EARLY, INTERRUPTED = 1, 2, 3, 130
 
 
 def fail(error: object, status: int) -> int:
@@ -119,43 +124,48 @@ def numbers(option: str, text: str, count: int | None = None) -> list[float]:
     return values
 
 
-PLACES = "DRAKE_LEG_TRACEBACK"  # environment variable: print the traceback of unexpected errors
+@contextmanager
+def at_work(label: str, stage: str) -> Iterator[None]:
+    """Show for how long something of unknown length has been going on."""
+    with ProgressBar(sys.stderr, label, 1.0, "") as bar:
+        bar.turn_to(stage)
+        yield
 
 
 @contextmanager
 def picture(what: str) -> Iterator[None]:
-    """Make one sentence of whatever goes wrong with a picture."""
+    """Raise any error of a picture as a ``PictureError``."""
     try:
         yield
     except DrakeLegError:
         raise
     except Exception as error:
-        show_place()
+        show_traceback()
         raise PictureError(what, error) from error
 
 
 class Pictures:
-    """Pictures that are tried one after the other; ``failures`` has the errors."""
+    """Collects the errors of pictures that are made one after the other."""
 
     def __init__(self) -> None:
         self.failures: list[PictureError] = []
 
     @contextmanager
     def trying(self, what: str) -> Iterator[None]:
-        """Try to make one, and keep the error if it fails."""
+        """Keep the error if this picture fails."""
         try:
             yield
         except Exception as error:
-            show_place()
+            show_traceback()
             self.failures.append(PictureError(what, error))
 
-    def say_failures(self) -> None:
+    def print_failures(self) -> None:
         """Print the errors."""
         for failure in self.failures:
             remark(failure)
 
 
-def show_place() -> None:
-    """Print where the error comes from, if the environment asks for it."""
-    if PLACES in os.environ:
+def show_traceback() -> None:
+    """Print the traceback of the current error, if the environment asks for it."""
+    if TRACEBACK in os.environ:
         traceback.print_exc()

@@ -9,20 +9,19 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
 from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.plots.of_runs import figures_of_run
-from drake_leg.robot.names import html_table
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, html_table
 from drake_leg.runs.catalogue import OwnRobot, run_kind
 from drake_leg.runs.outcome import Outcome, figure_files
 from drake_leg.simulation.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 DPI = 110  # of the figure that a notebook shows
 
@@ -189,8 +188,6 @@ def _shown(value: object) -> str:
 
 def _png(figure: Figure) -> str:
     """Return a figure as a data URL."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
     buffer = BytesIO()
     FigureCanvasAgg(figure).print_figure(buffer, dpi=DPI, format="png")
     return f"data:image/png;base64,{b64encode(buffer.getvalue()).decode('ascii')}"

@@ -1,21 +1,23 @@
-"""The equations of a robot, derived from its table and shown as formulas."""
+"""Derives the equations of a robot from its Khalil table, and shows them as formulas.
+
+SymPy is imported when something is derived.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.errors import InvalidValueError
 from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
-from drake_leg.symbolic.equations import Equation
 
 if TYPE_CHECKING:
     from drake_leg.symbolic.derivation import Derivation
+    from drake_leg.symbolic.equations import Equation
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     """Derive a robot's matrices and equations from its Khalil table, in symbols.
 
     Transforms between neighbours and to the base, the Jacobian by two methods and their
-    difference, its determinant, and the singular postures. Needs SymPy.
+    difference, its determinant, and the singular postures.
 
     Parameters
     ----------
@@ -90,8 +92,6 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     ------
     InvalidValueError
         If there is no such equation.
-    MissingSymPyError
-        If SymPy is not installed.
     TimeBudgetError
         If the derivation takes longer.
 
@@ -108,7 +108,6 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
         report = SUBJECTS[name].numbering.partition(",")[0].removeprefix("Report ")
         found = Equations(robot, spending.spend(lambda: derived_equations(name)), report)
     else:
-        require_sympy(f"the derivation of {robot.name}")
         from drake_leg.symbolic.derivation import Derivation
         from drake_leg.symbolic.equations import own_pieces
 
@@ -117,26 +116,12 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     return found.choose(*wanted) if wanted else found
 
 
-class MissingSymPyError(DrakeLegError):
-    """SymPy is needed and not installed."""
-
-    def __init__(self, purpose: str) -> None:
-        self.purpose = purpose
-        super().__init__(f"{purpose} needs SymPy: pip install 'drake-leg[symbolic]'")
-
-
-def require_sympy(purpose: str) -> None:
-    """Raise ``MissingSymPyError`` unless SymPy is installed; ``purpose`` begins its sentence."""
-    if find_spec("sympy") is None:
-        raise MissingSymPyError(purpose)
-
-
 @dataclass(frozen=True, kw_only=True)
 class DerivedRobot:
-    """A robot that is derived, and the velocities of a report's Jacobian."""
+    """A robot of the reports, and the velocities that its Jacobian maps to."""
 
     robot: Robot
-    numbering: str  # what is written before an equation's number
+    numbering: str  # precedes an equation's number
     task: tuple[int, ...]  # rows of the spatial Jacobian
 
 
@@ -148,26 +133,23 @@ SUBJECTS = {
 
 
 def require_subject(name: str) -> None:
-    """Raise an error unless ``name`` is one of ``SUBJECTS`` and SymPy is installed."""
+    """Raise an error unless ``name`` is one of ``SUBJECTS``."""
     if name not in SUBJECTS:
         raise InvalidValueError(
             f"there is no derivation {name!r}; the derivations are {', '.join(SUBJECTS)}"
         )
-    require_sympy(f"the derivation of {name}")
 
 
 def derived_equations(name: str) -> tuple[Equation, ...]:
-    """Derive all equations of one of the reports' robots, and what they prove.
+    """Derive all equations of one of the reports' robots, and what follows from them.
 
-    Those that its report numbers come first; then, without a number, the two Jacobians'
-    difference, the factored determinant and its zeros.
+    The report's numbered equations come first; then, without a number, the difference of the two
+    Jacobians, the factored determinant and its zeros.
 
     Raises
     ------
     InvalidValueError
         If there is no such robot.
-    MissingSymPyError
-        If SymPy is not installed.
     """
     require_subject(name)
     from drake_leg.symbolic import equations
@@ -183,7 +165,7 @@ def derived_equations(name: str) -> tuple[Equation, ...]:
 
 @cache
 def derived(name: str) -> Derivation:
-    """Derive one of the reports' robots, once for everything that uses its matrices."""
+    """Derive the matrices of one of the reports' robots; the result is cached."""
     require_subject(name)
     from drake_leg.symbolic.derivation import Derivation
 

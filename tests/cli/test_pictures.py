@@ -13,7 +13,7 @@ from drake_leg.cli.terminal import Pictures
 from drake_leg.files import LIST, ResultsFolder
 from drake_leg.robot.robots import hexabot_leg
 from drake_leg.robot.toml_writer import robot_toml
-from drake_leg.runs import outcome as files
+from drake_leg.runs import outcome
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.scene.images import Still
 from drake_leg.scene.replay import Replay
@@ -64,12 +64,12 @@ def write_figure(figure, folder, name):
 
 def with_figures(monkeypatch, draw):
     """Let the figures of a run, by their own names, be drawn by another function."""
-    named = files.figures_of_run
+    named = outcome.figures_of_run
 
     def figures(*arguments):
         return [(name, draw) for name, _ in named(*arguments)]
 
-    monkeypatch.setattr(files, "figures_of_run", figures)
+    monkeypatch.setattr(outcome, "figures_of_run", figures)
 
 
 # --- every figure of every run ---------------------------------------------------------------
@@ -81,7 +81,7 @@ class Made:
 
     name: str
     kind: object
-    outcome: object
+    result: object
     figures: list
 
 
@@ -94,9 +94,9 @@ def options_of(name):
 @pytest.fixture(params=[*RUNS, "own.toml"])
 def made(request):
     kind, options = options_of(request.param)
-    outcome = kind.run(options, None)
-    figures = [name for name, _ in files.figure_files(kind.title, outcome)]
-    return Made(request.param, kind, outcome, figures)
+    result = kind.run(options, None)
+    figures = [name for name, _ in outcome.figure_files(kind.title, result)]
+    return Made(request.param, kind, result, figures)
 
 
 def test_each_figure_of_each_run_fails_alone(made, monkeypatch, capsys):
@@ -104,20 +104,15 @@ def test_each_figure_of_each_run_fails_alone(made, monkeypatch, capsys):
     for failing in made.figures:
         folder = ResultsFolder(Path(failing), overwrite=False)
         with folder.begun() as scratch:
-            made.outcome.write(scratch, made.name)
+            made.result.write(scratch, made.name)
         whole(folder.path)
-        monkeypatch.setattr(files, "save", write_figure)
+        monkeypatch.setattr(outcome, "save", write_figure)
         drawn = dict.fromkeys(made.figures, lambda: "a figure") | {failing: broken(BROKEN)}
-        monkeypatch.setattr(files, "figures_of_run", lambda *_, drawn=drawn: drawn.items())
-        monkeypatch.setattr(
-            files,
-            "save",
-            lambda figure, scratch, name: (scratch / f"{name}.svg").write_text(figure),
-        )
+        monkeypatch.setattr(outcome, "figures_of_run", lambda *_, drawn=drawn: drawn.items())
         pictures = Pictures()
-        run._draw(made.name, made.kind, made.outcome, folder, pictures)
+        run._draw(made.name, made.kind, made.result, folder, pictures)
         assert len(pictures.failures) == 1
-        pictures.say_failures()
+        pictures.print_failures()
         assert capsys.readouterr().err == (
             f"drake-leg: the figure {failing} was not made (ValueError: max() arg is an empty "
             f"sequence): {REPORT}\n"
@@ -153,7 +148,7 @@ def test_a_run_whose_figures_all_fail_has_its_data_and_exits_with_1(monkeypatch,
     "error", [KeyError("pendulum3"), RecursionError(), MemoryError(), OSError(28, "No space left")]
 )
 def test_whatever_error_it_is_it_is_a_sentence(monkeypatch, capsys, error):
-    monkeypatch.setattr(files, "figures_of_run", broken(error))
+    monkeypatch.setattr(outcome, "figures_of_run", broken(error))
     status, _, err = told(capsys, "run", "pendulum", "--out", "out", "--duration", "0.1")
     assert status == 1
     assert len(err) == 2
@@ -179,7 +174,7 @@ def test_matplotlib_that_cannot_be_imported_is_said_before_the_run(monkeypatch, 
 
 @pytest.mark.parametrize("duration", ["9.5", "10"])
 def test_a_pendulum_that_is_nearly_at_rest_is_drawn(duration, monkeypatch, capsys):
-    monkeypatch.setattr(files, "save", lambda figure, folder, name: None)
+    monkeypatch.setattr(outcome, "save", lambda figure, folder, name: None)
     words = ("run", "pendulum-damped", "--out", "out", "--duration", duration, "--max-step", "0.02")
     assert told(capsys, *words)[::2] == (0, [])
 
@@ -189,7 +184,7 @@ def test_a_pendulum_that_is_nearly_at_rest_is_drawn(duration, monkeypatch, capsy
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr(files, "figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr(outcome, "figures_of_run", lambda *arguments: ())
 
 
 @pytest.mark.parametrize(
@@ -357,7 +352,7 @@ def test_a_report_whose_items_fail_is_written_with_sentences_in_their_places(mon
 
 def test_who_asks_is_shown_where_the_error_came_from(no_figures, monkeypatch, capsys):
     monkeypatch.setenv("DRAKE_LEG_TRACEBACK", "1")
-    monkeypatch.setattr(files, "figures_of_run", broken(BROKEN))
+    monkeypatch.setattr(outcome, "figures_of_run", broken(BROKEN))
     assert main(["run", "pendulum", "--out", "out", "--duration", "0.1"]) == 1
     assert "Traceback" in capsys.readouterr().err
     whole("out")

@@ -181,7 +181,7 @@ def test_a_limit_that_comes_first_ends_the_stroke(capsys):
     found = feet(robot, goal.tolist()).solutions
     assert any(abs(solution.q[2] - 0.1) < 1e-6 for solution in found)
     assert main(["doctor", DESK, "--q", "10,20,0.05"]) == 0
-    assert "m, where joint slide comes to its limit" in capsys.readouterr().out
+    assert "m, where joint slide reaches its limit" in capsys.readouterr().out
 
 
 def test_a_legs_limit_comes_before_its_singularity(tmp_path):
