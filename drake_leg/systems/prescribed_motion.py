@@ -134,7 +134,7 @@ class PrescribedMotion(Diagram):
 
     @property
     def knows_its_plant(self) -> bool:
-        """Whether the torque is computed for the plant as it is."""
+        """Whether the torque is computed for the true plant."""
         return self._believed is self._plant
 
     def lag(self, context: Context) -> float:
