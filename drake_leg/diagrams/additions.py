@@ -1,4 +1,4 @@
-"""How a command is followed: which inverse of the Jacobian, which correction, from which start."""
+"""Adds optional blocks to a diagram: gain, direction, drift correction, filters, feedback."""
 
 from __future__ import annotations
 
@@ -21,6 +21,11 @@ from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.speed_limit import SpeedLimit
 from drake_leg.units import require_angle, require_non_negative
 
+CORRECTION = "Drift Correction"
+SPEED_LIMIT = "Speed Limit"
+FILTERS = "Input Filters"
+FEEDBACKS = ("sensed", "integrated")
+
 TOP_SPEED = 1.25  # of a corrected command, times the greatest speed of the uncorrected one
 OF_KINKS = 400.0  # [1/s^2], stiffness of a motion within limits: 20 rad/s
 LEAST_TOP = 0.5  # [1/s], of the arm's length: the limit of a corrected command at least
@@ -29,7 +34,7 @@ EXACT_INVERSE = Inverse()
 
 @dataclass(frozen=True, kw_only=True)
 class Control:
-    """Which inverse of the Jacobian, which correction, and how wrongly the joints start."""
+    """How the joints follow a command: inverse, drift correction, and error of the start."""
 
     inverse: Inverse = EXACT_INVERSE
     correction: float = 0.0  # K, of the drift correction [1/s]; 0 is no correction
@@ -41,16 +46,16 @@ class Control:
             require_angle("an error of q0", error)
 
     def start(self, q0: tuple[float, ...]) -> tuple[float, ...]:
-        """Return where the joints really start if the command believes them at q0 [rad or m]."""
+        """Return the true start of joints that the command assumes to start at q0 [rad or m]."""
         if not self.q0_error:
             return q0
         return tuple(q + error for q, error in zip(q0, self.q0_error, strict=True))
 
     def pull(self, disturbance: Disturbance) -> float:
-        """Return how stiffly the joints are pulled onto their motion [1/s^2].
+        """Return the stiffness with which the joints are pulled onto their motion [1/s^2].
 
-        Firmly where limits put kinks into the motion: what the integration errs by at a kink is
-        gone before a joint comes to its limit.
+        It is high where limits put kinks into the motion: an integration error at a kink then
+        decays before a joint reaches its limit.
         """
         chosen = disturbance.stiffness is not None or disturbance.acts
         if self.inverse.method == "limited" and not chosen:
@@ -58,12 +63,12 @@ class Control:
         return disturbance.pull
 
     def top_speed(self, commanded: float, length: float) -> float:
-        """Return how fast a corrected command may be [m/s].
+        """Return the maximum speed of a corrected command [m/s].
 
-        A foot that waits at its boundary for a command far outside is not pushed against it ever
-        harder. An exact inverse has no limit, so that an error falls exponentially from the start.
-        ``commanded`` is the greatest speed of the uncorrected command [m/s], ``length`` that of the
-        stretched arm [m].
+        It keeps a foot that waits at the workspace boundary from being pushed ever harder against
+        it by a command far outside. An exact inverse has no limit, so that an error decays
+        exponentially from the start. ``commanded`` is the maximum speed of the uncorrected command
+        [m/s], ``length`` the length of the stretched arm [m].
         """
         if self.inverse.is_exact:
             return math.inf
@@ -73,21 +78,15 @@ class Control:
 EXACT = Control()
 
 
-CORRECTION = "Drift Correction"
-SPEED_LIMIT = "Speed Limit"
-FILTERS = "Input Filters"
-FEEDBACKS = ("sensed", "integrated")
-
-
 class Command(NamedTuple):
-    """What the foot is to do."""
+    """Commanded velocity of the foot, and its derivative."""
 
     v: OutputPort  # [m/s]
     a: OutputPort  # [m/s^2]
 
 
 class JointMotion(NamedTuple):
-    """What the joints are to do: positions and their derivatives."""
+    """Prescribed joint positions, and their derivatives."""
 
     q: OutputPort  # [rad or m]
     qdot: OutputPort
@@ -95,7 +94,7 @@ class JointMotion(NamedTuple):
 
 
 def with_gain(builder: DiagramBuilder, gain: float, command: Command) -> Command:
-    """Multiply a signal and its derivative, unless the gain is 1."""
+    """Multiply a command and its derivative by a gain, unless it is 1."""
     if gain == 1.0:
         return command
     return Command(
@@ -115,10 +114,10 @@ def with_direction(
 
 
 def with_task(builder: DiagramBuilder, twists: Array, command: Command) -> Command:
-    """Take the part of the foot's velocity that a task commands, unless it is x, y and z.
+    """Select the components of the foot's velocity that a task commands, unless x, y and z.
 
-    ``twists`` (6, m) says which turning and translation each part of the task is. A foot whose
-    orientation is commanded, too, is not to turn.
+    Each column of ``twists`` (6, m) is the rotation and translation that a component of the task
+    stands for. A foot whose orientation is commanded, too, must not turn.
     """
     matrix = twists[3:].T
     if np.array_equal(matrix, np.eye(3)):
@@ -137,7 +136,7 @@ def with_correction(
     top_speed: float = math.inf,
     lengths: Sequence[float] = (1.0, 1.0, 1.0),
 ) -> Command:
-    """Pull the foot back to where the command should have brought it, unless the gain is 0.
+    """Pull the foot back to its commanded position, unless the gain is 0.
 
     Parameters
     ----------
@@ -148,13 +147,13 @@ def with_correction(
     command : Command
         Uncorrected.
     start : (3,) array_like
-        Where the command begins [m].
+        Commanded position at the start [m].
     p, pdot : OutputPort
         The foot's position [m] and velocity [m/s], as sensed.
     top_speed : float
-        Of the corrected command [m/s]; infinite: no limit.
+        Maximum speed of the corrected command [m/s]; infinite for no limit.
     lengths : (3,) sequence of float
-        What makes each part of the velocity a length [m/unit].
+        Factors that make each component a velocity in m/s [m/unit].
     """
     if gain == 0.0:
         return command
@@ -180,7 +179,7 @@ def with_filters(
     start: Sequence[float],
     motion: JointMotion,
 ) -> JointMotion:
-    """Filter the joints' positions, from ``start`` on, and take the derivatives from the filters.
+    """Filter the joint positions, starting at ``start``, and use the filters' derivatives.
 
     None for the time constant [s] adds no filter.
     """
@@ -200,7 +199,7 @@ def connect_feedback(
     sensed: tuple[OutputPort, OutputPort],
     integrated: OutputPort,
 ) -> None:
-    """Let an inverse Jacobian know the joints: their sensed positions and rates, or the integrals.
+    """Connect the joint positions, sensed or integrated, to an inverse Jacobian.
 
     ``feedback`` is one of ``FEEDBACKS``.
     """
@@ -213,7 +212,7 @@ def connect_feedback(
 
 
 def through_matrix(builder: DiagramBuilder, name: str, matrix: Array, command: Command) -> Command:
-    """Multiply velocity and acceleration by a matrix, each in a block of its own."""
+    """Multiply velocity and acceleration by a matrix, in one block each."""
     return Command(
         v=_behind(builder, name, MatrixGain(matrix), command.v),
         a=_behind(builder, f"{name} of the derivatives", MatrixGain(matrix), command.a),
@@ -221,7 +220,7 @@ def through_matrix(builder: DiagramBuilder, name: str, matrix: Array, command: C
 
 
 def _behind(builder: DiagramBuilder, name: str, block: System, signal: OutputPort) -> OutputPort:
-    """Add a block with one input and one output behind a signal."""
+    """Add a block with one input and one output, connect a signal to it, and return its output."""
     builder.AddNamedSystem(name, block)
     builder.Connect(signal, block.get_input_port())
     return block.get_output_port()

@@ -1,4 +1,4 @@
-"""What may disturb a motion: a push on the foot, wrongly believed masses, limited torques."""
+"""Disturbances of a motion: a push on the foot, errors of the assumed masses, torque limits."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Disturbance:
     """What disturbs the joints, and how stiffly they are pulled back."""
 
     push: Push | None = None  # on the foot, or on the tool
-    mass_error: float = 0.0  # all masses are believed to be 1 + mass_error times what they are
+    mass_error: float = 0.0  # the torque is computed for 1 + mass_error times the true masses
     torque_limit: float | None = None  # [N*m or N], of every joint
     stiffness: float | None = None  # k [1/s^2]; None: STIFFNESS, and FIRM under a disturbance
 
@@ -50,18 +50,18 @@ class Disturbance:
 
     @property
     def pull(self) -> float:
-        """The stiffness that acts [1/s^2]."""
+        """Stiffness in effect [1/s^2]."""
         if self.stiffness is not None:
             return self.stiffness
         return FIRM if self.acts else STIFFNESS
 
     def believed(self, robot: Robot, gravity: float) -> MultibodyPlant | None:
-        """Build the plant that the computed torque believes in; None: the plant as it is.
+        """Build the plant that the torque is computed for; None if it is the true plant.
 
         Raises
         ------
         InvalidValueError
-            If a mass so large or so small makes no sense.
+            If a mass is too large or too small.
         """
         if self.mass_error == 0.0:
             return None
@@ -72,7 +72,7 @@ UNDISTURBED = Disturbance()
 
 
 def with_torque_limit(builder: DiagramBuilder, limit: float, torque: OutputPort) -> OutputPort:
-    """Limit every joint's torque to both sides [N*m or N], by Drake's Saturation."""
+    """Limit the magnitude of every joint's torque [N*m or N] with Drake's Saturation."""
     most = [limit] * torque.size()
     saturation = Saturation([-value for value in most], most)
     builder.AddNamedSystem(TORQUE_LIMIT, saturation)
@@ -88,10 +88,10 @@ def add_push(builder: DiagramBuilder, plant: MultibodyPlant, frame: Frame, push:
 
 
 def is_disturbed(diagram: Diagram) -> bool:
-    """Say whether the joints of a diagram may leave their prescribed motion.
+    """Return whether the joints of a diagram may leave their prescribed motion.
 
-    They may where something pushes, where the torque is computed for other masses, and where it
-    goes through a limit; a Saturation elsewhere in the diagram disturbs nothing.
+    They may under a push, where the torque is computed for other masses, and behind a torque limit;
+    a Saturation elsewhere in the diagram is no disturbance.
     """
     pushed = any(isinstance(system, FootPush) for system in diagram.GetSystems())
     mistaken = any(

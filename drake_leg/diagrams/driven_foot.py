@@ -1,4 +1,4 @@
-"""A foot driven by hand: command, brake, the reports' inverse Jacobian, joints."""
+"""The diagram of a foot driven by hand: command, brake, inverse Jacobian, joints."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ COMMAND, BRAKE, INVERSE, JOINTS = "command", "brake", "inverseJacobian", "joints
 
 
 class WholeFoot(Movable):
-    """A robot commanded by the velocity of its foot, (3,) [m/s], whatever of it the joints can do.
+    """A robot commanded by the whole velocity of its foot, (3,) [m/s].
 
     Parameters
     ----------
     robot : Movable
-        Commanded by its own parts of the velocity, in each posture by those that it has there.
+        Commanded by the components of that velocity that its joints can follow in each posture.
     """
 
     def __init__(self, robot: Movable) -> None:
@@ -32,11 +32,11 @@ class WholeFoot(Movable):
         return self._robot.foot(q)
 
     def jacobian(self, q: Floats) -> Array:
-        """Jacobian of the parts that are commanded, (m, n)."""
+        """Jacobian of the commanded components, (m, n)."""
         return self._robot.at(q).jacobian(q)
 
     def bias(self, q: Floats, qdot: Floats) -> Array:
-        """Acceleration of these parts without acceleration of the joints, (m,)."""
+        """Acceleration of these components without acceleration of the joints, (m,)."""
         return self._robot.at(q).bias(q, qdot)
 
     def determinant(self, q: Floats) -> float:

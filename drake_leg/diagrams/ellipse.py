@@ -1,6 +1,6 @@
-"""The foot on an ellipse in a vertical plane: what the leg is for (report A, section 2.1).
+"""The diagram of the elliptic step, in a vertical plane (report A, section 2.1).
 
-Along and up, each its own source::
+One sine source moves the foot along, another one up and down::
 
     Sine Wave along --+-> Mux -> Direction -> inverseJacobian -> ... the leg's diagram
     Sine Wave up -----+
@@ -26,7 +26,7 @@ ELLIPSE = EllipticStep()
 
 @dataclass(frozen=True, kw_only=True)
 class EllipseConfig(HexabotLegConfig):
-    """Rounds of the leg's foot on an ellipse.
+    """An elliptic step of the leg's foot.
 
     Parameters
     ----------

@@ -7,8 +7,8 @@ The signal blocks, left to right::
     dz = 0 --------------+              ^                                        |
                                         +----------- joint angles, sensed -------+
 
-The acceleration goes the same way through blocks of its own, ``Mux of the derivatives`` and so on:
-joints that follow a motion need its derivatives.
+The acceleration takes the same route through separate blocks, such as ``Mux of the derivatives``:
+motion-driven joints need the derivatives of their motion.
 """
 
 from __future__ import annotations
@@ -59,26 +59,26 @@ STEP = SineStep()
 
 @dataclass(frozen=True, kw_only=True)
 class HexabotLegConfig:
-    """A step of the leg, or of any chain whose foot can go that way.
+    """A straight step of the leg's foot, or of any other chain's.
 
     Parameters
     ----------
     robot : Robot
-        The leg, or any chain whose foot can go that way.
+        The leg, or any chain whose foot can move in the direction of the step.
     q0 : (n,) tuple of float
         Joint positions at the start [rad or m]: hip, knee, ankle.
     motion : SineStep
         Amplitude, frequency and direction of the foot's motion.
     gain : float
-        Of a gain block behind the sine, whose own amplitude is ``amplitude / gain``; 1 is no block.
+        Of a gain block behind the sine, whose own amplitude is ``amplitude / gain``; 1: no block.
     gravity : float
         Along -z [m/s^2].
     filter_time_constant : float, optional
-        Of input filters at the joints [s]; by default there are none.
+        Of the input filters at the joints [s]; by default there are none.
     feedback : {"sensed", "integrated"}
-        Which joint positions the inverse Jacobian takes.
+        Which joint positions the inverse Jacobian receives.
     keep : {"position", "pose"}, optional
-        Whether the foot may turn; by default it keeps its orientation where the joints can do that.
+        What of the foot is commanded; by default its pose, if the joints allow that.
     control : Control
         Inverse, drift correction and error of the start.
     disturbance : Disturbance
@@ -87,7 +87,7 @@ class HexabotLegConfig:
     Raises
     ------
     InvalidValueError
-        If a value makes no sense, or the foot cannot go that way.
+        If a value makes no sense, or the foot cannot move in that direction.
 
     Examples
     --------
@@ -98,13 +98,13 @@ class HexabotLegConfig:
     """
 
     robot: Robot = LEG_B
-    q0: tuple[float, ...] = POSTURE  # [rad or m], where the command believes the joints
+    q0: tuple[float, ...] = POSTURE  # [rad or m], the start that the command assumes
     motion: SineStep = STEP  # of the foot
     gain: float = 1.0  # the sine has amplitude / gain; 1: no gain block
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
     filter_time_constant: float | None = None  # [s], of the joints' input filters; None: no filter
     feedback: str = "sensed"  # joint positions for the inverse Jacobian, or "integrated" ones
-    keep: str | None = None  # what of the foot is commanded: "position", "pose"; None: as it can
+    keep: str | None = None  # "position" or "pose" of the foot; None: the pose if possible
     control: Control = EXACT
     disturbance: Disturbance = UNDISTURBED
 
@@ -126,23 +126,23 @@ class HexabotLegConfig:
 
     @property
     def start(self) -> tuple[float, ...]:
-        """Where the joints really start, (n,) [rad or m]."""
+        """True start of the joints, (n,) [rad or m]."""
         return self.control.start(self.q0)
 
     @property
     def foot(self) -> Array:
-        """Where the command starts: p_BF at q0, (3,) [m]."""
+        """Commanded position of the foot at the start: p_BF at q0, (3,) [m]."""
         p_BF: Array = foot_pose(self.robot.rows, self.q0)[:3, 3]
         return p_BF
 
     @cached_property
     def movable(self) -> Movable:
-        """The robot, what of its foot is commanded, and the exact inverse of its Jacobian."""
+        """The robot, the commanded motion of its foot, and the exact inverse of its Jacobian."""
         return movable(self.robot, self.q0, self.keep)
 
     @cached_property
     def inverted(self) -> Movable:
-        """The same with the inverse that was chosen."""
+        """The same robot with the inverse that ``control`` chooses."""
         lag = self.filter_time_constant or 0.0
         return self.control.inverse.of(self.movable, self.robot.moving, lag)
 

@@ -1,4 +1,4 @@
-"""The mechanical half of a diagram: a robot whose joints follow a motion, its foot sensed.
+"""The mechanical half of a diagram: a robot with motion-driven joints and a sensed foot.
 
 In Simscape these are the blue blocks: World Frame, Mechanism Configuration, Revolute Joints,
 Rigid Transforms and solids (here one MultibodyPlant), the converters at the joints' motion
@@ -40,11 +40,11 @@ class Mechanism(NamedTuple):
     """The blocks and signals of the mechanical half; all belong to the builder's diagram."""
 
     plant: MultibodyPlant
-    motion: PrescribedMotion  # its inputs q, qdot and qddot are left to be connected
+    motion: PrescribedMotion  # its inputs q, qdot and qddot are still to be connected
     q: OutputPort  # sensed joint positions [rad or m]
     qdot: OutputPort  # sensed joint velocities
     foot: FrameSensor
-    torque: OutputPort  # as it acts, behind a limit if there is one
+    torque: OutputPort  # as applied, behind the torque limit if there is one
     is_disturbed: bool  # whether the joints may leave their motion
 
 
@@ -63,7 +63,7 @@ def add_mechanism(
     builder : DiagramBuilder
         The diagram under construction.
     robot : Robot
-        Fully actuated. The motion presses joints with stops into these, with the torque it takes.
+        Fully actuated. A motion beyond a joint's stop presses the joint into the stop.
     gravity : float
         Along the world's -z [m/s^2].
     stiffness : float
@@ -74,7 +74,7 @@ def add_mechanism(
     Raises
     ------
     InvalidValueError
-        If a joint of the robot has no actuator, gravity is not finite, or a believed mass makes no
+        If a joint of the robot has no actuator, gravity is not finite, or an assumed mass makes no
         sense.
     """
     robot = _without_effort_limits(robot)
@@ -120,7 +120,7 @@ def add_mechanism(
 
 
 def _require_actuators(robot: Robot, plant: MultibodyPlant) -> None:
-    """Refuse to limit the torque of joints that have no actuator."""
+    """Require an actuator at every joint, for a torque limit."""
     if plant.num_actuators() != plant.num_velocities():
         raise InvalidValueError(
             f"{robot.name!r} has {plant.num_actuators()} actuators for its "
@@ -135,7 +135,7 @@ def _connect_stops(
     motion: PrescribedMotion,
     torque: OutputPort,
 ) -> None:
-    """Let motion and stops act on the plant, and the motion know what the stops do."""
+    """Connect motion and stops to the plant, and the force of the stops to the motion."""
     force = stops.GetOutputPort("generalized_force")
     applied = plant.get_applied_generalized_force_input_port()
     builder.Connect(force, motion.GetInputPort("applied_generalized_force"))
@@ -147,7 +147,7 @@ def _connect_stops(
 
 
 def _without_effort_limits(robot: Robot) -> Robot:
-    """Take the effort limits off: the torque of a prescribed motion is what the motion takes."""
+    """Remove the effort limits: a prescribed motion takes whatever torque it needs."""
     return replace(
         robot,
         segments=tuple(
@@ -158,9 +158,9 @@ def _without_effort_limits(robot: Robot) -> Robot:
 
 
 def add_stops(builder: DiagramBuilder, robot: Robot, plant: MultibodyPlant) -> JointStops | None:
-    """Add what pushes joints back into their limits, where a robot has such limits.
+    """Add joint stops, if the robot has any.
 
-    Its output ``generalized_force`` is left to be connected.
+    Their output ``generalized_force`` is still to be connected.
     """
     mechanics = {str(segment.joint): segment.mechanics for segment in robot.moving}
     if not any(acting.stops for acting in mechanics.values()):
@@ -175,7 +175,7 @@ def add_mechanism_scopes(
 ) -> None:
     """Log what the mechanical half senses, each log named like its scope in Simulink.
 
-    ``prescribed`` has the joints' prescribed positions: what disturbed joints are compared with.
+    ``prescribed`` is the port of the prescribed positions, logged where the joints are disturbed.
     """
     foot = mechanism.foot
     acceleration = mechanism.plant.get_generalized_acceleration_output_port()
@@ -227,7 +227,7 @@ def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:
 
 
 def start_at_targets(robot: Robot) -> Callable[[Diagram, Context], None]:
-    """Return what starts a diagram whose joints no motion drives: at their state targets.
+    """Return a start that puts joints without a prescribed motion at their state targets.
 
     ``start(diagram, context)`` sets the state of the diagram's plant; a joint without a target
     starts at rest, or at 0.

@@ -27,7 +27,7 @@ from drake_leg.units import STANDARD_GRAVITY, require_angle
 
 @dataclass(frozen=True, kw_only=True)
 class PendulumConfig:
-    """A pendulum let go at rest; damping and spring are the robot's joint mechanics.
+    """A pendulum released at rest; damping and spring are the robot's joint mechanics.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The SCARA arm with its tool on a straight line, by the leg's inverse-Jacobian block.
+"""The SCARA's diagram: the tool follows a straight line, with the leg's inverse Jacobian block.
 
 The signal blocks, left to right::
 
@@ -43,7 +43,7 @@ LINE = SineStep(amplitude=0.050)
 
 @dataclass(frozen=True, kw_only=True)
 class ScaraConfig:
-    """A straight horizontal move of the tool; its yaw and height stay what they are.
+    """A straight horizontal move of the tool at constant yaw and height.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class ScaraConfig:
     """
 
     robot: Robot = SCARA
-    q0: tuple[float, ...] = POSTURE  # [rad], where the command believes the three angles
+    q0: tuple[float, ...] = POSTURE  # [rad], the start that the command assumes
     R: float = 0.050  # [m], height of the tool above its lowest position
     motion: SineStep = LINE  # of the tool
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
@@ -96,7 +96,7 @@ class ScaraConfig:
 
     @property
     def start(self) -> tuple[float, ...]:
-        """Where the three angles really start, (3,) [rad]."""
+        """True start of the three angles, (3,) [rad]."""
         return self.control.start(self.q0)
 
     @cached_property
@@ -111,12 +111,12 @@ class ScaraConfig:
 
     @cached_property
     def movable(self) -> Movable:
-        """The arm, whose tool's x, y and yaw are commanded, with the exact inverse."""
+        """The arm, its tool commanded in x, y and yaw, with the exact inverse."""
         return MovableScara(self.geometry, self.lift)
 
     @cached_property
     def inverted(self) -> Movable:
-        """The same with the inverse that was chosen."""
+        """The same arm with the inverse that ``control`` chooses."""
         return self.control.inverse.of(self.movable, self.robot.moving[:3])
 
 
@@ -225,7 +225,7 @@ def _with_correction(
 
 
 def _sensed(builder: DiagramBuilder, name: str, tool: OutputPort, joints: OutputPort) -> OutputPort:
-    """Take x and y of the tool, and the yaw of the joints."""
+    """Assemble x and y of the tool and the yaw, the sum of the joint angles."""
     to_task = np.zeros((3, 7))
     to_task[0, 0] = to_task[1, 1] = 1.0
     to_task[2, 3:6] = 1.0

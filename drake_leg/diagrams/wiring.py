@@ -1,4 +1,4 @@
-"""Building a diagram, and its wires and plant read from the diagram itself."""
+"""Builds a diagram, and finds its plant and its wires."""
 
 from __future__ import annotations
 

@@ -37,8 +37,8 @@ class RunKind:
     """One name on the command line."""
 
     title: str
-    motion: str = ""  # what is moved along, where the title does not say it
-    shows: str  # figures of the reports that it reproduces
+    motion: str = ""  # of the foot or tool, unless the title says it
+    shows: str  # the figures of the reports that it reproduces
     options: type[RunOptions]
     module: str  # in this package, with functions run, diagram and robot
 
@@ -53,12 +53,12 @@ class RunKind:
         return outcome
 
     def diagram(self, options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
-        """Build what is simulated, and say how it starts."""
+        """Build the diagram that is simulated; return it with its start."""
         built: tuple[Diagram, Start] = self._loaded().diagram(options)
         return built
 
     def robot(self, options: Any) -> Robot:  # noqa: ANN401
-        """Return what moves."""
+        """Return the robot that moves."""
         robot: Robot = self._loaded().robot(options)
         return robot
 
@@ -68,7 +68,7 @@ class RunKind:
 
 @dataclass(frozen=True, kw_only=True)
 class OwnRobot(RunKind):
-    """The straight step of a robot of a person's own."""
+    """The straight step of a user's own robot."""
 
     own: Robot
     motion: str = STEP
@@ -82,12 +82,12 @@ class OwnRobot(RunKind):
         return outcome
 
     def diagram(self, options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
-        """Build what is simulated, and say how it starts."""
+        """Build the diagram that is simulated; return it with its start."""
         built: tuple[Diagram, Start] = self._loaded().robot_diagram(self.own, options)
         return built
 
     def robot(self, _options: Any) -> Robot:  # noqa: ANN401
-        """Return what moves."""
+        """Return the robot that moves."""
         return self.own
 
 

@@ -1,4 +1,4 @@
-"""What a run simulates: its robot and its diagram's config, read from its options.
+"""Builds the robot and the config of a run's diagram from the options of the run.
 
 An option that makes no sense raises InvalidValueError.
 """
@@ -51,7 +51,7 @@ def leg_of(options: LegOptions) -> Robot:
 
 
 def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
-    """Say how the diagram of the straight step of any robot is built."""
+    """Return the config of the straight step of any robot."""
     _require_mass(robot)
     q0 = _posture(robot, options)
     direction = None
@@ -72,7 +72,7 @@ def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
 
 
 def ellipse_config(options: EllipseOptions) -> EllipseConfig:
-    """Say how the diagram of the elliptic step is built."""
+    """Return the config of the elliptic step."""
     robot = leg_of(options)
     return EllipseConfig(
         robot=robot,
@@ -86,7 +86,7 @@ def ellipse_config(options: EllipseOptions) -> EllipseConfig:
 
 
 def scara_config(options: ScaraOptions) -> ScaraConfig:
-    """Say how the diagram of the SCARA's move is built."""
+    """Return the config of the SCARA's move."""
     robot = scara(
         l1=options.l1, l2=options.l2, density=options.density, damping=options.si_damping()
     )
@@ -102,7 +102,7 @@ def scara_config(options: ScaraOptions) -> ScaraConfig:
 
 
 def pendulum_config(options: PendulumOptions) -> PendulumConfig:
-    """Say how the pendulum's diagram is built."""
+    """Return the config of the pendulum."""
     if len(options.size) != 3:
         raise InvalidValueError(
             f"the size is {options.size}; it must be length, width and height in m, "
@@ -116,7 +116,7 @@ def pendulum_config(options: PendulumOptions) -> PendulumConfig:
 
 
 def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
-    """Say how joints follow their command: inverse, correction, error of the start."""
+    """Return how the joints follow their command: inverse, correction, error of the start."""
     rate = options.rate_limit
     if rate is not None and all(joint.row.joint == "prismatic" for joint in joints):
         raise InvalidValueError(
@@ -139,7 +139,7 @@ def control_of(options: StepOptions, joints: Sequence[Segment]) -> Control:
 
 
 def disturbance_of(options: StepOptions) -> Disturbance:
-    """Say what disturbs a run."""
+    """Return the disturbance of a run."""
     return Disturbance(
         push=_push(options),
         mass_error=options.mass_error,
@@ -149,7 +149,7 @@ def disturbance_of(options: StepOptions) -> Disturbance:
 
 
 def joint_values(name: str, values: Sequence[float], joints: Sequence[Segment]) -> list[float]:
-    """Take values in degrees where a joint turns, in m where it slides, to rad and m."""
+    """Convert values in degrees for joints that turn, in m for joints that slide, to rad and m."""
     if len(values) != len(joints) or not all(map(math.isfinite, values)):
         raise InvalidValueError(
             f"{name} is {list(values)}; it must be {len(joints)} finite numbers, one for each "
@@ -190,7 +190,7 @@ def _push(options: StepOptions) -> Push | None:
 
 
 def _posture(robot: Robot, options: StraightOptions) -> tuple[float, ...]:
-    """Take q0 in rad where a joint turns, in m where it slides, or where the robot begins."""
+    """Return q0 of the options [rad or m], by default the robot's starting posture."""
     if options.q0 is None:
         q0 = starting_posture(robot)
     else:
@@ -201,7 +201,7 @@ def _posture(robot: Robot, options: StraightOptions) -> tuple[float, ...]:
 
 
 def _require_mass(robot: Robot) -> None:
-    """Refuse a robot with a joint that moves nothing: its motion has no equation."""
+    """Require a mass beyond every joint: without one its motion has no equation."""
     mass_beyond = False
     for segment in reversed(robot.segments):
         link = segment.link

@@ -41,10 +41,10 @@ def run(options: EllipseOptions, progress: Progress | None = None) -> Outcome:
 
 
 def diagram(options: EllipseOptions) -> tuple[Diagram, Start]:
-    """Build what ``run`` simulates, and say how it starts."""
+    """Build the diagram that ``run`` simulates; return it with its start."""
     return build(ellipse_config(options)), start_on_motion
 
 
 def robot(options: EllipseOptions) -> Robot:
-    """Return what moves."""
+    """Return the robot that moves."""
     return leg_of(options)

@@ -1,4 +1,4 @@
-"""What a run will meet, said before it starts, and what it has met, said after."""
+"""Forecasts which singularity a run will meet, and reports which one it has met."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def foresee(
     *,
     lagging: bool = False,
 ) -> Forecast:
-    """Say which singularity a motion meets.
+    """Forecast which singularity a motion meets.
 
     Parameters
     ----------
     q0 : (n,) tuple of float
-        Where the command believes the joints at the start [rad or m].
+        Joint positions that the command assumes at the start [rad or m].
     duration : float
         Of the run [s].
     lagging : bool
@@ -53,7 +53,7 @@ def foresee(
     -------
     Forecast
         Empty where it is not known: behind input filters, and for a chain without closed form
-        that does not start where the command believes it.
+        that does not start where the command assumes.
     """
     start = control.start(q0)
     if lagging or not math.isfinite(duration) or _is_singular(moved, start):
@@ -86,7 +86,7 @@ def foresee(
 def require_passable(
     name: str, moved: Movable, control: Control, q0: tuple[float, ...], forecast: Forecast | None
 ) -> None:
-    """Refuse a motion of a robot that an exact inverse cannot follow to its end.
+    """Require that an exact inverse can follow the motion to its end.
 
     Without a forecast it may go up to a singularity, but not start in one.
 
@@ -117,7 +117,7 @@ def require_passable(
 def singularity_findings(
     moved: Movable, run: Run, forecast: Forecast, name: str, *, disturbed: bool
 ) -> dict[str, Any]:
-    """Say of a run where it became singular, and what it was expected to meet.
+    """Report where a run became singular, and what it was expected to meet.
 
     Parameters
     ----------

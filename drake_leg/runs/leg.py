@@ -40,12 +40,12 @@ def run(options: LegBOptions, progress: Progress | None = None) -> Outcome:
 
 
 def diagram(options: LegBOptions) -> tuple[Diagram, Start]:
-    """Build what ``run`` simulates, and say how it starts."""
+    """Build the diagram that ``run`` simulates; return it with its start."""
     return robot_diagram(leg_of(options), options)
 
 
 def robot(options: LegOptions) -> Robot:
-    """Return what moves."""
+    """Return the robot that moves."""
     return leg_of(options)
 
 
@@ -77,7 +77,7 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
 
 
 def robot_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, Start]:
-    """Build what ``run_robot`` simulates, and say how it starts.
+    """Build the diagram that ``run_robot`` simulates; return it with its start.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def robot_diagram(robot: Robot, options: StraightOptions) -> tuple[Diagram, Star
 
 
 def compared(config: HexabotLegConfig, options: StepOptions, followed: Followed) -> Outcome:
-    """Compare what the foot did with its command."""
+    """Compare the foot's motion with its command."""
     robot, moved, motion, run = config.robot, config.movable, config.motion, followed.run
     X_BF = foot_pose(robot.rows, config.q0)
     start = X_BF[:3, 3]
@@ -115,7 +115,7 @@ def compared(config: HexabotLegConfig, options: StepOptions, followed: Followed)
     if config.filter_time_constant is not None:
         behind = run.scopes["foot positions"][-1] - end[-1]
         findings["filter_time_constant_s"] = config.filter_time_constant
-        findings["end_error_m"] = behind.tolist()  # of the filters' making
+        findings["end_error_m"] = behind.tolist()  # caused by the filters
     findings["inaccuracy"] = tip_inaccuracy(
         findings, run, motion, config.control, followed.settings, "foot"
     )
@@ -131,7 +131,7 @@ def compared(config: HexabotLegConfig, options: StepOptions, followed: Followed)
 
 
 def _exceeded_limits(robot: Robot, recording: Recording) -> list[str]:
-    """Say which joints took more speed or effort than they have."""
+    """Report which joints exceeded their speed or effort limits."""
     said = []
     for number, segment in enumerate(robot.moving, start=1):
         for what, column, limit in (
@@ -149,14 +149,14 @@ def _exceeded_limits(robot: Robot, recording: Recording) -> list[str]:
 
 
 def _unit_of(what: str, *, slides: bool) -> tuple[float, str]:
-    """Return how many of a person's unit make an SI unit of speed or effort, and its name."""
+    """Return the factor from SI to the displayed unit of speed or effort, and its name."""
     if what == "effort":
         return 1.0, "N" if slides else "N*m"
     return (1.0, "m/s") if slides else (math.degrees(1.0), "deg/s")
 
 
 def _determinant(robot: Robot, moved: Movable) -> tuple[str, str]:
-    """Name what the singularity check records, and its unit: none where a redundant one mixes."""
+    """Name the singularity check's quantity and its unit, which a redundant robot may not have."""
     sliding = sum(segment.row.joint == "prismatic" for segment in robot.moving)
     power = int(np.linalg.matrix_rank(moved.twists[3:])) - sliding
     if not moved.is_redundant:

@@ -1,4 +1,4 @@
-"""A named run from Python: what ``drake-leg run`` does, as one function with one result."""
+"""Carries out a named run from Python, as ``drake-leg run`` does."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
 from drake_leg.kinematics.khalil import Array
+from drake_leg.pictures.plots.of_runs import figures_of_run
 from drake_leg.robot.robot import Robot, html_table
 from drake_leg.runs.catalogue import OwnRobot, run_kind
-from drake_leg.runs.outcome import Outcome
+from drake_leg.runs.outcome import Outcome, figure_files
 from drake_leg.simulation.recording import Recording
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 DPI = 110  # of the figure that a notebook shows
 
@@ -57,13 +58,13 @@ class Figures(Mapping[str, "Figure"]):
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """What a run came to; a notebook shows its summary and its first figure."""
+    """Result of a run; a notebook shows its summary and its first figure."""
 
     name: str  # of the run, as in `drake-leg list`, or of the robot
     title: str
     robot: Robot
     recording: Recording
-    exact: Mapping[str, Array]  # by column: what the recording ought to hold, where it is known
+    exact: Mapping[str, Array]  # by column: the exact values, where they are known
     summary: Mapping[str, Any]  # as in summary.json
     figures: Figures
 
@@ -157,8 +158,6 @@ def run(
 
 
 def _figures(title: str, outcome: Outcome) -> Figures:
-    from drake_leg.pictures.plots.of_runs import figures_of_run
-
     return Figures(
         dict(
             figures_of_run(
@@ -170,8 +169,6 @@ def _figures(title: str, outcome: Outcome) -> Figures:
 
 def _write(folder: ResultsFolder, name: str, title: str, outcome: Outcome) -> None:
     """Write the data, then the figures one by one."""
-    from drake_leg.runs.outcome import figure_files
-
     with folder.begun() as scratch:
         outcome.write(scratch, name)
     for _, write in figure_files(title, outcome):
@@ -191,8 +188,6 @@ def _shown(value: object) -> str:
 
 def _png(figure: Figure) -> str:
     """Return a figure as a data URL."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
     buffer = BytesIO()
     FigureCanvasAgg(figure).print_figure(buffer, dpi=DPI, format="png")
     return f"data:image/png;base64,{b64encode(buffer.getvalue()).decode('ascii')}"

@@ -1,8 +1,8 @@
-"""What a person may change of a run, in a person's units and under the command line's names.
+"""The options of the runs, in the units and under the names of the command line.
 
-One dataclass a family of runs; a YAML file has the same keys. The command line reads the
-annotations of the fields as types, so that they must not be postponed to strings here. Methods take
-the values to SI units; they raise InvalidValueError for one that makes no sense.
+Each family of runs has one dataclass; a YAML file has the same keys. The command line reads types
+from the annotations of the fields, which must therefore not be postponed to strings. Methods
+convert values to SI units, and raise InvalidValueError for one that makes no sense.
 """
 
 import math
@@ -72,7 +72,7 @@ def option(default: Any, help_text: str, unit: str = "", *, shown: str = "") -> 
 
 @dataclass(kw_only=True)
 class RunOptions:
-    """What every run has."""
+    """Options of every run."""
 
     duration: float = option(20.0, DURATION, "s")
     gravity: float = option(STANDARD_GRAVITY, "gravity, along -z", "m/s^2")
@@ -89,7 +89,7 @@ class RunOptions:
     )
 
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
-        """Return how time is stepped: with ``default_step`` [s] at most where none is asked for."""
+        """Return the integrator's settings; ``default_step`` [s] is the longest step by default."""
         return IntegratorSettings(
             scheme=self.integrator,
             accuracy=self.accuracy,
@@ -99,7 +99,7 @@ class RunOptions:
 
 @dataclass(kw_only=True)
 class DampingOptions(RunOptions):
-    """What every run has whose robot comes from here."""
+    """Options of every run whose robot comes with this package."""
 
     damping: float | None = option(None, DAMPING, shown="0")
     damping_unit: str | None = option(
@@ -121,7 +121,7 @@ class DampingOptions(RunOptions):
 
 @dataclass(kw_only=True)
 class StepOptions(RunOptions):
-    """What every robot has whose tip follows a sine."""
+    """Options of every run whose foot or tool follows a sine."""
 
     q0: list[float] | None = option(
         None, Q0, "deg", shown="the joints' state targets; zero, or the limit that is nearest"
@@ -176,7 +176,7 @@ class StepOptions(RunOptions):
     )
 
     def motion(self, direction: Direction | None = None) -> "SineStep":
-        """Return the commanded motion, along a direction of the robot's if none was asked for."""
+        """Return the commanded motion, along ``direction`` or that of the options."""
         from drake_leg.kinematics.motions import SineStep  # which needs NumPy, as help does not
 
         return SineStep(
@@ -209,7 +209,7 @@ class StepOptions(RunOptions):
         return q1, q2, q3
 
     def refuse_ignored(self) -> None:
-        """Refuse what would mean nothing beside the other options."""
+        """Refuse options that would have no effect beside the others."""
         if self.force and self.inverse != EXACT:
             raise InvalidValueError(
                 f"`force=True` means nothing with `inverse={self.inverse!r}`, which goes on past a "
@@ -220,11 +220,11 @@ class StepOptions(RunOptions):
             self._refuse_at_rest()
 
     def _refuse_at_rest(self) -> None:
-        """Refuse what means nothing without an amplitude."""
+        """Refuse options that have no effect without an amplitude."""
         self._require_defaults("amplitude is 0", "frequency", "direction")
 
     def _require_defaults(self, why: str, *names: str) -> None:
-        """Refuse options that were given, though they mean nothing."""
+        """Refuse options that were given but have no effect."""
         defaults = type(self)()
         for name in names:
             value = getattr(self, name)
@@ -330,7 +330,7 @@ class ScaraOptions(StepOptions, DampingOptions):
 
 @dataclass(kw_only=True)
 class PendulumOptions(DampingOptions):
-    """The pendulum, whatever acts at its joint."""
+    """Options of every pendulum."""
 
     q0: list[float] | None = option(None, Q0, "deg", shown="0")
     size: list[float] = option(list(PENDULUM_SIZE), "length, width, height of the link", "m")

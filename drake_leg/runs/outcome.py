@@ -1,4 +1,4 @@
-"""A run's figures as files."""
+"""The outcome of a run: its recording, its summary, and its figures as files."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.pictures.plots.of_runs import figures_of_run
+from drake_leg.pictures.plots.of_runs import Subject, figures_of_run
 from drake_leg.pictures.plots.style import save
 from drake_leg.robot.robot import Robot
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import Run
 
-if TYPE_CHECKING:
-    from drake_leg.pictures.plots.of_runs import Subject
+BEST = IntegratorSettings().scheme
+SHOWN = 0.01  # of a motion's range: about the width of a curve in a small figure
+NOTHING = 1e-6  # [rad or m], an error that never matters
 
 
 def figure_files(title: str, outcome: Outcome) -> Iterator[tuple[str, Callable[[Path], None]]]:
@@ -37,13 +38,13 @@ def _write(draw: Callable[[], Figure], file_name: str, folder: Path) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """A recording and what it comes to."""
+    """A recording, its exact counterpart and its summary."""
 
     robot: Robot
     recording: Recording
     exact: Mapping[str, Array]  # by column name: the exact values, where they are known
     summary: Mapping[str, Any]  # as in summary.json
-    subject: Subject  # what it shows
+    subject: Subject  # of the figures
 
     def write(self, folder: Path, name: str) -> None:
         """Write ``recording.csv`` and ``summary.json``.
@@ -77,7 +78,7 @@ def outcome_of(
     findings: Mapping[str, Any],
     subject: Subject = "foot",
 ) -> Outcome:
-    """Put a run's summary together: first what all runs have, then this run's ``findings``."""
+    """Assemble a run's outcome; its summary has the entries of all runs, then ``findings``."""
     common = {
         "robot": robot.name,
         "duration_s": duration,
@@ -98,22 +99,17 @@ def outcome_of(
     )
 
 
-BEST = IntegratorSettings().scheme
-SHOWN = 0.01  # of a motion's range: about the width of a curve in a figure as high as a thumb
-NOTHING = 1e-6  # [rad or m], an error that never matters
-
-
 def shows(error: float, span: float) -> bool:
-    """Tell whether an error can be seen in a figure of the motion.
+    """Return whether an error can be seen in a figure of the motion.
 
-    ``error`` is the greatest distance from the exact motion, ``span`` the range of that [rad or m].
+    ``error`` is the largest distance from the exact motion, ``span`` the range of that [rad or m].
     Where nothing moves, an error counts from ``NOTHING`` on.
     """
     return not error <= max(SHOWN * span, NOTHING)
 
 
 def finer(settings: IntegratorSettings) -> str:
-    """Say how an integration becomes more accurate."""
+    """Advise how to make an integration more accurate."""
     if settings.accuracy is None:
         remedy = "choose a smaller `max_step`"
     else:
@@ -122,7 +118,7 @@ def finer(settings: IntegratorSettings) -> str:
 
 
 def inaccuracy(error: float, span: float, what: str, unit: str, remedy: str) -> str | None:
-    """Say that a run is not the motion that was asked for; None if the error cannot be seen."""
+    """Explain that a run differs visibly from the commanded motion; None if it does not."""
     if not shows(error, span):
         return None
     return (

@@ -1,4 +1,4 @@
-"""The time steps of a pendulum where none is asked for: as short as its stiffness needs."""
+"""The pendulum's runs: their time steps, their findings and their exact motion."""
 
 from __future__ import annotations
 
@@ -42,7 +42,20 @@ ERROR_OF_STEPS = 3e-4  # measured: error = this (w h)^5 w t times the amplitude
 ORDER = 5
 MOST = 500_000  # steps: about a minute
 MOST_IMPLICIT = 20_000
-LONGEST_OSCILLATION = 3e4  # [rad]: what the exact motion is compared with in minutes
+LONGEST_OSCILLATION = 3e4  # [rad]: compared with the exact motion within minutes
+# Relative accuracy of the error control that each integrator reaches at a limit in bounded time.
+ACCURACY_AT_LIMITS = {
+    "runge_kutta5": 1e-9,
+    "runge_kutta3": 1e-7,
+    "bogacki_shampine3": 1e-7,
+    "radau3": 1e-7,
+    "radau1": 1e-4,
+    "implicit_euler": 1e-4,
+}
+GROWING = "runge_kutta5"  # whose stable steps are known, so that they may grow
+# Growth of an error of the start from which a rounding to 1e-6 degrees shows in the figures.
+ILL_CONDITIONED = 1e6
+AT_REST = 1e-3  # [rad/s], [rad/s^2], below which the last tenth of a run counts as rest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,12 +67,12 @@ class Steps:
     growth: float  # [1/s]
 
     def at(self, time: float) -> float:
-        """Return the greatest step from an instant on [s]."""
+        """Return the longest step from an instant on [s]."""
         grown = self.growth * time
         return self.longest if grown > 100.0 else min(self.longest, self.first * math.exp(grown))
 
     def count(self, duration: float) -> float:
-        """Estimate how many a run takes."""
+        """Estimate the number of steps of a run."""
         if self.growth == 0.0:
             return duration / self.first
         end = min(duration, math.log(self.longest / self.first) / self.growth)
@@ -75,12 +88,12 @@ def steps_of(model: PendulumModel, duration: float, away: float) -> Steps:
     duration : float
         Of the run [s].
     away : float
-        How far the oscillation of a spring is from its rest at the start [rad].
+        Amplitude of a spring's oscillation at the start [rad].
 
     Raises
     ------
     InvalidValueError
-        If it is so stiff that an explicit integrator would need more than ``MOST`` steps.
+        If the joint is so stiff that an explicit integrator would need more than ``MOST`` steps.
     """
     swing = OF_SWING / model.natural_frequency if model.natural_frequency > 0.0 else math.inf
     longest = min(LONGEST, swing)
@@ -108,7 +121,7 @@ def steps_of(model: PendulumModel, duration: float, away: float) -> Steps:
 
 
 def _coarser(steps: Steps, duration: float) -> Steps:
-    """Take coarser first steps where there would be too many."""
+    """Make the first steps coarser if there would be too many."""
     while steps.count(duration) > MOST and steps.first < steps.longest:
         steps = replace(steps, first=min(1.2 * steps.first, steps.longest))
     return steps
@@ -150,23 +163,8 @@ def _spring_frequency(model: PendulumModel) -> float:
     return math.sqrt(model.spring_stiffness / model.inertia)
 
 
-# Relative, of the error control: what each integrator reaches at a limit in bounded time.
-ACCURACY_AT_LIMITS = {
-    "runge_kutta5": 1e-9,
-    "runge_kutta3": 1e-7,
-    "bogacki_shampine3": 1e-7,
-    "radau3": 1e-7,
-    "radau1": 1e-4,
-    "implicit_euler": 1e-4,
-}
-GROWING = "runge_kutta5"  # whose stable steps are known, so that they may grow
-# Of an error of the start: what one types, to 1e-6 degrees, is seen in the figures from here on.
-ILL_CONDITIONED = 1e6
-AT_REST = 1e-3  # [rad/s], [rad/s^2], below which the last tenth of a run counts as rest
-
-
 def run(options: PendulumOptions, progress: Progress | None = None) -> Outcome:
-    """Let the pendulum go, with whatever acts at its joint.
+    """Release the pendulum, with whatever acts at its joint.
 
     Parameters
     ----------
@@ -215,22 +213,22 @@ def run(options: PendulumOptions, progress: Progress | None = None) -> Outcome:
 
 
 def diagram(options: PendulumOptions) -> tuple[Diagram, Start]:
-    """Build what ``run`` simulates, and say how it starts."""
+    """Build the diagram that ``run`` simulates; return it with its start."""
     config = pendulum_config(options)
     return build(config), start_at_targets(config.robot)
 
 
 def robot(options: PendulumOptions) -> Robot:
-    """Return what moves."""
+    """Return the robot that moves."""
     return pendulum_config(options).robot
 
 
 def _settings(
     options: PendulumOptions, model: PendulumModel, away: float
 ) -> tuple[IntegratorSettings, LongestStep | None]:
-    """Choose how time is stepped, and how far the steps may go from every instant on.
+    """Choose the integrator's settings, and the longest step over time.
 
-    Error control is taken where a limit may be met: the moment inside is short and stiff.
+    Error control is used where a limit may be met: the contact is short and stiff.
     """
     settings = options.integrator_settings(LONGEST)
     limited = model.limits is not None and settings.scheme in ACCURACY_AT_LIMITS
@@ -248,12 +246,11 @@ def _settings(
 
 
 def _away(model: PendulumModel, q0: float, rate: float) -> float:
-    """Bound how far the spring will swing from its rest [rad]."""
+    """Upper bound of the spring's deflection from its rest [rad]."""
     if model.spring_stiffness == 0.0:
         return 0.0
-    frequency = math.sqrt(model.spring_stiffness / model.inertia)
     sag = model.gravity_torque / model.spring_stiffness
-    return abs(q0 - model.equilibrium_position) + sag + abs(rate) / frequency
+    return abs(q0 - model.equilibrium_position) + sag + abs(rate) / _spring_frequency(model)
 
 
 def measured_period(recording: Recording) -> float | None:
@@ -316,7 +313,7 @@ def _findings(
 
 
 def _ill_conditioned(growth: float, rate: float) -> str | None:
-    """Say that the last digits of a start decide what the pendulum does."""
+    """Explain that the last digits of the start decide what the pendulum does."""
     if growth < ILL_CONDITIONED:
         return None
     return (
@@ -328,7 +325,7 @@ def _ill_conditioned(growth: float, rate: float) -> str | None:
 def _inaccuracy(
     error: float, growth: float, exact_q: Array, settings: IntegratorSettings
 ) -> str | None:
-    """Say that the recorded motion is another one, or that it cannot be predicted."""
+    """Explain that the recorded motion is another one, or that it cannot be predicted."""
     span = min(float(np.ptp(exact_q)), 2.0 * math.pi)
     if growth >= ILL_CONDITIONED and shows(error, span):
         return inaccuracy(error, span, "angle", "rad", "start farther from upright")

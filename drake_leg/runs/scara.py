@@ -51,17 +51,17 @@ def run(options: ScaraOptions, progress: Progress | None = None) -> Outcome:
 
 
 def diagram(options: ScaraOptions) -> tuple[Diagram, Start]:
-    """Build what ``run`` simulates, and say how it starts."""
+    """Build the diagram that ``run`` simulates; return it with its start."""
     return build(scara_config(options)), start_on_motion
 
 
 def robot(options: ScaraOptions) -> Robot:
-    """Return what moves."""
+    """Return the robot that moves."""
     return scara_config(options).robot
 
 
 def _compared(config: ScaraConfig, options: ScaraOptions, followed: Followed) -> Outcome:
-    """Compare what the tool did with its command."""
+    """Compare the tool's motion with its command."""
     robot, motion, run = config.robot, config.motion, followed.run
     start = tool_position(config.geometry, (*config.q0, config.lift))
     q = run.scopes["joint positions"]

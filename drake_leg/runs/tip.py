@@ -1,4 +1,4 @@
-"""What the runs have in common in which a foot or a tool follows a commanded motion."""
+"""The common part of all runs in which a foot or a tool follows a commanded motion."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ OFF_COMMAND = 1e-6  # [m]: a tip that is farther from its command than this is o
 BAND = 1e-3  # [m]: the same for a tip that something disturbs
 
 STEPS_PER_PERIOD = 150
-STEP_OF_LIMITED_RATES = 0.010  # [s], greatest step where rates may meet their limits in kinks
+STEP_OF_LIMITED_RATES = 0.010  # [s], longest step where rates may meet their limits in kinks
 STEP_OF_LIMITED_TORQUES = 0.005  # [s], the same of torques
 STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
 STEP_OF_PULL = 0.25  # greatest step times the square root of the motion's stiffness
@@ -43,7 +43,7 @@ Config = TypeVar("Config", HexabotLegConfig, EllipseConfig, ScaraConfig)
 
 
 class Followed(NamedTuple):
-    """How a tip was to follow its motion, and what it did."""
+    """A tip's simulated motion, with its settings and the singularities met."""
 
     run: Run
     settings: IntegratorSettings
@@ -58,7 +58,7 @@ def follow(
     *,
     lag: float | None = None,
 ) -> Followed:
-    """Look ahead, then simulate.
+    """Forecast singularities, then simulate.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def follow(
 def longest_step(
     motion: SineStep, control: Control, disturbance: Disturbance, lag: float | None = None
 ) -> float:
-    """Choose the greatest step [s] for all that is fast in a run: at most 40 ms."""
+    """Choose the longest step [s] that resolves all that is fast in a run: at most 40 ms."""
     steps = [ROW_INTERVAL, 2.0 * math.pi / (STEPS_PER_PERIOD * motion.frequency)]
     if control.inverse.method == "limited":
         steps.append(STEP_OF_LIMITED_RATES)
@@ -112,7 +112,7 @@ def longest_step(
 def tip_columns(
     robot: Robot, run: Run, command: Sequence[str] = ("dx[m/s]", "dy[m/s]", "dz[m/s]")
 ) -> dict[str, Array]:
-    """Name what the scopes of a motion-driven robot recorded: header to column.
+    """Collect the recorded columns of a motion-driven robot, by header.
 
     They are time, input, command, joints, tip and torques; ``command`` has the headers of the
     three commanded velocities.
@@ -156,7 +156,7 @@ def exact_tip(start: Array, motion: SineStep, time: Array, q: Array | None) -> d
 
 
 def control_findings(control: Control, robot: Robot) -> dict[str, Any]:
-    """Say how the command was followed: entries of the summary."""
+    """Report how the command was followed: entries of the summary."""
     moved = robot.moving[: len(control.q0_error)]
     units = ["m" if segment.row.joint == "prismatic" else "rad" for segment in moved]
     error: dict[str, Any] = {"q0_error_rad": list(control.q0_error)}
@@ -197,7 +197,7 @@ def tip_findings(
 
 
 def _cost(run: Run, distance: Array, disturbance: Disturbance) -> dict[str, Any]:
-    """Say what a disturbance cost; ``distance`` (rows,) is that of the tip from its command [m]."""
+    """Report the effect of a disturbance; ``distance`` (rows,) is the tip's off its command [m]."""
     push = disturbance.push
     given = run.scopes["joint torques"]
     asked = run.scopes.get("torques asked for", given)
@@ -235,7 +235,7 @@ def tip_inaccuracy(
     settings: IntegratorSettings,
     what: str,
 ) -> str | None:
-    """Say that the integration is to blame for a tip that is not where it was sent.
+    """Explain that the integration is the cause of a tip's visible error.
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def tip_inaccuracy(
     Returns
     -------
     str or None
-        None where the error cannot be seen, or something that was asked for explains it.
+        None where the error cannot be seen, or where one of the options explains it.
     """
     explained = (
         findings["disturbance"] is not None
@@ -266,8 +266,8 @@ def torque_error(
 ) -> float:
     """Greatest difference between the recorded torques and Drake's inverse dynamics [N*m or N].
 
-    Inverse dynamics is evaluated on a plant of its own, at the recorded positions, velocities
-    and accelerations; what a push does at the joints is taken off.
+    Inverse dynamics is evaluated on a separate plant, at the recorded positions, velocities and
+    accelerations; the effect of a push on the joints is subtracted.
     """
     plant = build_plant(robot, gravity=gravity)
     context = plant.CreateDefaultContext()
@@ -286,7 +286,7 @@ def torque_error(
 
 
 def push_torques(robot: Robot, run: Run, disturbance: Disturbance) -> Array:
-    """Return what a push on the tip does at the joints: ``J^T F``, (rows, n) [N*m or N]."""
+    """Return the joint torques that a push on the tip causes: ``J^T F``, (rows, n) [N*m or N]."""
     q = run.scopes["joint positions"]
     if disturbance.push is None:
         return np.zeros_like(q)

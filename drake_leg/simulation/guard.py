@@ -25,9 +25,9 @@ class _Watched(NamedTuple):
 
 
 class Guard:
-    """Chooses every next step so that no singularity is jumped across, and stops before it.
+    """Chooses each step so that the run cannot jump across a singularity, and stops it there.
 
-    ``singularity.look_ahead`` says how long a step may be.
+    ``singularity.look_ahead`` computes how long a step may be.
 
     Disturbed joints do not follow their prescribed motion: their sensed rates count, and a lag is
     no error of the integration.
@@ -35,7 +35,7 @@ class Guard:
     Parameters
     ----------
     diagram : Diagram
-        With inverse-Jacobian blocks, or without.
+        With or without inverse Jacobian blocks.
     context : Context
         Its root context at the start.
     max_step : float
@@ -57,7 +57,7 @@ class Guard:
         self._step = max_step
 
     def next_step(self, root: Context) -> float:
-        """Return how far the next step may go.
+        """Return the longest next step.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ class Guard:
         SingularConfigurationError
             Where a singularity is reached.
         LostMotionError
-            Where the joints do not follow closely enough to tell.
+            Where the joints do not follow their motion closely enough to tell.
         """
         step = min(GROWTH * self._step, self._max_step)
         for push in self._pushes:
@@ -89,7 +89,7 @@ class Guard:
         return self._step
 
     def _towards(self, root: Context, block: InverseJacobian, sign: float, step: float) -> float:
-        """Shorten a step so that it comes nearer to a singularity, and not across."""
+        """Shorten a step so that it approaches a singularity without crossing it."""
         robot, context = block.robot, block.GetMyContextFromRoot(root)
         q = block.posture(context)
         now = sign * robot.normalised_determinant(q)

@@ -1,4 +1,4 @@
-"""What a run leaves: named arrays with units, written to CSV and read back."""
+"""Recordings of runs: named arrays with units, written to CSV and read back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Running a diagram to its end, or to where it must stop.
+"""Simulates a diagram to its end, or until it must stop.
 
 Drake's error control has a trap: when it rejects a step it puts the old state back without
 telling the caches, so that whatever depends on the state alone (a plant's kinematics) is used
@@ -54,7 +54,7 @@ LongestStep = Callable[[float], float]  # time -> how far the next step may go, 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What a simulation left."""
+    """Result of a simulation: its time steps and scopes, and why it stopped."""
 
     time: Array  # [s], (rows,)
     scopes: dict[str, Array]  # by scope name, (rows, size)
@@ -203,7 +203,7 @@ def _advance(simulator: Simulator, duration: float) -> tuple[str | None, DrakeLe
 
 
 def _start(start: Start, diagram: Diagram, context: Context) -> None:
-    """Set the initial state, and see that the motion has a beginning."""
+    """Set the initial state, and check that its derivatives exist."""
     try:
         start(diagram, context)
         diagram.EvalTimeDerivatives(context)
@@ -215,7 +215,7 @@ def _start(start: Start, diagram: Diagram, context: Context) -> None:
 
 
 class _Watch:
-    """Looks at a run after every step, and says how far the next step may go."""
+    """Checks a run after every step, and limits the next step."""
 
     def __init__(
         self,
@@ -232,7 +232,7 @@ class _Watch:
         self._limits.check(context)
 
     def see(self, root: Context) -> None:
-        """Stop where the run must not go on."""
+        """Raise where the run must not continue."""
         self._steps += 1
         now = root.get_time()
         if self._progress:
@@ -247,7 +247,7 @@ class _Watch:
         self._limits.check(root)
 
     def next_step(self, root: Context) -> float:
-        """Return how far the next step may go [s]."""
+        """Return the longest next step [s]."""
         step = self._guard.next_step(root)
         if self._longest_step is None:
             return step
@@ -268,7 +268,7 @@ class _Limits:
                     self._limited.append((plant, low.tolist(), high.tolist()))
 
     def check(self, root: Context) -> None:
-        """Stop where a joint has left its limits."""
+        """Raise where a joint has left its limits."""
         for plant, low, high in self._limited:
             q = plant.GetPositions(plant.GetMyContextFromRoot(root)).tolist()
             for index, position in enumerate(q):

@@ -1,4 +1,4 @@
-"""A command that pulls the foot back to where it should be."""
+"""Corrects a commanded velocity so that the foot returns to its path."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from drake_leg.units import require_non_negative
 
 
 class DriftCorrection(Diagram):
-    """A commanded velocity, corrected by the position error: ``v + K (p_d - p)``.
+    """Adds a multiple of the position error to a commanded velocity: ``v + K (p_d - p)``.
 
-    ``p_d`` is the integral of v. With an exact inverse behind it the error obeys ``de/dt = -K e``:
-    it falls by the factor e in 1 / K, wherever the foot started.
+    The commanded position ``p_d`` is the integral of v. With an exact inverse behind the block the
+    error obeys ``de/dt = -K e``: it decays with the time constant 1 / K, wherever the foot starts.
 
-    ============== ===== ===== ========= ====================================================
-    port           kind  size  unit      meaning
-    ============== ===== ===== ========= ====================================================
-    ``v``          in    3     m/s       commanded velocity
-    ``a``          in    3     m/s^2     its derivative
-    ``p``          in    3     m         where the foot is, as sensed
-    ``pdot``       in    3     m/s       its derivative
-    ``velocity``   out   3     m/s       ``v + K (p_d - p)``
-    ``acceleration`` out 3     m/s^2     ``a + K (v - pdot)``, the derivative of that
-    ============== ===== ===== ========= ====================================================
+    ================ ===== ===== ======= ==============================================
+    port             kind  size  unit    meaning
+    ================ ===== ===== ======= ==============================================
+    ``v``            in    3     m/s     commanded velocity
+    ``a``            in    3     m/s^2   its derivative
+    ``p``            in    3     m       sensed position of the foot
+    ``pdot``         in    3     m/s     its derivative
+    ``velocity``     out   3     m/s     ``v + K (p_d - p)``
+    ``acceleration`` out   3     m/s^2   ``a + K (v - pdot)``, the velocity's derivative
+    ================ ===== ===== ======= ==============================================
 
-    An angle among the three, as a SCARA's yaw, is in rad.
+    An angle among the three components, such as a SCARA's yaw, is in rad.
 
     Parameters
     ----------
     gain : float
         K [1/s].
     start : (3,) array_like
-        p_d at the beginning.
+        Initial p_d [m].
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The mechanical energy of a plant."""
+"""Senses the mechanical energy of a plant."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 
 class EnergySensor(LeafSystem):
-    """Kinetic plus potential energy of a plant, gravity's and springs' included.
+    """Outputs the kinetic and potential energy of a plant, of gravity and of springs.
 
-    ========== ===== ===== ======== =============================================
+    ========== ===== ===== ======== ================================================
     port       kind  size  unit     meaning
-    ========== ===== ===== ======== =============================================
+    ========== ===== ===== ======== ================================================
     ``state``  in    n     rad, /s  the plant's state (positions, then velocities)
-    ``energy`` out   1     J        gravity's part is zero at the world's origin
-    ========== ===== ===== ======== =============================================
+    ``energy`` out   1     J        the sum; gravity's part is 0 at the world origin
+    ========== ===== ===== ======== ================================================
 
-    The plant's own context for the computation is scratch: nothing in it outlives a call.
+    The block computes in a scratch context of the plant; nothing in it outlives a call.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A commanded velocity of the foot, as far as a singularity and the joints let it act."""
+"""Slows a foot that is driven by hand near singularities."""
 
 from __future__ import annotations
 
@@ -10,24 +10,23 @@ from drake_leg.singularity.look_ahead import Braked, braked
 
 
 class FootBrake(LeafSystem):
-    """Shortens a commanded velocity near a singularity, and where a joint would be too fast.
+    """Slows a commanded velocity near a singularity, and where a joint would be too fast.
 
     ============ ===== ===== ========= ==============================================
     port         kind  size  unit      meaning
     ============ ===== ===== ========= ==============================================
     ``q``        in    n     rad or m  joint positions
     ``v``        in    3     m/s       commanded velocity of the foot, base frame
-    ``velocity`` out   3     m/s       share of it that acts, held during a step
-    ``share``    out   1     1         0 ... 1, held during a step
+    ``velocity`` out   3     m/s       share of the command that acts
+    ``share``    out   1     1         the share, 0 ... 1, held during a step
     ============ ===== ===== ========= ==============================================
 
-    At the beginning of every step of the simulation the share is found anew, as
-    ``singularity.driving.braked`` has it.
+    ``singularity.look_ahead.braked`` computes the share at the beginning of every simulation step.
 
     Parameters
     ----------
     robot : Movable
-        Whose foot is driven.
+        The robot whose foot is driven.
     """
 
     def __init__(self, robot: Movable) -> None:

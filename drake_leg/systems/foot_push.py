@@ -1,4 +1,4 @@
-"""A push on a frame of a plant, from outside."""
+"""Applies an external push to a frame of a plant."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NEVER_AGAIN = 1e12  # [s], period of an event that happens once
 
 
 class FootPush(LeafSystem):
-    """The force of a push at the origin of a frame, for the plant's ``applied_spatial_force``.
+    """Pushes at the origin of a frame, through the plant's ``applied_spatial_force``.
 
     ================== ==== ======== ==================================================
     port               kind size     meaning
@@ -26,14 +26,14 @@ class FootPush(LeafSystem):
     ``spatial_forces`` out  abstract one force [N] in the world frame, without a moment
     ================== ==== ======== ==================================================
 
-    The integrator ends a step where the push begins, and one where it ends.
+    The integrator ends a step when the push begins, and another when it ends.
 
     Parameters
     ----------
     frame : Frame
-        Of a plant, fixed to one of its bodies.
+        Frame fixed to a body of the plant.
     push : Push
-        Its force over time; the plant's base frame is the world's.
+        Force over time, in the world frame.
     """
 
     def __init__(self, frame: Frame, push: Push) -> None:
@@ -51,7 +51,7 @@ class FootPush(LeafSystem):
             self.DeclarePeriodicPublishEvent(NEVER_AGAIN, instant, _nothing)
 
     def longest_step(self, time: float) -> float:
-        """Return how long a step may be, for the push to be seen.
+        """Return the longest step that still resolves the push.
 
         Parameters
         ----------
@@ -75,4 +75,4 @@ class FootPush(LeafSystem):
 
 
 def _nothing(context: Context) -> None:
-    """Happen: an event's time ends a step of the integrator."""
+    """Do nothing: the event only ends a step of the integrator."""

@@ -1,4 +1,4 @@
-"""Where a frame is and how it moves: the 6-DOF Joint as a sensor, and the Transform Sensor."""
+"""Senses the pose and motion of a frame: Simscape's 6-DOF Joint and Transform Sensor."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drake_leg.systems.relative_motion import RelativeMotion, Where
 
 
 class MeasurementFrame(TypedDict):
-    """Simscape's one setting for both: in whose axes, and as observed from where."""
+    """Simscape's single setting for both the axes of a vector and its observer."""
 
     expressed_in: Where
     observed_in: Where
@@ -35,10 +35,10 @@ MEASUREMENT_FRAMES = MappingProxyType(
 
 
 class FrameSensor(LeafSystem):
-    """Position, rotation and motion of a frame F, the follower, against a frame B, the base.
+    """Senses pose and motion of a frame F, the follower, relative to a frame B, the base.
 
-    Both may move. E is the frame in whose axes a vector is written (``expressed_in``), O the one
-    from which its change is observed (``observed_in``).
+    Both frames may move. Vectors are expressed in the axes of a frame E (``expressed_in``), and
+    their derivatives are taken as an observer in a frame O sees them (``observed_in``).
 
     ======================== ==== ==== ======= =================================================
     port                     kind size unit    meaning
@@ -66,18 +66,18 @@ class FrameSensor(LeafSystem):
     acceleration, Coriolis and centrifugal terms. With ``observed_in="world"`` the velocity is the
     difference between both origins' velocities in the world. Simscape's Transform Sensor has one
     setting for both; ``MEASUREMENT_FRAMES`` has its five values, as in
-    ``FrameSensor(plant, F, B, **MEASUREMENT_FRAMES["Non-Rotating Base"])``. Its joints sense as in
-    "Base".
+    ``FrameSensor(plant, F, B, **MEASUREMENT_FRAMES["Non-Rotating Base"])``. Simscape's joints sense
+    as with "Base".
 
     Body rates are the components of one vector along the axes of one frame; a Bushing joint's
     rates belong to three axes that are not at right angles. The two differ unless the frame turns
     about one axis only. Rotation outputs depend on neither setting. In gimbal lock the angles still
     describe the rotation, with the first angle 0, and the rates and accelerations are the smallest
-    possible ones; they are never NaN, so that a signal that is only logged stops no run. Do not
+    possible ones; they are never NaN, so that logging them cannot stop a run. Do not
     trust them where ``gimbal_distance`` is small. ``euler.continuous_angles`` removes the jumps
     from recorded angles.
 
-    The plant's own context for the computation is scratch: nothing in it outlives a call.
+    The block computes in a scratch context of the plant; nothing in it outlives a call.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A signal smoothed until it has derivatives: the input filter of a Simulink-PS Converter."""
+"""Filters a signal so that it has derivatives: the input filter of a Simulink-PS Converter."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Order = Literal[1, 2]
 
 
 class InputFilter(Diagram):
-    """One or two first-order lags in series, and the derivatives of what comes out.
+    """Filters a signal by one or two first-order lags, and outputs the derivatives too.
 
     Order 2: ``tau^2 qddot + 2 tau qdot + q = u``; order 1: ``tau qdot + q = u``. The output lags
     behind a slow input by ``order * tau``.
@@ -32,7 +32,7 @@ class InputFilter(Diagram):
     ``qddot``  out   n     rad/s^2  its second derivative; of order 2 only
     ========== ===== ===== ======== ===================================================
 
-    It starts at rest, at ``initial`` or, without it, at the signal's own initial value once
+    The filter starts at rest: at ``initial`` or, without it, at the initial value of its input if
     ``start_from_input`` is called.
 
     Parameters
@@ -89,7 +89,7 @@ class InputFilter(Diagram):
             raise InvalidValueError(
                 f"the filter's initial output is {initial!r}; it must be {size} finite numbers"
             )
-        self._size, self._order = size, order
+        self._size = size
 
         builder = DiagramBuilder()
         builder.AddNamedSystem("lags", self._lags(start))
@@ -107,20 +107,20 @@ class InputFilter(Diagram):
         context : Context
             This system's own; its state is set.
         """
-        rest = np.zeros(self._order * self._size)
+        rest = np.zeros(self.order * self._size)
         rest[: self._size] = self._u.Eval(context)
         context.SetContinuousState(rest)
 
     def _highest_derivative(self) -> np.ndarray:
-        """Matrix that takes the state and the input to the derivative of the state's last part."""
+        """Matrix from state and input to the derivative of the state's last part."""
         tau, one = self.time_constant, np.eye(self._size)
-        if self._order == 1:
+        if self.order == 1:
             return np.hstack([-one / tau, one / tau])
         return np.hstack([-one / tau**2, -2.0 * one / tau, one / tau**2])
 
     def _lags(self, start: np.ndarray) -> LinearSystem:
         """Make the system whose state, and output, is q (and qdot)."""
-        n, states = self._size, self._order * self._size
+        n, states = self._size, self.order * self._size
         highest = self._highest_derivative()
         shift = np.eye(states, k=n)[: states - n]
         lags = LinearSystem(
@@ -133,7 +133,7 @@ class InputFilter(Diagram):
         return lags
 
     def _connect(self, builder: DiagramBuilder, states: tuple[str, ...], highest: str) -> None:
-        n, order = self._size, self._order
+        n, order = self._size, self.order
         lags, derivative = (
             builder.GetMutableSubsystemByName(name) for name in ("lags", "highest derivative")
         )

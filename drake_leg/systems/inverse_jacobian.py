@@ -1,4 +1,4 @@
-"""The Jacobian inverse as a block: the reports' MATLAB Function ``inverseJacobian``."""
+"""The inverse Jacobian block: the reports' MATLAB Function ``inverseJacobian``."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from drake_leg.singularity.look_ahead import Instant
 
 
 class InverseJacobian(LeafSystem):
-    """Joint rates and accelerations that make the foot follow its commanded motion.
+    """Computes the joint rates and accelerations that make the foot follow its command.
 
     ========== ===== ===== ============ ===========================================
     port       kind  size  unit         meaning
     ========== ===== ===== ============ ===========================================
     ``q``      in    n     rad          joint positions, as sensed
     ``v``      in    m     m/s          commanded task velocity, base frame
-    ``a``      in    m     m/s^2        commanded task acceleration; may be left open
-    ``w``      in    n     rad/s        joint rates, as sensed; may be left open
+    ``a``      in    m     m/s^2        commanded task acceleration (optional)
+    ``w``      in    n     rad/s        joint rates, as sensed (optional)
     ``qdot``   out   n     rad/s        ``J^-1 v``
     ``qddot``  out   n     rad/s^2      its derivative, J changing along ``w``
     ``det_j``  out   1     m^3          determinant of J: the singularity check
@@ -31,7 +31,7 @@ class InverseJacobian(LeafSystem):
     Parameters
     ----------
     robot : Movable
-        The Jacobian and how it is inverted.
+        Supplies the Jacobian and its inverse, be it exact or damped.
 
     Raises
     ------
@@ -73,7 +73,7 @@ class InverseJacobian(LeafSystem):
         return q
 
     def instant(self, context: Context) -> Instant:
-        """All that the block takes and makes in its own context; ``a`` and ``w`` where wired."""
+        """Inputs and outputs in the block's own context; ``a`` and ``w`` only where connected."""
         has_a, has_w = self._a.HasValue(context), self._w.HasValue(context)
         return Instant(
             q=self._q.Eval(context).tolist(),

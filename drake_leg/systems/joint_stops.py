@@ -1,4 +1,4 @@
-"""Joint limits that push back: a continuous-time plant does not enforce them by itself."""
+"""Enforces joint limits, which a continuous-time plant does not do by itself."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drake_leg.systems.partial_dynamics import joints_of_one_axis
 
 
 class JointStops(LeafSystem):
-    """Forces that push joints back into their limits, by Simscape's smoothed spring and damper.
+    """Pushes joints back into their limits with Simscape's smoothed spring and damper.
 
     At a depth x beyond its bound, growing at the rate v, a joint is pushed back by
     ``(3 s^2 - 2 s^3) max(0, k x + d v)`` with ``s = x / width`` in 0 ... 1.
@@ -25,7 +25,7 @@ class JointStops(LeafSystem):
     ===================== ===== ======= ======== =============================================
     ``state``             in    nq + nv rad, /s  the plant's state (positions, then velocities)
     ``generalized_force`` out   nv      N*m      for the plant's ``applied_generalized_force``
-    ``energy``            out   1       J        in the springs of the stops
+    ``energy``            out   1       J        stored in the springs of the stops
     ===================== ===== ======= ======== =============================================
 
     Parameters
@@ -33,7 +33,7 @@ class JointStops(LeafSystem):
     plant : MultibodyPlant
         Finalised.
     mechanics : mapping of str to JointMechanics
-        By joint name; limits without a stop do nothing here.
+        By joint name; limits without a stop are ignored.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Inverse dynamics of some joints of a plant while its other joints move as forces make them."""
+"""Inverse dynamics of some joints of a plant while its other joints move freely."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _ONE_AXIS = ("revolute", "prismatic")
 
 
 def require_plant(plant: MultibodyPlant) -> None:
-    """Refuse what is no finalised plant.
+    """Require a finalised plant.
 
     Raises
     ------
     InvalidValueError
-        If it is none, or not finalised.
+        If it is not a plant, or not finalised.
     """
     if not isinstance(plant, MultibodyPlant):
         raise InvalidValueError(f"the plant is {plant!r}; it must be a MultibodyPlant")
@@ -32,15 +32,15 @@ def require_plant(plant: MultibodyPlant) -> None:
 
 
 def joints_of_one_axis(plant: MultibodyPlant, joints: Iterable[str | Joint]) -> list[Joint]:
-    """Find the joints that are named, each of them revolute or prismatic, in the order given.
+    """Look up revolute and prismatic joints by name, in the given order.
 
-    Names are ``instance::joint`` where two models have joints of one name.
+    A name is ``instance::joint`` where two models have joints of the same name.
 
     Raises
     ------
     InvalidValueError
-        If none is named or one twice, if there is no such joint or more than one, or if one is
-        neither revolute nor prismatic.
+        If no joint is named or one is named twice, if a name fits no joint or several, or if a
+        joint is neither revolute nor prismatic.
     """
     require_plant(plant)
     named = [joints] if isinstance(joints, str) else list(joints)
@@ -85,10 +85,10 @@ def _joint(plant: MultibodyPlant, name: str) -> Joint:
 
 
 class PartialInverseDynamics(LeafSystem):
-    """Forces that give some joints D their accelerations, whatever the other ones U do.
+    """Computes the forces that give some joints D their accelerations, the others U being free.
 
-    ``M_UU a_U = f_U - C_U - M_UD a_D`` and ``tau_D = M_DD a_D + M_DU a_U + C_D - f_D``, with f of
-    gravity, springs, dampers and whatever acts through the inputs.
+    ``M_UU a_U = f_U - C_U - M_UD a_D`` and ``tau_D = M_DD a_D + M_DU a_U + C_D - f_D``, where
+    f sums gravity, springs, dampers and the forces at the inputs.
 
     ============================= ===== ======== ============================================
     port                          kind  size     meaning
@@ -96,7 +96,7 @@ class PartialInverseDynamics(LeafSystem):
     ``state``                     in    nq + nv  the plant's state
     ``acceleration``              in    n        of the joints D [rad/s^2 or m/s^2]
     ``actuation``                 in    nu       the same signal as at the plant's port
-    ``applied_generalized_force`` in    nv       of other blocks; passed on, see below
+    ``applied_generalized_force`` in    nv       of other blocks, passed on to the plant
     ``applied_spatial_force``     in    abstract the same signal as at the plant's port
     ``contact_force``             in    nv       from the plant's generalized contact forces
     ``torque``                    out   n        tau_D [N*m or N], in the order of ``joints``
@@ -104,9 +104,9 @@ class PartialInverseDynamics(LeafSystem):
                                                  plant's ``applied_generalized_force``
     ============================= ===== ======== ============================================
 
-    All inputs but the first two may be left open: nothing acts there. Actuation is cut to the
-    actuators' effort limits as the plant does. The plant's own context for the computation is
-    scratch: nothing in it outlives a call.
+    All inputs but the first two are optional. Actuation is clipped to the actuators' effort limits,
+    as in the plant. The block computes in a scratch context of the plant; nothing in it outlives a
+    call.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class PartialInverseDynamics(LeafSystem):
         force.SetFromVector(total)
 
     def _forces(self, context: Context) -> MultibodyForces:
-        """Collect gravity, springs, dampers and what acts through the inputs."""
+        """Sum gravity, springs, dampers and the forces at the inputs."""
         plant, scratch = self._plant, self._scratch
         forces = MultibodyForces(plant)
         plant.CalcForceElementsContribution(scratch, forces)

@@ -1,4 +1,4 @@
-"""Joints that follow a given motion, with the torque computed: Simscape's motion input."""
+"""Makes joints follow a prescribed motion, and computes the torque: Simscape's motion input."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from drake_leg.systems.partial_dynamics import (
 )
 from drake_leg.units import require_non_negative
 
-# Pulls the joints back onto the prescribed motion against the integrator's rounding: so weak
-# that it does not stiffen the loop, so that a step of 40 ms stays accurate.
+# Pulls the joints back onto the prescribed motion against the integrator's rounding; weak enough
+# not to stiffen the loop, so that steps of 40 ms stay accurate.
 STIFFNESS = 4.0  # [1/s^2]
 
 OTHER_FORCES = ("actuation", "applied_generalized_force", "applied_spatial_force", "contact_force")
 
 
 class PrescribedMotion(Diagram):
-    """Torques that make joints of a plant follow their prescribed motion.
+    """Computes the torques that make joints of a plant follow their prescribed motion.
 
     The joints get the accelerations ``qddot + 2 sqrt(k) (qdot - qdot_s) + k (q - q_s)`` at the
     sensed state (q_s, qdot_s), by inverse dynamics: with the three inputs consistent and the joints
-    starting on the motion, they stay on it. In the torque are inertia, gravity, springs, dampers
-    and, where only some joints are driven, the motion of the other ones.
+    starting on the motion, they stay on it. The torque accounts for inertia, gravity, springs,
+    dampers and, where only some joints are driven, the motion of the others.
 
     ===================== ===== ======== ======== ==============================================
     port                  kind  size     unit     meaning
@@ -43,19 +43,19 @@ class PrescribedMotion(Diagram):
     ``qdot``              in    n        rad/s    their first derivative
     ``qddot``             in    n        rad/s^2  their second derivative
     ``torque``            out   n        N*m      of the driven joints
-    ``generalized_force`` out   nv       N*m      the same among all velocities of the plant
+    ``generalized_force`` out   nv       N*m      the same torques, for all velocities of the plant
     ===================== ===== ======== ======== ==============================================
 
     Without ``joints`` every joint is driven: ``torque`` is in the plant's actuator order, for its
     ``actuation``. With ``joints`` the plant is any continuous one, on a fixed or a floating base,
     with torque-driven and free joints beside the driven ones; vectors are in the order of
     ``joints``, and ``generalized_force`` goes to the plant's ``applied_generalized_force``, so that
-    the driven joints need no actuators. What else acts on the plant is then said by four more
-    inputs, each of which may be left open (see ``PartialInverseDynamics``): ``actuation`` of
-    torque-driven joints, ``applied_generalized_force`` of other blocks, which is passed on in
-    ``generalized_force``, ``applied_spatial_force`` and ``contact_force``.
+    the driven joints need no actuators. Four more inputs, all optional, then tell the block what
+    else acts on the plant (see ``PartialInverseDynamics``): ``actuation`` of torque-driven joints,
+    ``applied_generalized_force`` of other blocks, which is passed on in ``generalized_force``,
+    ``applied_spatial_force`` and ``contact_force``.
 
-    A signal without known derivatives gets them by an ``InputFilter``.
+    An ``InputFilter`` supplies the derivatives of a signal whose derivatives are not known.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class PrescribedMotion(Diagram):
     stiffness : float
         k, of the pull towards the motion [1/s^2].
     believed : MultibodyPlant, optional
-        What the torque is computed for, where that is not the plant as it is: the same joints, with
+        Model that the torque is computed for, by default the plant itself: the same joints, with
         other masses.
 
     Raises
@@ -139,7 +139,7 @@ class PrescribedMotion(Diagram):
 
     @property
     def knows_its_plant(self) -> bool:
-        """Whether the torque is computed for the plant as it is."""
+        """Whether the torque is computed for the true plant."""
         return self._believed is self._plant
 
     def lag(self, context: Context) -> float:

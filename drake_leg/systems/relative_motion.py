@@ -1,4 +1,4 @@
-"""The motion of one frame of a plant against another, whoever observes it."""
+"""Computes the motion of one frame of a plant relative to another, for any observer."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ Where = Literal["base", "follower", "world"]
 
 
 class RelativeMotion:
-    """Pose, velocity and acceleration of a frame F, the follower, against a frame B, the base.
+    """Pose, velocity and acceleration of a frame F, the follower, relative to a frame B, the base.
 
-    Both may move. Vectors are written in the axes of a frame E. Change is observed from a frame O,
-    which turns with w_OB relative to B: ``v_O = v_B + w_OB x p``, ``a_O = a_B + alpha_OB x p + 2
-    w_OB x v_B + w_OB x (w_OB x p)``, where p, v_B and a_B are the position, velocity and
-    acceleration of F's origin in B.
+    Both frames may move. Vectors are expressed in the axes of a frame E. The observer is in a frame
+    O, in which B turns with w_OB: ``v_O = v_B + w_OB x p`` and ``a_O = a_B + alpha_OB x p + 2 w_OB
+    x v_B + w_OB x (w_OB x p)``, where p, v_B and a_B are the position, velocity and acceleration of
+    F's origin in B.
 
-    The context for the computation is scratch: ``at`` puts it to a state before each question.
+    All is computed in a scratch context, whose state ``at`` sets.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class RelativeMotion:
         self._scratch = plant.CreateDefaultContext()
 
     def at(self, state: Array) -> RelativeMotion:
-        """Put the plant into a state (positions, then velocities), and return this motion."""
+        """Set the state (positions, then velocities), and return this object."""
         self._plant.SetPositionsAndVelocities(self._scratch, state)
         return self
 
@@ -98,18 +98,18 @@ class RelativeMotion:
         return a_O
 
     def rotation(self) -> Array:
-        """Rotation of F against B: R_BF, (3, 3)."""
+        """Rotation of F relative to B: R_BF, (3, 3)."""
         R_BF: Array = self._F.CalcRotationMatrix(self._scratch, self._B).matrix()
         return R_BF
 
     def quaternion(self) -> Array:
-        """Rotation of F against B: w, x, y, z of R_BF, w not negative."""
+        """Quaternion of R_BF: w, x, y, z, with w not negative."""
         R_BF = self._F.CalcRotationMatrix(self._scratch, self._B)
         wxyz: Array = R_BF.ToQuaternion().wxyz()
         return wxyz
 
     def angular_velocity(self) -> Array:
-        """Angular velocity of F in B, w_BF_E [rad/s]; every observer agrees on it."""
+        """Angular velocity of F in B, w_BF_E [rad/s]: the same for every observer."""
         return self._angular_velocity(self._F, self._B, self._E)
 
     def angular_acceleration(self, vdot: Array) -> Array:

@@ -1,4 +1,4 @@
-"""A commanded velocity, limited to a greatest speed."""
+"""Limits the speed of a commanded velocity."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drake_leg.units import require_positive
 
 
 class SpeedLimit(LeafSystem):
-    """Limits a velocity and keeps its direction.
+    """Limits the magnitude of a velocity and keeps its direction.
 
     ================ ===== ===== ======= ==========================================
     port             kind  size  unit    meaning
@@ -18,15 +18,15 @@ class SpeedLimit(LeafSystem):
     ``v``            in    n     m/s     commanded velocity
     ``a``            in    n     m/s^2   its derivative
     ``velocity``     out   n     m/s     ``v``, or ``top v / |v|`` where that is less
-    ``acceleration`` out   n     m/s^2   the derivative of that
+    ``acceleration`` out   n     m/s^2   its derivative
     ================ ===== ===== ======= ==========================================
 
     Parameters
     ----------
     top : float
-        Greatest speed [m/s].
+        Maximum speed [m/s].
     lengths : (n,) sequence of float
-        What makes each part of the velocity a length; 1 where it is one [m/unit].
+        Factors that make each component a velocity in m/s, 1 where it is one [m/unit].
 
     Raises
     ------
