@@ -27,7 +27,7 @@ from drake_leg.files import ResultsFolder
 from drake_leg.progress import ProgressBar, TimeBudget
 
 if TYPE_CHECKING:
-    from drake_leg.lab.errata.catalogue import Erratum
+    from drake_leg.lab.errata.erratum import Erratum
     from drake_leg.symbolic.catalogue import DerivedRobot
     from drake_leg.symbolic.equations import Equation
 

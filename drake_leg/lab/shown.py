@@ -9,8 +9,8 @@ from pathlib import Path
 
 from drake_leg.errors import InvalidValueError, PictureError
 from drake_leg.files import ResultsFolder
-from drake_leg.lab.errata.catalogue import Erratum
 from drake_leg.lab.errata.catalogue import errata as all_errata
+from drake_leg.lab.errata.erratum import Erratum
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from drake_leg.kinematics.leg import (
     foot_position,
     inverse_kinematics,
 )
-from drake_leg.lab.errata.catalogue import FORWARDS, MM, Effects, Values, angles, far_end, feet
+from drake_leg.lab.errata.erratum import FORWARDS, MM, Effects, Values, angles, far_end, feet
 from drake_leg.lab.errata.printed import (
     J12_PRINTED,
     J12_RIGHT,

@@ -16,7 +16,7 @@ import sympy as sp
 
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.lab.errata.catalogue import MM
+from drake_leg.lab.errata.erratum import MM
 from drake_leg.robot.robots import SCARA
 from drake_leg.symbolic.catalogue import derived
 from drake_leg.symbolic.chain import evaluate

@@ -16,7 +16,7 @@ from drake_leg.kinematics.scara import (
     task_jacobian,
     tool_position,
 )
-from drake_leg.lab.errata.catalogue import MM, Effects, Values, angles, classic, feet
+from drake_leg.lab.errata.erratum import MM, Effects, Values, angles, classic, feet
 from drake_leg.lab.errata.printed import angle_values, rotation_defect, scara_matrices, shown
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.runs.options import ScaraOptions

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from drake_leg.kinematics.feet import table_length
-from drake_leg.kinematics.khalil import Array, moving_rows
+from drake_leg.kinematics.khalil import Array, moving_rows, table_length
 from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
 from drake_leg.lab.grader.definitions import Reader
 from drake_leg.lab.grader.tables import Binding, Cell, cell_values, same

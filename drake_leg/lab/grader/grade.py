@@ -14,8 +14,7 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.feet import table_length
-from drake_leg.kinematics.khalil import Array, moving_rows
+from drake_leg.kinematics.khalil import Array, moving_rows, table_length
 from drake_leg.lab.grader.comparison import Comparison, Sampler, agrees_within_digits
 from drake_leg.lab.grader.definitions import Reader, unused_definitions, with_lengths_as_symbols
 from drake_leg.lab.grader.matrices import TOLERANCE, Matrix, read_matrix

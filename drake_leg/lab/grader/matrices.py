@@ -9,8 +9,7 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.feet import table_length
-from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.khalil import Array, table_length
 from drake_leg.lab.grader.claims import Claim, claim_of
 from drake_leg.lab.grader.comparison import Comparison, Meaning, Target, scales
 from drake_leg.lab.grader.definitions import Reader

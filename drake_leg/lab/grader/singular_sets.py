@@ -18,8 +18,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.feet import table_length
-from drake_leg.kinematics.khalil import Array, jacobian
+from drake_leg.kinematics.khalil import Array, jacobian, table_length
 from drake_leg.lab.grader.claims import POSITION, task_rows
 from drake_leg.lab.grader.comparison import Sampler
 from drake_leg.lab.grader.definitions import Reader, determinant_factors

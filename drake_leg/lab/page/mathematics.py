@@ -30,8 +30,9 @@ from drake_leg.models.proof import DrakeWitness
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import LegBOptions
 from drake_leg.singularity.doctor import examine_posture
+from drake_leg.singularity.families import LegFamilies
 from drake_leg.singularity.rank import examine
-from drake_leg.singularity.stroke import greatest_amplitude, leg_stroke
+from drake_leg.singularity.stroke import closed_stroke, greatest_amplitude
 from drake_leg.symbolic.catalogue import derived
 from drake_leg.symbolic.chain import evaluate
 from drake_leg.symbolic.equations import general_transform, matrices
@@ -343,7 +344,7 @@ def stroke(item: Item) -> Markup:
     """Say whether the default step fits between the singularities."""
     subject, options = SUBJECTS[item.subject], LegBOptions()
     leg = LegGeometry.from_robot(subject.robot)
-    room = leg_stroke(leg, subject.q, options.unit_direction())
+    room = closed_stroke(LegFamilies(leg), subject.q, options.unit_direction())
     sigma_min = examine(foot_jacobian(leg, subject.q)).sigma_min
     wanted = 2.0 * options.amplitude / options.frequency
     below = greatest_amplitude(room, options.frequency)

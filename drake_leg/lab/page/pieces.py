@@ -18,7 +18,8 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
-from drake_leg.lab.errata.catalogue import Erratum, errata
+from drake_leg.lab.errata.catalogue import errata
+from drake_leg.lab.errata.erratum import Erratum
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 PNG = "data:image/png;base64,"

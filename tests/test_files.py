@@ -1,3 +1,5 @@
+"""Files are read up to a size limit, and written whole or not at all."""
+
 import errno
 import os
 import stat
@@ -7,8 +9,175 @@ from pathlib import Path
 import pytest
 
 from drake_leg import files
-from drake_leg.errors import OutputError
-from drake_leg.files import HEADING, LIST, ResultsFolder, check_target
+from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
+from drake_leg.files import (
+    HEADING,
+    LIST,
+    ResultsFolder,
+    check_target,
+    opened,
+    read_bytes,
+    read_text,
+    whole_file,
+    write_text,
+)
+
+# --- reading ---------------------------------------------------------------------------------
+
+
+def test_a_text_is_read_whatever_its_line_ends_and_its_byte_order_mark(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_bytes("\ufeffσ\r\nb\rc\n".encode())
+    assert read_text(path) == "σ\nb\nc\n"
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda path: None, "No such file or directory"),
+        (lambda path: path.mkdir(), "it is a folder; give a file"),
+        (lambda path: os.mkfifo(path), "it is a pipe; give a file"),
+        (lambda path: path.symlink_to("/dev/zero"), "it is not a regular file; give a file"),
+        (lambda path: path.symlink_to("/dev/null"), "it is not a regular file; give a file"),
+        (lambda path: path.symlink_to(path), "Too many levels of symbolic links"),
+        (lambda path: path.write_bytes(b"x" * 101), "it has 101 bytes or more, and at most 100"),
+        (lambda path: path.symlink_to("/proc/self/maps"), "and at most 100 are read"),
+        (lambda path: path.write_bytes(b"a\xff"), "not text in UTF-8 (byte 1 is 0xff); save it as"),
+    ],
+    ids=["none", "folder", "pipe", "zero", "null", "loop", "large", "proc", "bytes"],
+)
+def test_what_is_no_file_of_a_sensible_size_is_refused_in_a_sentence(tmp_path, make, said):
+    path = tmp_path / "a.txt"
+    make(path)
+    with pytest.raises(UnreadableFileError) as caught:
+        read_text(path, most=100)
+    assert str(caught.value).startswith(f"{path} cannot be read: ")
+    assert said in caught.value.reason
+    assert isinstance(caught.value, InvalidValueError)
+    assert isinstance(caught.value, OutputError)
+
+
+def test_a_name_that_no_file_can_have_is_refused(tmp_path):
+    with pytest.raises(UnreadableFileError, match="null byte"):
+        read_bytes(tmp_path / "a\0b")
+
+
+def test_a_fault_while_reading_is_a_sentence(tmp_path):
+    path = tmp_path / "a.txt"
+    path.touch()
+    with pytest.raises(UnreadableFileError, match="Input/output error"), opened(path):
+        raise OSError(5, "Input/output error")
+
+
+# --- one file --------------------------------------------------------------------------------
+
+
+def write(path, text="new", *, overwrite=False):
+    write_text(path, text, ending=".sdf", overwrite=overwrite)
+
+
+def test_a_file_is_made_with_its_folder(tmp_path):
+    path = tmp_path / "deep" / "arm.sdf"
+    write(path, "é\n")
+    assert path.read_bytes() == "é\n".encode()
+    assert [file.name for file in path.parent.iterdir()] == ["arm.sdf"]
+
+
+def test_a_new_file_has_the_modes_that_any_new_file_has(tmp_path):
+    write(tmp_path / "arm.sdf")
+    (tmp_path / "other").touch()
+    assert (tmp_path / "arm.sdf").stat().st_mode == (tmp_path / "other").stat().st_mode
+
+
+def test_a_file_that_is_there_is_replaced_only_on_request(tmp_path):
+    path = tmp_path / "arm.sdf"
+    path.write_text("old")
+    with pytest.raises(OutputError, match="overwrite=True"):
+        write(path)
+    assert path.read_text() == "old"
+    write(path, overwrite=True)
+    assert path.read_text() == "new"
+
+
+@pytest.mark.parametrize("name", ["arm", "arm.txt", "arm.sdf.bak"])
+def test_another_ending_is_refused(name, tmp_path):
+    with pytest.raises(OutputError, match=r"does not end in \.sdf"):
+        write(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_is_never_replaced(tmp_path):
+    (tmp_path / "arm.sdf").mkdir()
+    with pytest.raises(OutputError, match="is a folder"):
+        write(tmp_path / "arm.sdf", overwrite=True)
+
+
+def test_where_writing_fails_nothing_is_left_and_the_old_file_stays(tmp_path):
+    path = tmp_path / "arm.sdf"
+    path.write_text("old")
+    with pytest.raises(OutputError, match="cannot be written"):
+        write(path, "half \ud800", overwrite=True)
+    assert path.read_text() == "old"
+    assert [file.name for file in tmp_path.iterdir()] == ["arm.sdf"]
+
+
+@pytest.mark.parametrize("name", ["file/arm.sdf", "a\0b.sdf", "x" * 300 + ".sdf"])
+def test_a_place_that_cannot_be_written_is_named(name, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="cannot be written"):
+        write(tmp_path / name)
+
+
+def test_what_came_to_the_place_meanwhile_stays_and_the_new_file_is_beside_it(tmp_path):
+    path = tmp_path / "arm.sdf"
+
+    def make():
+        with whole_file(path, endings=(".sdf",), overwrite=False) as scratch:
+            scratch.write_text("new")
+            path.write_text("mine")
+
+    with pytest.raises(OutputError, match=r"left alone: the new file is .*arm-2\.sdf"):
+        make()
+    assert path.read_text() == "mine"
+    assert (tmp_path / "arm-2.sdf").read_text() == "new"
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_of_many_files_at_one_place_exactly_one_gets_it_and_none_is_lost(tmp_path):
+    for trial in range(20):
+        path = tmp_path / str(trial) / "arm.sdf"
+        path.parent.mkdir()
+        barrier, refused = threading.Barrier(4), []
+
+        def work(index, path=path, barrier=barrier, refused=refused):
+            try:
+                with whole_file(path, endings=(".sdf",), overwrite=False) as scratch:
+                    scratch.write_text(str(index))
+                    barrier.wait()
+            except OutputError as error:
+                refused.append(str(error))
+
+        threads = [threading.Thread(target=work, args=(index,)) for index in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert len(refused) == 3
+        assert {file.read_text() for file in path.parent.iterdir()} == {"0", "1", "2", "3"}
+        assert len(list(path.parent.iterdir())) == 4
+
+
+def test_a_failure_leaves_nothing_of_the_folders_that_were_made(tmp_path):
+    def make():
+        with whole_file(tmp_path / "a" / "arm.sdf", endings=(".sdf",), overwrite=False):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        make()
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- a folder of results ---------------------------------------------------------------------
 
 
 def names(folder):
