@@ -16,6 +16,7 @@ from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from drake_leg.errors import InvalidValueError, TimeBudgetError
@@ -291,28 +292,33 @@ class DrakeWitness:
     def __init__(self, robot: Robot) -> None:
         self._plant = build_plant(robot)
         self._context = self._plant.CreateDefaultContext()
-        self._base = self._plant.GetFrameByName(frame_name(0))
-        self._foot = self._plant.GetFrameByName(frame_name(len(robot.rows)))
+        frames = range(len(robot.rows) + 1)
+        self._frames = [self._plant.GetFrameByName(frame_name(index)) for index in frames]
         joints = [self._plant.GetJointByName(str(segment.joint)) for segment in robot.moving]
         self._positions = [joint.position_start() for joint in joints]
         self._velocities = [joint.velocity_start() for joint in joints]
 
     def foot(self, q: Array) -> Array:
         """Pose X_BF (4, 4) [-, m] of the last frame, at joint positions (m,) [rad or m]."""
-        self._set(q)
-        X_BF = self._plant.CalcRelativeTransform(self._context, self._base, self._foot)
-        pose: Array = X_BF.GetAsMatrix4()
-        return pose
+        return self.pose(q, 0, -1)
 
-    def jacobian(self, q: Array) -> Array:
+    def pose(self, q: ArrayLike, first: int, last: int) -> Array:
+        """Pose (4, 4) [-, m] of one frame in another, by their indices."""
+        self._set(q)
+        frames = self._frames[first], self._frames[last]
+        X: Array = self._plant.CalcRelativeTransform(self._context, *frames).GetAsMatrix4()
+        return X
+
+    def jacobian(self, q: ArrayLike) -> Array:
         """Spatial Jacobian Jv_BF (6, m) of the last frame, rotation first, in the base frame."""
         self._set(q)
+        base, *_, foot = self._frames
         spatial: Array = self._plant.CalcJacobianSpatialVelocity(
-            self._context, JacobianWrtVariable.kV, self._foot, np.zeros(3), self._base, self._base
+            self._context, JacobianWrtVariable.kV, foot, np.zeros(3), base, base
         )
         return spatial[:, self._velocities]
 
-    def _set(self, q: Array) -> None:
+    def _set(self, q: ArrayLike) -> None:
         positions = np.zeros(self._plant.num_positions())
         positions[self._positions] = q
         self._plant.SetPositions(self._context, positions)

@@ -15,9 +15,6 @@ from functools import cache
 import numpy as np
 import sympy as sp
 from markupsafe import Markup
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
-from pydrake.systems.framework import Context
 
 from drake_leg.kinematics.khalil import (
     Array,
@@ -29,7 +26,7 @@ from drake_leg.kinematics.khalil import (
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
 from drake_leg.lab.page.contents import SUBJECTS, Item, PosedRobot, angles, option
 from drake_leg.lab.page.pieces import number, piece, power, prose
-from drake_leg.models.plant import build_plant
+from drake_leg.models.proof import DrakeWitness
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import LegBOptions
 from drake_leg.singularity.doctor import examine_posture
@@ -125,17 +122,11 @@ class _Witness:
     """Evaluates matrices with the chain and with Drake at one posture."""
 
     def __init__(self, robot: Robot, q: Sequence[float]) -> None:
-        plant = build_plant(robot)
-        context = plant.CreateDefaultContext()
-        plant.SetPositions(context, np.asarray(q))
         self.q = q
-        self._plant, self._context = plant, context
+        self._drake = DrakeWitness(robot)
         self._chain = [np.eye(4), *base_transforms(robot.rows, q)]
         self._last = len(robot.rows)
-        self._jacobians = (
-            jacobian(robot.rows, q),
-            _drake_jacobian(plant, context, self._last),
-        )
+        self._jacobians = jacobian(robot.rows, q), self._drake.jacobian(q)
 
     def by_chain(self, name: str, task: Sequence[int]) -> Array:
         """Evaluate a matrix from the chain of the table."""
@@ -151,9 +142,8 @@ class _Witness:
         """Evaluate a matrix from Drake's plant."""
         found = TRANSFORM.fullmatch("T0" + str(self._last) if name == "P" else name)
         if found:
-            frame_i, frame_j = (self._plant.GetFrameByName(f"frame_{k}") for k in found.groups())
-            X_ij = self._plant.CalcRelativeTransform(self._context, frame_i, frame_j).GetAsMatrix4()
-            return np.asarray(X_ij[:3, 3:] if name == "P" else X_ij)
+            X_ij = self._drake.pose(self.q, *map(int, found.groups()))
+            return X_ij[:3, 3:] if name == "P" else X_ij
         return _of_jacobian(name, self._jacobians[1][list(task), : len(task)])
 
 
@@ -166,14 +156,6 @@ def _of_jacobian(name: str, J: Array) -> Array:
     if name == "J⁻¹":
         return np.asarray(np.linalg.inv(J), dtype=float)
     return J if name == "J" else np.array([[np.linalg.det(J)]])
-
-
-def _drake_jacobian(plant: MultibodyPlant, context: Context, last: int) -> Array:
-    base, foot = plant.GetFrameByName("frame_0"), plant.GetFrameByName(f"frame_{last}")
-    spatial: Array = plant.CalcJacobianSpatialVelocity(
-        context, JacobianWrtVariable.kQDot, foot, np.zeros(3), base, base
-    )
-    return spatial
 
 
 NAMES = {"det J expanded": "det J"}
