@@ -34,7 +34,7 @@ from drake_leg.symbolic.catalogue import (
 )
 
 if TYPE_CHECKING:
-    from drake_leg.lab.errata.catalogue import Erratum
+    from drake_leg.lab.errata.erratum import Erratum
     from drake_leg.symbolic.equations import Equation
 
 SHORTHAND = "c1 = cos(q1), s1 = sin(q1), c23 = cos(q2 + q3) and so on"

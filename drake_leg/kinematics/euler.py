@@ -12,6 +12,19 @@ from numpy.typing import ArrayLike
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, assemble, finite_vectors
 
+# A sequence such as "ZXZ" is body-fixed (intrinsic), as Simscape's rotation sequences and its
+# Bushing and Gimbal joints ("XYZ") are: R_BF = R_z(a) R_x(b) R_z(c). Space-fixed angles are the
+# same numbers read backwards: roll, pitch, yaw about the base's x, y, z are "ZYX" angles yaw,
+# pitch, roll. At gimbal lock the first and the third axis are parallel.
+TAIT_BRYAN = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
+PROPER = ("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ")
+SEQUENCES = TAIT_BRYAN + PROPER
+
+# Nearer to gimbal lock than this, rounding of the rotation leaves fewer than four digits of the
+# first and the third angle and of the rates.
+LOCK = 1e-12  # [rad]
+_ORTHOGONAL = 1e-6  # how far R R^T may be from the identity
+
 
 def rotation_matrices(quaternions: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of unit quaternions w, x, y, z (..., 4); q and -q have one.
@@ -29,20 +42,6 @@ def rotation_matrices(quaternions: ArrayLike) -> Array:
             (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
         )
     )
-
-
-# A sequence such as "ZXZ" is body-fixed (intrinsic), as Simscape's rotation sequences and its
-# Bushing and Gimbal joints ("XYZ") are: R_BF = R_z(a) R_x(b) R_z(c). Space-fixed angles are the
-# same numbers read backwards: roll, pitch, yaw about the base's x, y, z are "ZYX" angles yaw,
-# pitch, roll. At gimbal lock the first and the third axis are parallel.
-TAIT_BRYAN = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
-PROPER = ("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ")
-SEQUENCES = TAIT_BRYAN + PROPER
-
-# Nearer to gimbal lock than this, rounding of the rotation leaves less than four digits to the
-# first and the third angle and to the rates.
-LOCK = 1e-12  # [rad]
-_ORTHOGONAL = 1e-6  # how far R R^T may be from the identity
 
 
 class _Axes(NamedTuple):
@@ -107,7 +106,7 @@ def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
         sine, cosine = hand * R[..., i, k], np.hypot(R[..., i, i], R[..., i, j])
         leads, follows, gap = -hand * R[..., j, k], R[..., k, k], cosine
     first = np.where(gap < LOCK, 0.0, np.arctan2(leads, follows))
-    # The middle row of R_BF with the first rotation taken back: what the third one does to it.
+    # The middle row of R_BF with the first rotation undone: only the third one is left in it.
     c, s = np.cos(first)[..., None], hand * np.sin(first)[..., None]
     row = c * R[..., j, :] + s * R[..., k, :]
     swept = -hand * row[..., k] if proper else hand * row[..., i]
@@ -115,7 +114,7 @@ def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
 
 
 def gimbal_distance(sequence: str, angles: ArrayLike) -> Array:
-    """How far the second of Euler angles (..., 3) is from gimbal lock, (...) [rad].
+    """Distance of the second of Euler angles (..., 3) from gimbal lock, (...) [rad].
 
     It is 0 at gimbal lock, and pi/2 where the first and the third axis are at right angles.
     """
@@ -131,7 +130,7 @@ def continuous_angles(sequence: str, series: ArrayLike) -> Array:
     pi - b, c + pi)`` for Tait-Bryan sequences, ``(a + pi, -b, c + pi)`` for proper ones; at
     gimbal lock it has a whole line of them. The result is the same rotation at every sample
     and passes straight through gimbal lock. Two samples must be less than about a quarter turn
-    apart. The first sample stays as it is.
+    apart. The first sample is unchanged.
     """
     axes = _axes(sequence)
     checked = finite_vectors("the Euler angles", series, 3)
@@ -157,7 +156,7 @@ def _nearest(angles: list[float], before: list[float], *, mirror: float) -> list
 
 
 def _nearest_locked(angles: list[float], before: list[float], along: int) -> list[float]:
-    """At lock ``first + along * third`` alone is determined: share its change between the two."""
+    """At lock only ``first + along * third`` is determined: split its change between the two."""
     first, second, third = before
     change = _wind(angles[0] + along * angles[2] - first - along * third, 0.0)
     return [first + change / 2, _wind(angles[1], second), third + along * change / 2]
@@ -191,7 +190,7 @@ def _rotations(matrices: ArrayLike) -> Array:
 
 
 def _third_axis(axes: _Axes, angles: Array) -> tuple[Array, Array]:
-    """Components along i and k of the third axis, after the first rotation is taken back."""
+    """Components along i and k of the third axis, with the first rotation undone."""
     c, s = np.cos(angles[..., 1]), axes.hand * np.sin(angles[..., 1])
     return (c, -s) if axes.proper else (s, c)
 
@@ -202,12 +201,11 @@ def rate_matrix(sequence: str, angles: ArrayLike) -> Array:
     **Angle rates are not an angular velocity.** The rates are derivatives of the three angles,
     about three axes that are not at right angles; an angular velocity has components along the
     three axes of one frame. The columns of E are the three axes of rotation in the base frame; E
-    is singular at gimbal lock.
-    ``R_BF.T @ E`` is the one in the follower's axes.
+    is singular at gimbal lock. ``R_BF.T @ E`` is the matrix for the follower's axes.
     """
     R_BF = euler_rotation(sequence, angles)
     first, second, third = ("XYZ".index(letter) for letter in sequence)
-    # The second axis has been through the first rotation, the third through all of them.
+    # The second axis is turned by the first rotation, the third by all of them.
     turned = euler_rotation(sequence, np.asarray(angles) * (1.0, 0.0, 0.0))
     E = np.empty_like(R_BF)
     E[..., 0] = np.eye(3)[first]

@@ -1,4 +1,4 @@
-"""Inverse kinematics: joint positions for a foot, in closed form or found numerically."""
+"""Inverse kinematics: joint positions for a foot, in closed form or numerically."""
 
 from __future__ import annotations
 
@@ -10,14 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.chain import LEAST_LEVER, size_of
+from drake_leg.kinematics.chain import LEAST_LEVER
 from drake_leg.kinematics.euler import euler_rotation
 from drake_leg.kinematics.khalil import (
     Array,
+    chain_length,
     foot_pose,
     jacobian,
     moving_rows,
+    nearest_turn,
     one_vector,
+    principal,
+    table_length,
     within_turns,
 )
 from drake_leg.kinematics.leg import LegGeometry, branches
@@ -26,10 +30,16 @@ from drake_leg.kinematics.scara import ScaraGeometry, branch_angles
 from drake_leg.robot.robot import Robot, Row, Segment
 from drake_leg.units import AT_LIMIT, beyond
 
+STARTS = 400  # random postures
+STEPS, POLISHING = 80, 12  # of the damped, then of the undamped search
+NEAR = 1e-3  # of the length: nearer, the search goes on undamped
+REACHED = 1e-10  # of the length
+SAME = 1e-4  # [rad, or of the length]: postures that differ by less are one, as when stretched
+STUCK = 1e3  # damping beyond which the search has stopped moving
+LARGEST_STEP = 0.6  # [rad]
+SHOWN = 4  # postures returned of infinitely many
 
-def table_length(rows: Sequence[Row]) -> float:
-    """Sum of all d and r of a table [m]; 1 m if there are none."""
-    return sum(abs(row.d) + abs(row.r) for row in rows) or 1.0
+Limits = Sequence[tuple[float, float]]
 
 
 def ranges(robot: Robot) -> list[tuple[float, float]]:
@@ -56,7 +66,7 @@ def random_configurations(robot: Robot, count: int, rng: np.random.Generator) ->
 
 
 def greatest_reach(robot: Robot) -> float:
-    """How far the foot can be from the base at most [m]: the table's lengths and the strokes."""
+    """Upper bound of the foot's distance from the base [m]: the table's lengths and the strokes."""
     strokes = (
         max(map(abs, bounds))
         for bounds, segment in zip(ranges(robot), robot.moving, strict=True)
@@ -65,26 +75,14 @@ def greatest_reach(robot: Robot) -> float:
     return table_length(robot.rows) + sum(strokes)
 
 
-STARTS = 400  # random postures
-STEPS, POLISHING = 80, 12  # of the damped, then of the undamped search
-NEAR = 1e-3  # of the length: nearer, the undamped search goes on
-REACHED = 1e-10  # of the length
-SAME = 1e-4  # [rad, or of the length]: postures that differ by less are one, as when stretched
-STUCK = 1e3  # damping from which on nothing moves any more
-LARGEST_STEP = 0.6  # [rad]
-SHOWN = 4  # postures of infinitely many
-
-Limits = Sequence[tuple[float, float]]
-
-
 @dataclass(frozen=True, kw_only=True)
 class Postures:
-    """What was found."""
+    """Result of a numerical search for postures."""
 
     q: Array  # (k, n) [rad or m]
-    miss: Array  # (k,) [m] from the foot's goal, turning taken times the chain's length
-    infinitely_many: bool  # these are some of them
-    nearest: float  # [m], miss of the best start, found or not
+    miss: Array  # (k,) [m] from the foot's goal; rotations count times the chain's length
+    infinitely_many: bool  # whether these are only some of them
+    nearest: float  # [m], miss of the best start, also if none is found
 
 
 def find_postures(
@@ -94,12 +92,11 @@ def find_postures(
     *,
     limits: Limits,
 ) -> Postures:
-    """Search postures whose foot is at a point [m], or in a pose, by damped least squares.
+    """Find postures whose foot is at a point [m], or in a pose, by damped least squares.
 
     ``foot_pose(rows, q)`` is the goal to 1e-10 of the chain's length for every ``q`` found. All
-    branches of an ordinary chain are found, but nothing proves that there is no other. Positions
-    of turning joints are within their limits by whole turns where that can be, otherwise in
-    (-pi, pi].
+    branches of an ordinary chain are found, without proof that there is no other. Revolute joints
+    are moved into their limits by whole turns where possible, otherwise into (-pi, pi].
 
     Parameters
     ----------
@@ -132,11 +129,11 @@ def find_postures(
 
 
 class _Search:
-    """A chain and its goal; joints and lengths are taken in units of the chain's length."""
+    """A chain and its goal; lengths are in units of the chain's length."""
 
     def __init__(self, rows: Sequence[Row], goal: Array, *, turning: bool, limits: Limits) -> None:
         self._rows, self._goal = rows, goal
-        self.size = size_of(rows)
+        self.size = chain_length(rows)
         revolute = [rows[index].joint == "revolute" for index in moving_rows(rows)]
         self._turns = np.array(revolute)
         self._scale = np.where(self._turns, 1.0, self.size)
@@ -145,7 +142,7 @@ class _Search:
         self.redundant = len(revolute) > (6 if turning else 3)
 
     def run(self, *, inside: bool) -> tuple[Array, Array]:
-        """Search from every start; return all ends, and by how much they miss [m]."""
+        """Search from every start; return all ends and their misses [m]."""
         q = self._damped(self._starts(), inside=inside)
         near = self._miss(q) <= NEAR * self.size
         polished = self._polished(q[near], inside=inside)
@@ -160,7 +157,7 @@ class _Search:
         return rng.uniform(low, high, (STARTS, len(low)))
 
     def _damped(self, q: Array, *, inside: bool) -> Array:
-        """Levenberg and Marquardt's method, all starts at once, until near or stuck."""
+        """Levenberg-Marquardt method for all starts at once, until near the goal or stuck."""
         ends, active = q.copy(), np.arange(len(q))
         damping, error = np.full(len(q), 1e-2), self._error(q)
         for _ in range(STEPS):
@@ -182,7 +179,7 @@ class _Search:
         return ends
 
     def _polished(self, q: Array, *, inside: bool) -> Array:
-        """Newton's method, kept where it comes nearer."""
+        """Newton's method; a step is taken only if it comes nearer to the goal."""
         for _ in range(POLISHING):
             if not len(q):
                 break
@@ -209,7 +206,7 @@ class _Search:
         return part
 
     def _error(self, q: Array) -> Array:
-        """Return the rotation vector and the way to the goal, in units of the length."""
+        """Rotation vector and translation to the goal, in units of the chain's length."""
         X_BF = foot_pose(self._rows, q)
         way = (self._goal[:3, 3] - X_BF[..., :3, 3]) / self.size
         turn = _rotation_vector(self._goal[:3, :3] @ np.swapaxes(X_BF[..., :3, :3], -1, -2))
@@ -221,12 +218,12 @@ class _Search:
         return miss
 
     def loses_a_joint(self, q: Array) -> bool:
-        """Tell whether joints can move while the foot stays."""
+        """Whether joints can move while the foot stays in place."""
         sigma = np.linalg.svd(self._jacobian(q), compute_uv=False)
         return len(sigma) < len(q) or bool(sigma[-1] < 1e-6 * max(sigma[0], LEAST_LEVER))
 
     def different(self, q: Array, miss: Array) -> tuple[Array, Array]:
-        """Leave one of each posture, by whole turns within the limits, those within them first."""
+        """Keep one of each posture, turned into the limits, those within the limits first."""
         placed = self._turned(q)
         chosen: list[int] = []
         for index in np.argsort(miss, kind="stable"):
@@ -243,7 +240,7 @@ class _Search:
 
     def _turned(self, q: Array) -> Array:
         turn = 2.0 * math.pi
-        wrapped = math.pi - np.mod(math.pi - q, turn)
+        wrapped = principal(q)
         up = wrapped + turn * np.maximum(np.ceil((self._low - AT_LIMIT - wrapped) / turn), 0.0)
         down = up - turn * np.maximum(np.ceil((up - self._high - AT_LIMIT) / turn), 0.0)
         placed = np.where(down >= self._low - AT_LIMIT, down, wrapped)
@@ -251,7 +248,7 @@ class _Search:
 
     def _is_same(self, a: Array, b: Array) -> bool:
         difference = (a - b) / self._scale
-        turns = difference - 2.0 * math.pi * np.round(difference / (2.0 * math.pi))
+        turns = nearest_turn(difference, np.zeros(()))
         return bool(np.abs(np.where(self._turns, turns, difference)).max() < SAME)
 
 
@@ -273,7 +270,7 @@ def _rotation_vector(R: Array) -> Array:
 
 
 def _scattered(q: Array, miss: Array) -> tuple[Array, Array]:
-    """Choose a few postures that are far from each other."""
+    """Choose a few postures that are far apart."""
     chosen = [0]
     while len(chosen) < min(SHOWN, len(q)):
         distances = np.abs(q[:, np.newaxis] - q[chosen]).max(axis=-1).min(axis=-1)
@@ -292,11 +289,11 @@ class Solution:
 
 @dataclass(frozen=True, kw_only=True)
 class Feet:
-    """The ways of putting a robot's foot somewhere."""
+    """All ways of putting a robot's foot at a point."""
 
     solutions: tuple[Solution, ...]
-    heading: str  # one line: how many, whether that is all, what was taken for granted
-    units: tuple[str, ...]  # that a person reads each joint's position in: deg or m
+    heading: str  # one line: how many, whether these are all, what was assumed
+    units: tuple[str, ...]  # in which each joint's position is shown: deg or m
 
 
 def limits_of(joints: Sequence[Segment]) -> Limits:
@@ -305,7 +302,7 @@ def limits_of(joints: Sequence[Segment]) -> Limits:
 
 
 def units_of(robot: Robot) -> tuple[str, ...]:
-    """Unit, ``deg`` or ``m``, in which a person reads each joint's position."""
+    """Unit in which each joint's position is shown: ``deg`` or ``m``."""
     return tuple("deg" if joint.row.joint == "revolute" else "m" for joint in robot.moving)
 
 
@@ -324,7 +321,7 @@ def feet(
     robot : Robot
         The leg and the SCARA have closed forms.
     foot : (3,) sequence of float
-        Where the foot is to be, in the base frame [m].
+        The point, in the base frame [m].
     q : sequence of float, optional
         Posture whose yaw a SCARA keeps, unless a yaw is given [rad].
     yaw : float, optional
@@ -409,7 +406,7 @@ def _scara_feet(
 
 
 def lift_limits(robot: Robot) -> tuple[float, float]:
-    """How far a SCARA's lift goes [m]: to its limits, or as the report's table has it."""
+    """Range of a SCARA's lift [m]: its limits, or else those of the report's table."""
     arm = ScaraGeometry.from_robot(robot)
     ((low, high),) = limits_of(robot.moving[3:4])
     if math.isinf(low) and math.isinf(high) and arm.height > arm.lowest:
@@ -432,7 +429,7 @@ def _chain_feet(robot: Robot, foot: Sequence[float], rpy: Sequence[float] | None
 def _found(
     robot: Robot, count: int, nearest: float, rpy: Sequence[float] | None, *, many: bool
 ) -> str:
-    """Say how many postures were found numerically, and what that means."""
+    """Heading of a numerical search: how many postures, and whether there may be more."""
     if not count:
         return f"no posture found; the nearest that was found misses by {nearest:.6g} m"
     if many and rpy is None and len(robot.moving) > 3:

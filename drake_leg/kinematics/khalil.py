@@ -1,4 +1,4 @@
-"""Khalil (modified DH) chains: transforms, poses and Jacobians, of postures and of batches."""
+"""Khalil (modified DH) chains: transforms, poses and Jacobians, of one posture or of batches."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from drake_leg.units import AT_LIMIT
 
 Array = NDArray[np.float64]
 
-
-# The components of a vector or of a batch of vectors, and the cos and sin that suit them.
+# The components of a vector or of a batch of vectors, with the matching cos and sin.
 Components = tuple[Sequence[Any], Callable[[Any], Any], Callable[[Any], Any]]
 
 BLOCK = 4096  # vectors evaluated at a time
@@ -53,7 +52,7 @@ def one_vector(what: str, values: ArrayLike, size: int) -> Array:
 
 
 def split(what: str, values: ArrayLike, size: int) -> Components:
-    """Vectors taken apart, with the cosine and sine for them, and checked as ``finite_vectors``.
+    """Components of vectors, checked as ``finite_vectors``, with the matching cosine and sine.
 
     The components are ``size`` floats, or ``size`` arrays of the batch's shape.
     """
@@ -64,7 +63,7 @@ def split(what: str, values: ArrayLike, size: int) -> Components:
 
 
 def assemble(entries: Any) -> Array:  # noqa: ANN401 - nested tuples of floats or of arrays
-    """Put a vector (..., n) or a matrix (..., m, n) together from its entries, batch axes first.
+    """Assemble a vector (..., n) or a matrix (..., m, n) from its entries, batch axes first.
 
     The first entry has the batch's shape; the others may be plain constants.
     """
@@ -100,8 +99,20 @@ def triangle_angle(a: float, b: float, c: Array) -> Array:
     )
 
 
+def principal(angles: Array) -> Array:
+    """The same angles less whole turns, in (-pi, pi] [rad]."""
+    wrapped: Array = math.pi - np.mod(math.pi - angles, math.tau)
+    return wrapped
+
+
+def nearest_turn(angles: Array, like: Array) -> Array:
+    """The same angles plus whole turns, each as near as possible to that of ``like`` [rad]."""
+    nearest: Array = angles + math.tau * np.round((like - angles) / math.tau)
+    return nearest
+
+
 def within_turns(angle: float, low: float, high: float) -> bool:
-    """Tell whether an angle, or it and some whole turns, is between two limits, maybe infinite."""
+    """Whether an angle, plus some whole turns, is between two limits, which may be infinite."""
     if math.isinf(low) or math.isinf(high):
         return True
     turn = 2.0 * math.pi
@@ -132,6 +143,16 @@ def in_blocks(
 def moving_rows(rows: Sequence[Row]) -> list[int]:
     """Indices of the rows that have a joint position, in order."""
     return [index for index, row in enumerate(rows) if row.joint != "fixed"]
+
+
+def chain_length(rows: Sequence[Row]) -> float:
+    """Length of a chain from frame to frame, the sum of all ``hypot(d, r)`` [m]; 1 m if it is 0."""
+    return sum(math.hypot(row.d, row.r) for row in rows) or 1.0
+
+
+def table_length(rows: Sequence[Row]) -> float:
+    """Sum of all ``|d|`` and ``|r|`` of a table, at least ``chain_length`` [m]; 1 m if it is 0."""
+    return sum(abs(row.d) + abs(row.r) for row in rows) or 1.0
 
 
 def row_transform(row: Row, q: ArrayLike = 0.0) -> Array:
@@ -230,8 +251,8 @@ def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
 def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
     """Jacobian of the foot by the indirect method: the derivative of its pose (report A, appendix).
 
-    ``v = dp/dq``, and the angular part from ``[w]x = dR/dq R^T``; no cross product is taken, so
-    that it is a witness of ``jacobian``, whose shape it has.
+    ``v = dp/dq``, and the angular part is from ``[w]x = dR/dq R^T``. It shares no formula with
+    ``jacobian`` and so checks it; the shape is the same.
     """
     moving = moving_rows(rows)
     positions = finite_vectors("q", q, len(moving))

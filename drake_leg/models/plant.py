@@ -1,4 +1,4 @@
-"""From a robot to Drake's MultibodyPlant, by way of its SDF."""
+"""Builds Drake's MultibodyPlant from a robot's SDF, and writes the files of ``sdf/``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drake_leg.units import STANDARD_GRAVITY, require_non_negative
 
 
 def generated_files() -> dict[str, str]:
-    """Write all files of the folder ``sdf`` as text: file name to content."""
+    """Generate all files of the folder ``sdf``: file name to text."""
     files = {f"{robot.name}.sdf": sdf_text(robot) for robot in ROBOTS}
     thighs = {FILE: thigh_text(), LEG_FILE: thigh_leg_text(LEG_B)}
     return {"package.xml": package_text(), **files, **thighs}
@@ -29,12 +29,6 @@ def sdf_folder() -> Path:
     package = Path(__file__).resolve().parents[1]
     installed = package / "sdf"
     return installed if installed.is_dir() else package.parent / "sdf"
-
-
-if __name__ == "__main__":
-    folder = Path(sys.argv[1])
-    for file_name, text in generated_files().items():
-        (folder / file_name).write_text(text, encoding="utf-8")
 
 
 def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
@@ -122,3 +116,9 @@ def thigh_leg(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPl
     """
     package = sdf_folder() / "package.xml"
     return parsed_plant(thigh_leg_text(robot), robot, gravity=gravity, package=package)
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
+    for file_name, text in generated_files().items():
+        (folder / file_name).write_text(text, encoding="utf-8")

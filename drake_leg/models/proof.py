@@ -1,4 +1,4 @@
-"""A robot proved: its chain, SymPy's derivation and Drake's plant agree on foot and Jacobian.
+"""Proves a robot: its chain, SymPy's derivation and Drake's plant agree on foot and Jacobian.
 
 Four witnesses that share no formula: the chain (``kinematics.khalil``), the same table derived in
 symbols, Drake on the SDF, and differences of the chain's foot. A foot's coordinate is a sum of
@@ -24,8 +24,7 @@ from drake_leg.kinematics.feet import greatest_reach, random_configurations
 from drake_leg.kinematics.khalil import Array
 from drake_leg.models.plant import build_plant
 from drake_leg.progress import BUDGET, TimeBudget
-from drake_leg.robot.names import frame_name
-from drake_leg.robot.robot import Robot, Row
+from drake_leg.robot.robot import Robot, Row, frame_name
 from drake_leg.units import require_positive
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
@@ -72,13 +71,13 @@ class Missing:
 
     @property
     def sentence(self) -> str:
-        """What is missing, and why."""
+        """The missing quantity, and the reason."""
         return f"the {self.quantity} by {self.witness} is {self.why}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Proof:
-    """What the witnesses say of a robot."""
+    """Result of comparing all witnesses of a robot."""
 
     robot: str
     samples: int
@@ -99,7 +98,7 @@ class Proof:
 
     @property
     def worst(self) -> Comparison | None:
-        """Where two witnesses differ most; one that has no number is worse than any."""
+        """The comparison with the greatest difference; NaN counts as the greatest."""
         return max(
             self.comparisons,
             key=lambda c: (math.isnan(c.difference), c.difference),
@@ -148,14 +147,14 @@ def prove(
     seed : int
         Of their random numbers.
     budget : float
-        Time that it may take [s]; what is not compared by then is missing.
+        Time budget [s]; comparisons not made by then are missing.
     progress : callable, optional
         Called with what is computed next.
 
     Returns
     -------
     Proof
-        It does not prove that the table is the robot's that was meant.
+        It does not prove that the table is that of the intended robot.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The thigh subsystem of report B, as data and as SDF, and the leg that includes it three times."""
+"""The thigh subsystem of report B as data and SDF, and a leg that includes it three times."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import PACKAGE, sdf_text
-from drake_leg.robot.names import PLACES, frame_name, place_name
-from drake_leg.robot.robot import Brick, Robot, Row, Segment, Solid
+from drake_leg.robot.robot import PLACES, Brick, Robot, Row, Segment, Solid, frame_name, place_name
 from drake_leg.robot.robots import LEG_B
 
 FRAMES = ("base", "cog", "end", "solid")  # of every thigh: three to connect, one of the solid
@@ -19,10 +18,17 @@ ENDS_TOGETHER = 1e-12  # [m], how far a link's end may be from the next row's be
 
 Vector = tuple[float, float, float]
 
+FILE = "thigh.sdf"
+LEG_FILE = "hexabot_leg_of_thighs.sdf"
+NOWHERE = "0 0 0 0 0 0"
+
+_ORIGINAL = "femur"  # of leg B: the thigh without any setting
+_EXPERIMENTAL = "http://sdformat.org/schemas/experimental"
+
 
 @dataclass(frozen=True, kw_only=True)
 class RigidTransform:
-    """The fixed place of one frame of a thigh against another: offset, then both turns."""
+    """The pose of one frame of a thigh in another: an offset, then two rotations."""
 
     base: str
     follower: str
@@ -46,7 +52,7 @@ class ThighSubsystem:
 
 
 def thighs(robot: Robot) -> tuple[ThighSubsystem, ...]:
-    """Take a robot's moving links as thigh subsystems, from base to tip.
+    """Describe a robot's moving links as thigh subsystems, from base to tip.
 
     Raises
     ------
@@ -97,14 +103,6 @@ def _thigh(robot: Robot, segment: Segment, following: Row | None) -> ThighSubsys
 
 def _between(start: Vector, end: Vector) -> Vector:
     return (end[0] - start[0], end[1] - start[1], end[2] - start[2])
-
-
-FILE = "thigh.sdf"
-LEG_FILE = "hexabot_leg_of_thighs.sdf"
-NOWHERE = "0 0 0 0 0 0"
-
-_ORIGINAL = "femur"  # of leg B: what the thigh is where nothing is set
-_EXPERIMENTAL = "http://sdformat.org/schemas/experimental"
 
 
 class _Setting(NamedTuple):
@@ -236,7 +234,7 @@ def _action(setting: _Setting) -> dict[str, str]:
 
 
 def _connected(element: ET.Element, settings: dict[str, tuple[_Setting, ...]]) -> ET.Element:
-    """Connect a link, frame or joint to the frames of the thighs instead of to their links."""
+    """Connect a link, frame or joint to the frames of the thighs instead of their links."""
     pose = element.find("pose")
     carrier = element.get("attached_to", pose.get("relative_to", "") if pose is not None else "")
     if pose is not None and carrier in settings:
@@ -254,7 +252,7 @@ def _connected(element: ET.Element, settings: dict[str, tuple[_Setting, ...]]) -
 def _placed(
     pose: ET.Element, carrier: str, settings: dict[str, tuple[_Setting, ...]]
 ) -> ET.Element:
-    """Place what begins at a thigh's end there; leave the rest where it is."""
+    """Place an element at the end of the thigh that carries it; leave others in place."""
     if carrier not in settings:
         return pose
     return _pose(NOWHERE.split(), relative_to=f"{carrier}::end")

@@ -1,1 +1,1 @@
-"""Block diagrams as pictures: from live diagrams and plants to SVG."""
+"""Plots of recordings, and block diagrams as SVG."""

@@ -1,4 +1,4 @@
-"""The picture of a diagram: its signals, the mechanism inside its plant, or one link of it."""
+"""Draws a diagram: its signals, the mechanism inside its plant, or one link."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from drake_leg.pictures.of_diagram import diagram_picture
 from drake_leg.pictures.of_plant import link_picture, mechanism_picture
 from drake_leg.pictures.of_simulink import model_pictures
 from drake_leg.pictures.svg import ALL, MECHANISM, SIGNALS, Picture
-from drake_leg.robot.names import frame_name
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, frame_name
 from drake_leg.simulink.listing import printable
 from drake_leg.simulink.model import Model
 from drake_leg.systems.frame_sensor import FrameSensor
@@ -30,10 +29,10 @@ def run_pictures(
     scopes: bool = True,
     accelerations: bool = True,
 ) -> tuple[Picture, ...]:
-    """Read the pictures of what a run simulates: signals, mechanism, all (both), or a link's.
+    """Read the pictures of a run's diagram: its signals, its mechanism, both, or one link.
 
-    ``robot`` is what the plant was built from: it tells the shapes of the solids, which are boxes
-    without it.
+    ``robot`` is what the plant was built from and has the shapes of its solids; without it they are
+    boxes.
 
     Raises
     ------

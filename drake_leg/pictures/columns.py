@@ -1,4 +1,4 @@
-"""The columns of blocks and nets, and the order in every column."""
+"""Assigns blocks and nets to columns, and orders every column."""
 
 from __future__ import annotations
 
@@ -8,10 +8,17 @@ from typing import TypeVar
 
 from drake_leg.pictures.svg import Picture
 
+# In crossings. A loop's lane is below the blocks where that costs nothing.
+ABOVE_A_BLOCK = 0.15
+DISORDER = 0.01  # of blocks against the order in which the diagram lists them
+SWEEPS = 8
+T = TypeVar("T")
+_Found = tuple[float, list[list[int]], list[list[int]], list[list[int]]]
+
 
 @dataclass(frozen=True)
 class Spot:
-    """A place in a column: of a block, or a lane through which a net passes."""
+    """A place in a column: a block, or a lane for a net that passes the column."""
 
     column: int
     block: int = -1  # -1: a lane
@@ -24,7 +31,7 @@ class End:
     """Where a net meets a channel between two columns."""
 
     spot: int
-    left: bool  # on the left side of the channel, that is at the right of its spot
+    left: bool  # on the left side of the channel: right of its spot
     port: int  # of the spot's block
 
 
@@ -34,7 +41,7 @@ class Track:
 
     net: int
     channel: int
-    ends: tuple[End, ...]  # where it comes from, then where it goes
+    ends: tuple[End, ...]  # its source first, then its targets
 
 
 @dataclass(frozen=True)
@@ -45,9 +52,17 @@ class Columns:
     members: tuple[tuple[int, ...], ...]  # spots of every column, in the picture's order
     tracks: tuple[Track, ...]
 
+    @property
+    def channels(self) -> list[list[Track]]:
+        """The tracks of every channel."""
+        channels: list[list[Track]] = [[] for _ in range(len(self.members) + 1)]
+        for track in self.tracks:
+            channels[track.channel].append(track)
+        return channels
+
 
 def columns_of(picture: Picture) -> Columns:
-    """Put every block into a column and lay lanes for the nets that pass columns.
+    """Assign every block to a column, and lanes to the nets that pass columns.
 
     Every wire goes from left to right, except those that close a loop. They pass lanes, too, so
     that no wire crosses a block. After Sugiyama, Tagawa and Toda, "Methods for visual understanding
@@ -83,7 +98,7 @@ def _layers(picture: Picture) -> list[int]:
 
 
 def _forward_edges(picture: Picture) -> list[tuple[int, int]]:
-    """Leave out the edges that close a loop: those that meet a block still on the way."""
+    """Leave out the edges that close a loop: back edges of a depth-first search."""
     after: list[list[int]] = [[] for _ in picture.blocks]
     for net in picture.nets:
         for target, _ in net.targets:
@@ -130,7 +145,7 @@ def _tracks_of_net(
     column: list[int],
     spots: list[Spot],
 ) -> list[Track]:
-    """Lead a net from its source through lanes to its targets; the lanes join ``spots``."""
+    """Route a net from its source through lanes to its targets; append the lanes to ``spots``."""
     start = column[source[0]]
     last = max((column[block] for block, _ in targets if column[block] > start), default=start)
     first = min(
@@ -163,32 +178,24 @@ def _tracks_of_net(
     return tracks
 
 
-# In crossings. A loop's lane is below the blocks where that costs nothing.
-ABOVE_A_BLOCK = 0.15
-DISORDER = 0.01  # of blocks against the order in which the diagram lists them
-SWEEPS = 8
-
-T = TypeVar("T")
-
-
 @dataclass
 class Order:
-    """The order in the columns, and of the ports on both sides of every block."""
+    """The order of the spots in each column, and of the ports on each side of a block."""
 
     members: list[list[int]]  # spots of every column, from the top
     inputs: list[list[int]]  # ports of every spot, from the top
     outputs: list[list[int]]
 
     def ports(self, end: End) -> list[int]:
-        """The ports on the side of its spot that an end is on."""
+        """The ports on an end's side of its spot."""
         return self.outputs[end.spot] if end.left else self.inputs[end.spot]
 
 
 def order_of(picture: Picture, columns: Columns) -> Order:
     """Order blocks, lanes and loose ports so that few wires cross.
 
-    Barycentres first; then every spot is tried at every other place of its column, until nothing
-    gets better.
+    Barycentres first; then every spot is tried at every place in its column until the cost stops
+    falling.
     """
     sides = [
         (range(len(picture.blocks[s.block].inputs)), range(len(picture.blocks[s.block].outputs)))
@@ -210,21 +217,16 @@ def order_of(picture: Picture, columns: Columns) -> Order:
     return Order(members=members, inputs=inputs, outputs=outputs)
 
 
-_Found = tuple[float, list[list[int]], list[list[int]], list[list[int]]]
-
-
 class _Search:
     """A search for a better order; changes ``order`` in place."""
 
     def __init__(self, picture: Picture, columns: Columns, order: Order) -> None:
         self.columns, self.order = columns, order
         self.loose = [s.block >= 0 and picture.blocks[s.block].loose for s in columns.spots]
-        self.channels: list[list[Track]] = [[] for _ in range(len(columns.members) + 1)]
-        for track in columns.tracks:
-            self.channels[track.channel].append(track)
+        self.channels = columns.channels
 
     def cost(self, column: int) -> float:
-        """Return what depends on the order in one column."""
+        """Return the part of the cost that depends on one column's order."""
         crossings = sum(self._crossings(channel) for channel in (column, column + 1))
         return crossings + self._disorder(column)
 
@@ -234,7 +236,7 @@ class _Search:
         return crossings + sum(map(self._disorder, range(len(self.order.members))))
 
     def improved(self) -> _Found:
-        """Improve until nothing gets better; copy what was found."""
+        """Improve the order until the cost stops falling; return cost and order, copied."""
         better = True
         while better:
             better = False
@@ -268,7 +270,7 @@ class _Search:
         return improved
 
     def sweep(self, *, rightward: bool) -> None:
-        """Sort every column by the mean place of what it is wired to in the column before."""
+        """Sort every column by the mean place of its neighbours in the previous column."""
         columns = list(range(len(self.order.members)))
         for column in columns if rightward else reversed(columns):
             channel = column if rightward else column + 1
@@ -290,7 +292,7 @@ class _Search:
         return {spot: sum(found) / len(found) for spot, found in places.items() if found}
 
     def _positions(self, channel: int) -> dict[End, float]:
-        """Number the ends from the top, on either side."""
+        """Vertical position of each end of a channel, counted from the top."""
         position: dict[End, float] = {}
         for left in (True, False):
             ends = [e for track in self.channels[channel] for e in track.ends if e.left == left]
@@ -304,7 +306,7 @@ class _Search:
         return position
 
     def _crossings(self, channel: int) -> float:
-        """Count pairs of chords whose ends alternate round the channel."""
+        """Count crossings: pairs of chords whose ends alternate around the channel."""
         position = self._positions(channel)
         # Down the left side, then up the right one.
         around = {end: at if end.left else 1e6 - at for end, at in position.items()}
@@ -319,7 +321,7 @@ class _Search:
         )
 
     def _disorder(self, column: int) -> float:
-        """Charge for loops above blocks, and for blocks and ports out of their order."""
+        """Penalise loops above blocks, and blocks and ports out of order."""
         spots = self.columns.spots
         row = self.order.members[column]
         cost = 0.0

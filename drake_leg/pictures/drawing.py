@@ -1,4 +1,4 @@
-"""A laid-out picture as SVG; several of them one below the other."""
+"""Writes laid-out pictures as SVG, one below the other."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Drawing:
 
 
 def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
-    """Lay pictures out and draw them, one below the other; the same bytes for the same pictures.
+    """Lay out pictures and draw them, one below the other; the output is deterministic.
 
     ``background`` is white or dark as the reader's system is, always white, or none.
     """
@@ -90,7 +90,7 @@ def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
 
 
 def _description(picture: Picture) -> str:
-    """Say in words what is wired to what."""
+    """Describe the wires in words."""
     wires = [
         f"{picture.blocks[net.source[0]].name} to "
         f"{', '.join(picture.blocks[block].name for block, _ in net.targets)}"
@@ -109,7 +109,7 @@ def _elements(layout: Layout) -> Iterator[str]:
 
 
 def _net(layout: Layout, index: int) -> str:
-    """Draw a net: its wires, each from its branch on, their heads, and dots at the branches."""
+    """Draw a net: its wires, each from its branch point, arrowheads, and dots at the branches."""
     net = layout.picture.nets[index]
     routes = [route for route in layout.routes if route.net == index]
     branches = dict.fromkeys(r.drawn[0] for r in routes if r.drawn[0] != r.points[0])

@@ -1,4 +1,4 @@
-"""How big every kind of block is, and what is drawn inside it."""
+"""Sizes and symbols of every kind of block."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ class Box:
 
     @property
     def right(self) -> float:
-        """Of the right edge."""
+        """X of the right edge."""
         return self.x + self.width
 
     @property
     def bottom(self) -> float:
-        """Of the lower edge."""
+        """Y of the lower edge."""
         return self.y + self.height
 
     @property
@@ -61,7 +61,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Size:
-    """What a block needs."""
+    """The space that a block needs."""
 
     width: float  # [px]
     height: float  # [px], at least
@@ -70,7 +70,7 @@ class Size:
 
 
 def size_of(block: DrawnBlock) -> Size:
-    """How much room a block needs."""
+    """Compute the space that a block needs."""
     sides = [ports for ports in (block.inputs, block.outputs) if ports]
     ports = 2 * PORT_PAD + PORT_PITCH * (max(map(len, sides), default=1) - 1)
     if block.glyph in ("mux", "demux"):
@@ -118,7 +118,7 @@ def _plant(block: DrawnBlock, box: Box) -> str:
 
 
 def _converter(block: DrawnBlock, box: Box) -> str:
-    """Draw a slope, what comes in above it and what goes out below it."""
+    """Draw a diagonal with the input's kind above it and the output's below it."""
     slope = polyline([(box.x, box.bottom), (box.right, box.y)], "thin")
     texts = [
         text_at(text, box.x + share * box.width, box.y + share * box.height, 3.5, size=SMALL)

@@ -1,4 +1,4 @@
-"""Mechanical blocks hung on each other's frames, and what is written under them."""
+"""Mechanical blocks attached to each other's frames, and their captions."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from drake_leg.simulink.bodies import SHAPES
 CAPTION_WIDTH = 84.0  # [px], of a mechanical block
 SIGNAL_WIDTH = 88.0  # [px], of a signal block
 SAME = 1e-12  # [m], and of a rotation matrix: what is nearer coincides
+_KINDS = {shape: kind for kind, shape in SHAPES.items()}
+Output = tuple[int, int]  # block, and its output
 
 
 def number_text(value: float) -> str:
@@ -41,14 +43,14 @@ def mass_words(mass: float) -> str:
 
 
 def damping_words(damping: float, *, turning: bool) -> tuple[str, ...]:
-    """Say how a joint is damped, turning [N*m*s/rad] or sliding [N*s/m]; no lines without."""
+    """Describe a joint's damping, revolute [N*m*s/rad] or prismatic [N*s/m]; empty without any."""
     if damping <= 0.0:
         return ()
     return f"damping {damping:.4g}", "N·m·s/rad" if turning else "N·s/m"
 
 
 def spring_words(stiffness: float, rest: float, *, turning: bool) -> tuple[str, ...]:
-    """Say what spring a joint has, [N*m/rad] and [rad] or [N/m] and [m]; no lines without."""
+    """Describe a joint's spring, [N*m/rad] and [rad] or [N/m] and [m]; empty without any."""
     if stiffness <= 0.0:
         return ()
     if turning:
@@ -57,7 +59,7 @@ def spring_words(stiffness: float, rest: float, *, turning: bool) -> tuple[str, 
 
 
 def transform_words(X_AB: RigidTransform) -> list[str]:
-    """Say what a transform does: translation in the old axes, then rotation; none, no lines."""
+    """Describe a transform: translation along the old axes, then rotation; empty if identity."""
     words: list[str] = []
     for axis, value in zip("xyz", X_AB.translation(), strict=True):
         if abs(value) > SAME:
@@ -75,11 +77,6 @@ def _axis(axis: Sequence[float]) -> str:
         if abs(abs(part) - 1.0) < 1e-9:
             return letter if part > 0.0 else f"−{letter}"
     return f"({', '.join(f'{part:.3g}' for part in axis)})"
-
-
-_KINDS = {shape: kind for kind, shape in SHAPES.items()}
-
-Output = tuple[int, int]  # block, and its output
 
 
 class Chain:
@@ -103,7 +100,7 @@ class Chain:
         self.labels.setdefault(frame, []).extend(names)
 
     def transform(self, frame: Output, X_AB: RigidTransform, what: str) -> Output:
-        """Attach a transform to a frame, unless it does nothing."""
+        """Attach a transform to a frame, unless it is the identity."""
         words = transform_words(X_AB)
         if not words:
             return frame

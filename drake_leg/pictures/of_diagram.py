@@ -1,4 +1,4 @@
-"""The block diagram of a live Diagram: its blocks and signals read as Simulink would draw them."""
+"""Reads the blocks and signals of a Drake diagram, as Simulink would draw them."""
 
 from __future__ import annotations
 
@@ -34,20 +34,41 @@ _PRETTY = {
 }
 _NAMELESS = re.compile(r"[uy]\d+|data")
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+TO_PHYSICAL, TO_SIGNAL = "Simulink-PS", "PS-Simulink"  # how converters' names begin
+ACCELERATIONS = ("a", "qddot")  # inputs that only a motion's acceleration feeds
+_GLYPHS: dict[type, str] = {
+    ConstantVectorSource: "constant",
+    Demultiplexer: "demux",
+    Gain: "gain",
+    Integrator: "integrator",
+    MatrixGain: "gain",
+    Multiplexer: "mux",
+    MultibodyPlant: "plant",
+    Sine: "sine",
+    VectorLogSink: "scope",
+}
+_INSIDE = {
+    "InverseJacobian": ("J⁻¹",),
+    "PrescribedMotion": ("inverse", "dynamics"),
+    "FrameSensor": ("6 DOF",),
+    "EnergySensor": ("T + V",),
+}
+# Blocks of the mechanical side, drawn as Simscape's are.
+_PHYSICAL = ("MultibodyPlant", "PrescribedMotion", "FrameSensor", "EnergySensor")
 
 
 def pretty(name: str) -> str:
-    """Write a port's name as a person does; empty for a port that has only a number."""
+    """Write a port's name as a symbol or as words; empty if it has only a number."""
     if _NAMELESS.fullmatch(name):
         return ""
     return _PRETTY.get(name, name.replace("_", " "))
 
 
 def signal_names(systems: Mapping[str, System], shown: Sequence[LiveWire]) -> dict[End, str]:
-    """Name the signals that leave nameless ports: output to name.
+    """Name the signals of outputs that have no name.
 
-    A signal is called after the input that it feeds; one that a Mux joins, or a Demux takes apart,
-    after the whole, with a number.
+    A signal is named after the input that it feeds. A signal into a Mux, or out of a Demux, is
+    named after the vector, with an index.
     """
     named: dict[End, str] = {}
     for wire in shown:
@@ -77,32 +98,6 @@ def _sub(place: int) -> str:
     return str(place + 1).translate(_SUBSCRIPTS)
 
 
-TO_PHYSICAL, TO_SIGNAL = "Simulink-PS", "PS-Simulink"  # how converters' names begin
-ACCELERATIONS = ("a", "qddot")  # inputs that only a motion's acceleration feeds
-
-_GLYPHS: dict[type, str] = {
-    ConstantVectorSource: "constant",
-    Demultiplexer: "demux",
-    Gain: "gain",
-    Integrator: "integrator",
-    MatrixGain: "gain",
-    Multiplexer: "mux",
-    MultibodyPlant: "plant",
-    Sine: "sine",
-    VectorLogSink: "scope",
-}
-
-_INSIDE = {
-    "InverseJacobian": ("J⁻¹",),
-    "PrescribedMotion": ("inverse", "dynamics"),
-    "FrameSensor": ("6 DOF",),
-    "EnergySensor": ("T + V",),
-}
-
-# Blocks of the mechanical side, drawn as Simscape's are.
-_PHYSICAL = ("MultibodyPlant", "PrescribedMotion", "FrameSensor", "EnergySensor")
-
-
 def diagram_picture(
     diagram: Diagram, *, title: str, scopes: bool = True, accelerations: bool = True
 ) -> Picture:
@@ -127,7 +122,7 @@ def diagram_picture(
 
 
 def _without_accelerations(shown: Sequence[LiveWire]) -> list[LiveWire]:
-    """Leave out wires to accelerations, then those of blocks that feed nothing any more."""
+    """Leave out wires to accelerations, then blocks that no longer feed anything."""
     feeding = {wire.source for wire in shown}
     kept = [wire for wire in shown if wire.input not in ACCELERATIONS]
     while True:
@@ -139,7 +134,7 @@ def _without_accelerations(shown: Sequence[LiveWire]) -> list[LiveWire]:
 
 
 def _ports(system: System, name: str, shown: Sequence[LiveWire]) -> tuple[list[str], list[str]]:
-    """Names of the inputs and outputs that have a wire, in the system's order."""
+    """Names of the connected inputs and outputs, in the system's order."""
     used_inputs = {wire.input for wire in shown if wire.target == name}
     used_outputs = {wire.output for wire in shown if wire.source == name}
     inputs = [system.get_input_port(i).get_name() for i in range(system.num_input_ports())]
@@ -167,7 +162,7 @@ def _block(system: System, inputs: list[str], outputs: list[str]) -> DrawnBlock:
 
 
 def _start(system: System, glyph: str) -> tuple[str, ...]:
-    """Say where an integrator starts."""
+    """Write an integrator's initial value."""
     if glyph != "integrator":
         return ()
     context = system.CreateDefaultContext()
@@ -234,7 +229,7 @@ def _nets(
 def _is_physical(
     blocks: Sequence[DrawnBlock], index: dict[str, int], net: Sequence[LiveWire]
 ) -> bool:
-    """Tell whether all ends of a net are mechanical; scopes beside them do not matter."""
+    """Tell whether all ends of a net, apart from scopes, are mechanical."""
     ends = [blocks[index[w.target]] for w in net]
     inner = [block for block in ends if block.glyph != "scope"]
     source = blocks[index[net[0].source]]

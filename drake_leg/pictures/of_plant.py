@@ -1,4 +1,4 @@
-"""The inside of a plant, or one of its links, as Simscape would draw it."""
+"""Reads the mechanism of a plant, or one of its links, as Simscape would draw it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from drake_leg.pictures.mechanical import (
     spring_words,
 )
 from drake_leg.pictures.svg import DrawnBlock, Picture, wrapped
-from drake_leg.robot.names import PLACES, frame_name, place_name
+from drake_leg.robot.robot import PLACES, frame_name, place_name
 
 
 def link_picture(plant: MultibodyPlant, link: str, *, title: str, shape: str = "solid") -> Picture:
@@ -113,7 +113,7 @@ class _Mechanism:
         return self.chain.picture(title)
 
     def _body(self, body: RigidBody, frame: Output, X_BF: RigidTransform, *, fixed: bool) -> None:
-        """Attach to a frame of a body its solid, and everything that its joints carry."""
+        """Attach a body's solid to its frame, then everything that its joints carry."""
         chain = self.chain
         self._label(body, frame, X_BF)
         X_BS = self._sensed_place(body)
@@ -140,7 +140,7 @@ class _Mechanism:
                 self._body(joint.child_body(), follower, X_CM, fixed=fixed and _is_weld(joint))
 
     def _label(self, body: RigidBody, frame: Output, X_BF: RigidTransform) -> None:
-        """Write the names of the table's frames that lie here."""
+        """Label a frame with the table's frames that coincide with it."""
         index = 0
         while self.plant.HasFrameNamed(frame_name(index)):
             other = self.plant.GetFrameByName(frame_name(index))
@@ -181,7 +181,7 @@ class _Mechanism:
 
 
 def _springs(plant: MultibodyPlant) -> dict[str, tuple[str, ...]]:
-    """Say of every joint what spring it has."""
+    """Describe the spring of every joint that has one."""
     springs: dict[str, tuple[str, ...]] = {}
     for index in range(plant.num_force_elements()):
         element = plant.get_force_element(ForceElementIndex(index))

@@ -1,4 +1,4 @@
-"""The pictures of a Simulink model: its signals and its mechanism, as those of a live diagram."""
+"""Reads the signals and the mechanism of a Simulink model as pictures."""
 
 from __future__ import annotations
 
@@ -70,12 +70,13 @@ _INSIDE = {
     TO_SIGNAL: ("PS", "S"),
 }
 _SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
+MOST_BLOCKS = 300  # in one picture; more take minutes to lay out and cannot be read
 
 
 def signal_block(
     block: Block, *, name: str, inputs: Sequence[str], outputs: Sequence[str], script: str
 ) -> DrawnBlock:
-    """Draw a block of the signals, with the parameters that tell most.
+    """Draw a signal block with its main parameters.
 
     ``inputs`` and ``outputs`` are its ports that are wired, as ``SID#in:1``; ``script`` is the code
     of a MATLAB Function block.
@@ -188,7 +189,7 @@ _DETAILS: dict[str, Callable[[Block], Iterator[str]]] = {
 
 @dataclass(frozen=True)
 class _Line:
-    """All that leaves one port."""
+    """A signal from one port to all its targets."""
 
     source: str
     targets: tuple[str, ...]
@@ -260,7 +261,7 @@ def _nets(
 
 
 def _lines(model: Model, network: Network) -> list[_Line]:
-    """Gather the wires and the physical signals by the ports that they leave."""
+    """Group the wires and the physical signals by source port."""
     targets: dict[str, list[str]] = {}
     names: dict[str, str] = {}
     for wire in model.wires:
@@ -273,12 +274,9 @@ def _lines(model: Model, network: Network) -> list[_Line]:
 
 
 def _is_wide(line: _Line, glyph: Mapping[str, str]) -> bool:
-    """Whether a Mux or a Demux tells that a line carries several signals."""
+    """Tell whether a line carries a vector: it leaves a Mux or enters a Demux."""
     ends = {glyph[split_port(port)[0]] for port in line.targets}
     return glyph[split_port(line.source)[0]] == "mux" or "demux" in ends
-
-
-MOST_BLOCKS = 300  # in one picture; more take minutes to lay out, and nobody can read them
 
 
 def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Picture, ...]:

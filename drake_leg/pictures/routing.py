@@ -11,6 +11,8 @@ from drake_leg.pictures.columns import End, Track
 from drake_leg.pictures.svg import Point
 
 RADIUS = 5.0  # [px], of a corner
+NEAR = 6.0  # [px], lines nearer than this seem to be one
+OF_OVERLAP = 1000.0  # in crossings
 
 
 def simplified(points: Sequence[Point]) -> tuple[Point, ...]:
@@ -87,10 +89,6 @@ def _towards(start: Point, end: Point, distance: float) -> Point:
 
 def _at(point: Point) -> str:
     return f"{point[0]:.1f} {point[1]:.1f}"
-
-
-NEAR = 6.0  # [px], lines nearer than this seem to be one
-OF_OVERLAP = 1000.0  # in crossings
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The mechanism of a Simulink model as a picture, from the world outwards."""
+"""Reads the mechanism of a Simulink model as a picture, from the world outwards."""
 
 from __future__ import annotations
 
@@ -30,6 +30,24 @@ from drake_leg.simulink.model import Block, Model, number, split_port, vector
 
 _LONGEST = 24  # characters of a line
 _MOST_LINES = 3
+TO_PHYSICAL, TO_SIGNAL = "Simulink-PS Converter", "PS-Simulink Converter"
+_SIGNAL_KINDS = (TO_PHYSICAL, TO_SIGNAL, "Spectrum Analyzer", "Probe")
+_LIBRARIES = ("sm_lib", "nesl_utility", "nesl_utility_internal", "fl_lib")
+Node = tuple[str, ...]  # ports that one connection joins
+JOINT_GLYPHS = {
+    "6-DOF Joint": "six_dof",
+    "Prismatic Joint": "prismatic",
+    "Revolute Joint": "revolute",
+}
+_GLYPHS = JOINT_GLYPHS | {
+    "Mechanism Configuration": "configuration",
+    "Rigid Transform": "transform",
+    "Solver Configuration": "configuration",
+    "World Frame": "world",
+}
+_INSIDE = {"Mechanism Configuration": ("g ↓",), "Solver Configuration": ("f(x) = 0",)}
+_SENSORS = ("6-DOF Joint", "Bushing Joint", "Transform Sensor")
+_LEAVES = ("Solid", "Inertia", "Configuration", "Graphic")  # how names of what ends a chain end
 
 
 def unique_names(model: Model) -> dict[str, str]:
@@ -51,13 +69,6 @@ def cut(text: str) -> str:
     """Cut a line of text off after 24 characters, and leave out what cannot be printed."""
     text = printable(text)
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
-
-
-TO_PHYSICAL, TO_SIGNAL = "Simulink-PS Converter", "PS-Simulink Converter"
-_SIGNAL_KINDS = (TO_PHYSICAL, TO_SIGNAL, "Spectrum Analyzer", "Probe")
-_LIBRARIES = ("sm_lib", "nesl_utility", "nesl_utility_internal", "fl_lib")
-
-Node = tuple[str, ...]  # ports that one connection joins
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,7 +107,7 @@ def network_of(model: Model) -> Network:
 
 
 def ports_by_block(ports: Iterable[str]) -> dict[str, list[str]]:
-    """Gather ports by the SIDs of their blocks, in the order of sides and numbers."""
+    """Group ports by the SIDs of their blocks, ordered by side and number."""
     found: dict[str, list[str]] = {}
     for port in sorted(ports, key=lambda port: split_port(port)[1:]):
         found.setdefault(split_port(port)[0], []).append(port)
@@ -123,20 +134,6 @@ def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
     sid, side, _ = split_port(port)
     kind = blocks[sid].kind
     return kind == TO_PHYSICAL or (side == "rconn" and kind != TO_SIGNAL)
-
-
-JOINT_GLYPHS = {
-    "6-DOF Joint": "six_dof",
-    "Prismatic Joint": "prismatic",
-    "Revolute Joint": "revolute",
-}
-_GLYPHS = JOINT_GLYPHS | {
-    "Mechanism Configuration": "configuration",
-    "Rigid Transform": "transform",
-    "Solver Configuration": "configuration",
-    "World Frame": "world",
-}
-_INSIDE = {"Mechanism Configuration": ("g ↓",), "Solver Configuration": ("f(x) = 0",)}
 
 
 def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> DrawnBlock:
@@ -191,7 +188,7 @@ def _gravity(block: Block) -> Iterator[str]:
 
 
 def _joint(block: Block) -> Iterator[str]:
-    """Say what drives a joint with one degree of freedom, and what acts in it."""
+    """Describe the actuation, damping and spring of a joint with one degree of freedom."""
     get, turning = block.parameters.get, block.kind == "Revolute Joint"
     for what in ("Motion", "Torque", "Force"):
         if str(get(f"{what}ActuationMode", "")).startswith("Input"):
@@ -248,10 +245,6 @@ def _dimensions(shape: Shape) -> str:
     return f"{radius} mm"
 
 
-_SENSORS = ("6-DOF Joint", "Bushing Joint", "Transform Sensor")
-_LEAVES = ("Solid", "Inertia", "Configuration", "Graphic")  # how names of what ends a chain end
-
-
 def model_mechanism_picture(
     model: Model, network: Network, names: Mapping[str, str], *, title: str
 ) -> Picture:
@@ -265,7 +258,7 @@ def model_mechanism_picture(
 
 
 class _Walk:
-    """Goes from frame to frame and attaches what is connected there."""
+    """Traverses the frames breadth-first and attaches the connected blocks."""
 
     def __init__(self, model: Model, network: Network, names: Mapping[str, str]) -> None:
         self.network, self.names = network, names
@@ -303,7 +296,7 @@ class _Walk:
                 self._place(sid)
 
     def _place(self, sid: str) -> None:
-        """Attach a block to the frames that are reached; its other ones are reached from now on."""
+        """Attach a block to the frames reached so far; its other frames are then reached, too."""
         self.placed.add(sid)
         index, opened = len(self.chain.blocks), 0
         attached = []

@@ -13,6 +13,34 @@ from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError
 
 SIGNALS, MECHANISM, ALL = "signals", "mechanism", "all"  # what can be asked for
+SIZE = 11.0  # [px], of captions, labels, and texts inside blocks
+LINE = 13.0  # [px], from line to line
+_NARROW, _WIDE = set("fijlrtI.,:;'|!()[]/- ·"), set("mwMW@%")
+SMALL = 10.0  # [px], labels of ports and signals
+Point = tuple[float, float]
+_FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
+# Every kind of colour-blind eyes can tell blue from black and grey; the mechanical
+# blocks' lines are thicker, too.
+_LIGHT = {
+    "paper": "#ffffff",
+    "ink": "#1a1a1a",
+    "pale": "#8a8a8a",
+    "face": "#ffffff",
+    "screen": "#eef1f4",
+    "blue": "#0060a8",
+    "blue face": "#e3f0fa",
+    "body": "#b9d9f0",
+}
+_DARK = {
+    "paper": "#16181c",
+    "ink": "#e8e8e8",
+    "pale": "#8f959d",
+    "face": "#212429",
+    "screen": "#2d3238",
+    "blue": "#6fbcf0",
+    "blue face": "#10293d",
+    "body": "#1f4c6e",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,12 +87,6 @@ class Picture:
             raise InvalidValueError(f"an input of {self.title!r} has two wires; it may have one")
 
 
-SIZE = 11.0  # [px], of captions, labels, and texts inside blocks
-LINE = 13.0  # [px], from line to line
-
-_NARROW, _WIDE = set("fijlrtI.,:;'|!()[]/- ·"), set("mwMW@%")
-
-
 def text_width(text: str, size: float = SIZE) -> float:
     """Estimate the width of a line in a sans-serif font [px], rather too much than too little."""
     return sum(map(_advance, text)) * size
@@ -94,36 +116,6 @@ def wrapped(text: str, width: float) -> tuple[str, ...]:
 def spaced(name: str) -> str:
     """Put spaces between the words of a name in capitals."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
-
-
-SMALL = 10.0  # [px], labels of ports and signals
-
-Point = tuple[float, float]
-
-_FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
-
-# Every kind of colour-blind eyes can tell blue from black and grey; the mechanical
-# blocks' lines are thicker, too.
-_LIGHT = {
-    "paper": "#ffffff",
-    "ink": "#1a1a1a",
-    "pale": "#8a8a8a",
-    "face": "#ffffff",
-    "screen": "#eef1f4",
-    "blue": "#0060a8",
-    "blue face": "#e3f0fa",
-    "body": "#b9d9f0",
-}
-_DARK = {
-    "paper": "#16181c",
-    "ink": "#e8e8e8",
-    "pale": "#8f959d",
-    "face": "#212429",
-    "screen": "#2d3238",
-    "blue": "#6fbcf0",
-    "blue face": "#10293d",
-    "body": "#1f4c6e",
-}
 
 
 def element(

@@ -1,1 +1,1 @@
-"""A robot as data: its Khalil table, solids and joint mechanics, and TOML files of it."""
+"""A robot as data: Khalil table, solids and joint mechanics, read from and written to TOML."""

@@ -1,4 +1,4 @@
-"""What acts at a joint and where it starts, under Simscape's names."""
+"""Joint mechanics under Simscape's names: damping, spring, limits, actuation, state targets."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _PER_DEGREE, _PER_DEGREE_PER_SECOND = SPRING_UNITS["N*m/deg"], DAMPING_UNITS["N*
 
 @dataclass(frozen=True, kw_only=True)
 class StateTarget:
-    """Where a joint starts, or how fast; it has no effect afterwards."""
+    """Initial position or velocity of a joint; it has no effect afterwards."""
 
     value: float  # [rad or m], or [rad/s or m/s]
-    priority: Priority = "high"  # a low one is not met where the joint cannot start there
+    priority: Priority = "high"  # a low one may be left unmet
 
     def __post_init__(self) -> None:
         require_angle("the state target", self.value)
@@ -40,7 +40,7 @@ class StateTarget:
 
 @dataclass(frozen=True, kw_only=True)
 class HardStop:
-    """How a limit pushes the joint back: a spring and a damper, scaled up smoothly from 0."""
+    """Spring and damper that push a joint back beyond its limit, scaled up smoothly from 0."""
 
     stiffness: float  # [N*m/rad] or [N/m]
     damping: float  # [N*m*s/rad] or [N*s/m]
@@ -80,8 +80,8 @@ class HardStop:
 class JointMechanics:
     """A joint's state targets, internal mechanics, limits and actuation, as in Simscape.
 
-    A limit with a stop pushes the joint back; without one it is where the joint must not go, and a
-    run ends there.
+    A limit with a stop pushes the joint back; a limit without one must not be passed, and
+    a run ends there.
     """
 
     damping: float = 0.0  # [N*m*s/rad] or [N*s/m]

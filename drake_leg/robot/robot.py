@@ -1,11 +1,13 @@
-"""A robot as data: Khalil rows, solids with their masses, joint mechanics."""
+"""A robot as data: Khalil rows, links with their mass properties, names and joint mechanics."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import Literal
 
 from drake_leg.colours import (
@@ -21,30 +23,23 @@ from drake_leg.colours import (
 )
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.names import (
-    BASE,
-    BASE_WELD,
-    PLACES,
-    frame_name,
-    html_table,
-    place_name,
-    require_line,
-    require_name,
-    require_unique,
-)
 from drake_leg.units import LEAST, require_positive
 
 JointType = Literal["revolute", "prismatic", "fixed"]
 
-# Of the sum of the principal moments: how far rounding may take a plate off the triangle
-# inequality, and how far a body with products of inertia must stay inside, because SDF's parser
-# finds its principal moments only that well.
+# As parts of the sum of the principal moments: how far a plate may violate the triangle inequality
+# by rounding, and the margin that a body with products of inertia needs, because SDF's parser
+# computes its principal moments only that accurately.
 _MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
 
 NO_MECHANICS = JointMechanics()
 
 # In the order of a chain's rows.
 LINK_COLOURS = tuple(map(rgb, (BLUE, ORANGE, GREEN, SKY_BLUE, YELLOW, VERMILLION, REDDISH_PURPLE)))
+
+BASE = "base"  # the link that is welded to the world
+BASE_WELD = "base_weld"
+PLACES = ("base", "cog", "end")  # of the frames on every link
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,7 +191,7 @@ class Link:
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A row of the table with what it carries: a joint, a link, or only a frame."""
+    """A row of the table with its joint and link, or with only a frame."""
 
     row: Row
     joint: str | None = None  # name of the joint; None for a mere frame
@@ -294,7 +289,7 @@ class Robot:
             )
 
     def _names(self) -> Iterator[tuple[str, str]]:
-        """List all names of links, joints and frames in its model, with what they name."""
+        """List the names of all links, joints and frames of the model, with descriptions."""
         yield BASE, "the base"
         yield BASE_WELD, "the base's weld"
         yield frame_name(0), "the base's frame"
@@ -340,13 +335,13 @@ class Robot:
 
 
 def _angle(angle: float) -> str:
-    """Write an angle [rad], as a part of π where it is one."""
+    """Write an angle [rad], as a multiple of π where it is one."""
     named = {0.0: "0", math.pi / 2: "π/2", -math.pi / 2: "−π/2", math.pi: "π"}
     return named.get(angle, f"{angle:.4g}")
 
 
 def _sum(variable: str, offset: float, text: str) -> str:
-    """Write a joint position with the offset that the table adds to it."""
+    """Write a joint variable plus the table's constant offset, unless that is 0."""
     return f"{variable} + {text}" if offset else variable
 
 
@@ -380,8 +375,8 @@ def mass_properties(solid: Solid) -> MassProperties:
     """Mass and principal moments of a homogeneous solid.
 
     A brick has ``Ixx = m (w^2 + h^2) / 12`` and so on, a cylinder ``Izz = m r^2 / 2`` and
-    ``Ixx = m (3 r^2 + l^2) / 12``, a ball ``2/5 m r^2``. A solid that is too small or too large
-    for its mass and moments to be numbers is refused.
+    ``Ixx = m (3 r^2 + l^2) / 12``, a ball ``2/5 m r^2``. A solid whose mass or moments would
+    underflow or overflow is refused.
     """
     shape = solid.shape
     mass = solid.density * volume(shape)
@@ -399,4 +394,64 @@ def mass_properties(solid: Solid) -> MassProperties:
         require_positive("a moment of inertia of a solid", mass * moment, "kg*m^2")
     return MassProperties(
         mass=mass, moments=(mass * per_mass[0], mass * per_mass[1], mass * per_mass[2])
+    )
+
+
+def frame_name(index: int) -> str:
+    """Name the frame of a row, counted from 1; 0 is the base."""
+    return f"frame_{index}"
+
+
+def place_name(link: str, place: str) -> str:
+    """Name a frame on a link: its base, its centre of gravity or its end."""
+    return f"{link}_{place}"
+
+
+def require_name(what: str, name: str) -> None:
+    """Refuse a name that SDF reserves or that other programs cannot read.
+
+    Allowed are letters, digits, _ and -, beginning with a letter or _.
+    """
+    if not name:
+        raise InvalidValueError(f"{what} is empty; it must be a name")
+    if "::" in name:
+        raise InvalidValueError(
+            f"{what} is {name!r}; SDF keeps '::' for models inside of models: leave it out"
+        )
+    if name == "world" or re.fullmatch(r"__.*__", name):
+        raise InvalidValueError(f"{what} is {name!r}, which SDF reserves; choose another name")
+    if not re.fullmatch(r"[^\W\d][\w-]*", name):
+        raise InvalidValueError(
+            f"{what} is {name!r}; it must have letters, digits, _ and - only, and begin with a "
+            "letter"
+        )
+
+
+def require_line(what: str, text: str) -> None:
+    """Refuse text that is not printable on one line."""
+    if not text.isprintable():
+        raise InvalidValueError(f"{what} is {text!r}; it must be printable text on one line")
+
+
+def require_unique(names: Iterable[tuple[str, str]]) -> None:
+    """Refuse a name that is used twice, given pairs of a name and a description of its owner."""
+    owners: dict[str, str] = {}
+    for name, what in names:
+        if name in owners:
+            raise InvalidValueError(
+                f"the name {name!r} is given twice, to {owners[name]} and to {what}; every link, "
+                "joint and frame must have its own"
+            )
+        owners[name] = what
+
+
+def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]], *, title: str) -> str:
+    """HTML of a table with a title above it, for notebooks; all texts are escaped."""
+    head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows
+    )
+    return (
+        f"<p><b>{escape(title)}</b></p>"
+        f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
     )

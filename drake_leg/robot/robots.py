@@ -1,9 +1,9 @@
-"""The robots of the two reports. The only home of their numbers.
+"""The robots of the two reports, and the only place where their dimensions are written.
 
 Report A is "Modeling of a Simple Pendulum and a Hexabot Leg using MATLAB/Simulink"
 (Olanrewaju, Jabeen); report B is "Geometric, Kinematic and Dynamical modeling of Robotic
 systems" (Deowan, Hossain). Cross sections, foot radius and the SCARA's solids are in neither:
-they were chosen here so that the links can be seen.
+they are chosen here so that the links are visible.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where a robot starts, from its joints' state targets and motions, as in Simscape."""
+"""Initial joint positions and velocities from state targets and motions, as in Simscape."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CLOSE = 1e-9  # relative or absolute difference at which a target is met
 
 @dataclass(frozen=True, kw_only=True)
 class InitialState:
-    """Where the joints start, in the robot's order, and which targets were not met."""
+    """Initial state of the joints, in the robot's order, and the targets that were not met."""
 
     q: tuple[float, ...]  # [rad or m]
     qdot: tuple[float, ...]  # [rad/s or m/s]
@@ -28,13 +28,13 @@ def initial_state(
     """Start every joint at its motion, at its state target, or at rest at 0.
 
     The joints of a chain are independent, so every target can be met, whatever its priority,
-    unless a motion drives the joint: then the motion wins. ``motion`` has, for the names of driven
-    joints, position [rad or m] and velocity [rad/s or m/s] at the start.
+    unless a motion drives the joint: then the motion wins. ``motion`` maps the name of each driven
+    joint to its initial position [rad or m] and velocity [rad/s or m/s].
 
     Raises
     ------
     InvalidValueError
-        If a target of high priority is not where the motion starts, or the robot has no joint of
+        If the motion does not start at a target of high priority, or the robot has no joint of
         that name.
     """
     driven = dict(motion or {})
@@ -72,7 +72,7 @@ def initial_state(
 
 
 def starting_posture(robot: Robot) -> tuple[float, ...]:
-    """Choose a posture [rad or m]: state targets, or else as near to 0 as the limits allow."""
+    """Initial posture [rad or m]: state targets, or else as near to 0 as the limits allow."""
     return tuple(_beginning(segment.mechanics) for segment in robot.moving)
 
 

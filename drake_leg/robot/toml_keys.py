@@ -1,4 +1,4 @@
-"""A TOML file, read key by key: every fault becomes one sentence with line or key and value."""
+"""Reads TOML key by key, and reports each error in one sentence with line, key and value."""
 
 from __future__ import annotations
 
@@ -11,14 +11,23 @@ from typing import Any, TypeVar
 
 from drake_leg.errors import InvalidValueError
 
-GREATEST = 1e9  # in any unit; what is beyond is a slip of the pen, and its square has no number
+GREATEST = 1e9  # in any unit; a larger value is a typing error, and its square may overflow
 REQUIRED: Any = object()  # marks a key without default
 
 T = TypeVar("T")
 
+Document = dict[str, Any]
+
+# Patterns of common mistakes in a line, with what to write instead.
+_REMEDIES = {
+    r"=\s*~": 'write ~ in quotes: sigma = "~"',
+    r"°": 'leave out the sign; angles = "deg" says the unit once',
+    r"^\[row\]": "every row begins with [[row]], with two brackets",
+}
+
 
 def shown(value: object) -> str:
-    """Show a value as it is in the file, short enough for a sentence."""
+    """Write a value as in the file, shortened to fit into a sentence."""
     if isinstance(value, bool):
         return str(value).lower()
     text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else str(value)
@@ -26,12 +35,12 @@ def shown(value: object) -> str:
 
 
 class Keys:
-    """A table of a file and the keys that it may have.
+    """A table of a TOML file, with the keys that it may have.
 
-    Every method reads one key and checks its type, that it is finite, and its sign. Units are for
-    the sentences; a key without a default is required. What is wrong raises an
-    ``InvalidValueError`` with file, key and value, and so does a key that is not ``known``;
-    ``instead`` has the advice for unknown keys that people write.
+    Each method reads one key and checks its type, that it is finite, and its sign. Units appear
+    in error messages only; a key without a default is required. An ``InvalidValueError`` with
+    file, key and value is raised for an invalid value and for a key that is not ``known``;
+    ``instead`` maps common unknown keys to advice.
     """
 
     def __init__(
@@ -55,14 +64,14 @@ class Keys:
         return InvalidValueError(f"{self.where}: {sentence}")
 
     def make(self, kind: Callable[..., T], **values: object) -> T:
-        """Make something that checks itself; its error begins with this table's place."""
+        """Construct an object that checks itself, and prefix its error with this table's place."""
         try:
             return kind(**values)
         except InvalidValueError as error:
             raise self.error(str(error)) from None
 
     def has(self, key: str) -> bool:
-        """Whether the file says something about a key."""
+        """Whether the table has a key."""
         return key in self._table
 
     def value(self, key: str, default: Any = REQUIRED, *, remedy: str = "") -> Any:  # noqa: ANN401 - of any type until it is checked
@@ -81,7 +90,7 @@ class Keys:
         return value
 
     def choice(self, key: str, choices: Sequence[T], default: Any = REQUIRED) -> T:  # noqa: ANN401
-        """One of a few values, told apart by type too: 0 is neither 0.0 nor false."""
+        """One of a few values of the same type: 0 is neither 0.0 nor false."""
         words = " or ".join(shown(choice) for choice in choices)
         value = self.value(key, default, remedy=f"it must be {words}")
         for choice in choices:
@@ -113,7 +122,7 @@ class Keys:
         return number
 
     def optional(self, key: str, unit: str, *, positive: bool = False) -> float | None:
-        """A number, or None where the file says nothing."""
+        """A number, or None if the key is missing."""
         if not self.has(key):
             return None
         return self.positive(key, unit) if positive else self.number(key, unit)
@@ -140,16 +149,6 @@ class Keys:
 def _advice(key: str, known: Collection[str]) -> str:
     near = difflib.get_close_matches(key.lower(), known, n=1)
     return f"did you mean {near[0]!r}?" if near else f"the keys are {', '.join(known)}"
-
-
-Document = dict[str, Any]
-
-# What people write, as a pattern of the line, and what they should write.
-_REMEDIES = {
-    r"=\s*~": 'write ~ in quotes: sigma = "~"',
-    r"°": 'leave out the sign; angles = "deg" says the unit once',
-    r"^\[row\]": "every row begins with [[row]], with two brackets",
-}
 
 
 def parse_document(text: str, where: str) -> Document:

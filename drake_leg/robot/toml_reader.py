@@ -1,4 +1,4 @@
-"""From a TOML file to a robot."""
+"""Reads a robot from a TOML file."""
 
 from __future__ import annotations
 
@@ -57,46 +57,6 @@ _INSTEAD_OF_INERTIAL = {
     "density": "mass, centre and moments are given here; a density goes under [row.solid]",
 }
 
-
-def read_solid(table: object, where: str, inertial: Inertial | None, row: int) -> Solid:
-    """Read the solid of a row, from the value of its key.
-
-    ``where`` is the file and row, with which every error begins. With an ``inertial`` the density
-    may be left out; the row's number, from 1, chooses a colour if none is given.
-    """
-    every = {key for _, names in SHAPES.values() for key in names}
-    shape_keys = Keys(table, where, ("shape", *sorted(every), *_SOLID_KEYS), _INSTEAD_OF_SOLID)
-    kind = shape_keys.choice("shape", tuple(SHAPES))
-    make, names = SHAPES[kind]
-    keys = Keys(table, f"{where} ({kind})", ("shape", *names, *_SOLID_KEYS))
-    shape = keys.make(make, **{name: keys.positive(name, "m") for name in names})
-    of_mass = {} if inertial is None else {"default": inertial.mass / volume(shape)}
-    colour = keys.three("colour", "0 to 1", link_colour(row))
-    if not all(0.0 <= part <= 1.0 for part in colour):
-        raise keys.error(f"colour is {list(colour)}; red, green and blue go from 0 to 1")
-    solid = keys.make(
-        Solid,
-        shape=shape,
-        density=keys.positive("density", "kg/m^3", **of_mass),
-        centre=keys.three("centre", "m", ORIGIN),
-        colour=colour,
-    )
-    keys.make(mass_properties, solid=solid)
-    return solid
-
-
-def read_inertial(table: object, where: str) -> Inertial:
-    """Read the explicit mass properties of a row, from the value of its key."""
-    keys = Keys(table, where, _INERTIAL_KEYS, _INSTEAD_OF_INERTIAL)
-    return keys.make(
-        Inertial,
-        mass=keys.positive("mass", "kg"),
-        centre=keys.three("centre", "m"),
-        moments=keys.three("moments", "kg*m^2"),
-        products=keys.three("products", "kg*m^2", ORIGIN),
-    )
-
-
 _MECHANICS_KEYS = (
     "damping",
     "damping_unit",
@@ -128,117 +88,6 @@ _INSTEAD_OF_LIMITS = {
         "a limit that pushes back has them: lower_stop = { stiffness = ..., damping = ... }",
     ),
 }
-
-
-def read_mechanics(
-    mechanics: object, limits: object, where: str, units: JointUnits
-) -> JointMechanics:
-    """Read what acts at the joint of a row, from the values of these two keys.
-
-    ``where`` is the file and row, with which every error begins.
-    """
-    acting = Keys(mechanics, f"{where}, mechanics", _MECHANICS_KEYS, _INSTEAD_OF_MECHANICS)
-    bounds = Keys(limits, f"{where}, limits", _LIMIT_KEYS, _INSTEAD_OF_LIMITS)
-    lower, upper = (bounds.optional(key, units.position) for key in ("lower", "upper"))
-    if lower is not None and upper is not None and lower >= upper:
-        raise bounds.error(
-            f"lower is {lower:.9g} {units.position} and upper is {upper:.9g} {units.position}; "
-            'lower must be less, and a joint that cannot move is a fixed row (sigma = "~")'
-        )
-    velocity = bounds.optional("velocity", units.velocity, positive=True)
-    equilibrium = acting.number("equilibrium_position", units.position, 0.0)
-    if acting.has("equilibrium_position") and not acting.has("spring_stiffness"):
-        raise acting.error(
-            f"equilibrium_position is {equilibrium:.9g} {units.position}, but there is no "
-            "spring_stiffness; give both"
-        )
-    actuated = acting.flag("actuated", True)
-    effort = bounds.optional("effort", units.effort, positive=True)
-    if effort is not None and not actuated:
-        raise bounds.error(
-            f"effort is {effort:.9g} {units.effort} at a joint with actuated = false; leave out "
-            "one of the two"
-        )
-    return bounds.make(
-        JointMechanics,
-        damping=_in_si(acting, "damping", "damping_unit", units.damping, 0.0),
-        spring_stiffness=_in_si(acting, "spring_stiffness", "spring_unit", units.stiffness, 0.0),
-        equilibrium_position=units.si(equilibrium),
-        actuated=actuated,
-        lower=None if lower is None else units.si(lower),
-        upper=None if upper is None else units.si(upper),
-        velocity=None if velocity is None else units.si(velocity),
-        effort=effort,
-        lower_stop=_stop(bounds, "lower_stop", units),
-        upper_stop=_stop(bounds, "upper_stop", units),
-        position_target=_target(acting, "position", units.position, units),
-        velocity_target=_target(acting, "velocity", units.velocity, units),
-    )
-
-
-def _in_si(keys: Keys, key: str, unit_key: str, units: dict[str, float], default: float) -> float:
-    """Read a number that is not negative, and the unit that the file may choose for it."""
-    unit = keys.choice(unit_key, tuple(units), next(iter(units)))
-    if keys.has(key):
-        return keys.non_negative(key, unit, 0.0) * units[unit]
-    if keys.has(unit_key):
-        raise keys.error(f"{unit_key} is {unit!r}, but there is no {key}; give both")
-    return default
-
-
-def _stop(bounds: Keys, key: str, units: JointUnits) -> HardStop | None:
-    """Read how a limit pushes back; what the file leaves out is as in Simscape."""
-    if not bounds.has(key):
-        return None
-    keys = Keys(bounds.value(key), f"{bounds.where}, {key}", _STOP_KEYS)
-    default = HardStop.translational() if units.position == "m" else HardStop.rotational()
-    width = keys.optional("transition_width", units.position, positive=True)
-    return keys.make(
-        HardStop,
-        stiffness=_in_si(keys, "stiffness", "spring_unit", units.stiffness, default.stiffness),
-        damping=_in_si(keys, "damping", "damping_unit", units.damping, default.damping),
-        transition_width=default.transition_width if width is None else units.si(width),
-    )
-
-
-def _target(acting: Keys, quantity: str, unit: str, units: JointUnits) -> StateTarget | None:
-    """Read where the joint starts, or how fast."""
-    key, priority_key = f"{quantity}_target", f"{quantity}_priority"
-    priority = acting.choice(priority_key, PRIORITIES, "high")
-    value = acting.optional(key, unit)
-    if value is not None:
-        return acting.make(StateTarget, value=units.si(value), priority=priority)
-    if acting.has(priority_key):
-        raise acting.error(f"{priority_key} is {priority!r}, but there is no {key}; give both")
-    return None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClassicRow:
-    """One row of a classic table; the joint's position adds to ``theta`` or to ``d``."""
-
-    joint: JointType
-    theta: float  # [rad], about z of the frame before
-    d: float  # [m], along z of the frame before
-    a: float  # [m], along x of this frame
-    alpha: float  # [rad], about x of this frame
-
-
-def khalil_rows(rows: Sequence[ClassicRow]) -> tuple[Row, ...]:
-    """Turn a classic table of n rows into a Khalil table of n + 1 rows with the same last frame.
-
-    The last row is fixed and carries the last ``a`` and ``alpha``. Frame i of the result lies on
-    the axis of joint i, where the classic frame i - 1 has its z axis (Craig, *Introduction to
-    Robotics*, 3rd ed., section 3.4, names both conventions).
-    """
-    before = [(0.0, 0.0), *((row.a, row.alpha) for row in rows)]
-    moved = [
-        Row(joint=row.joint, d=a, alpha=alpha, r=row.d, theta=row.theta)
-        for row, (a, alpha) in zip(rows, before, strict=False)
-    ]
-    a, alpha = before[-1]
-    return (*moved, Row(joint="fixed", d=a, alpha=alpha))
-
 
 ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "row")
 TABLE_KEYS = {
@@ -300,6 +149,155 @@ _INSTEAD_OF_ROW = {
 }
 
 
+def read_solid(table: object, where: str, inertial: Inertial | None, row: int) -> Solid:
+    """Read the solid of a row, from the value of its key.
+
+    ``where`` is the file and row, with which every error begins. With an ``inertial`` the density
+    may be left out; the row's number, from 1, chooses a colour if none is given.
+    """
+    every = {key for _, names in SHAPES.values() for key in names}
+    shape_keys = Keys(table, where, ("shape", *sorted(every), *_SOLID_KEYS), _INSTEAD_OF_SOLID)
+    kind = shape_keys.choice("shape", tuple(SHAPES))
+    make, names = SHAPES[kind]
+    keys = Keys(table, f"{where} ({kind})", ("shape", *names, *_SOLID_KEYS))
+    shape = keys.make(make, **{name: keys.positive(name, "m") for name in names})
+    of_mass = {} if inertial is None else {"default": inertial.mass / volume(shape)}
+    colour = keys.three("colour", "0 to 1", link_colour(row))
+    if not all(0.0 <= part <= 1.0 for part in colour):
+        raise keys.error(f"colour is {list(colour)}; red, green and blue go from 0 to 1")
+    solid = keys.make(
+        Solid,
+        shape=shape,
+        density=keys.positive("density", "kg/m^3", **of_mass),
+        centre=keys.three("centre", "m", ORIGIN),
+        colour=colour,
+    )
+    keys.make(mass_properties, solid=solid)
+    return solid
+
+
+def read_inertial(table: object, where: str) -> Inertial:
+    """Read the explicit mass properties of a row, from the value of its key."""
+    keys = Keys(table, where, _INERTIAL_KEYS, _INSTEAD_OF_INERTIAL)
+    return keys.make(
+        Inertial,
+        mass=keys.positive("mass", "kg"),
+        centre=keys.three("centre", "m"),
+        moments=keys.three("moments", "kg*m^2"),
+        products=keys.three("products", "kg*m^2", ORIGIN),
+    )
+
+
+def read_mechanics(
+    mechanics: object, limits: object, where: str, units: JointUnits
+) -> JointMechanics:
+    """Read the joint mechanics of a row from the values of these two keys.
+
+    ``where`` is the file and row, with which every error begins.
+    """
+    acting = Keys(mechanics, f"{where}, mechanics", _MECHANICS_KEYS, _INSTEAD_OF_MECHANICS)
+    bounds = Keys(limits, f"{where}, limits", _LIMIT_KEYS, _INSTEAD_OF_LIMITS)
+    lower, upper = (bounds.optional(key, units.position) for key in ("lower", "upper"))
+    if lower is not None and upper is not None and lower >= upper:
+        raise bounds.error(
+            f"lower is {lower:.9g} {units.position} and upper is {upper:.9g} {units.position}; "
+            'lower must be less, and a joint that cannot move is a fixed row (sigma = "~")'
+        )
+    velocity = bounds.optional("velocity", units.velocity, positive=True)
+    equilibrium = acting.number("equilibrium_position", units.position, 0.0)
+    if acting.has("equilibrium_position") and not acting.has("spring_stiffness"):
+        raise acting.error(
+            f"equilibrium_position is {equilibrium:.9g} {units.position}, but there is no "
+            "spring_stiffness; give both"
+        )
+    actuated = acting.flag("actuated", True)
+    effort = bounds.optional("effort", units.effort, positive=True)
+    if effort is not None and not actuated:
+        raise bounds.error(
+            f"effort is {effort:.9g} {units.effort} at a joint with actuated = false; leave out "
+            "one of the two"
+        )
+    return bounds.make(
+        JointMechanics,
+        damping=_in_si(acting, "damping", "damping_unit", units.damping, 0.0),
+        spring_stiffness=_in_si(acting, "spring_stiffness", "spring_unit", units.stiffness, 0.0),
+        equilibrium_position=units.si(equilibrium),
+        actuated=actuated,
+        lower=None if lower is None else units.si(lower),
+        upper=None if upper is None else units.si(upper),
+        velocity=None if velocity is None else units.si(velocity),
+        effort=effort,
+        lower_stop=_stop(bounds, "lower_stop", units),
+        upper_stop=_stop(bounds, "upper_stop", units),
+        position_target=_target(acting, "position", units.position, units),
+        velocity_target=_target(acting, "velocity", units.velocity, units),
+    )
+
+
+def _in_si(keys: Keys, key: str, unit_key: str, units: dict[str, float], default: float) -> float:
+    """Read a number that is not negative, and the unit that the file may choose for it."""
+    unit = keys.choice(unit_key, tuple(units), next(iter(units)))
+    if keys.has(key):
+        return keys.non_negative(key, unit, 0.0) * units[unit]
+    if keys.has(unit_key):
+        raise keys.error(f"{unit_key} is {unit!r}, but there is no {key}; give both")
+    return default
+
+
+def _stop(bounds: Keys, key: str, units: JointUnits) -> HardStop | None:
+    """Read a limit's spring and damper; missing values have Simscape's defaults."""
+    if not bounds.has(key):
+        return None
+    keys = Keys(bounds.value(key), f"{bounds.where}, {key}", _STOP_KEYS)
+    default = HardStop.translational() if units.position == "m" else HardStop.rotational()
+    width = keys.optional("transition_width", units.position, positive=True)
+    return keys.make(
+        HardStop,
+        stiffness=_in_si(keys, "stiffness", "spring_unit", units.stiffness, default.stiffness),
+        damping=_in_si(keys, "damping", "damping_unit", units.damping, default.damping),
+        transition_width=default.transition_width if width is None else units.si(width),
+    )
+
+
+def _target(acting: Keys, quantity: str, unit: str, units: JointUnits) -> StateTarget | None:
+    """Read the initial position or velocity of a joint, if the file has one."""
+    key, priority_key = f"{quantity}_target", f"{quantity}_priority"
+    priority = acting.choice(priority_key, PRIORITIES, "high")
+    value = acting.optional(key, unit)
+    if value is not None:
+        return acting.make(StateTarget, value=units.si(value), priority=priority)
+    if acting.has(priority_key):
+        raise acting.error(f"{priority_key} is {priority!r}, but there is no {key}; give both")
+    return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClassicRow:
+    """One row of a classic table; the joint's position adds to ``theta`` or to ``d``."""
+
+    joint: JointType
+    theta: float  # [rad], about z of the frame before
+    d: float  # [m], along z of the frame before
+    a: float  # [m], along x of this frame
+    alpha: float  # [rad], about x of this frame
+
+
+def khalil_rows(rows: Sequence[ClassicRow]) -> tuple[Row, ...]:
+    """Convert a classic table of n rows to a Khalil table of n + 1 rows with the same last frame.
+
+    The last row is fixed and carries the last ``a`` and ``alpha``. Frame i of the result lies on
+    the axis of joint i, where the classic frame i - 1 has its z axis (Craig, *Introduction to
+    Robotics*, 3rd ed., section 3.4, names both conventions).
+    """
+    before = [(0.0, 0.0), *((row.a, row.alpha) for row in rows)]
+    moved = [
+        Row(joint=row.joint, d=a, alpha=alpha, r=row.d, theta=row.theta)
+        for row, (a, alpha) in zip(rows, before, strict=False)
+    ]
+    a, alpha = before[-1]
+    return (*moved, Row(joint="fixed", d=a, alpha=alpha))
+
+
 def load_robot(path: Path | str) -> Robot:
     """Read a robot from a TOML file.
 
@@ -316,7 +314,7 @@ def load_robot(path: Path | str) -> Robot:
     Raises
     ------
     InvalidValueError
-        With file, key and value, if something makes no sense.
+        With file, key and value, if something is invalid.
 
     Examples
     --------

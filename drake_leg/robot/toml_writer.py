@@ -1,4 +1,4 @@
-"""From a robot to a TOML file that a person can read, and that is read back as the same robot."""
+"""Writes a robot as a readable TOML file, which is read back as exactly the same robot."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def robot_toml(robot: Robot) -> str:
 
 
 def _angles(robot: Robot) -> Iterator[float]:
-    """List every number of a robot that is written in the file's unit of angles."""
+    """Yield every number of a robot that is written in the file's unit of angles."""
     for segment in robot.segments:
         yield from (segment.row.alpha, segment.row.theta)
         if segment.row.joint == "revolute":
@@ -104,7 +104,7 @@ def _solid_lines(solid: Solid) -> Iterator[str]:
 
 
 def _joint_lines(mechanics: JointMechanics, units: JointUnits) -> Iterator[str]:
-    """Write what differs from a joint at which nothing acts."""
+    """Write the values that differ from the defaults."""
     for header, entries in (("[row.mechanics]", _acting), ("[row.limits]", _bounds)):
         nothing, all_entries = entries(JointMechanics(), units), entries(mechanics, units)
         keys = {key for key, entry in all_entries.items() if entry != nothing[key]}

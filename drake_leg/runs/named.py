@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
 from drake_leg.kinematics.khalil import Array
-from drake_leg.robot.names import html_table
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, html_table
 from drake_leg.runs.catalogue import OwnRobot, run_kind
 from drake_leg.runs.outcome import Outcome
 from drake_leg.simulation.recording import Recording

@@ -1,4 +1,4 @@
-"""One page that replays a motion: it needs no other file, no network and no Drake."""
+"""A page that replays a motion; it needs no other file, no network and no Drake."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def replay(
 
 
 def check_show(target: Path, *, overwrite: bool) -> None:
-    """Refuse a page or video that cannot be made, before any work is done for it.
+    """Check that a page or video can be made, before any work is done for it.
 
     Raises
     ------

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
 from drake_leg.files import LARGEST_RECORDING, opened
 from drake_leg.kinematics.khalil import Array
-from drake_leg.robot.names import html_table
+from drake_leg.robot.robot import html_table
 
 MOST_NAMES = 6  # of columns that an error's sentence lists
 

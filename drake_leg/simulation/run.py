@@ -32,7 +32,7 @@ from drake_leg.errors import (
     UnstableRunError,
 )
 from drake_leg.kinematics.khalil import Array
-from drake_leg.robot.names import html_table
+from drake_leg.robot.robot import html_table
 from drake_leg.simulation.guard import Guard
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.units import beyond, require_positive

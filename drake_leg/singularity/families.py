@@ -1,4 +1,4 @@
-"""The singular families, the workspace boundaries they form, and how near a posture is."""
+"""The named singular families, the workspace boundaries they form, and distances to them."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from drake_leg.kinematics.scara import ScaraGeometry
 Family = Literal["stretch", "hip-axis"]
 Path = Callable[[Array], Array]  # parameters (n,) -> points (n, 3), [m]
 
-TOUCH = 1e-12  # of the arm's length: a path that comes nearer to a boundary than this meets it
-NEAR = 0.02  # of the arm's length: a path that comes nearer than this is searched for a minimum
+TOUCH = 1e-12  # of the arm's length: a path meets a boundary if it comes nearer than this
+NEAR = 0.02  # of the arm's length: a path's minimum is refined if it comes nearer than this
 
 
 class Edge(NamedTuple):
@@ -32,14 +32,14 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Edges:
-    """All the boundaries that a foot can meet before any other."""
+    """The boundaries of the part of the workspace that a foot is in."""
 
     all: tuple[Edge, ...]
     size: float  # [m], length of the stretched arm
 
 
 class Approach(NamedTuple):
-    """How near a path comes to a boundary."""
+    """Where a path comes nearest to a boundary, or first meets it."""
 
     parameter: float  # of the path
     family: Family
@@ -47,7 +47,7 @@ class Approach(NamedTuple):
 
 
 def leg_edges(leg: LegGeometry, facing: float) -> Edges:
-    """Boundaries of a leg's workspace, its foot in front of the hip axis (facing +1) or behind.
+    """Boundaries of a leg's workspace, its foot in front of the hip axis (facing +1) or behind it.
 
     Seen from the knee, ``sqrt((facing h - l1)^2 + z^2)`` away with ``h = sqrt(x^2 + y^2)``, the
     foot is farthest on the stretched leg, at ``l2 + l3``, and nearest on the folded one, at
@@ -108,13 +108,13 @@ def line(p: Array, d: Array) -> Path:
 
 
 def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> list[Approach]:
-    """Find where a path meets boundaries, or how near it comes to them.
+    """Find where a path meets boundaries, or how near it comes.
 
     Parameters
     ----------
     breaks : (n,) sequence of float
-        Increasing parameters, the first and the last of the path among them, so close to each
-        other that between two of them no clearance has more than one extreme.
+        Increasing parameters from the beginning to the end of the path, so close to each other
+        that no clearance has more than one extremum between two of them.
 
     Returns
     -------
@@ -147,7 +147,7 @@ def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> lis
 def _with_minima(
     at: Callable[[float], float], places: Array, heights: Array, near: float
 ) -> tuple[Array, Array]:
-    """Add the low minima between places."""
+    """Add the low minima between the places."""
     lower = (heights[1:-1] <= heights[:-2]) & (heights[1:-1] <= heights[2:])
     low = np.flatnonzero(lower & (heights[1:-1] < near) & (heights[1:-1] > 0.0)) + 1
     if not len(low):
@@ -164,14 +164,14 @@ def _with_minima(
 
 
 def breaks_of_line(extremes: Sequence[float], end: float) -> Array:
-    """The extremes on a line, sorted, between its beginning at 0 and its end [m]."""
+    """The extremes within a line, sorted, with its beginning at 0 and its end [m]."""
     inside = sorted(way for way in extremes if math.isfinite(way) and 0.0 < way < end)
     return np.array([0.0, *inside, end])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Nearness:
-    """How near a posture is to a singular family."""
+    """Distance of a posture from a singular family."""
 
     family: Family
     measure: float  # 0 on the family, 1 farthest from it
@@ -179,10 +179,10 @@ class Nearness:
 
 
 class LegFamilies:
-    """The two of the hexabot's leg: ``stretch`` and ``hip-axis``.
+    """The families of the hexabot's leg: ``stretch`` and ``hip-axis``.
 
-    It is stretched or folded where ``sin q3 = 0``; elsewhere it is singular with its foot on the
-    hip axis.
+    The leg is stretched or folded where ``sin q3 = 0``; its other singular postures have the foot
+    on the hip axis.
     """
 
     moved = "the foot's translation"
@@ -191,9 +191,9 @@ class LegFamilies:
         self._leg = geometry
 
     def nearness(self, q: Sequence[float]) -> tuple[Nearness, ...]:
-        """How near a posture is to each family, the nearest first."""
+        """Distances of a posture from both families, the nearest first."""
         length = self._leg.l1 + self._leg.l2 + self._leg.l3
-        bend, reach = abs(math.sin(q[2])), abs(self._reach(q))
+        bend, reach = abs(math.sin(q[2])), abs(float(leg.foot_reach(self._leg, q)))
         near = (
             Nearness(
                 family="stretch",
@@ -209,7 +209,7 @@ class LegFamilies:
         return tuple(sorted(near, key=lambda one: one.measure))
 
     def words(self, q: Sequence[float], nearly: str) -> str:
-        """Say what is nearest, as "the leg is nearly stretched"."""
+        """The nearest family in words, such as "the leg is nearly stretched"."""
         if self.nearness(q)[0].family == "hip-axis":
             return f"the foot is {nearly}on the hip axis"
         return f"the leg is {nearly}{'stretched' if math.cos(q[2]) > 0.0 else 'folded'}"
@@ -227,20 +227,16 @@ class LegFamilies:
         return leg_edges(self._leg, facing(self._leg, q))
 
     def extremes(self, p: Array, d: Array) -> list[float]:
-        """Ways along a line from p in direction d at which a clearance may be extreme [m]."""
+        """Distances along a line from p in direction d at which a clearance may be extreme [m]."""
         return leg_extremes(self._leg, p, d)
 
     def posture(self, p: Array, like: Sequence[float]) -> Array:
         """Joint angles (3,) on the branch of ``like``; NaN out of reach."""
         return leg.inverse_kinematics(self._leg, p, like=like)
 
-    def _reach(self, q: Sequence[float]) -> float:
-        _, q2, q3 = q
-        return self._leg.l1 + self._leg.l2 * math.cos(q2) + self._leg.l3 * math.cos(q2 + q3)
-
 
 class ScaraFamilies:
-    """The one of the SCARA in its plane: ``stretch``, where ``sin q2 = 0``."""
+    """The only family of the SCARA in its plane: ``stretch``, where ``sin q2 = 0``."""
 
     moved = "the tool's horizontal motion"
 
@@ -248,13 +244,13 @@ class ScaraFamilies:
         self._arm = geometry
 
     def nearness(self, q: Sequence[float]) -> tuple[Nearness, ...]:
-        """How near a posture is to the family."""
+        """Distance of a posture from the family."""
         measure = abs(math.sin(q[1]))
         meaning = f"|sin q2| = {measure:.4g}; the arm is stretched or folded at 0"
         return (Nearness(family="stretch", measure=measure, meaning=meaning),)
 
     def words(self, q: Sequence[float], nearly: str) -> str:
-        """Say what is nearest, as "the arm is nearly stretched"."""
+        """The family in words, such as "the arm is nearly stretched"."""
         return f"the arm is {nearly}{'stretched' if math.cos(q[1]) > 0.0 else 'folded'}"
 
     def translation_jacobian(self, q: Sequence[float]) -> Array:
@@ -271,7 +267,7 @@ class ScaraFamilies:
         return scara_edges(self._arm)
 
     def extremes(self, p: Array, d: Array) -> list[float]:
-        """Way along a line to the point nearest to the base [m]."""
+        """Distance along a line to the point nearest to the base [m]."""
         return [-float(p[:2] @ d[:2])]
 
     def posture(self, p: Array, like: Sequence[float]) -> Array:
@@ -283,7 +279,7 @@ Families = LegFamilies | ScaraFamilies
 
 
 def families_of(geometry: object) -> Families | None:
-    """Named families of what ``of_robot.geometry_of`` tells; None where none has a name."""
+    """Named families of a geometry from ``of_robot.geometry_of``; None if it has none."""
     match geometry:
         case LegGeometry():
             return LegFamilies(geometry)
@@ -293,16 +289,9 @@ def families_of(geometry: object) -> Families | None:
 
 
 def singular_words(geometry: object, q: Sequence[float] | Array, nearly: str = "nearly ") -> str:
-    """Say which singularity is near, such as "the leg is nearly stretched".
+    """The nearest singularity in words, such as "the leg is nearly stretched".
 
-    Parameters
-    ----------
-    geometry : LegGeometry, ScaraGeometry or None
-        What is known of the robot.
-    q : (n,) sequence of float
-        Joint positions [rad or m].
-    nearly : str
-        Put before what it is; empty at the singularity itself.
+    The word ``nearly`` is empty at the singularity itself; q (n,) is in rad or m.
     """
     families = families_of(geometry)
     return f"the robot is {nearly}singular" if families is None else families.words(list(q), nearly)
@@ -310,9 +299,7 @@ def singular_words(geometry: object, q: Sequence[float] | Array, nearly: str = "
 
 def facing(geometry: LegGeometry, q: Sequence[float] | Array) -> float:
     """+1 with the foot in front of the hip axis, -1 behind it."""
-    _, q2, q3 = one_vector("q", q, 3).tolist()
-    reach = geometry.l1 + geometry.l2 * np.cos(q2) + geometry.l3 * np.cos(q2 + q3)
-    return 1.0 if reach >= 0.0 else -1.0
+    return 1.0 if leg.foot_reach(geometry, one_vector("q", q, 3)) >= 0.0 else -1.0
 
 
 def hip_axis_arcs(leg: LegGeometry, samples: int = 181) -> tuple[Array, ...]:
@@ -366,10 +353,10 @@ def leaning_over(leg: LegGeometry) -> float:
 
 
 def axis_reach(leg: LegGeometry) -> tuple[float, float]:
-    """From where to where the foot reaches the hip axis [m], above the hip and below alike.
+    """Least and greatest distance from the hip at which the foot reaches the hip axis [m].
 
-    Least and greatest distance from the hip; the least is 0 except for legs whose foot cannot come
-    near the knee, and both are 0 where the leg is too short to reach its hip axis.
+    They are the same above and below the hip. The least is 0 except for legs whose foot cannot come
+    near the knee; both are 0 if the leg is too short to reach its hip axis.
     """
     reaches = (abs(leg.l2 - leg.l3), leg.l2 + leg.l3)
     near, far = (math.sqrt(max(reach**2 - leg.l1**2, 0.0)) for reach in reaches)

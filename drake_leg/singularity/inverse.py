@@ -1,4 +1,4 @@
-"""How the Jacobian is inverted: exactly, damped, or within the joints' limits."""
+"""Inverts the Jacobian: exactly, damped, or within the limits of the joints' rates."""
 
 from __future__ import annotations
 
@@ -14,14 +14,94 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.robot.robot import Segment
-from drake_leg.singularity.limits import RateBox
 from drake_leg.units import require_positive
 
 FLOOR = 0.25  # of lambda: about where sigma settles while the command pushes outwards
 LEAST = 1e-7  # of the arm's length: selects the smallest of a redundant robot's rates
-DIFFERENCE = 1e-7  # [s], of the derivative of damped rates
+DIFFERENCE = 1e-7  # [s], of the derivative of damped rates; it magnifies their rounding 1e7 times
 TYPICAL = 0.2  # of the arm's length: slope of sigma along w at a boundary
 STEEPEST = 0.5  # [1/rad] of the arm's length: bound of the slope of the smallest singular value
+
+METHODS = ("exact", "damped", "limited")
+DAMPED_BELOW = 0.03  # of the arm's length: singular value at which damping begins
+DEFAULT_RATE = 2.0 * math.pi  # [rad/s or m/s] of a joint without a limit of its own
+SETTLING = 0.1  # [s], time constant of a joint's approach to its limit
+LAGS = 8.0  # least settling in time constants of the filters: from 27/4 on it does not overshoot
+
+# A joint stops this far before its limit: where its rate has a kink, the error of an integration
+# step is about 1e-5 rad, which would carry a joint beyond a limit at which it stops exactly.
+MARGIN = 5e-4  # [rad or m], at most
+PART = 0.1  # of the distance between the limits, at most
+RETREAT = 2.0  # [s], time constant of the retreat of a joint that starts nearer than that
+HEADROOM = 0.02  # part of the greatest rate that is reserved for the same errors
+
+FREE, FASTEST, BRAKING = range(3)  # what bounds a rate
+
+
+class _Joint(NamedTuple):
+    low: float  # [rad or m], where it comes to rest, before its limit
+    high: float
+    most: float  # [rad/s or m/s]
+    settling: float  # [s]
+
+    def allowed(self, room: float) -> float:
+        """Greatest rate towards a limit at the distance ``room``."""
+        rate = room / (self.settling if room >= 0.0 else RETREAT)
+        return min(max(rate, -self.most), self.most)
+
+    def bounds(self, q: float) -> tuple[float, float]:
+        up = self.allowed(self.high - q)
+        return min(-self.allowed(q - self.low), up - 1e-9 * self.most), up
+
+    def kind(self, bound: float) -> int:
+        """Kind of a bound: of the rate itself, or of braking before a limit."""
+        return FASTEST if bound >= self.most else BRAKING
+
+
+class RateBox:
+    """Bounds of the joint rates in every posture.
+
+    With ``room = upper - margin - q``, a rate is at most ``room / settling`` if the room is
+    positive, and ``room / RETREAT`` if it is not: a joint approaches a point just before its limit
+    exponentially, and does not cross it. The lower limit is treated alike.
+
+    Parameters
+    ----------
+    lower, upper : (n,) sequence of float
+        Limits of the positions [rad or m]; they may be infinite.
+    fastest : (n,) sequence of float
+        Limits of the rates [rad/s or m/s].
+    settling : float
+        [s].
+    """
+
+    def __init__(self, lower: Floats, upper: Floats, fastest: Floats, settling: float) -> None:
+        self._joints = []
+        for low, high, most in zip(lower, upper, fastest, strict=True):
+            margin = min(MARGIN, PART * (high - low))
+            joint = _Joint(low + margin, high - margin, (1.0 - HEADROOM) * most, settling)
+            self._joints.append(joint)
+
+    def bounds(self, q: Floats) -> tuple[list[float], list[float]]:
+        """Lowest and highest rates (n,) in a posture [rad/s or m/s]; they always differ."""
+        pairs = [joint.bounds(position) for joint, position in zip(self._joints, q, strict=True)]
+        return [low for low, _ in pairs], [high for _, high in pairs]
+
+    def holds(self, q: Floats, qdot: Floats) -> bool:
+        """Whether rates (n,) in a posture are within their bounds."""
+        low, high = self.bounds(q)
+        return all(a <= rate <= b for a, rate, b in zip(low, qdot, high, strict=True))
+
+    def regime(self, q: Floats, qdot: Floats) -> tuple[int, ...]:
+        """Which bound limits each joint's rate; the rates have a kink where that changes.
+
+        FREE, FASTEST or BRAKING, negative at a lower bound, (n,), for rates within the bounds.
+        """
+        bounds = zip(self._joints, qdot, *self.bounds(q), strict=True)
+        return tuple(
+            joint.kind(high) if rate >= high else -joint.kind(-low) if rate <= low else FREE
+            for joint, rate, low, high in bounds
+        )
 
 
 class _Damping(NamedTuple):
@@ -70,7 +150,7 @@ class Damped(Movable):
         self._below, self._strongest = below, below / 2.0
         self._box = box
         self._lengths = np.array(exact.row_lengths)
-        # Rates, their derivative and their stiffness are asked for at one posture.
+        # Rates, their derivative and stiffness are computed one after another in the same posture.
         self._damping_at = lru_cache(maxsize=2)(self._damping)
 
     def foot(self, q: Floats) -> Array:
@@ -86,11 +166,11 @@ class Damped(Movable):
         return self.exact.bias(q, qdot)
 
     def determinant(self, q: Floats) -> float:
-        """Of the exact robot."""
+        """Determinant of the exact robot."""
         return self.exact.determinant(q)
 
     def at(self, q: Floats) -> Damped:
-        """What can be commanded in a posture, damped alike."""
+        """The robot with the twists of a posture, with the same damping."""
         return Damped(self.exact.at(q), self._below, self._box) if self.varies else self
 
     def rates(self, q: Floats, v: Floats) -> Floats:
@@ -110,7 +190,7 @@ class Damped(Movable):
         v: Floats | None = None,
         w: Floats | None = None,
     ) -> Floats:
-        """Derivative of the rates: exact where they are, otherwise a difference, which needs v."""
+        """Derivative of the rates: exact where they are, else a difference, which needs v."""
         if self._is_exact_at(q, qdot):
             return self.exact.accelerations(q, qdot, a)
         if v is None:
@@ -119,11 +199,11 @@ class Damped(Movable):
         return [(after - now) / DIFFERENCE for after, now in zip(later, qdot, strict=True)]
 
     def regime(self, q: Floats, v: Floats) -> tuple[int, ...]:
-        """What bounds each joint's rate, as ``RateBox.regime``; () without a box."""
+        """Which bound limits each joint's rate, as ``RateBox.regime``; () without a box."""
         return () if self._box is None else self._box.regime(q, self.rates(q, v))
 
     def stiffness(self, q: Floats, v: Floats) -> tuple[float, float]:
-        """How fast the rates change with the posture: at most, and here [1/s]."""
+        """How fast the rates change with the posture: at most, and in this one [1/s]."""
         speed = float(np.linalg.norm(self._lengths * np.asarray(v)))
         most = STEEPEST * self.length * speed / self._strongest**2
         here = self._damping_at(tuple(q))
@@ -174,7 +254,7 @@ class Damped(Movable):
         return self._box is None or not any(self._box.regime(q, qdot))
 
     def _rest(self, v: Array, here: _Damping) -> Array:
-        """Rates that the damping prefers: at rest sigma is about ``FLOOR`` of the damping."""
+        """Rates towards which damping pulls: at rest sigma is about ``FLOOR`` of the damping."""
         rest: Array = FLOOR * float(np.linalg.norm(v)) / self._strongest * here.outwards
         return rest
 
@@ -183,20 +263,13 @@ def _moved(start: Floats, rate: Floats) -> list[float]:
     return [x + DIFFERENCE * dx for x, dx in zip(start, rate, strict=True)]
 
 
-METHODS = ("exact", "damped", "limited")
-DAMPED_BELOW = 0.03  # of the arm's length: singular value at which damping begins
-FASTEST = 2.0 * math.pi  # [rad/s or m/s] of a joint without a limit of its own
-SETTLING = 0.1  # [s] in which a joint comes to its limit
-LAGS = 8.0  # time constants of its filters in which it does, at least: from 27/4 it does not swing
-
-
 @dataclass(frozen=True, kw_only=True)
 class Inverse:
-    """Which inverse, and its numbers."""
+    """A method of inversion and its parameters."""
 
     method: str = "exact"
     damped_below: float | None = None  # [m]; None: DAMPED_BELOW of the arm's length
-    rate_limit: float | None = None  # [rad/s] of turning joints; None: their own, or FASTEST
+    rate_limit: float | None = None  # [rad/s] of turning joints; None: their own, or DEFAULT_RATE
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
@@ -222,14 +295,14 @@ class Inverse:
 
     @property
     def is_exact(self) -> bool:
-        """Whether the robot must stop where it is singular."""
+        """Whether the robot has to stop at a singularity."""
         return self.method == METHODS[0]
 
     def of(self, exact: Movable, joints: tuple[Segment, ...], lag: float = 0.0) -> Movable:
         """Invert a robot's Jacobian this way.
 
-        ``joints`` are the moving ones, with their limits; ``lag`` is the time constant [s] of two
-        lags in series that the joints are behind their rates.
+        ``joints`` are the moving ones, with their limits; ``lag`` is the time constant [s] of the
+        two first-order lags in series between commanded and actual joint rates.
         """
         if self.is_exact:
             return exact
@@ -250,4 +323,4 @@ class Inverse:
         own = segment.mechanics.velocity
         if self.rate_limit is not None and segment.row.joint == "revolute":
             return self.rate_limit
-        return FASTEST if own is None else own
+        return DEFAULT_RATE if own is None else own

@@ -1,4 +1,7 @@
-"""The equations of a robot, derived from its table and shown as formulas."""
+"""Derives the equations of a robot from its Khalil table, and shows them as formulas.
+
+SymPy is imported when something is derived.
+"""
 
 from __future__ import annotations
 
@@ -116,10 +119,10 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
 
 @dataclass(frozen=True, kw_only=True)
 class DerivedRobot:
-    """A robot that is derived, and the velocities of a report's Jacobian."""
+    """A robot of the reports, and the velocities that its Jacobian maps to."""
 
     robot: Robot
-    numbering: str  # what is written before an equation's number
+    numbering: str  # precedes an equation's number
     task: tuple[int, ...]  # rows of the spatial Jacobian
 
 
@@ -139,10 +142,10 @@ def require_subject(name: str) -> None:
 
 
 def derived_equations(name: str) -> tuple[Equation, ...]:
-    """Derive all equations of one of the reports' robots, and what they prove.
+    """Derive all equations of one of the reports' robots, and what follows from them.
 
-    Those that its report numbers come first; then, without a number, the two Jacobians'
-    difference, the factored determinant and its zeros.
+    The report's numbered equations come first; then, without a number, the difference of the two
+    Jacobians, the factored determinant and its zeros.
 
     Raises
     ------
@@ -163,7 +166,7 @@ def derived_equations(name: str) -> tuple[Equation, ...]:
 
 @cache
 def derived(name: str) -> Derivation:
-    """Derive one of the reports' robots, once for everything that uses its matrices."""
+    """Derive the matrices of one of the reports' robots; the result is cached."""
     require_subject(name)
     from drake_leg.symbolic.derivation import Derivation
 

@@ -1,4 +1,4 @@
-"""What follows from a Khalil table: transforms, Jacobians, determinant, and its zeros."""
+"""Derives transforms, Jacobians, the determinant and its zeros from a Khalil table."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ANY_INTEGER = sp.Symbol("k", integer=True)
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """The values of one joint position at which a factor is zero, the others as they are."""
+    """The values of one joint position at which a factor is zero, for given other positions."""
 
     angle: sp.Symbol  # or the position of a sliding joint
     values: tuple[sp.Expr, ...]  # angles each with a free integer k [rad]
@@ -106,15 +106,15 @@ def _with_turns(roots: list[sp.Expr]) -> tuple[sp.Expr, ...]:
 
 
 class Derivation:
-    """A table's matrices, each as short as it gets, and derived when it is first asked for.
+    """The matrices of a table, simplified, each derived when first used.
 
     Parameters
     ----------
     rows : sequence of Row
         The table, of which m rows move.
     task : sequence of int, optional
-        Rows of the Jacobian (0-2 angular, 3-5 translational) that make it square; by default those
-        that translate, or all that move at all, if they are m.
+        Rows of the Jacobian (0-2 angular, 3-5 translational) that make it square; by default the
+        translational rows that are not zero, or else all rows that are not zero, if they are m.
     """
 
     def __init__(self, rows: Sequence[Row], task: Sequence[int] | None = None) -> None:
@@ -141,7 +141,7 @@ class Derivation:
 
     @cached_property
     def spatial_jacobian(self) -> sp.Matrix:
-        """By the direct method, (6, m)."""
+        """Jacobian by the direct method, (6, m), rotation first."""
         return self._direct.applyfunc(tidy)
 
     @cached_property
@@ -151,7 +151,7 @@ class Derivation:
 
     @cached_property
     def task(self) -> tuple[int, ...]:
-        """Rows of the square Jacobian; none if no rows are as many as the joints."""
+        """Rows of the square Jacobian; empty if there is no square one."""
         if self._chosen is not None:
             return tuple(self._chosen)
         moved = [row for row in range(6) if not self.spatial_jacobian[row, :].is_zero_matrix]
@@ -162,23 +162,23 @@ class Derivation:
 
     @cached_property
     def jacobian(self) -> sp.Matrix:
-        """Of the task's velocities over the first joints, square."""
+        """Square Jacobian: the task's rows, the first joints' columns."""
         rows = self._direct.extract(list(self.task), list(range(len(self.task))))
         return rows.applyfunc(tidy)
 
     @cached_property
     def determinant(self) -> sp.Expr:
-        """Of the square Jacobian, factored."""
+        """Determinant of the square Jacobian, factored."""
         return tidy(self.jacobian.det())
 
     @cached_property
     def expanded_determinant(self) -> sp.Expr:
-        """The same in single angles, multiplied out."""
+        """The determinant in single angles, multiplied out."""
         return sp.factor(normal_form(self.determinant))
 
     @cached_property
     def inverse(self) -> sp.Matrix:
-        """Of the square Jacobian."""
+        """Inverse of the square Jacobian."""
         return (self.jacobian.adjugate().applyfunc(tidy) / self.determinant).applyfunc(sp.factor)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Formulas in sines and cosines: rewritten exactly; written in shorthand, as text, as HTML."""
+"""Rewrites formulas in sines and cosines exactly; writes them in shorthand, as text, as HTML."""
 
 from __future__ import annotations
 

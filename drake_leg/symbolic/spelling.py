@@ -1,4 +1,4 @@
-"""The words of a formula: ``2l1c23`` is a number, a length and the cosine of a sum."""
+"""Splits a formula into words: ``2l1c23`` is a number, a length and the cosine of a sum."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TURNS = ("deg2rad", "radians", "d2r")
 _FUNCTION_WORDS = sorted(
     ("cos", "sin", "tan", "tg", "sqrt", *IN_DEGREES, *RECIPROCALS, *TURNS), key=len, reverse=True
 )
-_WEAK = ("phi", "t")  # t1 is an angle where nobody has declared it
+_WEAK = ("phi", "t")  # t1 is an angle unless it is declared
 _LONGEST_WORD = 200
 
 _TOKEN = re.compile(
@@ -102,7 +102,7 @@ def _split(run: str, known: list[str], weak: bool) -> list[Token] | None:
 
 
 def _candidates(run: str, at: int, known: list[str], weak: bool) -> Iterator[tuple[Token, int]]:
-    """List the words that can begin at a place, the likeliest first, with their ends."""
+    """List the words that can begin at a position, the likeliest first, with their ends."""
     for name in known:
         end = at + len(name)
         if run.startswith(name, at) and not run[end : end + 1].isdigit():

@@ -137,4 +137,5 @@ def test_what_shows_no_formula_does_not_import_sympy(words, tmp_path):
         check=False,
     )
     assert run.returncode == 0
-    assert run.stderr == ""
+    progress = "at work for"  # printed every ten seconds, on a busy machine
+    assert [line for line in run.stderr.splitlines() if progress not in line] == []

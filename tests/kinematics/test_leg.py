@@ -263,7 +263,7 @@ def test_geometry_is_read_off_the_table():
 
 @pytest.mark.parametrize("robot", [PENDULUM, SCARA], ids=["pendulum", "scara"])
 def test_another_robots_table_is_refused_by_name(robot):
-    with pytest.raises(InvalidValueError, match=f"{robot.name!r} has not the table"):
+    with pytest.raises(InvalidValueError, match=f"{robot.name!r} does not have the table"):
         LegGeometry.from_robot(robot)
 
 

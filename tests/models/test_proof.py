@@ -9,7 +9,8 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.feet import greatest_reach, random_configurations, ranges, table_length
+from drake_leg.kinematics.feet import greatest_reach, random_configurations, ranges
+from drake_leg.kinematics.khalil import table_length
 from drake_leg.models.proof import TOLERANCE, DrakeWitness, difference_jacobian, prove
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Link, Robot, Row, Segment

@@ -3,7 +3,7 @@
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.names import require_name, require_unique
+from drake_leg.robot.robot import require_name, require_unique
 from drake_leg.robot.robots import LEG_B
 
 

@@ -14,7 +14,7 @@ from drake_leg.robot.toml_reader import read_robot
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
 from drake_leg.singularity.forecast import Forecast
-from drake_leg.singularity.limits import MARGIN
+from drake_leg.singularity.inverse import MARGIN
 from drake_leg.units import AT_LIMIT
 
 RUNS = 200

@@ -13,7 +13,7 @@ from drake_leg.robot.robots import LEG_B
 from drake_leg.robot.toml_reader import read_robot
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
-from drake_leg.singularity.limits import MARGIN
+from drake_leg.singularity.inverse import MARGIN
 from drake_leg.units import AT_LIMIT, beyond, in_words, joint_entries
 
 Q0 = (90.0, -50.0, -90.0)

@@ -1,5 +1,1 @@
-"""What the two reports print wrongly, what is right, and what the error does."""
-
-from drake_leg.lab.errata.catalogue import Erratum, errata
-
-__all__ = ["Erratum", "errata"]
+"""The errors in the two reports: what is printed, what is right, and the error's effect."""

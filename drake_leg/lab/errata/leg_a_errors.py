@@ -1,4 +1,4 @@
-"""What the errata of report A's leg do."""
+"""Computes the effects of the errata of report A's leg."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from drake_leg.kinematics.khalil import foot_pose, jacobian, row_transform
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position, inverse_kinematics
 from drake_leg.kinematics.motions import EllipticStep
-from drake_leg.lab.errata.catalogue import (
+from drake_leg.lab.errata.erratum import (
     FORWARDS,
     MM,
     Effects,

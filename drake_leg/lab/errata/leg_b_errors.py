@@ -1,4 +1,4 @@
-"""What the errata of report B's leg, and of its simulation, do."""
+"""Computes the effects of the errata of report B's leg and of its simulation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drake_leg.kinematics.leg import (
     foot_position,
     inverse_kinematics,
 )
-from drake_leg.lab.errata.catalogue import FORWARDS, MM, Effects, Values, angles, far_end, feet
+from drake_leg.lab.errata.erratum import FORWARDS, MM, Effects, Values, angles, far_end, feet
 from drake_leg.lab.errata.printed import (
     J12_PRINTED,
     J12_RIGHT,
@@ -112,7 +112,7 @@ def _wrong_jacobian() -> Values:
     listed[0, 1] = J12_PRINTED
 
     def sent(J_printed: sp.Matrix, q: Array) -> Array:
-        """Velocity of a foot that is told to go forwards through a printed Jacobian."""
+        """Velocity of the foot commanded forwards through the inverse of a printed Jacobian."""
         rates = np.linalg.solve(evaluate(J_printed, _values(q)), FORWARDS)
         return MM * foot_jacobian(GEOMETRY, q) @ rates
 
@@ -129,7 +129,7 @@ def _wrong_jacobian() -> Values:
 
 
 def _headings() -> Values:
-    """Take every d of the table along the x axis that its θ has turned already."""
+    """Take every d of the table along the x axis after the turn by θ."""
     q = LegBOptions().posture()
     before = [0.0, *(row.d for row in LEG_B.rows)]
     literal = [replace(row, d=d) for row, d in zip(LEG_B.rows, before, strict=False)]

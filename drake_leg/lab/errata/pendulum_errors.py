@@ -1,4 +1,4 @@
-"""What the errata of report A's pendulum do."""
+"""Computes the effects of the errata of report A's pendulum."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drake_leg.kinematics.pendulum import (
     exact_period,
     rest_angle,
 )
-from drake_leg.lab.errata.catalogue import Effects, Values
+from drake_leg.lab.errata.erratum import Effects, Values
 from drake_leg.robot.robots import PENDULUM
 from drake_leg.runs.options import STATE_TARGET, DampedPendulumOptions, SpringPendulumOptions
 

@@ -1,7 +1,7 @@
-"""Report B's matrices as they are and as printed, in the report's symbols and millimetres.
+"""Report B's matrices, right and as printed, in the report's symbols and millimetres.
 
-What is right is derived from the robots' tables; what is printed differs from it by the misprints
-listed here.
+The right ones are derived from the robots' tables; the printed ones differ by the misprints listed
+here.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import sympy as sp
 
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.lab.errata.catalogue import MM
+from drake_leg.lab.errata.erratum import MM
 from drake_leg.robot.robots import SCARA
 from drake_leg.symbolic.catalogue import derived
 from drake_leg.symbolic.chain import evaluate
@@ -164,7 +164,7 @@ def _sums_named(matrix: sp.Matrix) -> sp.Matrix:
 
 
 def _abbreviated(entry: sp.Expr) -> sp.Expr:
-    """Write σ1 and σ2 into a product."""
+    """Replace factors of a product by σ1 and σ2."""
     if not entry.is_Mul:
         return entry
     entry = sp.factor(entry)
@@ -193,9 +193,9 @@ def angle_values(q: Sequence[float]) -> dict[str, float]:
 
 
 def rotation_defect(X: Array) -> tuple[float, float]:
-    """Say how far the upper left of a (4, 4) transform is from a rotation.
+    """Measure how far the upper left part R of a (4, 4) transform is from a rotation.
 
-    Returns its determinant, 1 for a rotation, and the greatest entry of ``R' R - 1``, which is 0.
+    Returns its determinant, 1 for a rotation, and the greatest entry of ``R' R - 1``, 0 for one.
     """
     R = X[:3, :3]
     return float(np.linalg.det(R)), float(np.abs(R.T @ R - np.eye(3)).max())

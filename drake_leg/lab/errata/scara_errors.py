@@ -1,4 +1,4 @@
-"""What the errata of report B's SCARA do."""
+"""Computes the effects of the errata of report B's SCARA."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drake_leg.kinematics.scara import (
     task_jacobian,
     tool_position,
 )
-from drake_leg.lab.errata.catalogue import MM, Effects, Values, angles, classic, feet
+from drake_leg.lab.errata.erratum import MM, Effects, Values, angles, classic, feet
 from drake_leg.lab.errata.printed import angle_values, rotation_defect, scara_matrices, shown
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.runs.options import ScaraOptions
@@ -37,12 +37,12 @@ def _values() -> dict[str, float]:
 
 
 def _tool() -> Array:
-    """Where the tool is at the default posture [mm]."""
+    """Position of the tool at the default posture [mm]."""
     return MM * tool_position(GEOMETRY, _posture())
 
 
 def _tool_with(name: str) -> Array:
-    """Where the tool would be with one transform as it is printed [mm]."""
+    """Position of the tool with one transform as it is printed [mm]."""
     return scara_matrices().product(_values(), name)[:3, 3]
 
 

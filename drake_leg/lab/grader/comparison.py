@@ -1,4 +1,4 @@
-"""A robot's chain at many samples, its lengths drawn as freely as its joints."""
+"""Compares formulas with the robot's chain at random postures and, for symbols, random lengths."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from drake_leg.kinematics.feet import table_length
-from drake_leg.kinematics.khalil import Array, moving_rows
+from drake_leg.kinematics.khalil import Array, moving_rows, table_length
 from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
 from drake_leg.lab.grader.definitions import Reader
 from drake_leg.lab.grader.tables import Binding, Cell, cell_values, same
@@ -124,7 +123,7 @@ def running_products(steps: Array) -> Array:
 
 
 def twists(chain: Chain, axes: Array, point: Array) -> Array:
-    """Twist that every joint's rate brings about at a point: ``[z; z x OP]``, or ``[0; z]``.
+    """Twist at a point per unit of each joint's rate: ``[z; z x OP]``, or ``[0; z]``.
 
     Parameters
     ----------
@@ -161,7 +160,7 @@ def between(X_B: Array, first: int, last: int) -> Array:
 
 
 def claimed_part(claim: Claim, whole: Array) -> Array:
-    """Take what is claimed, (N, r, c), out of a pose or a Jacobian of six rows, rotation first."""
+    """Extract what is claimed, (N, r, c), from a pose or a (6, m) Jacobian, rotation first."""
     if claim.kind == "position":
         return whole[:, : max(claim.shape), 3].reshape(-1, *claim.shape)
     if claim.is_pose:
@@ -174,7 +173,7 @@ def claimed_part(claim: Claim, whole: Array) -> Array:
 
 
 def scales(claim: Claim, length: float) -> Array:
-    """Say how large the entries of a claim can be, (r, c): 1 in a rotation, or a length."""
+    """Scale of the entries of a claim, (r, c): 1 in a rotation, or a power of a length."""
     scale = np.ones(claim.shape)
     if claim.kind == "transform":
         scale[:3, 3] = length
@@ -192,13 +191,13 @@ MOST_READINGS = 64  # of an entry's numbers as lengths
 _LEAST, _MOST = 0.6, 1.6  # times its own value: how long a length is drawn
 FEWEST_DIGITS = 3  # of a rounded number; 0.5 and 1.2 are exact
 _MOST_DECIMALS = 20  # rounded numbers in one entry
-_NEXT = 1e-3  # of half a unit: so near its next number, nobody cuts a number off
-_ALIKE = 1e-3  # of the largest: what numbers change counts as one and the same below that
+_NEXT = 1e-3  # of half a unit: a number this near to the next one is not cut off
+_ALIKE = 1e-3  # of the largest: changes that differ by less count as the same
 
 
 @dataclass(frozen=True, kw_only=True)
 class Samples:
-    """What a print's formulas and the robot are evaluated with."""
+    """Values at which a print's formulas and the robot are evaluated."""
 
     values: Mapping[str, Any]  # symbol to number or (N,) array; angles in rad, lengths as printed
     chain: Chain  # in the print's unit of lengths
@@ -213,7 +212,7 @@ class Samples:
 
 
 class Sampler:
-    """Draws postures, and lengths: the same ones whenever it is asked for the same lengths.
+    """Draws random postures and lengths; the same lengths always get the same values.
 
     Parameters
     ----------
@@ -281,7 +280,7 @@ class Sampler:
         return Samples(values=values | {name: joints[name] for name in own}, chain=chain)
 
     def _chain(self, values: Mapping[str, Any], factors: Mapping[Cell, Array]) -> Chain:
-        """Put lengths into the table, and the joints where the symbols then say."""
+        """Put lengths into the table, and evaluate the joints' formulas with them."""
         chain = self.as_it_is.chain
         columns = {name: getattr(chain, name).copy() for name in ("d", "alpha", "r", "theta")}
         for (row, column), factor in factors.items():
@@ -293,7 +292,7 @@ class Sampler:
 
 
 class Meaning:
-    """What a matrix is, or could be, at all samples; evaluated once for each of them."""
+    """The values of a matrix, right or mistaken, at samples; evaluated once per set of samples."""
 
     def __init__(self, of_chain: Callable[[Chain], Array]) -> None:
         self._of_chain = of_chain
@@ -329,7 +328,7 @@ class Comparison:
         return self.sampler.as_it_is.evaluate(formula)
 
     def agrees(self, formula: sp.Expr, target: Target) -> bool:
-        """Whether a formula is right whatever the lengths that it has symbols for.
+        """Whether a formula is right for all values of the lengths that it has symbols for.
 
         Numbers that stand for lengths are right as numbers.
         """

@@ -1,4 +1,4 @@
-"""What is right, derived with SymPy and written in the print's own notation."""
+"""Reads a print's definitions and formulas, and derives the right entries in its notation."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class RightForms:
         return spelled_as(spelling, text)
 
     def _lengths(self, spelling: str) -> dict[sp.Symbol, sp.Expr]:
-        """Name the table's lengths as the print does, or write their numbers."""
+        """Write the table's lengths with the print's names, or as numbers."""
         spelled = re.sub(r"[_{}\\]", "", spelling.casefold())
         named = any(plain(name) in spelled for name in self._symbols)
         return {
@@ -101,7 +101,7 @@ class _Decimals(StrPrinter):  # type: ignore[misc] # SymPy has no types
 
 
 def _is_decimal(expression: sp.Basic) -> bool:
-    """Whether an expression is a fraction that people write with a point."""
+    """Whether an expression is a fraction that is written with a decimal point."""
     return bool(expression.is_Rational and expression.q not in (1, 2))
 
 
@@ -314,9 +314,9 @@ def _require_one_meaning(said: Iterable[tuple[str, float | str]], origin: str) -
         other, known = first.setdefault(plain(name), (name, value))
         if _number_or_text(known) == _number_or_text(value):
             continue
-        values = f"is said to be {_said(known)} and {_said(value)}"
+        values = f"is given as {_said(known)} and as {_said(value)}"
         if other == name:
-            raise InvalidValueError(f"{origin}: {quoted(name)} {values}; say it once")
+            raise InvalidValueError(f"{origin}: {quoted(name)} {values}; define it once")
         raise InvalidValueError(
             f"{origin}: {quoted(other)} and {quoted(name)} are read as one symbol, which {values}; "
             "choose another name for one of them"
@@ -386,7 +386,7 @@ def _is_sibling(name: str, others: Collection[str]) -> bool:
 
 
 def unused_definitions(printed: Printed) -> Iterator[Finding]:
-    """Find what is defined and graded nowhere: often a result under another name.
+    """Find definitions that nothing graded uses: often a result under another name.
 
     Not understood are every formula that moves, and every length with the name of a result.
     """

@@ -23,7 +23,7 @@ Names = Mapping[Cell, str]
 
 @dataclass(frozen=True)
 class OtherTable:
-    """A table that someone may have had in mind in the place of the robot's."""
+    """A table with one mistake in it, from which a print may have been computed."""
 
     kind: str
     fault: str

@@ -1,7 +1,7 @@
-r"""Sets of singular postures as people write them: ``θ3 = kπ``, ``q3 = 0 or π``, ``sin(q3) = 0``.
+r"""Grades sets of singular postures, such as ``θ3 = kπ``, ``q3 = 0 or π``, ``sin(q3) = 0``.
 
-Alternatives are separated by "or", semicolons or lines; what holds at once by "and". ``qi = 0 or π,
-i = 1, 2, 3`` stands for one set of every joint; ``k`` and ``n`` are any integer.
+Alternatives are separated by "or", semicolons or lines; simultaneous conditions by "and".
+``qi = 0 or π, i = 1, 2, 3`` stands for one set per joint; ``k`` and ``n`` are any integer.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.feet import table_length
-from drake_leg.kinematics.khalil import Array, jacobian
+from drake_leg.kinematics.khalil import Array, jacobian, table_length
 from drake_leg.lab.grader.claims import POSITION, task_rows
 from drake_leg.lab.grader.comparison import Sampler
 from drake_leg.lab.grader.definitions import Reader, determinant_factors
@@ -117,7 +116,7 @@ def alternatives_of(text: str, reader: Reader) -> list[Alternative]:
 
 
 def _bare(text: str) -> str:
-    """Take off the introduction and what is said of k."""
+    """Remove the introduction and the statement that k is an integer."""
     for command, words in _LATEX.items():
         text = re.sub(command, words, text)
     text = " ".join(without_latex(typed(text)).split())
@@ -186,7 +185,7 @@ def _integer(names: set[str], reader: Reader) -> str | None:
 
 
 def _is_bare(side: sp.Expr, integer: str | None) -> bool:
-    """Whether a side is a number that people write for degrees, without their sign."""
+    """Whether a side is a number of degrees without the degree sign."""
     found = [part for _, part in parts(side)]
     if any(p.is_Function or p is sp.pi or (p.is_Symbol and p.name != integer) for p in found):
         return False
@@ -257,7 +256,7 @@ class _Arm:
         return dict(zip(self.spans, np.moveaxis(points, -1, 0), strict=True))
 
     def known(self, values: Mapping[str, Array]) -> dict[str, Any]:
-        """Everything that has a value."""
+        """Add the units and the symbols' values."""
         return {**self.reader.units, **self.symbols, **values}
 
     def determinant(self, values: Mapping[str, Array]) -> Array:
@@ -273,7 +272,7 @@ class _Arm:
         return determinant
 
     def difference(self, condition: Condition, k: int) -> Function:
-        """Subtract the sides of a condition; angles but for full turns."""
+        """Subtract the sides of a condition; angles modulo full turns."""
         integer = {condition.integer: float(k)} if condition.integer else {}
         angle = condition.left.is_Symbol and self.spans.get(condition.left.name) == math.pi
 
@@ -293,7 +292,7 @@ class _Arm:
         return float(np.max(sizes[np.isfinite(sizes)], initial=1e-12))
 
     def is_zero(self, function: Function, points: Array) -> Mask:
-        """Whether a function is zero at postures, for all that matters."""
+        """Whether a function is practically zero at postures."""
         near: Mask = np.abs(function(self.named(points))) <= NEAR * self.size(function)
         return near
 
@@ -316,7 +315,7 @@ class _Arm:
         return holding
 
     def zeros(self, functions: Sequence[Function]) -> Array:
-        """Follow Newton's shortest steps from all starts; keep those that arrive, (N, v)."""
+        """Run Newton's method with shortest steps from all starts; keep what converged, (N, v)."""
         x = self.starts.copy()
         scales = np.array([self.size(function) for function in functions])
 

@@ -1,4 +1,4 @@
-"""A Denavit-Hartenberg table as printed, all text: what its cells are, and rows put right."""
+"""A printed Denavit-Hartenberg table as text: the kinds of its cells, and corrected rows."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ COLUMNS: dict[str, dict[str, Sort]] = {
     "khalil": {"sigma": "type", "d": "length", "alpha": "twist", "r": "offset", "theta": "turn"},
     "classic": {"sigma": "type", "theta": "turn", "d": "offset", "a": "length", "alpha": "twist"},
 }
-UNKNOWN = "?"  # a cell that nobody can guess
+UNKNOWN = "?"  # a cell that cannot be guessed
 _FITTING: dict[Sort, set[Kind]] = {
     "length": {"zero", "number", "length"},
     "offset": {"zero", "number", "length", "variable"},
@@ -94,7 +94,7 @@ class Table:
 
 
 def table_of_document(document: Mapping[str, Any]) -> Table:
-    """Take the table out of a robot file; without rows where the file has none."""
+    """Read the table of a robot file; without rows if the file has none."""
     rows = document.get("row")
     convention = document.get("convention", "khalil")
     angles = document.get("angles")
@@ -212,7 +212,7 @@ def likely_sigma(table: Table, cells: list[str]) -> str:
 
 
 def repaired(table: Table) -> Table:
-    """Put rows right whose cells are under another heading, as far as that can be told."""
+    """Correct rows whose cells are under the wrong headings, as far as that can be determined."""
     rows = []
     for row in table.rows:
         texts = table.texts(row)
@@ -234,7 +234,7 @@ class Cell(NamedTuple):
     column: str  # d, alpha, r or theta
 
     def __str__(self) -> str:
-        """Write it as people do: d2."""
+        """Write it as column and row: d2."""
         return f"{self.column}{self.row + 1}"
 
 

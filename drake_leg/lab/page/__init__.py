@@ -1,1 +1,1 @@
-"""Every figure and table of both reports on one page."""
+"""The page with every figure, table and equation of both reports."""

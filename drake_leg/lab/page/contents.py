@@ -1,4 +1,4 @@
-"""The page's contents as data: chapters, items, and the runs and robots that they show."""
+"""The contents of the page as data: chapters, items, and the runs and robots that they show."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Item:
     """A figure, a table or some equations of a report."""
 
     id: str  # anchor on the page and name of its files: a05
-    label: str  # as a reader of the report looks for it: A 5
+    label: str  # figure or section of the report: A 5
     title: str
     kind: str  # how it is made; the kinds are listed in contents.toml
     subject: str  # the run or the robot that is shown
-    show: str = ""  # what of it
+    show: str = ""  # which plot, map, view or part of it
     caption: str = ""
     equations: tuple[tuple[str, str], ...] = ()  # number in the report, name or text
     errata: tuple[int, ...] = ()
@@ -94,7 +94,7 @@ RUNS: Mapping[str, ReportRun] = {
 
 
 def command(key: str) -> str:
-    """Write the command that carries a run out."""
+    """Write the command of a run."""
     run = RUNS[key]
     options = "".join(f" --{option} {value:g}" for option, value in run.options.items())
     return f"drake-leg run {run.name}{options} --out {key}"
@@ -107,19 +107,19 @@ class PosedRobot:
     name: str  # on the command line
     robot: Robot
     q: tuple[float, ...]  # [rad or m]
-    posture: str  # the same, as a reader writes it
-    option: str  # the same, as --q takes it
+    posture: str  # the same, as text
+    option: str  # the same, as the value of --q
     task: tuple[int, ...] = ()  # rows of the spatial Jacobian that the report's J consists of
     singular: tuple[tuple[str, tuple[float, ...]], ...] = ()  # singular postures [deg]
 
 
 def angles(degrees: Sequence[float]) -> str:
-    """Write angles [deg] as a reader does: ``90°, −50°, −90°``."""
+    """Write angles [deg] as text: ``90°, −50°, −90°``."""
     return ", ".join(f"{angle:.5g}°".replace("-", "−") for angle in degrees)
 
 
 def option(degrees: Sequence[float]) -> str:
-    """Write angles [deg] as the command line takes them."""
+    """Write angles [deg] as an option of the command line."""
     return ",".join(f"{angle:.17g}" for angle in degrees)
 
 

@@ -1,4 +1,4 @@
-"""The items of the page, by kind: made, written beside it, compared with the exact answer."""
+"""Makes the items of the page by kind, writes their files, compares them with the exact answer."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ RATES = (-10.0, 10.0)  # [rad/s]
 class Plot:
     """One kind of plot."""
 
-    file: str  # the figure that "drake-leg run" leaves of it
+    file: str  # name of the same figure of "drake-leg run"
     columns: tuple[str, ...]  # compared with the exact answer
     unit: str
     draw: Callable[[Outcome, str], Figure]  # with a title
@@ -167,7 +167,7 @@ PLOTS = {
 DRAWING = Markup(
     'class="{}" tabindex="0" role="region" aria-label="{}, a block diagram" style="--width: {}px"'
 )
-NARROW = 600  # [px], a block diagram that need not be larger than the text is wide
+NARROW = 600  # [px], the width of the text, which a wider block diagram exceeds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,8 +176,8 @@ class ShownItem:
 
     body: Markup
     commands: tuple[str, ...]  # that reproduce it
-    result: str = ""  # which file of theirs shows it
-    proof: Markup | str = ""  # how far it is from the exact answer
+    result: str = ""  # the file of theirs that shows it
+    proof: Markup | str = ""  # its deviation from the exact answer
     files: tuple[str, ...] = ()  # beside the page
 
 
@@ -319,26 +319,26 @@ def _text(item: Item, body: Markup, *commands: str) -> ShownItem:
     return ShownItem(body=caption + body, commands=commands)
 
 
-def _table(item: Item, _workshop: ItemMaker) -> ShownItem:
+def _table(item: Item, _maker: ItemMaker) -> ShownItem:
     body = mathematics.khalil_table(SUBJECTS[item.subject].robot)
     return _text(item, body, f"drake-leg sdf {item.subject} --toml")
 
 
-def _equations(item: Item, _workshop: ItemMaker) -> ShownItem:
+def _equations(item: Item, _maker: ItemMaker) -> ShownItem:
     return _text(item, mathematics.equations(item), f"drake-leg derive {item.subject}")
 
 
-def _methods(item: Item, _workshop: ItemMaker) -> ShownItem:
+def _methods(item: Item, _maker: ItemMaker) -> ShownItem:
     commands = (f"drake-leg check {item.subject}", f"drake-leg derive {item.subject}")
     return _text(item, mathematics.both_methods(item), *commands)
 
 
-def _singular(item: Item, _workshop: ItemMaker) -> ShownItem:
+def _singular(item: Item, _maker: ItemMaker) -> ShownItem:
     commands = mathematics.singular_commands(item)
     return _text(item, mathematics.singular_postures(item), *commands)
 
 
-def _stroke(item: Item, _workshop: ItemMaker) -> ShownItem:
+def _stroke(item: Item, _maker: ItemMaker) -> ShownItem:
     subject = SUBJECTS[item.subject]
     doctor = f"drake-leg doctor {subject.name} --q {subject.option} --direction 1,0,0"
     return _text(item, mathematics.stroke(item), doctor)

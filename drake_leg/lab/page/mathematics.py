@@ -1,7 +1,7 @@
-"""The reports' matrices, evaluated in three independent ways.
+"""Compares the reports' matrices, evaluated in three independent ways, and writes them as HTML.
 
-The formulas that SymPy derives, the chain of the Khalil table in numbers, and Drake's plant on the
-SDF: the first is compared with the other two.
+SymPy's formulas are compared with the chain of the Khalil table in numbers, and with Drake's plant
+of the SDF.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import LegBOptions
 from drake_leg.singularity.doctor import examine_posture
+from drake_leg.singularity.families import LegFamilies
 from drake_leg.singularity.rank import examine
-from drake_leg.singularity.stroke import greatest_amplitude, leg_stroke
+from drake_leg.singularity.stroke import closed_stroke, greatest_amplitude
 from drake_leg.symbolic.catalogue import derived
 from drake_leg.symbolic.chain import evaluate
 from drake_leg.symbolic.equations import general_transform, matrices
@@ -46,10 +47,10 @@ TRANSFORM, CONTRIBUTION = re.compile(r"T(\d)(\d)"), re.compile(r"V(\d)")
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """One matrix: its formula, its value, and how far the other two ways are from it."""
+    """One matrix: its formula, its value, and its distance from the other two ways."""
 
     formula: sp.Matrix
-    value: Array | None  # None where it belongs to no posture
+    value: Array | None  # None for the general transform, which has no posture
     from_chain: float  # greatest difference of an entry
     from_drake: float
 
@@ -121,7 +122,7 @@ def _row_comparison(robot: Robot, witness: _Witness) -> Comparison:
 
 
 class _Witness:
-    """What the chain and Drake say at one posture."""
+    """Evaluates matrices with the chain and with Drake at one posture."""
 
     def __init__(self, robot: Robot, q: Sequence[float]) -> None:
         plant = build_plant(robot)
@@ -157,7 +158,7 @@ class _Witness:
 
 
 def _of_jacobian(name: str, J: Array) -> Array:
-    """Evaluate what follows from a Jacobian."""
+    """Evaluate a column, the inverse or the determinant of a Jacobian."""
     column = CONTRIBUTION.fullmatch(name)
     if column:
         joint = int(column[1])
@@ -210,7 +211,7 @@ def _turn(angle: float) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class EquationLine:
-    """One equation of the page, or a statement; what it does not have is empty."""
+    """One equation of the page, or a statement; unused fields are empty."""
 
     name: str = ""
     text: str = ""  # of a statement
@@ -223,7 +224,7 @@ class EquationLine:
 
 
 def equations(item: Item) -> Markup:
-    """Write an item's equations; matrices with their values and how far the witnesses are."""
+    """Write an item's equations; matrices with their values and their deviations."""
     found, subject = _compared(item.subject), SUBJECTS[item.subject]
     lines = [
         _matrix(label, name, found[name], subject)
@@ -280,7 +281,7 @@ def _length_power(subject: PosedRobot) -> int:
 
 
 def _product(name: str, subject: PosedRobot) -> Markup:
-    """Write what the direct method multiplies: the joint's axis and the way to the foot."""
+    """Write the cross product of the direct method: the joint's axis and the vector to the foot."""
     if name not in RATES:
         return Markup("")
     joint = int(name[1:])
@@ -358,10 +359,10 @@ def _determinant(subject: PosedRobot, q: list[float]) -> float:
 
 
 def stroke(item: Item) -> Markup:
-    """Answer whether the default step fits between the singularities."""
+    """Say whether the default step fits between the singularities."""
     subject, options = SUBJECTS[item.subject], LegBOptions()
     leg = LegGeometry.from_robot(subject.robot)
-    room = leg_stroke(leg, subject.q, options.unit_direction())
+    room = closed_stroke(LegFamilies(leg), subject.q, options.unit_direction())
     sigma_min = examine(foot_jacobian(leg, subject.q)).sigma_min
     wanted = 2.0 * options.amplitude / options.frequency
     below = greatest_amplitude(room, options.frequency)

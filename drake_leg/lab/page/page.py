@@ -1,4 +1,4 @@
-"""The page: runs simulated, every item made, one HTML file with its figures inside."""
+"""Makes the page: simulates the runs, makes every item, and writes one HTML file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from drake_leg.errors import PictureError
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.lab.errata.catalogue import number
+from drake_leg.lab.errata.erratum import number
 from drake_leg.lab.page.contents import GAIN, RUNS, chapters, command
 from drake_leg.lab.page.items import ItemMaker, missing
 from drake_leg.lab.page.pieces import (
@@ -27,14 +27,15 @@ from drake_leg.lab.page.pieces import (
 )
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
-from drake_leg.singularity.stroke import leg_stroke
+from drake_leg.singularity.families import LegFamilies
+from drake_leg.singularity.stroke import closed_stroke
 
 
 def highlights(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, Markup, str, str]]:
-    """Return questions, answers, and the anchors and labels of the items that show them."""
+    """List questions with their answers, and the anchor and label of the item that shows each."""
     step, options = outcomes["leg-b"], LegBOptions()
-    room = leg_stroke(
-        LegGeometry.from_robot(step.robot), options.posture(), options.unit_direction()
+    room = closed_stroke(
+        LegFamilies(LegGeometry.from_robot(step.robot)), options.posture(), options.unit_direction()
     )
     yield (
         "Can the leg make a strictly forward step?",
@@ -106,8 +107,8 @@ STAGES = len(RUNS) + sum(len(chapter.items) for chapter in chapters())
 def write_report(folder: Path, progress: Callable[[float], None]) -> list[PictureError]:
     """Write ``report.html``, its figures and its replays into a folder that exists.
 
-    ``progress`` is called with the number of stages done, of ``STAGES``. Returned are the items
-    that could not be made; the page has a sentence in their places.
+    ``progress`` is called with the number of stages done, of ``STAGES``. Returns the items that
+    could not be made; the page has a sentence in their places.
     """
     done = 0
 

@@ -1,4 +1,4 @@
-"""Pieces of HTML: templates, prose with subscripts, numbers, pictures, errata, packed replays."""
+"""Writes pieces of HTML: prose with subscripts, numbers, pictures, errata, packed replays."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
-from drake_leg.lab.errata.catalogue import Erratum, errata
+from drake_leg.lab.errata.catalogue import errata
+from drake_leg.lab.errata.erratum import Erratum
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 PNG = "data:image/png;base64,"
@@ -73,9 +74,9 @@ def power(value: float) -> Markup:
 def picture(
     data: bytes | str, description: str, *, dark: bytes | None = None, narrow: str | None = None
 ) -> Markup:
-    """Put a PNG or the text of an SVG into the page, for every medium; the style sheet shows one.
+    """Embed a PNG or an SVG in the page, once per medium; the style sheet shows one of them.
 
-    The sources of a ``picture`` element would not do: browsers do not choose again for paper.
+    A ``picture`` element does not work here: browsers do not choose its source again for printing.
     ``dark`` is a PNG for dark screens, ``narrow`` an SVG for phones and paper.
     """
     sources = {"any": _svg(data) if isinstance(data, str) else _webp(data)}
@@ -87,19 +88,19 @@ def picture(
 
 
 def _webp(png: bytes) -> str:
-    """Without loss, and a third shorter than the PNG."""
+    """Embed a PNG as lossless WebP, which is a third smaller."""
     file = io.BytesIO()
     Image.open(io.BytesIO(png)).save(file, "WEBP", lossless=True, quality=20, method=1)
     return f"data:image/webp;base64,{base64.b64encode(file.getvalue()).decode('ascii')}"
 
 
 def _svg(text: str) -> str:
-    """Percent-encoded, which is shorter than base64, without what is not seen."""
+    """Embed an SVG percent-encoded, which is shorter than base64, without invisible parts."""
     return f"data:image/svg+xml,{quote(_lighter(text), safe=PLAIN)}"
 
 
 def _lighter(svg: str) -> str:
-    """Leave out comments, metadata and line breaks, and what of coordinates is below 0.005 px."""
+    """Remove comments, metadata and line breaks, and round coordinates to 0.01 px."""
     ElementTree.register_namespace("", SVG)
     ElementTree.register_namespace("xlink", XLINK)
     root = ElementTree.fromstring(svg)
@@ -113,7 +114,7 @@ def _lighter(svg: str) -> str:
 
 
 def _joined(text: str | None) -> str | None:
-    """Join the lines of a text; a line break between elements goes."""
+    """Join the lines of a text; remove line breaks between elements."""
     if text is None or "\n" not in text:
         return text
     return " ".join(line.strip() for line in text.split("\n")) if text.strip() else None
@@ -148,7 +149,7 @@ def erratum_notes(numbers: Iterable[int]) -> Markup:
 
 
 def errata_entries(numbers: Iterable[int] | None = None) -> Markup:
-    """Write what is printed, what is right, and what the error does; by default of all errata.
+    """Write what is printed, what is right, and the effect of errata; by default of all of them.
 
     Raises
     ------
@@ -200,7 +201,7 @@ def _marked(pieces: list[str], others: list[str], mark: str) -> Markup:
 
 
 def _text(text: str, other: str, mark: str) -> Markup:
-    """Write text behind a matrix; signs that differ from the other text's are marked."""
+    """Write the text after a matrix; signs that differ from those of the other text are marked."""
     words, others = (re.split(r"( [+−] )", one) for one in (text, other))
     if len(words) != len(others) or len(words) == 1:
         return prose(text)

@@ -1,1 +1,1 @@
-"""From recordings to pictures; imports no Drake."""
+"""Plots of recordings, robots and singularities; imports no Drake."""

@@ -1,4 +1,4 @@
-"""Figures of a robot whose foot or tool follows a command."""
+"""Plots of a robot whose foot or tool follows a command."""
 
 from __future__ import annotations
 
@@ -31,15 +31,21 @@ from drake_leg.pictures.plots.style import (
 from drake_leg.robot.robot import Robot
 from drake_leg.simulation.recording import Recording
 
-LIKE_A_SINE = 0.02  # of the greatest value: how far a motion may be from a sine to be called one
+LIKE_A_SINE = 0.02  # of the greatest value: deviation up to which a motion counts as a sine
 NEAR_SINGULAR = (
     0.05  # of the greatest smallest singular value: where torques say nothing about a leg
 )
 FAR_HIGHER = 3.0  # times the torques elsewhere: what would hide them
+ROOM = 1.3  # times the greatest torque away from a singularity: what an axis shows
+STILL = 1e-6  # [m or m/s], a coordinate that changes less counts as constant
+FEW = 4  # joints whose panels have room for their names beside them
+SINGULARITY = {"det_j": "det J", "manipulability": "manipulability"}
+INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gaps of the other
+GHOSTS = 9  # postures
 
 
 def step_frequency(recording: Recording) -> float | None:
-    """Find the frequency of a step that begins at rest: half a period is over where it turns.
+    """Find the frequency of a step that begins at rest; half a period ends where it turns.
 
     In rad/s; None if the run ends before that.
     """
@@ -80,13 +86,6 @@ def torques_away(recording: Recording, columns: list[str]) -> tuple[float, float
         return None
     away, there = float(torques[~near].max()), float(torques[near].max())
     return (away, there) if there > FAR_HIGHER * away else None
-
-
-ROOM = 1.3  # times the greatest torque away from a singularity: what an axis shows
-STILL = 1e-6  # [m or m/s], a coordinate that changes less is said to be constant
-FEW = 4  # joints whose panels have room for their names beside them
-SINGULARITY = {"det_j": "det J", "manipulability": "manipulability"}
-INTERLEAVED = ((0.0, (5.0, 5.0)), (5.0, (5.0, 5.0)))  # dashes of one in the gaps of the other
 
 
 def position(recording: Recording, title: str, what: str = "foot") -> Figure:
@@ -296,11 +295,8 @@ def _power(value: float) -> str:
     return f"$10^{{{math.ceil(math.log10(value))}}}$"
 
 
-GHOSTS = 9  # postures
-
-
 def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
-    """Draw the links at instants of the first stroke, from the side and from the top (B 6, 7).
+    """Draw the links at several instants of the first stroke, from the side and the top (B 6, 7).
 
     The recording has joint positions and x, y, z.
     """

@@ -1,4 +1,4 @@
-"""Which figures a run leaves, by what it shows."""
+"""Lists the figures of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of the pendulum (report A, figures 5-8)."""
+"""Plots of the pendulum (report A, figures 5-8)."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def angle(
     equilibrium: float | None = None,
     span: Span | None = None,
 ) -> Figure:
-    """Draw the angle against time (A 5, 6): how it swings, or where it comes to rest.
+    """Draw the angle against time (A 5, 6): its swing, or where it comes to rest.
 
     ``rest`` is the rest angle, ``equilibrium`` that of a spring at the joint [rad]; the axis
     shows at least the angles ``span``, so that figures can be compared.
@@ -139,7 +139,7 @@ def _mark_passages_and_turns(recording: Recording, angles: Axes, rates: Axes) ->
 
 
 def _end_of_motion(recording: Recording) -> float | None:
-    """Find from when on the angle stays near where it ends [s], if it does so early."""
+    """Find the time from which the angle stays near its final value [s], if that is early."""
     time, q = recording["time"], recording["q"]
     away = np.flatnonzero(np.abs(q - q[-1]) > NEAR_REST)
     if len(away) == 0 or not 0.0 < time[away[-1]] <= EARLY * time[-1]:
@@ -156,7 +156,7 @@ def _magnified(
     levels: Sequence[float],
     texts: tuple[int, int] = (0, 0),
 ) -> Axes:
-    """Show the beginning of a curve larger, in the gap above all levels or in that below.
+    """Magnify the beginning of a curve in an inset, above or below all levels.
 
     ``texts`` counts the lines of text above and below the levels. Where neither gap has room the
     axes are returned as they are.
@@ -225,7 +225,7 @@ def _mark_rest(axes: Axes, recording: Recording, rest: float, equilibrium: float
 
 
 def _of_rest(recording: Recording, rest: float) -> tuple[str, str]:
-    """Say where the pendulum is at rest, and from when on it is near there, if it is."""
+    """Describe where the pendulum rests, and from what time it stays near there, if it does."""
     time, off = recording["time"], np.abs(recording["q"] - rest)
     where = f"at rest at {rest:.4f} rad = {np.degrees(rest):.2f} deg"
     away = np.flatnonzero(off > NEAR_REST)
@@ -242,7 +242,7 @@ def _mark_equilibrium(axes: Axes, equilibrium: float) -> None:
 
 
 def _mark_amplitude(axes: Axes, recording: Recording) -> None:
-    """Say that the amplitude is constant, where it is, and mark the extremes and the period."""
+    """Where the amplitude is constant, say so, and mark the extremes and the period."""
     turns = _crossings(*(recording[name] for name in ("time", "qdot", "q", "qdot")))
     highest, lowest = (turns[kind::2] for kind in (0, 1))
     if len(highest) < 2 or len(lowest) < 1:

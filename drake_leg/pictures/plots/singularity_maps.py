@@ -1,4 +1,4 @@
-"""Where the leg and the SCARA are singular, and how well foot and tool move elsewhere."""
+"""Maps of the singularities and of the smallest singular value, for the leg and the SCARA."""
 
 from __future__ import annotations
 
@@ -54,6 +54,8 @@ STAR: dict[str, Any] = {
 SHEET: dict[str, Any] = {"linewidth": 0, "rasterized": True}  # thousands of faces
 STRETCHED, ON_AXIS = "sin $q_3$ = 0", "$\\rho$ = 0"
 MARKED = "this posture"
+SIDES = (1, -1)  # the foot in front of the hip, and behind it
+Maps = dict[str, Callable[[], Figure]]
 
 
 def determinant_map(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
@@ -112,7 +114,7 @@ def joint_space(leg: LegGeometry, start: ArrayLike, title: str) -> Figure:
 
 
 def foot_space(leg: LegGeometry, title: str) -> Figure:
-    """Draw where the foot is at the singular postures: torus, circle, piece of the hip axis.
+    """Draw the foot's singular positions: a torus, a circle, a segment of the hip axis.
 
     The torus is cut open.
     """
@@ -172,7 +174,7 @@ def _legend(figure: Figure, axes: Axes3D, *entries: tuple[str, str]) -> None:
 
 
 def _wrapped_degrees(arc: Array) -> Array:
-    """Write an arc in -180 ... 180 degrees, with a gap of NaN where it leaves and comes back."""
+    """Write an arc in -180 ... 180 degrees, with a NaN gap where it wraps around."""
     wrapped = np.degrees((arc + math.pi) % (2.0 * math.pi) - math.pi)
     jumps = np.flatnonzero(np.abs(np.diff(wrapped, axis=0)).max(axis=1) > 180.0) + 1
     return np.insert(wrapped, jumps, np.nan, axis=0)
@@ -182,9 +184,6 @@ def _pieces(arc: Array) -> Sequence[Array]:
     """Cut an arc at its gaps."""
     gaps = np.flatnonzero(np.isnan(arc).any(axis=1))
     return [piece[~np.isnan(piece).any(axis=1)] for piece in np.split(arc, gaps)]
-
-
-SIDES = (1, -1)  # the foot in front of the hip, and behind it
 
 
 def dexterity(leg: LegGeometry, start: Sequence[float] | Array, title: str) -> Figure:
@@ -278,9 +277,6 @@ def _where_reached(q: Array, jacobian: Callable[[Array], Array]) -> Array:
     sigma = np.full(inside.shape, np.nan)
     sigma[inside] = MM * smallest_singular_value(jacobian(q[inside]))
     return sigma
-
-
-Maps = dict[str, Callable[[], Figure]]
 
 
 def maps_of_posture(robot: Robot, q: Sequence[float]) -> Maps:

@@ -17,12 +17,15 @@ from drake_leg.pictures.plots.style import BODY, GREY, INK
 Point = tuple[float, float]
 Line = tuple[Point, Point, float]
 
-TURNS = 24  # directions in which a place is looked for
+TURNS = 24  # directions in which a place is searched
 RINGS = (0.0, 6.0, 14.0, 24.0, 36.0, 50.0, 70.0, 95.0)  # [pt] from what is named to its label
 LED = 20.0  # [pt], farther than which a thin line leads to a label
 SPARE = 2.0  # [px] around a label
 SPACING = 5.0  # [px] of the points that stand for a line
 THIN = 4.0  # [pt], up to which a line has no sides
+AXES = ("x", "y", "z")
+COLOURS = (VERMILLION, GREEN, BLUE)  # of the axes x, y, z
+FACING = 0.98  # cosine from which on an axis is seen end on
 
 
 class Labels:
@@ -99,11 +102,6 @@ class Labels:
 def _unit(vector: Point) -> Array:
     length = math.hypot(*vector)
     return np.array(vector) / length if length > 0.0 else np.zeros(2)
-
-
-AXES = ("x", "y", "z")
-COLOURS = (VERMILLION, GREEN, BLUE)  # of the axes x, y, z
-FACING = 0.98  # cosine from which on an axis is seen end on
 
 
 class Sketch:
@@ -310,9 +308,9 @@ class Sketch:
             Arc(at, 2 * radius, 2 * radius, theta1=low, theta2=high, color=colour, linewidth=1.1)
         )
         sense = math.copysign(min(10.0, abs(second - first) / 2), second - first)
-        ends = [_around(at, radius, angle) for angle in (second - sense, second)]
+        ends = [polar(at, angle, radius) for angle in (second - sense, second)]
         self._arrow(ends[0], ends[1], colour, "-|>", 1.1)
-        self.text(_around(at, radius + 0.28 * self.unit, (first + second) / 2), label, colour)
+        self.text(polar(at, (first + second) / 2, radius + 0.28 * self.unit), label, colour)
 
     def torque(self, at: Point, first: float, second: float, label: str, size: float) -> None:
         """Draw a torque about an axis seen end on, as ``angle`` draws an angle."""
@@ -339,10 +337,11 @@ class Sketch:
         self.axes.autoscale_view()
 
 
-def _around(at: Point, radius: float, angle: float) -> Point:
+def polar(at: Point, angle: float, length: float) -> Point:
+    """Return the point at a distance from another, in a direction [deg]."""
     return (
-        at[0] + radius * math.cos(math.radians(angle)),
-        at[1] + radius * math.sin(math.radians(angle)),
+        at[0] + length * math.cos(math.radians(angle)),
+        at[1] + length * math.sin(math.radians(angle)),
     )
 
 

@@ -92,6 +92,18 @@ DARK = {
     PURPLE: "#cf93ca",
 }
 NO_DATE = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+TIME = "time t [s]"
+DEGREE_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)
+MOST_TICKS = 5
+WIDTH = 4.6  # [inch]; letters of 10 pt are 12 px high on a phone of 390 px
+IN_SPACE = 5.4  # [inch], with axes in 3D, whose labels are outside them
+LOWER = 0.87  # times as high; not as much as it is narrower
+STACKED = 1.6  # times as high, where two views that were side by side share a column
+SIDE_BY_SIDE = (1, 2)  # rows and columns
+MOST_NARROW_TICKS = 6
+FORMULA = re.compile(r"\$[^$]*\$")
+TIED = "\N{NO-BREAK SPACE}"
+POINTS = 72.0  # [1/inch]
 
 
 def new_figure(
@@ -189,11 +201,6 @@ def for_light_and_dark(svg: str) -> str:
     return f"{head}{sheet}\n{defs}{rest}"
 
 
-TIME = "time t [s]"
-DEGREE_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)
-MOST_TICKS = 5
-
-
 def time_plot(
     recording: Recording, columns: dict[str, str], *, title: str, ylabel: str, degrees: bool = False
 ) -> Figure:
@@ -255,17 +262,6 @@ def widen_flat_axis(axes: Axes, least: float = 1e-6) -> None:
     if high - low < least:
         middle = (low + high) / 2.0
         axes.set_ylim(middle - least, middle + least)
-
-
-WIDTH = 4.6  # [inch]; letters of 10 pt are 12 px high on a phone of 390 px
-IN_SPACE = 5.4  # [inch], with axes in 3D, whose labels are outside them
-LOWER = 0.87  # times as high; not as much as it is narrower
-STACKED = 1.6  # times as high, where two views that were side by side share a column
-SIDE_BY_SIDE = (1, 2)  # rows and columns
-MOST_NARROW_TICKS = 6
-FORMULA = re.compile(r"\$[^$]*\$")
-TIED = "\N{NO-BREAK SPACE}"
-POINTS = 72.0  # [1/inch]
 
 
 def narrow(figure: Figure) -> None:

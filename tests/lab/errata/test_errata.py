@@ -11,7 +11,8 @@ from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.spatial.transform import Rotation
 
 from drake_leg.kinematics.khalil import base_transforms, foot_pose, jacobian, row_transform
-from drake_leg.lab.errata.catalogue import Erratum, angles, errata, number, vector
+from drake_leg.lab.errata.catalogue import errata
+from drake_leg.lab.errata.erratum import Erratum, angles, number, vector
 from drake_leg.lab.errata.printed import (
     J12_PRINTED,
     J12_RIGHT,

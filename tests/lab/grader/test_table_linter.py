@@ -157,8 +157,8 @@ def test_frames_out_of_order_are_named():
         ("0|90|0|0|0", {"lengths": "m"}, "or move it if it is an angle"),
         ("0|0|0|-452.4|0", {"lengths": "m"}, "r is -452.4 m; write -0.4524"),
         ("0|0.05|0|0|0", {"lengths": "mm"}, "d is 0.05 mm; write 50 if it is 0.05 m"),
-        ("0|50|0|20|0", {"lengths": None}, "the unit of its lengths is not said"),
-        ("0|0|90|0|45", {"angles": None}, "the unit of its angles is not said"),
+        ("0|50|0|20|0", {"lengths": None}, "the unit of its lengths is missing"),
+        ("0|0|90|0|45", {"angles": None}, "the unit of its angles is missing"),
     ],
 )
 def test_a_number_in_another_unit_is_guessed_and_no_error(row, units, said):

@@ -59,4 +59,4 @@ def test_rows_that_are_not_said_or_unknown_are_not_understood():
     (sentence,) = sentences(LEG_B, "J", "0, 1; 1, 0")
     assert "it does not say what its rows are; name every row under rows" in sentence
     (sentence,) = sentences(LEG_B, "J", "0, 1, 1; 1, 0, 1", rows=["x", "up"])
-    assert "its rows are said to be x, up; name every row under rows" in sentence
+    assert "its rows are named x, up; name every row under rows" in sentence

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_leg.singularity.limits import limited_speed
+from drake_leg.kinematics.motions import limited_speed
 
 LENGTHS = np.array([1.0, 1.0, 0.2])  # the third part is an angle's rate
 
