@@ -75,6 +75,15 @@ def test_ci_calls_the_readmes_test_command():
     assert command in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
 
 
+def test_every_fence_is_closed_and_no_heading_stands_in_two_pages():
+    headings = []
+    for text in PAGES.values():
+        outside = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+        assert "```" not in outside
+        headings += re.findall(r"^#+ (.*)$", outside, flags=re.MULTILINE)
+    assert len(headings) == len(set(headings))
+
+
 SNIPPETS = [(page, snippet) for page, text in PAGES.items() for snippet in blocks("python", text)]
 
 
