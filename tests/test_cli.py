@@ -589,7 +589,7 @@ def test_the_module_is_the_program():
 
 
 @pytest.mark.parametrize(
-    "words", [["list"], ["--help"], ["run", "--help"], ["report", "--help"], ["--version"]], ids=str
+    "words", [["list"], ["--help"], ["run", "--help"], ["derive", "--help"], ["--version"]], ids=str
 )
 def test_help_is_quick_for_it_imports_neither_drake_nor_matplotlib(words):
     code = (

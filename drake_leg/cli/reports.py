@@ -8,6 +8,7 @@ import json
 import shutil
 import sys
 import textwrap
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
@@ -25,10 +26,15 @@ from drake_leg.cli.terminal import (
 from drake_leg.errors import TimeBudgetError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.progress import ProgressBar, TimeBudget
+from drake_leg.symbolic.catalogue import (
+    SUBJECTS,
+    DerivedRobot,
+    derived_equations,
+    require_subject,
+)
 
 if TYPE_CHECKING:
     from drake_leg.lab.errata.erratum import Erratum
-    from drake_leg.symbolic.catalogue import DerivedRobot
     from drake_leg.symbolic.equations import Equation
 
 SHORTHAND = "c1 = cos(q1), s1 = sin(q1), c23 = cos(q2 + q3) and so on"
@@ -41,8 +47,6 @@ WIDEST, INDENT = 100, 13  # columns of an erratum, and those before its text
 
 def configure_derive(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
-    from drake_leg.symbolic.catalogue import SUBJECTS
-
     parser.description = (
         "Derive a report's transforms, its Jacobian by two methods, its determinant "
         "and its singularities from the Khalil rows, in symbols; or those of a robot of your own."
@@ -62,8 +66,7 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
 
 
 def _derive(chosen: argparse.Namespace) -> int:
-    from drake_leg.symbolic.catalogue import SUBJECTS
-
+    import_module("drake_leg.symbolic.equations")  # loads SymPy before the time is limited
     budget = TimeBudget(budget_of(chosen))
     own = chosen.name not in SUBJECTS and (
         chosen.name in ROBOT_NAMES or chosen.name.lower().endswith(".toml")
@@ -74,8 +77,6 @@ def _derive(chosen: argparse.Namespace) -> int:
 
 def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
     """Derive a report's equations, all or none."""
-    from drake_leg.symbolic.catalogue import SUBJECTS, derived_equations, require_subject
-
     bar.turn_to("its equations")
     require_subject(chosen.name)
     try:
@@ -92,10 +93,10 @@ def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -
 
 def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
     """Derive what follows from a table, and print each piece when it is done."""
-    robot = robot_source(chosen.name).robot()
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import own_pieces
 
+    robot = robot_source(chosen.name).robot()
     table = Derivation(robot.rows)
     undone: list[str] = []
     too_large: list[str] = []

@@ -102,15 +102,16 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     determinant, factored
     │J│ = l₂⋅l₃⋅s₃⋅(c₂⋅l₂ + c₂₃⋅l₃ + l₁)
     """
+    # SymPy is loaded before the time is limited.
+    from drake_leg.symbolic.derivation import Derivation
+    from drake_leg.symbolic.equations import own_pieces
+
     name = next((name for name, subject in SUBJECTS.items() if subject.robot == robot), None)
     spending = TimeBudget(budget)
     if name is not None:
         report = SUBJECTS[name].numbering.partition(",")[0].removeprefix("Report ")
         found = Equations(robot, spending.spend(lambda: derived_equations(name)), report)
     else:
-        from drake_leg.symbolic.derivation import Derivation
-        from drake_leg.symbolic.equations import own_pieces
-
         pieces = own_pieces(Derivation(robot.rows))
         found = Equations(robot, tuple(e for p in pieces for e in spending.spend(p.derive)))
     return found.choose(*wanted) if wanted else found
