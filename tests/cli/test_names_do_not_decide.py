@@ -22,6 +22,14 @@ STRUCTURES = {
 DRAWN = {"leg": "hip", "scara": "$l_1$", "planar": "drawn at", "pendulum": "$R$"}
 
 
+def in_turn(structures):
+    """Pair every structure with every name; one structure a name, in turn, with the fast tests."""
+    for number, name in enumerate(NAMES):
+        for place, structure in enumerate(structures):
+            marks = () if place == number % len(structures) else pytest.mark.slow
+            yield pytest.param(structure, name, id=f"{structure}-{name}", marks=marks)
+
+
 def named(robot, name):
     """The same robot, called and titled otherwise."""
     text = robot_toml(robot).replace(f'"{robot.name}"', f'"{name}"', 1)
@@ -39,8 +47,7 @@ def drawn(monkeypatch):
     return names
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("structure", STRUCTURES)
+@pytest.mark.parametrize(("structure", "name"), list(in_turn(STRUCTURES)))
 def test_a_run_is_that_of_its_structure(structure, name, drawn, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     robot, q0 = STRUCTURES[structure]
@@ -54,8 +61,7 @@ def test_a_run_is_that_of_its_structure(structure, name, drawn, tmp_path, monkey
     assert summary["task"] == ("position" if structure == "leg" else "pose")
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("structure", DRAWN)
+@pytest.mark.parametrize(("structure", "name"), list(in_turn(DRAWN)))
 def test_frames_are_those_of_the_structure(structure, name):
     robot = PENDULUM if structure == "pendulum" else STRUCTURES[structure][0]
     figure = free_body(read_robot(named(robot, name), name))
@@ -93,7 +99,9 @@ def test_a_run_of_a_file_is_replayed_with_its_file(name, drawn, tmp_path, monkey
     assert main(["replay", "out", "--out", "out.html", "--robot", f"{name}.toml"]) == 0
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [*NAMES[:2], *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[2:])]
+)
 def test_a_wheel_is_no_pendulum_and_says_what_it_cannot_do(name, tmp_path, capsys):
     file = tmp_path / f"{name}.toml"
     file.write_text(named(WHEEL, name), encoding="utf-8")

@@ -3,6 +3,7 @@ import re
 import subprocess
 import sys
 from functools import cache
+from itertools import product
 from xml.etree import ElementTree
 
 import matplotlib as mpl
@@ -14,7 +15,15 @@ from drake_leg.colours import GREEN, VERMILLION
 from drake_leg.figures import pendulum as pendulum_figures
 from drake_leg.figures import readings, stroboscope, tip
 from drake_leg.figures.of_runs import figures_of_run
-from drake_leg.figures.style import DARK, LINES, STYLE, for_light_and_dark, new_figure, save
+from drake_leg.figures.style import (
+    DARK,
+    LINES,
+    STYLE,
+    for_light_and_dark,
+    new_figure,
+    save,
+    svg_text,
+)
 from drake_leg.figures.time_plots import add_degrees, curves_plot, time_plot, widen_flat_axis
 from drake_leg.recording import Recording
 from drake_leg.runs.catalogue import RUNS
@@ -360,9 +369,16 @@ def test_the_stroboscope_has_the_same_ticks_on_all_its_axes():
     assert len(set(steps)) == 1
 
 
-@pytest.mark.parametrize("rest", [0.2, 1.2, np.pi / 2, 2.9, -0.4])
-@pytest.mark.parametrize("start", [-1.0, 0.1, 1.5, 3.0])
-@pytest.mark.parametrize("rate", [0.5, 3.0])
+def dying():
+    """List motions by their rest, start and rate; one a rest, in turn, with the fast tests."""
+    ways = list(product([-1.0, 0.1, 1.5, 3.0], [0.5, 3.0]))
+    for number, rest in enumerate([0.2, 1.2, np.pi / 2, 2.9, -0.4]):
+        for place, way in enumerate(ways):
+            marks = () if place == 3 * number % len(ways) else pytest.mark.slow
+            yield pytest.param(rest, *way, marks=marks)
+
+
+@pytest.mark.parametrize(("rest", "start", "rate"), list(dying()))
 def test_any_motion_that_dies_away_can_be_drawn_and_nothing_lies_on_the_inset(rest, start, rate):
     time = np.linspace(0.0, 30.0, 3001)
     q = rest + (start - rest) * np.exp(-rate * time) * np.cos(4.0 * rate * time)
@@ -445,9 +461,9 @@ def test_a_saved_figure_tells_no_date(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["leg-b", "pendulum", "pendulum-spring"])
-def test_every_colour_of_a_figure_has_one_for_the_dark(name, tmp_path):
-    for file, draw in figures_of(name).items():
-        svg = save(draw(), tmp_path, file)["svg"].read_text(encoding="utf-8")
+def test_every_colour_of_a_figure_has_one_for_the_dark(name):
+    for draw in figures_of(name).values():
+        svg = svg_text(draw())
         used = set(re.findall(r"(?:fill|stroke): (#[0-9a-f]{6})", svg))
         assert used <= {colour.lower() for colour in DARK}
         themed = for_light_and_dark(svg)

@@ -145,9 +145,7 @@ def test_an_axis_is_seen_end_on_where_the_transform_says_so():
 
 @cache
 def chain_figure(name):
-    figure = free_body(CHAINS[name])
-    figure.draw_without_rendering()
-    return figure
+    return free_body(CHAINS[name])
 
 
 @pytest.mark.parametrize("name", CHAINS)

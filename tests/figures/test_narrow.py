@@ -1,7 +1,7 @@
 """Figures fitted to narrow places: letters stay as large, and nothing hides anything."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import combinations
 
 import numpy as np
@@ -32,14 +32,15 @@ def sprung(rest):
     return replace(PENDULUM, segments=(replace(only, mechanics=joint), *others))
 
 
-def drawn():
-    """Every figure there is, by name: a function that draws it."""
-    for name in RUNS:
-        outcome = outcome_of(name)
-        for kind, draw in figures_of_run(
-            outcome.subject, RUNS[name].title, outcome.robot, outcome.recording, outcome.summary
-        ):
-            yield f"{name} {kind}", draw
+def of_run(name):
+    outcome = outcome_of(name)
+    for kind, draw in figures_of_run(
+        outcome.subject, RUNS[name].title, outcome.robot, outcome.recording, outcome.summary
+    ):
+        yield f"{name} {kind}", draw
+
+
+def of_postures():
     for robot in ROBOTS:
         yield f"{robot.name} frames", lambda robot=robot: free_body(robot)
     for rest in (30.0, 45.0, 60.0):
@@ -49,6 +50,19 @@ def drawn():
             yield f"{robot.name} {kind}", draw
     for kind, draw in maps_of_posture(SCARA, (0.52, 1.57, -2.09)).items():
         yield f"scara {kind}", draw
+
+
+FAST = ("pendulum-spring", "scara")
+# Every figure there is, in groups of functions that draw them, by name.
+DRAWN = [
+    *(partial(of_run, name) for name in FAST),
+    *(
+        pytest.param(partial(of_run, name), marks=pytest.mark.slow)
+        for name in RUNS
+        if name not in FAST
+    ),
+    pytest.param(of_postures, marks=pytest.mark.slow),
+]
 
 
 def fitted(draw):
@@ -92,8 +106,8 @@ def overlapping(boxes):
             yield first, second
 
 
-def test_nothing_that_is_written_hides_anything_or_leaves_the_figure():
-    seen = 0
+@pytest.mark.parametrize("drawn", DRAWN)
+def test_nothing_that_is_written_hides_anything_or_leaves_the_figure(drawn):
     for name, draw in drawn():
         figure = fitted(draw)
         boxes = boxes_of(figure)
@@ -105,8 +119,11 @@ def test_nothing_that_is_written_hides_anything_or_leaves_the_figure():
             assert inside, (name, label, box)
             assert box.y0 > -1.0, (name, label, box)
             assert box.y1 < figure.bbox.y1 + 1.0, (name, label, box)
-        seen += 1
-    assert seen > 50
+
+
+@pytest.mark.slow
+def test_the_figures_are_many():
+    assert len([*of_postures(), *(one for name in RUNS for one in of_run(name))]) > 50
 
 
 @pytest.mark.parametrize("kind", ["singular_postures", "singular_feet"])

@@ -32,7 +32,11 @@ def texts_of(outcome, name):
         ({"amplitude": -0.05, "frequency": 1.5}, True),
         ({"filter_time_constant": 0.001}, True),
         ({"amplitude": 0.1, "inverse": "damped"}, False),
-        ({"amplitude": 0.1, "inverse": "limited", "rate_limit": 60.0}, False),
+        pytest.param(
+            {"amplitude": 0.1, "inverse": "limited", "rate_limit": 60.0},
+            False,
+            marks=pytest.mark.slow,
+        ),
         ({"push": [0.0, 0.0, 0.1]}, False),
         ({"torque_limit": 0.004, "inverse": "damped"}, False),
     ],

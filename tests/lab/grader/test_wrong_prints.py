@@ -30,6 +30,14 @@ def cases():
         yield pytest.param(title.split(":")[0], words, name, int(count), entries, id=title)
 
 
+def with_lengths():
+    """List every case with all lengths; one of these, in turn, with the fast tests."""
+    for number, case in enumerate(cases()):
+        for place, (what, lengths) in enumerate(LENGTHS.items()):
+            marks = () if place == number % len(LENGTHS) else pytest.mark.slow
+            yield pytest.param(*case.values, lengths, id=f"{case.id}-{what}", marks=marks)
+
+
 def arm(l1, l2, l3):
     """Make an arm on a post, its last link turned by 30 degrees and as long as l3."""
     rows = (
@@ -57,8 +65,9 @@ def robot_of(name, lengths):
     return hexabot_leg(name[-1].upper(), l1=l1, l2=l2, l3=l3), symbols
 
 
-@pytest.mark.parametrize("lengths", LENGTHS.values(), ids=LENGTHS)
-@pytest.mark.parametrize(("robot", "words", "name", "count", "entries"), list(cases()))
+@pytest.mark.parametrize(
+    ("robot", "words", "name", "count", "entries", "lengths"), list(with_lengths())
+)
 def test_a_wrong_print_is_named_for_what_it_is(robot, words, name, count, entries, lengths):
     right, symbols = robot_of(robot, lengths)
     matrix = PrintedMatrix(name=name, entries=entries)
