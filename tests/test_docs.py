@@ -18,6 +18,12 @@ PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (README, *ROOT.
 TEXT = "\n".join(PAGES.values())
 
 
+@pytest.fixture
+def unsaved(monkeypatch):
+    """Draw pictures without saving them."""
+    monkeypatch.setattr("drake_leg.runs.files.save", lambda *arguments: None)
+
+
 def blocks(language, text=TEXT):
     return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
 
@@ -77,7 +83,7 @@ def test_a_snippet_runs(page, snippet):
     subprocess.run([sys.executable, "-W", "error", "-c", snippet], check=True, cwd=ROOT)
 
 
-def test_the_robot_of_ones_own_is_proved(tmp_path, monkeypatch, capsys):
+def test_the_robot_of_ones_own_is_proved(unsaved, tmp_path, monkeypatch, capsys):
     (robot,) = blocks("toml")
     monkeypatch.chdir(tmp_path)
     Path("arm.toml").write_text(robot, encoding="utf-8")
@@ -90,7 +96,7 @@ def test_the_robot_of_ones_own_is_proved(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("text", blocks("yaml"))
-def test_the_config_is_taken(tmp_path, text):
+def test_the_config_is_taken(unsaved, tmp_path, text):
     config = tmp_path / "step.yaml"
     config.write_text(text, encoding="utf-8")
     words = ["run", "leg-b", "--config", str(config), "--out", str(tmp_path / "step")]

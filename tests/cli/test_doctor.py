@@ -11,6 +11,18 @@ LEG = ["doctor", "leg-b", "--q", "90,-50,-90"]
 MAPS = ("determinant", "sigma_min", "singular_feet", "singular_postures")
 
 
+def test_a_scaras_map_is_left_in_a_folder(tmp_path, capsys):
+    target = tmp_path / "maps"
+    scara = ["doctor", "scara", "--q", "30,90,-120", "--json", "--out", str(target)]
+    assert main(scara) == 0
+    expected = {f"sigma_min.{ending}" for ending in ("png", "svg", "pdf")}
+    assert {path.name for path in target.iterdir()} == expected | {LIST, "summary.json"}
+    json.loads(capsys.readouterr().out)
+    assert main(scara) == 2
+    assert "exists" in capsys.readouterr().err
+
+
+@pytest.mark.slow
 def test_maps_are_left_in_a_folder(tmp_path, capsys):
     target = tmp_path / "maps"
     assert main([*LEG, "--out", str(target)]) == 0

@@ -172,9 +172,12 @@ sys.exit(main(sys.argv[1:]))
 @pytest.mark.parametrize(
     "words",
     [
-        ["leg-b", "--duration", "50000"],
+        pytest.param(["leg-b", "--duration", "50000"], marks=pytest.mark.slow),
         ["pendulum", "--duration", "3000"],
-        ["leg-b", "--duration", "9000", "--inverse", "damped", "--push", "0,0,0.1"],
+        pytest.param(
+            ["leg-b", "--duration", "9000", "--inverse", "damped", "--push", "0,0,0.1"],
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=lambda words: " ".join(words[::3]),
 )

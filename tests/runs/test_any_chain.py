@@ -162,8 +162,15 @@ def test_a_lost_turning_is_told_as_one():
         run_robot(PUMA, options(PUMA, q, amplitude=0.3, direction=[0, 0, 1], duration=3.0))
 
 
-@pytest.mark.parametrize("inverse", ["damped", "limited"])
-@pytest.mark.parametrize("task", ["position", "pose"])
+@pytest.mark.parametrize(
+    ("inverse", "task"),
+    [
+        ("damped", "position"),
+        pytest.param("damped", "pose", marks=pytest.mark.slow),
+        pytest.param("limited", "position", marks=pytest.mark.slow),
+        pytest.param("limited", "pose", marks=pytest.mark.slow),
+    ],
+)
 def test_damped_and_limited_go_on_beyond_the_reach(inverse, task):
     robot, q = POSTURES["seven"]
     far = options(robot, q, amplitude=0.4, duration=2.5, task=task, inverse=inverse)
