@@ -262,7 +262,7 @@ def test_a_light_damped_link_is_told_what_works():
         run_pendulum(replace(LIGHT, damping=1000.0))
 
 
-@pytest.mark.parametrize("density", [1.0, 100.0])
+@pytest.mark.parametrize("density", [pytest.param(1.0, marks=pytest.mark.slow), 100.0])
 def test_an_implicit_integrator_gives_the_right_motion_of_a_light_damped_link(density):
     options = replace(LIGHT, density=density, damping=0.05, integrator="radau3")
     summary = run_pendulum(options).summary
