@@ -264,6 +264,7 @@ def test_two_runs_record_the_same_bytes(no_figures, here, capsys, words):
     assert recordings[0] == recordings[1]
 
 
+@pytest.mark.slow
 def test_a_missing_display_is_no_hindrance(here, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.setenv("MPLBACKEND", "TkAgg")

@@ -29,7 +29,10 @@ def angle_error(outcome):
     return max(np.abs(outcome.recording[q] - outcome.exact[q]).max() for q in angles)
 
 
-@pytest.mark.parametrize(("max_step", "within"), [(0.040, 1e-9), (0.005, 1e-12)])
+@pytest.mark.parametrize(
+    ("max_step", "within"),
+    [(0.040, 1e-9), pytest.param(0.005, 1e-12, marks=pytest.mark.slow)],
+)
 def test_joint_angles_follow_their_command(max_step, within):
     config = HexabotLegConfig(robot=LEG_B, q0=tuple(Q0))
     diagram = build(config)

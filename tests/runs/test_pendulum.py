@@ -173,7 +173,13 @@ def test_a_run_that_has_hardly_begun_has_not_come_to_rest(duration):
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "target"), [(5.0, 30.0), (0.5, 30.0), (1.0, -20.0), (50.0, 120.0)]
+    ("stiffness", "target"),
+    [
+        (5.0, 30.0),
+        (0.5, 30.0),
+        (1.0, -20.0),
+        pytest.param(50.0, 120.0, marks=pytest.mark.slow),
+    ],
 )
 def test_the_spring_holds_it_where_the_torques_balance(stiffness, target):
     summary = sprung(spring_stiffness=stiffness, target=target, damping=0.05, duration=8.0).summary
