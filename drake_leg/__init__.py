@@ -80,41 +80,53 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
 
-    from drake_leg.diagrams.ellipse import EllipseConfig
-    from drake_leg.diagrams.ellipse import build as build_ellipse
-    from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
-    from drake_leg.diagrams.hexabot_leg import build as build_hexabot_leg
-    from drake_leg.diagrams.mechanism import add_scope
-    from drake_leg.diagrams.pendulum import PendulumConfig
-    from drake_leg.diagrams.pendulum import build as build_pendulum
-    from drake_leg.diagrams.scara import ScaraConfig
-    from drake_leg.diagrams.scara import build as build_scara
-    from drake_leg.figures.free_body import free_body as frames_drawing
-    from drake_leg.kinematics.motions import EllipticStep, SineStep
-    from drake_leg.kinematics.of_robot import movable
-    from drake_leg.lab.shown import errata, report
-    from drake_leg.models.plant import build_plant
-    from drake_leg.models.proof import prove
-    from drake_leg.pictures.block_diagram import block_diagram
-    from drake_leg.recording import Recording
-    from drake_leg.robot import Robot
-    from drake_leg.robot_file.read import load_robot
-    from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
-    from drake_leg.runs.named import run
-    from drake_leg.scene.images import still
-    from drake_leg.scene.replay import replay
-    from drake_leg.simulation.run import simulate
-    from drake_leg.singularity.doctor import examine_posture
-    from drake_leg.symbolic.by_robot import derive
-    from drake_leg.systems.drift_correction import DriftCorrection
-    from drake_leg.systems.energy_sensor import EnergySensor
-    from drake_leg.systems.frame_sensor import FrameSensor
-    from drake_leg.systems.input_filter import InputFilter
-    from drake_leg.systems.inverse_jacobian import InverseJacobian
-    from drake_leg.systems.joint_stops import JointStops
-    from drake_leg.systems.prescribed_motion import PrescribedMotion
+    from drake_leg.diagrams import ellipse as _ellipse
+    from drake_leg.diagrams import hexabot_leg as _hexabot_leg
+    from drake_leg.diagrams import pendulum as _pendulum
+    from drake_leg.diagrams import scara as _scara
+    from drake_leg.diagrams.ellipse import EllipseConfig as EllipseConfig
+    from drake_leg.diagrams.hexabot_leg import HexabotLegConfig as HexabotLegConfig
+    from drake_leg.diagrams.mechanism import add_scope as add_scope
+    from drake_leg.diagrams.pendulum import PendulumConfig as PendulumConfig
+    from drake_leg.diagrams.scara import ScaraConfig as ScaraConfig
+    from drake_leg.kinematics.motions import EllipticStep as EllipticStep
+    from drake_leg.kinematics.motions import SineStep as SineStep
+    from drake_leg.kinematics.of_robot import movable as movable
+    from drake_leg.lab.shown import errata as errata
+    from drake_leg.lab.shown import report as report
+    from drake_leg.models.plant import build_plant as build_plant
+    from drake_leg.models.proof import prove as prove
+    from drake_leg.pictures.block_diagram import block_diagram as block_diagram
+    from drake_leg.pictures.plots import free_body as _free_body
+    from drake_leg.robot.robot import Robot as Robot
+    from drake_leg.robot.robots import LEG_A as LEG_A
+    from drake_leg.robot.robots import LEG_B as LEG_B
+    from drake_leg.robot.robots import PENDULUM as PENDULUM
+    from drake_leg.robot.robots import SCARA as SCARA
+    from drake_leg.robot.toml_reader import load_robot as load_robot
+    from drake_leg.runs.named import run as run
+    from drake_leg.scene.images import still as still
+    from drake_leg.scene.replay import replay as replay
+    from drake_leg.simulation.recording import Recording as Recording
+    from drake_leg.simulation.run import simulate as simulate
+    from drake_leg.singularity.doctor import examine_posture as examine_posture
+    from drake_leg.symbolic.catalogue import derive as derive
+    from drake_leg.systems.drift_correction import DriftCorrection as DriftCorrection
+    from drake_leg.systems.energy_sensor import EnergySensor as EnergySensor
+    from drake_leg.systems.frame_sensor import FrameSensor as FrameSensor
+    from drake_leg.systems.input_filter import InputFilter as InputFilter
+    from drake_leg.systems.inverse_jacobian import InverseJacobian as InverseJacobian
+    from drake_leg.systems.joint_stops import JointStops as JointStops
+    from drake_leg.systems.prescribed_motion import PrescribedMotion as PrescribedMotion
 
-# Where each name is: its module, and its own name there.
+    build_ellipse = _ellipse.build
+    build_hexabot_leg = _hexabot_leg.build
+    build_pendulum = _pendulum.build
+    build_scara = _scara.build
+    frames_drawing = _free_body.free_body
+
+# Where each name comes from: its module, and its own name there. There is no ``__all__``, so that
+# ``help(drake_leg)`` prints the text above and not the help of every name.
 _HOMES = {
     "DriftCorrection": ("drake_leg.systems.drift_correction", "DriftCorrection"),
     "EllipseConfig": ("drake_leg.diagrams.ellipse", "EllipseConfig"),
@@ -125,14 +137,14 @@ _HOMES = {
     "InputFilter": ("drake_leg.systems.input_filter", "InputFilter"),
     "InverseJacobian": ("drake_leg.systems.inverse_jacobian", "InverseJacobian"),
     "JointStops": ("drake_leg.systems.joint_stops", "JointStops"),
-    "LEG_A": ("drake_leg.robots", "LEG_A"),
-    "LEG_B": ("drake_leg.robots", "LEG_B"),
-    "PENDULUM": ("drake_leg.robots", "PENDULUM"),
+    "LEG_A": ("drake_leg.robot.robots", "LEG_A"),
+    "LEG_B": ("drake_leg.robot.robots", "LEG_B"),
+    "PENDULUM": ("drake_leg.robot.robots", "PENDULUM"),
     "PendulumConfig": ("drake_leg.diagrams.pendulum", "PendulumConfig"),
     "PrescribedMotion": ("drake_leg.systems.prescribed_motion", "PrescribedMotion"),
-    "Recording": ("drake_leg.recording", "Recording"),
-    "Robot": ("drake_leg.robot", "Robot"),
-    "SCARA": ("drake_leg.robots", "SCARA"),
+    "Recording": ("drake_leg.simulation.recording", "Recording"),
+    "Robot": ("drake_leg.robot.robot", "Robot"),
+    "SCARA": ("drake_leg.robot.robots", "SCARA"),
     "ScaraConfig": ("drake_leg.diagrams.scara", "ScaraConfig"),
     "SineStep": ("drake_leg.kinematics.motions", "SineStep"),
     "add_scope": ("drake_leg.diagrams.mechanism", "add_scope"),
@@ -142,11 +154,11 @@ _HOMES = {
     "build_pendulum": ("drake_leg.diagrams.pendulum", "build"),
     "build_plant": ("drake_leg.models.plant", "build_plant"),
     "build_scara": ("drake_leg.diagrams.scara", "build"),
-    "derive": ("drake_leg.symbolic.by_robot", "derive"),
+    "derive": ("drake_leg.symbolic.catalogue", "derive"),
     "errata": ("drake_leg.lab.shown", "errata"),
     "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
-    "frames_drawing": ("drake_leg.figures.free_body", "free_body"),
-    "load_robot": ("drake_leg.robot_file.read", "load_robot"),
+    "frames_drawing": ("drake_leg.pictures.plots.free_body", "free_body"),
+    "load_robot": ("drake_leg.robot.toml_reader", "load_robot"),
     "movable": ("drake_leg.kinematics.of_robot", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),
     "replay": ("drake_leg.scene.replay", "replay"),
@@ -155,48 +167,6 @@ _HOMES = {
     "simulate": ("drake_leg.simulation.run", "simulate"),
     "still": ("drake_leg.scene.images", "still"),
 }
-
-__all__ = [
-    "LEG_A",
-    "LEG_B",
-    "PENDULUM",
-    "SCARA",
-    "DriftCorrection",
-    "EllipseConfig",
-    "EllipticStep",
-    "EnergySensor",
-    "FrameSensor",
-    "HexabotLegConfig",
-    "InputFilter",
-    "InverseJacobian",
-    "JointStops",
-    "PendulumConfig",
-    "PrescribedMotion",
-    "Recording",
-    "Robot",
-    "ScaraConfig",
-    "SineStep",
-    "add_scope",
-    "block_diagram",
-    "build_ellipse",
-    "build_hexabot_leg",
-    "build_pendulum",
-    "build_plant",
-    "build_scara",
-    "derive",
-    "errata",
-    "examine_posture",
-    "frames_drawing",
-    "load_robot",
-    "movable",
-    "prove",
-    "replay",
-    "report",
-    "run",
-    "simulate",
-    "still",
-]
-
 
 __version__: str
 
@@ -216,7 +186,7 @@ if not TYPE_CHECKING:  # so that a misspelt name is an error to type checkers
 
 
 def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
+    return [*_HOMES, "__version__"]
 
 
 def _svg(diagram: Diagram) -> str:

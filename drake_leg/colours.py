@@ -1,4 +1,4 @@
-"""The colours that the rooms share, and what a picture in them is drawn on."""
+"""The colours and backgrounds that all pictures share."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from typing import Literal
 
 Colour = tuple[float, float, float]  # red, green, blue in 0...1
 
-# White or dark as the reader's system is, always white, or none, for light places.
+# White or dark as the reader's system, always white, or transparent.
 Background = Literal["auto", "white", "none"]
 
 # Okabe and Ito's colours, told apart by colour-blind eyes.
 BLUE, ORANGE, GREEN = "#0072B2", "#E69F00", "#009E73"
 SKY_BLUE, YELLOW, VERMILLION, REDDISH_PURPLE = "#56B4E9", "#F0E442", "#D55E00", "#CC79A7"
 
-PURPLE = "#9B4F96"  # darker than theirs, to be read on white
+PURPLE = "#9B4F96"  # darker than theirs, legible on white
 
 
 def rgb(code: str) -> Colour:

@@ -1,7 +1,7 @@
 """The errors that this package raises, each with the numbers that explain it.
 
 An error's text is one sentence: the problem, and, after a colon, what the caller can do. Advice is
-written for Python; settings stand in backquotes, as ``choose `inverse='damped'` ``, so that the
+written for Python; settings are in backquotes, as ``choose `inverse='damped'` ``, so that the
 command line can show them as its options.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from typing import Any
 
 MOST_OF_A_TEXT = 300  # characters
@@ -22,7 +23,7 @@ class DrakeLegError(Exception):
     problem : str
         What is wrong.
     advice : str
-        What to do about it, in Python's terms; empty where there is nothing to say.
+        What to do about it, in Python's terms; may be empty.
     """
 
     advice = ""
@@ -120,7 +121,7 @@ def in_a_line(error: BaseException) -> str:
 
 
 class SingularConfigurationError(DrakeLegError):
-    """The inverse Jacobian was asked for where it does not exist.
+    """The inverse Jacobian is needed where it does not exist.
 
     Attributes
     ----------
@@ -292,3 +293,56 @@ class JointLimitError(DrakeLegError):
             f"its limits {low:.6g} ... {high:.6g} {unit}",
             advice=advice,
         )
+
+
+class BrokenPackageError(DrakeLegError):
+    """A package that is needed is not installed, or fails when it is imported.
+
+    Attributes
+    ----------
+    reason : str
+        Why it cannot be imported.
+    """
+
+    def __init__(self, purpose: str, package: str, reason: str, remedy: str) -> None:
+        self.reason = reason
+        super().__init__(
+            f"{purpose} needs {package}, which cannot be imported ({reason})", advice=remedy
+        )
+
+
+def require_import(module: str, *, purpose: str, package: str, remedy: str) -> None:
+    """Refuse to go on without a package, of which this module is needed for a purpose.
+
+    Raises
+    ------
+    BrokenPackageError
+        With the reason, whatever it is.
+    """
+    try:
+        import_module(module)
+    except Exception as error:  # a broken package may raise anything
+        lines = str(error).splitlines() or [type(error).__name__]
+        raise BrokenPackageError(purpose, package, lines[0], remedy) from error
+
+
+def require_matplotlib() -> None:
+    """Refuse to go on without matplotlib and Pillow, which figures need."""
+    require_pillow()
+    require_import(
+        "matplotlib",
+        purpose="a figure",
+        package="matplotlib",
+        remedy="take MPLBACKEND out of the environment if it is set, or "
+        "pip install --force-reinstall matplotlib",
+    )
+
+
+def require_pillow() -> None:
+    """Refuse to go on without Pillow, which all pictures need."""
+    require_import(
+        "PIL.Image",
+        purpose="a picture",
+        package="Pillow",
+        remedy="pip install --force-reinstall pillow",
+    )

@@ -1,4 +1,4 @@
-"""Files: read within bounds, and written whole or not at all, without taking another's place."""
+"""Files: read up to a size limit; written whole or not at all, never over another's file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LARGEST_RECORDING = 4 << 30  # bytes
 
 LIST = ".files-of-drake-leg"  # names the files that were written into a folder
 HEADING = "# drake-leg wrote these files here; overwriting replaces them, and no others"
-LITTER = (".DS_Store",)  # nobody's
+LITTER = (".DS_Store",)  # written by the system; removed with the results
 LONGEST_NAME = 200  # characters of a name that a number is added to
 
 Identity = tuple[int, int]  # device and inode
@@ -32,7 +32,7 @@ Identity = tuple[int, int]  # device and inode
 
 @contextmanager
 def opened(path: Path, *, most: int = LARGEST_TEXT) -> Iterator[BufferedReader]:
-    """Open a regular file of at most so many bytes; never wait on a pipe or a device.
+    """Open a regular file of at most ``most`` bytes; never wait for a pipe or a device.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def opened(path: Path, *, most: int = LARGEST_TEXT) -> Iterator[BufferedReader]:
 
 
 def read_bytes(path: Path, *, most: int = LARGEST_TEXT) -> bytes:
-    """Read a whole file of at most so many bytes.
+    """Read a whole file of at most ``most`` bytes.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def write_text(target: Path, text: str, *, ending: str, overwrite: bool) -> None
 
 @contextmanager
 def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> Iterator[Path]:
-    """Lend a path to write a file at; move the file to its place when it is whole.
+    """Yield a path to write a file at; move the file to its place when it is whole.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> It
 
 
 def check_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> None:
-    """Refuse a file that must not be written, before any work is done for it.
+    """Refuse a file that must not be written, before work is done for it.
 
     Raises
     ------
@@ -164,14 +164,14 @@ def check_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> No
 
 
 class ResultsFolder:
-    """A folder that a command makes: put in its place with its data whole, then added to.
+    """A folder of results: it appears with its data complete, then pictures are added.
 
     Attributes
     ----------
     path : Path
-        Where it is: beside the target if another has taken that place in the meantime.
+        Where it is: beside the target if that has been taken in the meantime.
     remark : str or None
-        A sentence about that.
+        A sentence for the user if that has happened.
     """
 
     def __init__(self, target: Path, *, overwrite: bool) -> None:
@@ -183,7 +183,7 @@ class ResultsFolder:
 
     @contextmanager
     def begun(self) -> Iterator[Path]:
-        """Lend a folder to write data into; move it to its place when all is written.
+        """Yield a folder to write data into; move it to its place when all is written.
 
         If something fails, nothing is left, and an older folder stays as it was.
 
@@ -205,7 +205,7 @@ class ResultsFolder:
 
     @contextmanager
     def more(self) -> Iterator[Path]:
-        """Lend a folder to write more files into; move each to its place when all are written.
+        """Yield a folder to write more files into; move each to its place when all are written.
 
         Raises
         ------
@@ -268,7 +268,7 @@ class ResultsFolder:
 
 
 def check_target(target: Path, *, overwrite: bool) -> None:
-    """Refuse a folder that must not be written, before any work is done for it.
+    """Refuse a folder that must not be written, before work is done for it.
 
     Raises
     ------
@@ -340,7 +340,7 @@ def _is_as_it_was(folder: Path, known: Identity) -> bool:
 
 @contextmanager
 def _locked(target: Path) -> Iterator[None]:
-    """Make others wait who would replace the same results."""
+    """Make other processes wait that would replace the same results."""
     with ExitStack() as stack:
         with suppress(OSError):  # there is nothing to lock, or the file system has no locks
             fcntl.flock(stack.enter_context(_open_folder(target)), fcntl.LOCK_EX)
@@ -365,7 +365,7 @@ def _identity(status: os.stat_result) -> Identity:
 
 @contextmanager
 def _write_errors(target: Path) -> Iterator[None]:
-    """Turn what the system says into a sentence about the place."""
+    """Turn errors of the system into a ``PlaceError``."""
     try:
         yield
     except (OSError, UnicodeError) as error:
@@ -393,7 +393,7 @@ def _scratch_prefix(target: Path) -> str:
 
 @contextmanager
 def _scratch_beside(target: Path) -> Iterator[Path]:
-    """Lend a folder beside a target; missing folders above the target are made first.
+    """Yield a folder beside a target, after making missing folders above the target.
 
     If something fails, what was made is removed.
 
@@ -420,7 +420,7 @@ def _scratch_beside(target: Path) -> Iterator[Path]:
 
 
 def _place(source: Path, wanted: Path, add: Callable[[Path, Path], None], ending: str = "") -> Path:
-    """Move a file or folder to a place, or, if that is taken, to ``wanted-2`` and so on."""
+    """Move a file or folder to a path, or, if that exists, to ``wanted-2`` and so on."""
     stem = wanted.name.removesuffix(ending)[:LONGEST_NAME]
     others = (wanted.with_name(f"{stem}-{number}{ending}") for number in count(2))
     target = wanted
@@ -434,7 +434,7 @@ def _place(source: Path, wanted: Path, add: Callable[[Path, Path], None], ending
 
 
 def _add_folder(folder: Path, target: Path) -> None:
-    """Move a folder to a place where nothing is, else raise ``FileExistsError``."""
+    """Move a folder to a path where nothing exists, else raise ``FileExistsError``."""
     with held():
         target.mkdir()  # claims the name: only one process can
         try:
@@ -448,7 +448,7 @@ def _add_folder(folder: Path, target: Path) -> None:
 
 
 def _add_file(file: Path, target: Path | str, folder: int | None = None) -> None:
-    """Move a file to a place, in an open folder if one is given, as ``_add_folder`` does."""
+    """Move a file, into an open folder if one is given, as ``_add_folder`` does."""
     with held():
         try:
             os.link(file, target, dst_dir_fd=folder)

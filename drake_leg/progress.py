@@ -1,4 +1,4 @@
-"""Long work: how far it is, when its time is up, and what interrupts it."""
+"""Long work: its progress bar, its time budget, its interruption."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from drake_leg.errors import TimeBudgetError
 T = TypeVar("T")
 
 
-# --- how far it is ---------------------------------------------------------------------------
+# --- progress bar ----------------------------------------------------------------------------
 
 PATIENCE = 1.0  # [s] before the bar appears
-REFRESH = 0.1  # [s] between two updates of it
-LINES = 10.0  # [s] before the first plain line, and between two of them
-WIDTH = 30  # characters
+REFRESH = 0.1  # [s] between two updates
+LINES = 10.0  # [s] before the first plain line, and between two lines
+WIDTH = 30  # characters of the bar
 
 
 class ProgressBar:
-    """Shows how far something has come, once it has taken more than a second.
+    """Shows the progress of something that takes more than a second.
 
-    On a stream that is no terminal it writes a line every ten seconds instead. In a ``with`` it
-    does so on its own, also while nothing is reported.
+    On a stream that is no terminal it writes a line every ten seconds instead. In a ``with``
+    statement it is updated even while no progress is reported.
     """
 
     def __init__(self, stream: TextIO, label: str, total: float, unit: str) -> None:
@@ -59,19 +59,19 @@ class ProgressBar:
         self._show()
 
     def turn_to(self, stage: str) -> None:
-        """Name a stage whose progress is not known."""
+        """Show a stage whose progress is unknown."""
         self._stage = stage
         self._show()
 
     def close(self) -> None:
-        """Wipe the bar off for good."""
+        """Erase the bar for good."""
         self._closed.set()
         if self._ticker.is_alive():
             self._ticker.join()
         self.wipe()
 
     def wipe(self) -> None:
-        """Wipe the bar off, so that something can be printed; it comes back by itself."""
+        """Erase the bar, so that something can be printed; the next update draws it again."""
         with self._drawing:
             if self._shown:
                 self._write("\r" + " " * 78 + "\r")
@@ -110,21 +110,21 @@ class ProgressBar:
         return f"{self._done:.4g} of {self._total:g} {self._unit}"
 
     def _write(self, text: str) -> None:
-        """Write; if nobody reads any more, go on without."""
+        """Write; ignore a reader that has gone."""
         with suppress(OSError, ValueError):
             self._stream.write(text)
             self._stream.flush()
 
 
-# --- when its time is up ---------------------------------------------------------------------
+# --- time budget -----------------------------------------------------------------------------
 
-BUDGET = 120.0  # [s] of a derivation, where no other is given
-POLL = 0.02  # [s] between two looks at whether it is done
-GRACE = 2.0  # [s] that stopped work has to end
+BUDGET = 120.0  # [s] of a derivation by default
+POLL = 0.02  # [s] between two checks of whether the work is done
+GRACE = 2.0  # [s] in which stopped work must end
 
 
 class TimeBudget:
-    """Seconds that several pieces of work share, from now on."""
+    """A time limit that several pieces of work share; it starts when it is made."""
 
     def __init__(self, seconds: float) -> None:
         self.seconds = seconds
@@ -132,18 +132,18 @@ class TimeBudget:
 
     @property
     def left(self) -> float:
-        """What is left of it [s]."""
+        """Remaining time [s]."""
         return max(self._end - time.monotonic(), 0.0)
 
     def spend(self, work: Callable[[], T]) -> T:
-        """Do a piece of work and return its result, unless the time is up before.
+        """Do a piece of work and return its result.
 
-        Only work in Python can be stopped: nothing stops a single call into compiled code.
+        Only Python code can be stopped: nothing stops a single call into compiled code.
 
         Raises
         ------
         TimeBudgetError
-            If it was not done in time.
+            If it was not done in the remaining time; the work is stopped.
         """
         if self.left <= 0.0:
             raise TimeBudgetError(seconds=self.seconds)
@@ -160,7 +160,7 @@ class TimeBudget:
 
 
 class _Worker(threading.Thread, Generic[T]):
-    """Does work beside the thread that waits for it."""
+    """Does work while another thread waits for it."""
 
     def __init__(self, work: Callable[[], T]) -> None:
         super().__init__(daemon=True)
@@ -175,7 +175,7 @@ class _Worker(threading.Thread, Generic[T]):
             self._error = error
 
     def stop(self) -> None:
-        """Raise ``SystemExit`` inside the work, again if it goes on in spite of it."""
+        """Raise ``SystemExit`` inside the work, repeatedly if it goes on."""
         import ctypes
 
         end = time.monotonic() + GRACE
@@ -191,22 +191,22 @@ class _Worker(threading.Thread, Generic[T]):
         return self._results[0]
 
 
-# --- what interrupts it ----------------------------------------------------------------------
+# --- interruption ----------------------------------------------------------------------------
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @dataclass
 class Interrupts:
-    """Which signals have come, and whether they may interrupt."""
+    """Which signals were received, and whether they may interrupt."""
 
     received: int | None = None  # the last one
-    late: bool = False  # one came while it was held back
-    held: int = 0  # how many hold signals back
-    once: bool = False  # what the first one leaves is saved
+    late: bool = False  # one was received while signals were held back
+    held: int = 0  # how many parts of the program hold signals back
+    once: bool = False  # after the first one, results are saved, and signals held back
 
     def take(self, number: int, _frame: FrameType | None) -> None:
-        """Interrupt now, or note that it is to be done."""
+        """Interrupt now, or later if signals are held back."""
         self.received = number
         if self.held:
             if self.late and self.once and self.held == 1:  # nothing is half done
@@ -218,7 +218,7 @@ class Interrupts:
         raise KeyboardInterrupt
 
     def release(self, held: int) -> None:
-        """Interrupt now, if a signal was held back and nothing holds it any longer."""
+        """Interrupt now, if a signal was held back and nothing holds signals back any longer."""
         self.held = held
         if self.late and not held:
             self.late = False
@@ -246,8 +246,8 @@ def interruptible() -> Iterator[Interrupts]:
 
 @contextmanager
 def held() -> Iterator[None]:
-    """Hold signals back while something must be done whole; then they interrupt."""
-    if threading.current_thread() is not threading.main_thread():  # none comes to others
+    """Hold signals back while something must not be interrupted; then they interrupt."""
+    if threading.current_thread() is not threading.main_thread():  # other threads receive none
         yield
         return
     before = _interrupts.held
@@ -262,10 +262,10 @@ def held() -> Iterator[None]:
 
 @contextmanager
 def saved() -> Iterator[Callable[[], None]]:
-    """Let one signal interrupt, and hold the next one back until what it left is saved.
+    """Let one signal interrupt, and hold the next one back until the results are saved.
 
-    A third one gives that up. The function that is lent holds signals back from when it is
-    called: what there is by then is whole.
+    A third one interrupts the saving. The function that is yielded holds signals back once it is
+    called, when all results are there.
     """
 
     def hold() -> None:

@@ -1,4 +1,4 @@
-"""Units: what each is in SI, as a product of kg, m, s and rad."""
+"""Converts units to SI, and refuses quantities that are not finite or of no sensible size."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from numbers import Real
 from typing import Any, Literal
 
 from drake_leg.errors import InvalidValueError
@@ -15,12 +16,24 @@ from drake_leg.errors import InvalidValueError
 AngleUnit = Literal["deg", "rad"]
 Powers = tuple[int, int, int, int]  # of kg, m, s, rad
 
-STANDARD_GRAVITY = 9.80665  # [m/s^2], Simscape's default; Drake's own is 9.81
-
 _LONGEST = 60  # characters of a unit
 _WORDS = re.compile(r"[A-Za-z_]+|\d+|[*/^()-]")
-_PI, _INCH, _GEE = Fraction(math.pi), Fraction("0.0254"), Fraction("9.80665")
-_POUND = Fraction("0.45359237")
+
+_PI, _GEE = Fraction(math.pi), Fraction("9.80665")
+_INCH, _POUND = Fraction("0.0254"), Fraction("0.45359237")
+STANDARD_GRAVITY = float(_GEE)  # [m/s^2], Simscape's default; Drake's own is 9.81
+
+# No robot has a smaller or larger quantity in SI units; numbers beyond these overflow in a parser
+# or a solver.
+LEAST, MOST = 1e-30, 1e15
+LARGEST_ANGLE = 1e6  # [rad] or [m]
+
+# [rad or m], how far beyond its limit a joint still counts as at it: more than the rounding of
+# degrees and the integration error of a motion that turns back at a limit, too little to be seen.
+AT_LIMIT = 1e-6
+
+
+# --- units and their values in SI ------------------------------------------------------------
 
 _MASS, _LENGTH, _TIME, _ANGLE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)
 _RATE, _FREQUENCY = (0, 0, -1, 1), (0, 0, -1, 0)
@@ -202,32 +215,30 @@ def _atom(words: list[str]) -> tuple[Unit, list[str]]:
     return Unit(factor=Fraction(factor), powers=powers), words[1:]
 
 
-def value_in_si(unit: str) -> float:
-    """Return what one of a unit is in SI: 0.001 for ``mm``."""
-    return parse_unit(unit).in_si(1.0)
+# --- units that a person can choose from -----------------------------------------------------
 
 
 def _choices(*units: str) -> dict[str, float]:
-    """Name units that a person may choose from, with their values in SI."""
-    return {unit: value_in_si(unit) for unit in units}
+    """Map units to their values in SI: ``mm`` to 0.001."""
+    return {unit: parse_unit(unit).in_si(1.0) for unit in units}
 
 
 TIME_UNITS = _choices("s", "ms")
 ANGLE_UNITS = _choices("rad", "deg")
 LENGTH_UNITS = _choices("m", "cm", "mm")
-DAMPING_UNITS = _choices("N*m*s/rad", "N*m/(deg/s)")  # the second is Simscape's default
-SPRING_UNITS = _choices("N*m/rad", "N*m/deg")  # the same
+DAMPING_UNITS = _choices("N*m*s/rad", "N*m/(deg/s)")  # SI, and Simscape's default
+SPRING_UNITS = _choices("N*m/rad", "N*m/deg")  # likewise
 SLIDING_DAMPING_UNITS = _choices("N*s/m")
 SLIDING_SPRING_UNITS = _choices("N/m")
 
 
 def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> float:
-    """Convert a value in one of several units, a table of their values in SI.
+    """Convert a value in one of several units to SI; ``units`` maps them to their values in SI.
 
     Parameters
     ----------
     what : str
-        The quantity that the unit is of, for the error's sentence.
+        The quantity, for the error.
 
     Raises
     ------
@@ -241,12 +252,12 @@ def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> flo
 
 @dataclass(frozen=True, kw_only=True)
 class JointUnits:
-    """The units that a robot file uses at one joint, and how they become SI and radians."""
+    """The units of a joint in a robot file."""
 
-    position: str  # as in sentences and comments: deg, rad or m
+    position: str  # deg, rad or m
     effort: str
-    stiffness: dict[str, float]  # unit to its value in SI, the default first
-    damping: dict[str, float]  # the same
+    stiffness: dict[str, float]  # unit -> its value in SI, the default first
+    damping: dict[str, float]  # likewise
 
     @property
     def velocity(self) -> str:
@@ -259,7 +270,7 @@ class JointUnits:
 
 
 def joint_units(joint: str, angles: AngleUnit) -> JointUnits:
-    """Choose the units of a joint, ``"prismatic"`` or another."""
+    """Choose the units of a joint of this kind, ``"prismatic"`` or another."""
     if joint == "prismatic":
         return JointUnits(
             position="m",
@@ -268,6 +279,9 @@ def joint_units(joint: str, angles: AngleUnit) -> JointUnits:
             damping=SLIDING_DAMPING_UNITS,
         )
     return JointUnits(position=angles, effort="N*m", stiffness=SPRING_UNITS, damping=DAMPING_UNITS)
+
+
+# --- joint positions -------------------------------------------------------------------------
 
 
 def in_radians(angle: float, angles: AngleUnit) -> float:
@@ -312,3 +326,57 @@ def joint_entries(name: str, q: Sequence[float], slides: Sequence[bool]) -> dict
     if not any(slides):
         return {f"{name}_deg": shown}
     return {name: shown, f"{name}_units": ["m" if sliding else "deg" for sliding in slides]}
+
+
+# --- sizes of quantities ---------------------------------------------------------------------
+
+
+def require_number(what: str, value: object) -> None:
+    """Refuse what is not a real number."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise InvalidValueError(f"{what} is {value!r}; it must be a number")
+
+
+def require_positive(what: str, value: float, unit: str) -> None:
+    """Refuse a value that is not a positive, finite number of a sensible size."""
+    require_number(what, value)
+    if not (math.isfinite(value) and value > 0.0):
+        raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be a positive number")
+    if not LEAST <= value <= MOST:
+        raise InvalidValueError(
+            f"{what} is {float(value)!r} {unit}; it must be in {LEAST:g} ... {MOST:g} {unit}"
+        )
+
+
+def require_non_negative(what: str, value: float, unit: str) -> None:
+    """Refuse a value that is neither zero nor a positive, finite number of a sensible size."""
+    require_number(what, value)
+    if not (math.isfinite(value) and value >= 0.0):
+        raise InvalidValueError(f"{what} is {float(value)!r} {unit}; it must be zero or positive")
+    if value:
+        require_positive(what, value, unit)
+
+
+def require_angle(what: str, value: float) -> None:
+    """Refuse a joint position [rad or m] that is not finite or beyond any robot's."""
+    require_number(what, value)
+    if not math.isfinite(value):
+        raise InvalidValueError(f"{what} is {float(value)!r}; it must be a finite angle")
+    if abs(value) > LARGEST_ANGLE:
+        raise InvalidValueError(
+            f"{what} is {float(value)!r} rad; it must be at most {LARGEST_ANGLE:g} rad"
+        )
+
+
+def beyond(position: float, low: float, high: float) -> float:
+    """Tell how far a joint is outside its limits [rad or m], which may be infinite.
+
+    Returns
+    -------
+    float
+        Negative below the lower limit, positive above the upper one; 0 within them and up to
+        ``AT_LIMIT`` beyond.
+    """
+    if position < low - AT_LIMIT:
+        return position - low
+    return position - high if position > high + AT_LIMIT else 0.0

@@ -1,7 +1,7 @@
-"""The foot is driven by keys, until the leg is stretched and the guard stops it.
+"""Keys drive the foot until the leg is nearly stretched and the guard stops it.
 
-KEYS says which key is held for how long; from key to key the velocity changes smoothly. The loop is
-that of leg_step.py. The last key drives the foot out of reach: the guard stops before that.
+KEYS lists which key is held for how long; between keys the velocity changes smoothly. The loop is
+that of leg_step.py. The last key drives the foot out of reach: the guard stops it before that.
 
     python examples/drive_the_foot.py
 
@@ -56,11 +56,11 @@ def build() -> Diagram:
 
 
 def main(duration: float = ENDS[-1]) -> plt.Figure:
-    """Simulate for a duration [s], compare the foot with what the keys command, and plot."""
+    """Simulate for a duration [s], compare the foot with the command of the keys, and plot."""
     drive = dl.simulate(build(), duration=duration, max_step=0.005)
     foot = drive.scopes["foot"]
     exact = CubicHermiteSpline(ENDS, V, 0.0 * V).antiderivative()(drive.time)
-    print(drive.stop_reason or "The foot has gone the whole way.")
+    print(drive.stop_reason or "The whole motion is complete.")
     print(f"farthest from the command: {np.abs(foot - foot[0] - exact).max():.1e} m")
 
     figure, axes = plt.subplots(layout="constrained")

@@ -1,12 +1,12 @@
-"""The foot of the hexabot's leg goes round an ellipse, as a walking leg does.
+"""The foot of the hexabot's leg moves along an ellipse, as in walking.
 
-Two sines command the foot, one along and one up. The loop behind them is that of leg_step.py: an
-inverse Jacobian, an integrator, the leg, and its sensed joint angles back to the start.
+Two sines command the foot, one along x and one upwards. They enter the loop of leg_step.py: an
+inverse Jacobian, an integrator, the leg, and feedback of its measured joint angles.
 
     python examples/ellipse.py
 
-Things to change: AMPLITUDE and LIFT, the size of the ellipse; the columns of PLANE, in which it
-lies; Q0, where the foot starts. A taller ellipse stretches the leg: the simulation then stops.
+Things to change: AMPLITUDE and LIFT, the size of the ellipse; the columns of PLANE, its plane; Q0,
+where the foot starts. A taller ellipse stretches the leg: the simulation then stops.
 """
 
 import matplotlib.pyplot as plt
@@ -36,7 +36,7 @@ def build() -> Diagram:
     frame = plant.GetFrameByName("frame_4")
     foot = builder.AddNamedSystem("6-DOF Joint", dl.FrameSensor(plant, frame))
 
-    # Wires: the sines give the foot's velocity, and their derivatives its acceleration
+    # Wires: the sines are the foot's velocity, and their derivatives its acceleration
     for port, name in (("y0", "v"), ("y1", "a")):
         mux = builder.AddNamedSystem(f"Mux {name}", Multiplexer(2))
         plane = builder.AddNamedSystem(f"Plane {name}", MatrixGain(PLANE))
@@ -63,7 +63,7 @@ def main(duration: float = 6.3) -> plt.Figure:
     foot, phase = result.scopes["foot"], FREQUENCY * result.time
     ellipse = [AMPLITUDE / FREQUENCY * (1.0 - np.cos(phase)), LIFT / 2 * np.sin(phase)]
     exact = foot[0] + (PLANE @ ellipse).T
-    print(result.stop_reason or "Once round the ellipse.")
+    print(result.stop_reason or "The ellipse is complete.")
     print(f"farthest from the exact ellipse: {np.abs(foot - exact).max():.1e} m")
 
     figure, axes = plt.subplots(layout="constrained")

@@ -1,12 +1,12 @@
 """The foot of the hexabot's leg makes a straight step: the loop of report A, figure 10.
 
-A sine is the speed of the foot. The inverse Jacobian makes joint velocities of it, an integrator
-makes joint angles of those, the leg follows, and the sensed angles close the loop.
+A sine is the speed of the foot. The inverse Jacobian turns it into joint velocities, an integrator
+turns those into joint angles, the leg follows, and the measured angles close the loop.
 
     python examples/leg_step.py
 
 Things to change: AMPLITUDE, FREQUENCY, DIRECTION (a unit vector) and Q0. With AMPLITUDE = 0.12 the
-leg is stretched before the step is complete; the simulation stops there and says so.
+leg is stretched before the step is complete; the simulation stops there and reports it.
 """
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,7 @@
-"""An arm of your own: its Khalil table is typed, proved, and its foot makes a straight step.
+"""An arm of your own: its Khalil table is written, proved, and its foot makes a straight step.
 
-The chain of the table, SymPy, Drake and differences must find the same foot and the same Jacobian.
-Then the foot is moved, by the loop of leg_step.py.
+The table's chain, SymPy, Drake and finite differences must agree on the foot and the Jacobian. Then
+the loop of leg_step.py moves the foot.
 
     python examples/own_robot.py
 
@@ -14,11 +14,11 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Demultiplexer, Integrator, MatrixGain, Sine
 
 import drake_leg as dl
-from drake_leg.robot import Brick, Link, Row, Segment, Solid
+from drake_leg.robot.robot import Brick, Link, Row, Segment, Solid
 
 
 def bar(joint: str, length: float, row: Row) -> Segment:
-    """Put an aluminium bar along the x axis of a row's frame, its length in m."""
+    """Make a segment: an aluminium bar along the x axis of its row's frame, length in m."""
     shape, middle = Brick(length=length, width=0.02, height=0.01), (length / 2, 0.0, 0.0)
     solid = Solid(shape=shape, density=2700.0, centre=middle, colour=(0.0, 0.45, 0.7))
     return Segment(row=row, joint=joint, link=Link(name=f"{joint}_link", solid=solid))

@@ -1,7 +1,7 @@
-"""A pendulum is let go, and swings as the exact solution says.
+"""A pendulum is released, and follows the exact solution.
 
 The diagram has three blocks: the plant, a demultiplexer for its state, and an energy sensor. Two
-plots show the angle, with the exact motion dotted over it, and the energy, which stays what it was.
+plots show the angle, with the exact motion as a dotted line, and the energy, which is conserved.
 
     python examples/pendulum.py
 
@@ -18,14 +18,14 @@ from pydrake.systems.primitives import Demultiplexer
 
 import drake_leg as dl
 from drake_leg.kinematics.pendulum import PendulumModel, exact_motion
-from drake_leg.robots import pendulum
+from drake_leg.robot.robots import pendulum
 
 ROBOT = pendulum()
 Q0 = radians(-30.0)  # 0 is horizontal, 90 degrees hangs down
 
 
 def build() -> Diagram:
-    """Wire the plant to what senses it."""
+    """Wire the plant to its sensors."""
     builder = DiagramBuilder()
 
     # Blocks
@@ -59,7 +59,7 @@ def main(duration: float = 10.0) -> plt.Figure:
     angle.legend(loc="upper right")
     energy.plot(swing.time, 1e3 * swing.scopes["energy"][:, 0])
     energy.set(xlabel="time [s]", ylabel="energy [mJ]", ylim=(0.0, 50.0))
-    figure.suptitle("A pendulum, let go at rest")
+    figure.suptitle("A pendulum, released at rest")
     return figure
 
 

@@ -1,11 +1,11 @@
-"""The tool of a SCARA arm moves on a straight line in space, and does not turn.
+"""The tool of a SCARA arm moves on a straight line in space, and does not rotate.
 
-Four joints have four things to do: the tool's velocity in x, y and z, and its yaw rate. A sine goes
-through a gain with these four numbers; the loop behind it is that of leg_step.py.
+Four joints control four velocities of the tool: along x, y and z, and its yaw rate. A gain with
+these four numbers multiplies a sine; the rest is the loop of leg_step.py.
 
     python examples/scara.py
 
-Things to change: VELOCITY, in which the last number turns the tool; Q0, whose last number is the
+Things to change: VELOCITY, whose last number rotates the tool; Q0, whose last number is the
 lift. An arm whose elbow becomes straight is singular: the simulation stops before.
 """
 
@@ -16,7 +16,7 @@ from pydrake.systems.primitives import Demultiplexer, Integrator, MatrixGain, Si
 
 import drake_leg as dl
 
-VELOCITY = np.array([0.050, 0.020, 0.010, 0.0])  # greatest, in x, y, z [m/s] and of the yaw [rad/s]
+VELOCITY = np.array([0.050, 0.020, 0.010, 0.0])  # amplitudes: x, y, z [m/s] and yaw rate [rad/s]
 FREQUENCY = 1.0  # [rad/s]
 Q0 = np.array([*np.radians([30.0, 90.0, -120.0]), 0.080])  # shoulder, elbow, wrist; lift [m]
 
@@ -66,10 +66,10 @@ def main(duration: float = 6.3) -> plt.Figure:
 
     figure, (above, below) = plt.subplots(2, 1, sharex=True, layout="constrained")
     above.plot(move.time, 1e3 * (tool - tool[0]), label=["x", "y", "z"])
-    above.set(ylabel="way of the tool [mm]", title="The tool moves on a straight line")
+    above.set(ylabel="displacement of the tool [mm]", title="The tool moves on a straight line")
     above.legend(loc="upper right")
     below.plot(move.time, np.degrees(turn[:, 0] - turn[0, 0]))
-    below.set(xlabel="time [s]", ylabel="turn of the tool [°]", ylim=(-1.0, 1.0))
+    below.set(xlabel="time [s]", ylabel="rotation of the tool [°]", ylim=(-1.0, 1.0))
     return figure
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from drake_leg import colours
 from drake_leg.colours import rgb
-from drake_leg.robot import LINK_COLOURS
+from drake_leg.robot.robot import LINK_COLOURS
 
 PRINTED = {  # Okabe and Ito's table, red, green and blue in 0...255
     "ORANGE": (230, 159, 0),

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.errata import errata
+from drake_leg.lab.errata.catalogue import errata
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
@@ -21,7 +21,7 @@ TEXT = "\n".join(PAGES.values())
 @pytest.fixture
 def unsaved(monkeypatch):
     """Draw pictures without saving them."""
-    monkeypatch.setattr("drake_leg.runs.files.save", lambda *arguments: None)
+    monkeypatch.setattr("drake_leg.runs.outcome.save", lambda *arguments: None)
 
 
 def blocks(language, text=TEXT):
@@ -156,7 +156,7 @@ VIDEOS = (".gif", ".mp4")  # drawn picture by picture
 def test_a_pages_commands_work_one_after_the_other(page, tmp_path, monkeypatch, capsys):
     """As a reader types them, in one folder, but shorter; pictures of runs are other tests'."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
     for folder in ("notebooks", "tests"):
         Path(folder).symlink_to(ROOT / folder)
     Path("arm.toml").write_text(*blocks("toml"), encoding="utf-8")

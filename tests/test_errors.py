@@ -16,6 +16,7 @@ import pytest
 
 import drake_leg
 from drake_leg.errors import (
+    BrokenPackageError,
     DrakeLegError,
     ForeseenSingularityError,
     InvalidValueError,
@@ -31,11 +32,10 @@ from drake_leg.errors import (
     UnstableRunError,
 )
 from drake_leg.files import check_target, read_text
-from drake_leg.imports import BrokenPackageError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.movable import exact_rates
-from drake_leg.report.replays import UnlikeReplaysError
-from drake_leg.robots import LEG_B
+from drake_leg.lab.page.pieces import UnlikeReplaysError
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs import pendulum, tip
 from drake_leg.runs.leg import run as run_leg
 from drake_leg.runs.leg import run_robot
@@ -47,7 +47,6 @@ from drake_leg.scene.scene import OtherRobotError
 from drake_leg.scene.server import RefusedError, ServerError
 from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import run as simulation_run
-from drake_leg.symbolic.optional import MissingSymPyError
 
 
 def errors_of_the_package():
@@ -66,10 +65,9 @@ PROVOKED_ELSEWHERE = {
     MeshcatError: "tests/scene/test_web_page.py",
     PageError: "tests/scene/test_web_page.py",
     RefusedError: "tests/scene/test_server_requests.py",
-    UnlikeReplaysError: "tests/report/test_replays.py",
+    UnlikeReplaysError: "tests/lab/page/test_replays.py",
     ServerError: "tests/scene/test_server.py",
     OtherRobotError: "tests/scene/test_scene.py",
-    MissingSymPyError: "tests/symbolic/test_catalogue.py",
     TimeBudgetError: "tests/test_time_budget.py",
 }
 

@@ -2,8 +2,14 @@
 
 import numpy as np
 
-from drake_leg.kinematics.batches import assemble, finite_vectors, split
-from drake_leg.kinematics.khalil import base_transforms, jacobian, moving_rows
+from drake_leg.kinematics.khalil import (
+    assemble,
+    base_transforms,
+    finite_vectors,
+    jacobian,
+    moving_rows,
+    split,
+)
 
 
 def jacobian_rate_bias(rows, q, qdot):

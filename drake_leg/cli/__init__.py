@@ -52,13 +52,13 @@ def _of_signal(interrupts: Interrupts, status: int) -> int:
 
 
 def _unexpected(error: Exception) -> int:
-    from drake_leg.cli.pictures import PLACES, show_place
+    from drake_leg.cli.terminal import TRACEBACK, show_traceback
     from drake_leg.errors import in_a_line
 
-    show_place()
+    show_traceback()
     return _print_error(
         f"an unexpected error ({in_a_line(error)}): please report it, with the command "
-        f"that you gave; {PLACES}=1 in front of the command shows where it comes from",
+        f"that you gave; {TRACEBACK}=1 in front of the command shows where it comes from",
         UNEXPECTED,
     )
 

@@ -1,4 +1,4 @@
-"""``drake-leg diagram``."""
+"""``drake-leg diagram``: a run or a Simulink model drawn as a block diagram."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
-from drake_leg.cli.pictures import picture
 from drake_leg.cli.run_options import kind_of
+from drake_leg.cli.terminal import option_of, picture
 from drake_leg.colours import Background
-from drake_leg.errors import InvalidValueError
-from drake_leg.imports import require_matplotlib
-from drake_leg.robot import Robot
+from drake_leg.errors import InvalidValueError, require_matplotlib
+from drake_leg.robot.robot import Robot
 from drake_leg.runs.catalogue import RUNS
 
 if TYPE_CHECKING:
@@ -81,8 +80,8 @@ def _picture(chosen: argparse.Namespace) -> str:
 
 def _model(chosen: argparse.Namespace) -> str:
     """Draw a Simulink model."""
-    from drake_leg.drawings.drawing import draw
-    from drake_leg.drawings.of_simulink import model_pictures
+    from drake_leg.pictures.drawing import draw
+    from drake_leg.pictures.of_simulink import model_pictures
     from drake_leg.simulink.listing import printable
     from drake_leg.simulink.reader import read_model
 
@@ -97,9 +96,9 @@ def _model(chosen: argparse.Namespace) -> str:
 
 def _blocks(chosen: argparse.Namespace) -> str:
     from drake_leg.diagrams.mechanism import MOTION
-    from drake_leg.drawings.drawing import draw
-    from drake_leg.drawings.of_runs import run_pictures
-    from drake_leg.drawings.picture import ALL, SIGNALS
+    from drake_leg.pictures.block_diagram import run_pictures
+    from drake_leg.pictures.drawing import draw
+    from drake_leg.pictures.svg import ALL, SIGNALS
 
     if chosen.part not in (ALL, SIGNALS):
         _refuse_signal_options(chosen, f"is for signals and means nothing to {chosen.part}")
@@ -127,8 +126,8 @@ def _blocks(chosen: argparse.Namespace) -> str:
 
 def _frames(chosen: argparse.Namespace) -> str:
     require_matplotlib()
-    from drake_leg.figures.free_body import free_body
-    from drake_leg.figures.style import svg_text
+    from drake_leg.pictures.plots.free_body import free_body
+    from drake_leg.pictures.plots.style import svg_text
 
     _refuse_signal_options(chosen, "is for signals and means nothing to frames")
     kind = kind_of(chosen.name)
@@ -139,8 +138,7 @@ def _frames(chosen: argparse.Namespace) -> str:
 def _refuse_signal_options(chosen: argparse.Namespace, why: str) -> None:
     for option in ("without_scopes", "without_accelerations"):
         if getattr(chosen, option):
-            name = f"--{option.replace('_', '-')}"
-            raise InvalidValueError(f"{name} {why}: draw {chosen.name} without it")
+            raise InvalidValueError(f"{option_of(option)} {why}: draw {chosen.name} without it")
 
 
 def _subject(name: str) -> tuple[str, Diagram, Robot]:

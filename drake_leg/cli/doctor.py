@@ -1,4 +1,4 @@
-"""``drake-leg doctor``."""
+"""``drake-leg doctor``: a posture examined, or found for the foot."""
 
 from __future__ import annotations
 
@@ -10,20 +10,23 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.advice import as_options
-from drake_leg.cli.common import BAD_INPUT, FAILED, fail, numbers
-from drake_leg.cli.pictures import Pictures
-from drake_leg.cli.posture import joint_positions
-from drake_leg.cli.robot_source import add_robot_source, robot_source
-from drake_leg.errors import InvalidValueError
+from drake_leg.cli.inputs import add_robot_source, joint_positions, robot_source
+from drake_leg.cli.terminal import (
+    BAD_INPUT,
+    FAILED,
+    Pictures,
+    as_options,
+    at_work,
+    fail,
+    numbers,
+)
+from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.files import ResultsFolder
-from drake_leg.imports import require_matplotlib
-from drake_leg.progress import ProgressBar
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 
 if TYPE_CHECKING:
-    from drake_leg.figures.of_postures import Maps
     from drake_leg.kinematics.feet import Feet
+    from drake_leg.pictures.plots.singularity_maps import Maps
     from drake_leg.singularity.doctor import Diagnosis
     from drake_leg.singularity.rank import LostTwist
     from drake_leg.singularity.stroke import Stroke
@@ -90,8 +93,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
         motion["direction"] = numbers("--direction", chosen.direction, 3)
     if chosen.frequency is not None:
         motion["frequency"] = numbers("--frequency", chosen.frequency, 1)[0]
-    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
-        bar.turn_to("the posture")
+    with at_work(f"doctor of {chosen.robot}", "the posture"):
         diagnosis = examine_posture(robot, q, **motion, **place)
     if chosen.json:
         print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
@@ -99,11 +101,10 @@ def _doctor(chosen: argparse.Namespace) -> int:
         print("\n".join(_lines(diagnosis)))
     if folder is None:
         return 0
-    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
-        bar.turn_to("its maps")
+    with at_work(f"doctor of {chosen.robot}", "its maps"):
         pictures = _write_maps(folder, maps, diagnosis)
     print(f"wrote {folder.path}", file=sys.stderr if chosen.json else sys.stdout)
-    pictures.say_failures()
+    pictures.print_failures()
     if folder.remark:
         return fail(folder.remark, BAD_INPUT)
     return FAILED if pictures.failures else 0
@@ -135,8 +136,7 @@ def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any])
     from drake_leg.kinematics.feet import feet
     from drake_leg.singularity.doctor import feet_json
 
-    with ProgressBar(sys.stderr, f"doctor of {chosen.robot}", 1.0, "") as bar:
-        bar.turn_to("postures for the foot")
+    with at_work(f"doctor of {chosen.robot}", "postures for the foot"):
         found = feet(robot, **place)
     if chosen.json:
         print(json.dumps(feet_json(found), indent=2, allow_nan=False))
@@ -147,13 +147,13 @@ def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any])
 
 def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> tuple[ResultsFolder, Maps]:
     require_matplotlib()
-    from drake_leg.figures.of_postures import maps_of_posture
+    from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 
     return ResultsFolder(chosen.out, overwrite=chosen.overwrite), maps_of_posture(robot, q)
 
 
 def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> Pictures:
-    from drake_leg.figures.style import save
+    from drake_leg.pictures.plots.style import save
 
     with folder.begun() as scratch:
         summary = json.dumps(diagnosis.as_json(), indent=2, allow_nan=False)
@@ -244,7 +244,7 @@ def _stroke(stroke: Stroke) -> str:
     if stroke.joint is not None:
         if stroke.length == 0.0:
             return f"none: joint {stroke.joint} is at its limit, or outside"
-        return f"{stroke.length:.9g} m, where joint {stroke.joint} comes to its limit"
+        return f"{stroke.length:.9g} m, where joint {stroke.joint} reaches its limit"
     if stroke.length == 0.0:
         return "none: the foot cannot go straight along it"
     if math.isinf(stroke.length):

@@ -1,4 +1,4 @@
-"""The parser, the errors' way to the terminal, and the exit status."""
+"""Parses the command line, carries out the command and prints its errors."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-from drake_leg.cli.advice import place_given_by
-from drake_leg.cli.common import BAD_INPUT, FAILED, STOPPED_EARLY, fail
+from drake_leg.cli.terminal import BAD_INPUT, FAILED, STOPPED_EARLY, fail, place_given_by
 from drake_leg.errors import (
     DrakeLegError,
     JointLimitError,
@@ -20,25 +19,25 @@ from drake_leg.errors import (
     SingularConfigurationError,
 )
 
-# Name -> module, whose function configure_NAME describes the command, and its line of help. Only
-# the module of the command that is asked for is imported.
+# Name -> module, whose function configure_NAME describes the command, and a line of help. Only the
+# module of the command that is run is imported.
 COMMANDS = {
     "list": ("drake_leg.cli.listing", "list the runs"),
     "run": ("drake_leg.cli.run", "carry out one run"),
     "replay": ("drake_leg.cli.replay", "show a run again, as a page or as video"),
     "view": ("drake_leg.cli.view", "look at a robot in 3D, its joints on sliders"),
-    "teleop": ("drake_leg.cli.teleop", "drive a leg's foot by hand, in real time"),
+    "teleop": ("drake_leg.cli.view", "drive a leg's foot by hand, in real time"),
     "report": (
-        "drake_leg.cli.report",
+        "drake_leg.cli.reports",
         "reproduce the figures and tables of both reports on one page",
     ),
-    "derive": ("drake_leg.cli.derive", "derive a robot's matrices and equations with SymPy"),
-    "errata": ("drake_leg.cli.errata", "list what the reports print wrongly"),
+    "derive": ("drake_leg.cli.reports", "derive a robot's matrices and equations with SymPy"),
+    "errata": ("drake_leg.cli.reports", "list what the reports print wrongly"),
     "doctor": ("drake_leg.cli.doctor", "examine a posture before simulating it"),
-    "sdf": ("drake_leg.cli.sdf", "write a robot as SDF, or as TOML"),
-    "check": ("drake_leg.cli.check", "prove a robot, or grade a print against it"),
-    "inspect": ("drake_leg.cli.inspect", "list what a Simulink model holds"),
-    "compare": ("drake_leg.cli.compare", "compare a Simulink model with a run's diagram"),
+    "sdf": ("drake_leg.cli.robots", "write a robot as SDF, or as TOML"),
+    "check": ("drake_leg.cli.robots", "prove a robot, or grade a print against it"),
+    "inspect": ("drake_leg.cli.simulink", "list what a Simulink model holds"),
+    "compare": ("drake_leg.cli.simulink", "compare a Simulink model with a run's diagram"),
     "diagram": (
         "drake_leg.cli.diagram",
         "draw a run's block diagram, its mechanism, its robot's frames; or a Simulink model",
@@ -58,7 +57,7 @@ class _Version(argparse.Action):
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one sentence, without the usage in front."""
+    """Prints errors in one sentence, without the usage."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {message}\n")

@@ -1,4 +1,4 @@
-"""``drake-leg list``."""
+"""``drake-leg list``: the runs, one a line."""
 
 from __future__ import annotations
 

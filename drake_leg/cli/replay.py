@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from drake_leg.cli.pictures import picture
-from drake_leg.cli.robot_source import ROBOT_NAMES, robot_source
-from drake_leg.cli.shows import stop_note
-from drake_leg.cli.view import add_view
+from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
+from drake_leg.cli.showing import add_view, stop_note
+from drake_leg.cli.terminal import picture
 from drake_leg.errors import OutputError, UnreadableFileError
 from drake_leg.files import read_text
 from drake_leg.progress import ProgressBar
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.runs.catalogue import RUNS, STEP
 
 if TYPE_CHECKING:
@@ -144,8 +143,8 @@ class _RecordedRun:
 
 def _motion(run: _RecordedRun, robot_name: str | None) -> PlantMotion:
     """Read how a robot moved, the recorded one or the one that was named."""
-    from drake_leg.recording import read_csv
     from drake_leg.scene.scene import OtherRobotError, motion_of
+    from drake_leg.simulation.recording import read_csv
 
     robot = run.robot() if robot_name is None else robot_source(robot_name).robot()
     recording = read_csv(run.recording)

@@ -1,4 +1,4 @@
-"""``drake-leg run``."""
+"""``drake-leg run``: one run carried out, written and drawn."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.common import (
+from drake_leg.cli.run_options import add_run_options, kind_of, options_of
+from drake_leg.cli.showing import Shows, add_shows, remark_if_sketched
+from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
     INTERRUPTED,
     STOPPED_EARLY,
+    Pictures,
     add_output,
+    at_work,
     fail,
     remark,
 )
-from drake_leg.cli.pictures import Pictures
-from drake_leg.cli.run_options import add_run_options, kind_of, options_of
-from drake_leg.cli.shows import Shows, add_shows, say_if_sketched
+from drake_leg.errors import require_matplotlib
 from drake_leg.files import ResultsFolder
-from drake_leg.imports import require_matplotlib
 from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind
 from drake_leg.runs.options import RunOptions
@@ -67,19 +68,18 @@ def _run(chosen: argparse.Namespace) -> int:
         print(f"wrote {folder.path}: {rows}{_quality(summary)}")
     pictures = Pictures()
     try:
-        with ProgressBar(sys.stderr, chosen.name, 1.0, "") as bar:
-            bar.turn_to("pictures")
+        with at_work(chosen.name, "pictures"):
             _draw(chosen.name, kind, outcome, folder, pictures)
             made = shows.write(kind.heading, outcome, folder, pictures)
     except KeyboardInterrupt:
         return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
     for path in made:
         print(f"wrote {path}")
-    pictures.say_failures()
+    pictures.print_failures()
     if shows.stills:
-        say_if_sketched()
-    said = ("grazing", "ill_conditioned", "inaccuracy")
-    remarks = [*summary.get("limits_exceeded", ()), *map(summary.get, said)]
+        remark_if_sketched()
+    warnings = map(summary.get, ("grazing", "ill_conditioned", "inaccuracy"))
+    remarks = [*summary.get("limits_exceeded", ()), *warnings]
     for sentence in filter(None, remarks):
         remark(sentence)
     return _status(summary, folder, pictures)
@@ -104,7 +104,7 @@ def _draw(
 ) -> None:
     """Add the figures to the data, one by one."""
     with pictures.trying(f"a figure of {name}"):
-        from drake_leg.runs.files import figure_files
+        from drake_leg.runs.outcome import figure_files
 
         for file_name, write in figure_files(kind.title, outcome):
             with pictures.trying(f"the figure {file_name}"), folder.more() as scratch:
@@ -112,7 +112,7 @@ def _draw(
 
 
 def _status(summary: Mapping[str, Any], folder: ResultsFolder, pictures: Pictures) -> int:
-    """Say what did not go well, and choose the exit status."""
+    """Print what went wrong, and choose the exit status."""
     status = FAILED if summary.get("inaccuracy") else 0
     if pictures.failures:
         status = fail(f"the data in {folder.path} are whole", FAILED)
@@ -148,7 +148,7 @@ def _quality(summary: Mapping[str, Any]) -> str:
 
 
 def _cost(summary: Mapping[str, Any], disturbed: Mapping[str, Any]) -> str:
-    """Say how far a disturbance took the foot, for how long, and with what torques."""
+    """Describe how far a disturbance took the foot, for how long, and with what torques."""
     said = (
         f", foot up to {summary['greatest_distance_from_command_m']:.3g} m from its command, "
         f"farther than {disturbed['band_m']:g} m for {disturbed['time_off_band_s']:.3g} s, "

@@ -8,9 +8,8 @@ import typing
 from pathlib import Path
 from typing import Any
 
-from drake_leg.cli.advice import as_options
-from drake_leg.cli.common import numbers
-from drake_leg.cli.robot_source import robot_source
+from drake_leg.cli.inputs import robot_source
+from drake_leg.cli.terminal import as_options, numbers, option_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS, OwnRobot, RunKind, run_kind
 from drake_leg.runs.options import RunOptions
@@ -33,7 +32,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
             {"action": "store_true"} if first.type is bool else {"metavar": _metavar(first)}
         )
         group.add_argument(
-            f"--{option.replace('_', '-')}",
+            option_of(option),
             default=argparse.SUPPRESS,
             help=as_options(
                 f"{first.metadata['help']}{f' [{unit}]' if unit else ''} ({_defaults_text(fields)})"
@@ -62,8 +61,8 @@ def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
     for name in given:
         if name not in known:
             raise InvalidValueError(
-                f"--{name.replace('_', '-')} means nothing to {chosen.name}; its options are "
-                f"{', '.join('--' + other.replace('_', '-') for other in known)}"
+                f"{option_of(name)} means nothing to {chosen.name}; its options are "
+                f"{', '.join(map(option_of, known))}"
             )
     hints = typing.get_type_hints(kind.options)
     values: dict[str, Any] = {n: _value(n, hints[n], text) for n, text in given.items()}
@@ -119,7 +118,7 @@ def _takes_list(kind: object) -> bool:
 def _value(name: str, kind: object, text: str) -> object:
     if kind in (str, bool) or str in typing.get_args(kind):
         return text
-    option = f"--{name.replace('_', '-')}"
+    option = option_of(name)
     if _takes_list(kind):
         return numbers(option, text)
     return numbers(option, text, 1)[0]

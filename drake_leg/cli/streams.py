@@ -1,4 +1,4 @@
-"""The terminal's streams: if its reader has gone, the program goes on."""
+"""The standard streams: if their reader has gone, the program goes on."""
 
 from __future__ import annotations
 

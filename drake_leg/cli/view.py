@@ -1,18 +1,36 @@
-"""``drake-leg view``."""
+"""``drake-leg view`` and ``drake-leg teleop``: a robot in the browser, looked at or driven."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from drake_leg.cli.advice import place_given_by
-from drake_leg.cli.common import refuse_ignored
-from drake_leg.cli.pictures import picture
-from drake_leg.cli.posture import add_posture, as_option, posture
-from drake_leg.cli.robot_source import add_robot_source, robot_source
-from drake_leg.cli.server import LEAVING, add_server, server_options, start_server
-from drake_leg.cli.shows import say_if_sketched
-from drake_leg.imports import require_pillow
+from drake_leg.cli.inputs import add_posture, add_robot_source, as_typed, posture, robot_source
+from drake_leg.cli.showing import add_view, remark_if_sketched
+from drake_leg.cli.terminal import numbers, picture, place_given_by, refuse_ignored, remark
+from drake_leg.errors import InvalidValueError, SingularConfigurationError, require_pillow
+from drake_leg.files import whole_file
+from drake_leg.robot.robot import Robot
+from drake_leg.runs.options import TASK
+
+if TYPE_CHECKING:
+    from drake_leg.scene.driven_foot import Step
+    from drake_leg.scene.server import Server
+
+HOST = "localhost"
+LEAVING = (
+    "Escape in the page, or Ctrl-C here, ends it. Then the posture is printed, as for --q, and "
+    "the exit status is 0."
+)
+KEYS = (
+    "keys in the page, held: A D along x, S W along y, F R along z; space halts, "
+    "1 to 4 are the views, Escape quits"
+)
+IDLE = "the guard is idle"
+
+
+# --- a robot looked at -----------------------------------------------------------------------
 
 
 def configure_view(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +43,7 @@ def configure_view(parser: argparse.ArgumentParser) -> None:
     parser.epilog = LEAVING
     add_robot_source(parser)
     add_posture(parser)
-    add_server(parser)
+    _add_server(parser)
     parser.add_argument(
         "--still", type=Path, metavar="FILE.png", help="write one picture instead, and end"
     )
@@ -34,39 +52,27 @@ def configure_view(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(command=_view)
 
 
-def add_view(parser: argparse.ArgumentParser, what: str) -> None:
-    """Add the option that names a view."""
-    parser.add_argument(
-        "--from",
-        dest="view",
-        default="3d",
-        metavar="VIEW",
-        help=f"view {what}: 3d, right, front or top (default 3d)",
-    )
-
-
 def _view(chosen: argparse.Namespace) -> int:
     if chosen.still is not None:
-        refuse_ignored(server_options(chosen), "means nothing with --still, which opens no page")
+        refuse_ignored(_server_options(chosen), "means nothing with --still, which opens no page")
         return _still(chosen)
     refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --still")
-    robot = robot_source(chosen.robot).robot()
-    q = posture(chosen.robot, robot, chosen.q)
     from drake_leg.scene.scene import as_view
     from drake_leg.scene.viewer import view_served
 
+    robot = robot_source(chosen.robot).robot()
+    q = posture(chosen.robot, robot, chosen.q)
     view = as_view(chosen.view)
     try:
-        with start_server(chosen, robot.title) as server:
+        with _start_server(chosen, robot.title) as server:
             left_at = view_served(robot, q, server, view=view, once=chosen.once)
     except KeyboardInterrupt:
         return 0
-    print(f"the sliders were left at --q {as_option(robot, left_at.tolist())}")
+    print(f"the sliders were left at --q {as_typed(robot, left_at.tolist())}")
     return 0
 
 
 def _still(chosen: argparse.Namespace) -> int:
-    from drake_leg.files import whole_file
     from drake_leg.scene.images import still
     from drake_leg.scene.scene import as_view
 
@@ -81,5 +87,124 @@ def _still(chosen: argparse.Namespace) -> int:
     ):
         scratch.write_bytes(still(robot, q, view=view).png)
     print(f"wrote {chosen.still}")
-    say_if_sketched()
+    remark_if_sketched()
     return 0
+
+
+# --- a robot driven --------------------------------------------------------------------------
+
+
+def configure_teleop(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = (
+        "Open a robot in the browser, in Meshcat, and drive its foot: "
+        "sliders set its velocity along x, y, z; buttons or the keys A D, S W, F R drive it while "
+        "they are held; the space bar halts. It also halts when the page is left or loses its "
+        "connection. The page shows a section of a leg's workspace and the smallest singular "
+        "value; near a singularity a guard slows the foot and stops it (green, orange, red), and "
+        "lets it go back. The terminal also shows what the guard does. A foot with fewer than "
+        "three joints moves only along some directions, which the page names."
+    )
+    parser.epilog = LEAVING
+    add_robot_source(parser)
+    add_posture(parser)
+    parser.add_argument(
+        "--task",
+        metavar="TEXT",
+        help=f"{TASK} (default pose if the joints can hold it, otherwise position)",
+    )
+    _add_server(parser)
+    parser.set_defaults(command=_teleop)
+
+
+def _teleop(chosen: argparse.Namespace) -> int:
+    from drake_leg.scene.teleop import drive_robot
+
+    robot = robot_source(chosen.robot).robot()
+    q = posture(chosen.robot, robot, chosen.q)
+    start = _start(robot, q, chosen.task)
+    try:
+        with _start_server(chosen, f"{robot.title}, driven by A D, S W, F R") as server:
+            _say(f"{KEYS}\nat the start sigma_min is {_mm(start)}, {start.sentence or IDLE}")
+            step = drive_robot(robot, q, server, say=_say, keep=chosen.task, once=chosen.once)
+    except KeyboardInterrupt:
+        return 0
+    print(f"the robot was left at --q {as_typed(robot, step.q.tolist())}")
+    return 0
+
+
+def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
+    """Describe where the robot starts, or refuse a singular posture."""
+    from drake_leg.scene.driven_foot import DrivenFoot
+    from drake_leg.singularity.families import singular_words
+
+    drive = DrivenFoot(robot, keep)
+    try:
+        return drive.at_rest(q)
+    except SingularConfigurationError as error:
+        where = singular_words(drive.moved.geometry, q, "")
+        raise SingularConfigurationError(
+            q=error.q,
+            sigma_min=error.sigma_min,
+            problem=f"at --q {as_typed(robot, q)} {where}: from this "
+            "singular posture the foot cannot be driven",
+            advice="choose another `q`"
+            + (", or `task='position'`" if drive.moved.keeps_orientation else ""),
+        ) from None
+
+
+def _mm(step: Step) -> str:
+    return f"{1e3 * step.sigma_min:.2f} mm"
+
+
+def _say(sentence: str) -> None:
+    print(sentence, flush=True)
+
+
+# --- the server that both have ---------------------------------------------------------------
+
+
+def _add_server(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the server."""
+    parser.add_argument(
+        "--host",
+        help=f"name or address to serve at; '*' lets other machines in (default {HOST})",
+    )
+    parser.add_argument(
+        "--port", metavar="N", help="port to serve at (default the first free one from 7000 on)"
+    )
+    parser.add_argument("--no-browser", action="store_true", help="do not open a browser")
+    parser.add_argument(
+        "--once", action="store_true", help="end at once, without a browser, to try it"
+    )
+
+
+def _server_options(chosen: argparse.Namespace) -> dict[str, bool]:
+    """Tell which options of the server were given."""
+    return {
+        "--host": chosen.host is not None,
+        "--port": chosen.port is not None,
+        "--no-browser": chosen.no_browser,
+        "--once": chosen.once,
+    }
+
+
+def _start_server(chosen: argparse.Namespace, shows: str) -> Server:
+    """Listen, print where, and open a browser; the server does not serve yet."""
+    from drake_leg.scene.server import Server, open_browser
+
+    server = Server(HOST if chosen.host is None else chosen.host, _port(chosen.port))
+    print(f"{shows}: {server.url}", flush=True)
+    print("Press Escape in the page or Ctrl-C here to end", flush=True)
+    if not (chosen.once or chosen.no_browser or open_browser(server.url)):
+        remark(f"no browser was found; open {server.url} in one")
+    return server
+
+
+def _port(text: str | None) -> int | None:
+    if text is None:
+        return None
+    value = numbers("--port", text, 1)[0]
+    if value != int(value):
+        raise InvalidValueError(f"--port is {text}; it must be a whole number")
+    return int(value)

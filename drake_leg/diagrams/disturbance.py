@@ -11,12 +11,12 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Saturation
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.push import Push
+from drake_leg.kinematics.motions import Push
 from drake_leg.models.plant import build_plant
-from drake_leg.quantities import require_non_negative, require_positive
-from drake_leg.robot import Link, Robot
+from drake_leg.robot.robot import Link, Robot
 from drake_leg.systems.foot_push import FootPush
 from drake_leg.systems.prescribed_motion import STIFFNESS, PrescribedMotion
+from drake_leg.units import require_non_negative, require_positive
 
 PUSH = "Push"
 TORQUE_LIMIT = "Torque Limit"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, Integrator
 
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.systems.foot_brake import FootBrake
 from drake_leg.systems.inverse_jacobian import InverseJacobian

@@ -27,8 +27,10 @@ from pydrake.systems.primitives import (
 )
 
 from drake_leg.diagrams.additions import (
+    EXACT,
     FEEDBACKS,
     Command,
+    Control,
     JointMotion,
     connect_feedback,
     with_correction,
@@ -37,21 +39,19 @@ from drake_leg.diagrams.additions import (
     with_gain,
     with_task,
 )
-from drake_leg.diagrams.control import EXACT, Control
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.diagrams.wiring import built
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.kinematics.khalil import Array, foot_pose
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.quantities import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
-from drake_leg.robot import Robot
-from drake_leg.robots import LEG_B, LEG_B_POSTURE
-from drake_leg.singularity.directions import require_direction
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import LEG_B, LEG_B_POSTURE
+from drake_leg.singularity.stroke import require_direction
 from drake_leg.systems.inverse_jacobian import InverseJacobian
+from drake_leg.units import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
 
 POSTURE = tuple(map(math.radians, LEG_B_POSTURE))
 STEP = SineStep()

@@ -24,8 +24,7 @@ from pydrake.systems.primitives import (
     Sine,
 )
 
-from drake_leg.diagrams.additions import Command, through_matrix, with_correction
-from drake_leg.diagrams.control import EXACT, Control
+from drake_leg.diagrams.additions import EXACT, Command, Control, through_matrix, with_correction
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.diagrams.wiring import built
@@ -33,10 +32,10 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, lift_position, tool_position
-from drake_leg.quantities import STANDARD_GRAVITY, require_angle
-from drake_leg.robot import Robot
-from drake_leg.robots import SCARA, SCARA_POSTURE
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import SCARA, SCARA_POSTURE
 from drake_leg.systems.inverse_jacobian import InverseJacobian
+from drake_leg.units import STANDARD_GRAVITY, require_angle
 
 POSTURE = tuple(map(math.radians, SCARA_POSTURE))
 LINE = SineStep(amplitude=0.050)

@@ -1,1 +1,1 @@
-"""Closed forms and chains on NumPy; imports no Drake."""
+"""Forward and inverse kinematics on NumPy, in closed form and of any chain, without Drake."""

@@ -1,11 +1,11 @@
-"""Any chain as a robot whose foot can be moved, by one walk from the base to the foot.
+"""Velocity kinematics of any chain, by one walk from the base to the foot.
 
 A redundant robot takes the smallest of all rates that move the foot as commanded (Moore and
 Penrose): ``qdot = J^T y`` with ``J J^T y = v``. Its accelerations are the derivative of that,
 
 ``qddot = J^+ (a - dJ/dt qdot) + (1 - J^+ J) (dJ/dt)^T y``.
 
-The walk takes plain floats, for use inside a simulation; ``khalil`` has the same for batches.
+The walk takes plain floats, for use inside a simulation; ``khalil`` does the same for batches.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ import numpy as np
 
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array, chain_length
 from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable
-from drake_leg.robot import Row
+from drake_leg.robot.robot import Row
 
-SAMPLES = 256  # postures that tell what a chain can do
-LEAST_LEVER = 1e-3  # of the chain's length: what has a shorter one is taken not to move the foot
+SAMPLES = 256  # random postures in which a chain's freedoms are measured
+LEAST_LEVER = 1e-3  # of the chain's length: a shorter lever does not count as moving the foot
 RANK_TOLERANCE = 1e-9  # of the greatest singular value
 
 Vector = tuple[float, float, float]
@@ -108,7 +108,7 @@ def foot_jacobian_rate(here: Sweep, qdot: Floats) -> Array:
 
 
 def twist_between(here: Sweep, goal: Sweep) -> Array:
-    """Twist that takes the foot from one pose to another, turning first, (6,); exact if small."""
+    """Twist from one pose of the foot to another, rotation first, (6,); exact to first order."""
     turning = ZERO
     for axis, there in zip(here.rotation, goal.rotation, strict=True):
         turning = _sum(1.0, turning, 0.5, _cross(axis, there))
@@ -124,16 +124,16 @@ def _cross(u: Vector, v: Vector) -> Vector:
 
 
 class _Posture(NamedTuple):
-    """A chain where it is asked for rates, and J taken apart, its rows made lengths."""
+    """A chain in one posture, with J and the SVD of J after its rows are scaled to lengths."""
 
     here: Sweep
-    J: Array  # (m, n), its rows as they are
+    J: Array  # (m, n), not scaled
     U: Array  # (m, m)
-    sigma: Array  # (m,), falling
+    sigma: Array  # (m,), descending
     Vt: Array  # (m, n)
 
     def solve(self, v: Array) -> Array:
-        """Return the smallest rates that produce velocities v, (n,)."""
+        """Smallest rates that produce velocities v, (n,)."""
         solution: Array = self.Vt.T @ ((self.U.T @ v) / self.sigma)
         return solution
 
@@ -146,10 +146,10 @@ class MovableChain(Movable):
     rows : tuple of Row
         The table, of which n rows move.
     twists : (6, m) ndarray
-        Turning, then translation of the foot, base frame, that each part of a command is;
+        Twist of the foot for each component of a command, rotation first, base frame;
         orthonormal, m at most n.
     varies : bool
-        Whether the twists are those of one posture only: at others it can be commanded others.
+        Whether the twists are valid in one posture only.
     """
 
     def __init__(self, rows: tuple[Row, ...], twists: Array, *, varies: bool = False) -> None:
@@ -157,14 +157,14 @@ class MovableChain(Movable):
         self.twists = twists
         self.varies = varies
         self.turning = tuple(row.joint == "revolute" for row in rows if row.joint != "fixed")
-        self.length = size_of(rows)
+        self.length = chain_length(rows)
         turns, moves = np.linalg.norm(twists[:3], axis=0), np.linalg.norm(twists[3:], axis=0)
         self._row_lengths = self.length * turns + moves
         self.row_lengths = tuple(self._row_lengths.tolist())
         sampled = determinants(twists.T @ sampled_jacobians(rows))
         self.determinant_scale = float(np.abs(sampled).max())
-        # Rates, accelerations and determinant are asked for at one posture.
-        self._posture_at = lru_cache(maxsize=4)(self._taken_apart)
+        # Rates, accelerations and determinant are computed one after another in the same posture.
+        self._posture_at = lru_cache(maxsize=4)(self._decomposed)
 
     def foot(self, q: Floats) -> Array:
         """Position of the foot in the base frame, by the chain of transforms."""
@@ -208,12 +208,12 @@ class MovableChain(Movable):
         return found
 
     def at(self, q: Floats) -> Self:
-        """What can be commanded in a posture."""
+        """The chain with the twists of a posture: itself, unless it ``varies``."""
         if not self.varies:
             return self
         return type(self)(self.rows, tangent_twists(self.rows, q), varies=True)
 
-    def _taken_apart(self, q: tuple[float, ...]) -> _Posture:
+    def _decomposed(self, q: tuple[float, ...]) -> _Posture:
         here = sweep(self.rows, q)
         J = self.twists.T @ foot_jacobian(here)
         return _Posture(
@@ -232,18 +232,13 @@ class MovableChain(Movable):
         return rate
 
 
-def size_of(rows: Sequence[Row]) -> float:
-    """Sum of the distances between the origins of a table's frames [m]; 1 m if there are none."""
-    return sum(math.hypot(row.d, row.r) for row in rows) or 1.0
-
-
 @lru_cache(maxsize=16)
 def sampled_jacobians(rows: tuple[Row, ...]) -> Array:
-    """Jacobians of the foot in postures from everywhere, always the same ones, (SAMPLES, 6, n).
+    """Jacobians of the foot in random postures, always the same ones, (SAMPLES, 6, n).
 
     Rows 0-2 are angular. The array is shared and read-only.
     """
-    size = size_of(rows)
+    size = chain_length(rows)
     widest = [math.pi if row.joint == "revolute" else size for row in rows if row.joint != "fixed"]
     random = np.random.default_rng(0).uniform(-1.0, 1.0, (SAMPLES, len(widest)))
     J = khalil.jacobian(rows, random * np.array(widest))
@@ -260,23 +255,23 @@ def determinants(J: Array) -> Array:
 
 @dataclass(frozen=True)
 class Freedom:
-    """Which motions a chain's foot has, judged from postures everywhere.
+    """Which motions a chain's foot can make, measured in random postures.
 
-    Where the motions of all postures together span no more than those of one, that span can be
-    commanded: a plane, a line, all of space. A foot that goes round a sphere has no such span.
+    If the motions of all postures together span no more than those of one, that span can be
+    commanded: a line, a plane, all of space. A foot that moves on a sphere has no such span.
     """
 
     rank: int  # of the motions at one posture
-    span: Array | None  # (6, rank), orthonormal twists, turning first; None: it turns on its way
+    span: Array | None  # (6, rank), orthonormal twists, rotation first; None: it varies
 
 
 @lru_cache(maxsize=16)
 def freedoms(rows: tuple[Row, ...]) -> tuple[Freedom, Freedom]:
-    """What a chain's foot can do: its translation alone, and its turning and translation."""
+    """Freedoms of a chain's foot: of its translation alone, and of rotation and translation."""
     J = sampled_jacobians(rows)
     only = J.copy()
     only[:, :3] = 0.0
-    size = size_of(rows)
+    size = chain_length(rows)
     return _freedom(only, size), _freedom(J, size)
 
 
@@ -288,7 +283,7 @@ def tangent_twists(rows: tuple[Row, ...], q: Floats) -> Array:
 
 
 def _freedom(J: Array, size: float) -> Freedom:
-    """Compare what one posture can do with what all together can, (samples, 6, n)."""
+    """Compare the span of one posture's motions with that of all postures, (samples, 6, n)."""
     scaled = np.array([size] * 3 + [1.0] * 3)[:, np.newaxis] * J
     each = np.linalg.svd(scaled, compute_uv=False)
     greatest = max(float(each.max()), LEAST_LEVER * size)

@@ -1,4 +1,4 @@
-"""Euler angles of all twelve sequences, also at gimbal lock and over time."""
+"""Rotations: quaternions, Euler angles of all twelve sequences, their rates and accelerations."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, finite_vectors
+from drake_leg.kinematics.khalil import Array, assemble, finite_vectors
 
 # A sequence such as "ZXZ" is body-fixed (intrinsic), as Simscape's rotation sequences and its
 # Bushing and Gimbal joints ("XYZ") are: R_BF = R_z(a) R_x(b) R_z(c). Space-fixed angles are the
@@ -20,10 +20,28 @@ TAIT_BRYAN = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 PROPER = ("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ")
 SEQUENCES = TAIT_BRYAN + PROPER
 
-# Nearer to gimbal lock than this, rounding of the rotation leaves less than four digits to the
-# first and the third angle and to the rates.
+# Nearer to gimbal lock than this, rounding of the rotation leaves fewer than four digits of the
+# first and the third angle and of the rates.
 LOCK = 1e-12  # [rad]
 _ORTHOGONAL = 1e-6  # how far R R^T may be from the identity
+
+
+def rotation_matrices(quaternions: ArrayLike) -> Array:
+    """Rotation matrices (..., 3, 3) of unit quaternions w, x, y, z (..., 4); q and -q have one.
+
+    Raises
+    ------
+    InvalidValueError
+        If the last axis is not 4 long, or a value is not finite.
+    """
+    w, x, y, z = np.moveaxis(finite_vectors("the quaternion", quaternions, 4), -1, 0)
+    return assemble(
+        (
+            (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+            (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+            (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+        )
+    )
 
 
 class _Axes(NamedTuple):
@@ -88,7 +106,7 @@ def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
         sine, cosine = hand * R[..., i, k], np.hypot(R[..., i, i], R[..., i, j])
         leads, follows, gap = -hand * R[..., j, k], R[..., k, k], cosine
     first = np.where(gap < LOCK, 0.0, np.arctan2(leads, follows))
-    # The middle row of R_BF with the first rotation taken back: what the third one does to it.
+    # The middle row of R_BF with the first rotation undone: only the third one is left in it.
     c, s = np.cos(first)[..., None], hand * np.sin(first)[..., None]
     row = c * R[..., j, :] + s * R[..., k, :]
     swept = -hand * row[..., k] if proper else hand * row[..., i]
@@ -96,7 +114,7 @@ def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
 
 
 def gimbal_distance(sequence: str, angles: ArrayLike) -> Array:
-    """How far the second of Euler angles (..., 3) is from gimbal lock, (...) [rad].
+    """Distance of the second of Euler angles (..., 3) from gimbal lock, (...) [rad].
 
     It is 0 at gimbal lock, and pi/2 where the first and the third axis are at right angles.
     """
@@ -112,7 +130,7 @@ def continuous_angles(sequence: str, series: ArrayLike) -> Array:
     pi - b, c + pi)`` for Tait-Bryan sequences, ``(a + pi, -b, c + pi)`` for proper ones; at
     gimbal lock it has a whole line of them. The result is the same rotation at every sample
     and passes straight through gimbal lock. Two samples must be less than about a quarter turn
-    apart. The first sample stays as it is.
+    apart. The first sample is unchanged.
     """
     axes = _axes(sequence)
     checked = finite_vectors("the Euler angles", series, 3)
@@ -138,7 +156,7 @@ def _nearest(angles: list[float], before: list[float], *, mirror: float) -> list
 
 
 def _nearest_locked(angles: list[float], before: list[float], along: int) -> list[float]:
-    """At lock ``first + along * third`` alone is determined: share its change between the two."""
+    """At lock only ``first + along * third`` is determined: split its change between the two."""
     first, second, third = before
     change = _wind(angles[0] + along * angles[2] - first - along * third, 0.0)
     return [first + change / 2, _wind(angles[1], second), third + along * change / 2]
@@ -172,6 +190,75 @@ def _rotations(matrices: ArrayLike) -> Array:
 
 
 def _third_axis(axes: _Axes, angles: Array) -> tuple[Array, Array]:
-    """Components along i and k of the third axis, after the first rotation is taken back."""
+    """Components along i and k of the third axis, with the first rotation undone."""
     c, s = np.cos(angles[..., 1]), axes.hand * np.sin(angles[..., 1])
     return (c, -s) if axes.proper else (s, c)
+
+
+def rate_matrix(sequence: str, angles: ArrayLike) -> Array:
+    """The matrix E of ``w_BF = E rates`` at Euler angles (..., 3) [rad], (..., 3, 3).
+
+    **Angle rates are not an angular velocity.** The rates are derivatives of the three angles,
+    about three axes that are not at right angles; an angular velocity has components along the
+    three axes of one frame. The columns of E are the three axes of rotation in the base frame; E
+    is singular at gimbal lock. ``R_BF.T @ E`` is the matrix for the follower's axes.
+    """
+    R_BF = euler_rotation(sequence, angles)
+    first, second, third = ("XYZ".index(letter) for letter in sequence)
+    # The second axis is turned by the first rotation, the third by all of them.
+    turned = euler_rotation(sequence, np.asarray(angles) * (1.0, 0.0, 0.0))
+    E = np.empty_like(R_BF)
+    E[..., 0] = np.eye(3)[first]
+    E[..., 1] = turned[..., second]
+    E[..., 2] = R_BF[..., third]
+    return E
+
+
+def angle_rates(sequence: str, angles: ArrayLike, angular_velocity: ArrayLike) -> Array:
+    """Derivatives of the Euler angles (..., 3) [rad/s]: a Bushing or Gimbal joint's rates.
+
+    ``rates = E(angles)^-1 w_BF``, with w_BF (..., 3) in the axes of the base frame [rad/s]. They
+    grow without bound towards gimbal lock, as the angles truly turn ever faster there. Within
+    ``LOCK`` of it they are the smallest rates for the part of w_BF that any rates can make; they
+    are never NaN or infinite.
+    """
+    w = finite_vectors("the angular velocity", angular_velocity, 3)
+    return _solve(rate_matrix(sequence, angles), w)
+
+
+def angle_accelerations(
+    sequence: str, angles: ArrayLike, rates: ArrayLike, angular_acceleration: ArrayLike
+) -> Array:
+    """Second derivatives of the Euler angles (..., 3): a Bushing or Gimbal joint's accelerations.
+
+    ``E^-1 (alpha_BF - dE/dt rates)`` [rad/s^2], with alpha_BF (..., 3) the derivative of w_BF in
+    the base frame [rad/s^2]; near gimbal lock as ``angle_rates``.
+    """
+    alpha = finite_vectors("the angular acceleration", angular_acceleration, 3)
+    checked = finite_vectors("the rates", rates, 3)
+    E = rate_matrix(sequence, angles)
+    turn_1, turn_2, turn_3 = np.moveaxis(E * checked[..., None, :], -1, 0)
+    # dE/dt rates: every axis turns with the rotations before it.
+    drift = np.cross(turn_1, turn_2) + np.cross(turn_1 + turn_2, turn_3)
+    return _solve(E, alpha - drift)
+
+
+def _solve(E: Array, vectors: Array) -> Array:
+    """Rates about the columns of E that add up to a vector; the least ones at gimbal lock.
+
+    The second axis is at right angles to the other two, which leaves two equations in the plane
+    of the first axis and the normal to both: ``[1, along; 0, across] [first; third]``.
+    """
+    axis_1, axis_2, axis_3 = np.moveaxis(E, -1, 0)
+    normal = np.cross(axis_1, axis_2)
+    along, across = _dot(axis_1, axis_3), _dot(normal, axis_3)
+    locked = np.abs(across) < LOCK
+    wanted = _dot(axis_1, vectors)
+    least = along * wanted / (1.0 + along**2)
+    third = np.where(locked, least, _dot(normal, vectors) / np.where(locked, 1.0, across))
+    return np.stack([wanted - along * third, _dot(axis_2, vectors), third], axis=-1)
+
+
+def _dot(a: Array, b: Array) -> Array:
+    product: Array = np.sum(a * b, axis=-1)
+    return product

@@ -1,6 +1,6 @@
-"""What a joint's limit does to it: Simscape's smoothed spring and damper.
+"""Force and energy of a joint's limits: Simscape's smoothed spring and damper.
 
-The joint is in the stop by a depth, positive beyond the bound, that grows at a rate.
+The depth of a joint in its stop is positive beyond the bound; the rate is its derivative.
 """
 
 from __future__ import annotations
@@ -8,15 +8,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.joint_mechanics import HardStop, JointMechanics
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics
 
 
 def engagement(stop: HardStop, depth: ArrayLike) -> Array:
-    """How much of spring and damper acts: ``3 s^2 - 2 s^3`` at ``s = depth / width`` in 0 ... 1.
+    """Share of spring and damper that acts: ``3 s^2 - 2 s^3`` at ``s = depth / width`` in 0 ... 1.
 
-    0 at the bound and 1 at the end of the transition region, level at both: the polynomial of
-    least degree that Simscape's description allows, which states no formula.
+    0 at the bound and 1 at the end of the transition region, with slope 0 at both: the polynomial
+    of least degree that fits Simscape's description, which states no formula.
     """
     s = np.clip(np.asarray(depth, dtype=np.float64) / stop.transition_width, 0.0, 1.0)
     share: Array = s * s * (3.0 - 2.0 * s)
@@ -36,7 +36,7 @@ def stop_force(stop: HardStop, depth: ArrayLike, rate: ArrayLike) -> Array:
 def limit_force(mechanics: JointMechanics, q: ArrayLike, qdot: ArrayLike) -> Array:
     """Force of a joint's limits on it, along the joint, (...) [N*m or N]; 0 within them.
 
-    Limits without a stop do nothing here.
+    Limits without a stop contribute nothing.
     """
     at, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
     total: Array = np.zeros(np.broadcast_shapes(at.shape, rate.shape))

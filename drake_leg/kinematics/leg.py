@@ -7,8 +7,8 @@ With ci = cos qi, c23 = cos(q2 + q3) and the same for sines:
 
 The Jacobian has two singular families: ``sin q3 = 0`` (leg stretched or folded) and
 ``reach = 0`` (foot on the hip axis). The foot can reach a point in up to four ways: the leg may
-face it or turn its back (the sign of the reach), and the ankle may bend either way (the sign of
-sin q3).
+face it or turn its back to it (the sign of the reach), and the ankle may bend either way (the sign
+of sin q3).
 """
 
 from __future__ import annotations
@@ -23,19 +23,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import (
+from drake_leg.kinematics.khalil import (
     Array,
     assemble,
     finite_vectors,
     in_blocks,
+    nearest_turn,
     one_vector,
+    principal,
     split,
     triangle_angle,
     within_turns,
 )
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.quantities import LEAST, MOST, require_positive
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
+from drake_leg.units import LEAST, MOST, require_positive
 
 # sin(q3), or the reach over the leg's length, below which the closed form no longer divides.
 SINGULAR_BELOW = 1e-12
@@ -46,7 +48,7 @@ JOINTS = ("revolute", "revolute", "revolute", "fixed")  # of the reports' table
 
 @dataclass(frozen=True, kw_only=True)
 class LegGeometry:
-    """What the closed forms need of a leg."""
+    """Dimensions of a leg for its closed forms."""
 
     l1: float  # [m], coxa
     l2: float  # [m], femur
@@ -61,7 +63,7 @@ class LegGeometry:
 
     @classmethod
     def from_robot(cls, robot: Robot) -> Self:
-        """Read the lengths and the sign off the Khalil table of a leg, as ``robots`` makes it.
+        """Read the lengths and the sign off the Khalil table of a leg such as ``LEG_B``.
 
         Raises
         ------
@@ -69,14 +71,14 @@ class LegGeometry:
             If the table is not that of the reports' leg.
         """
         if not is_hexabot_leg(robot):
-            raise InvalidValueError(f"{robot.name!r} has not the table of the reports' leg")
+            raise InvalidValueError(f"{robot.name!r} does not have the table of the reports' leg")
         rows = robot.rows
         sign = int(math.copysign(1, rows[1].alpha))
         return cls(l1=rows[1].d, l2=rows[2].d, l3=rows[3].d, sign=sign)
 
 
 def is_hexabot_leg(robot: Robot) -> bool:
-    """Tell whether a robot has the table of the reports' leg, whatever its lengths."""
+    """Whether a robot has the table of the reports' leg, of any lengths."""
     rows = robot.rows
     return (
         tuple(row.joint for row in rows) == JOINTS
@@ -89,7 +91,7 @@ def is_hexabot_leg(robot: Robot) -> bool:
 
 
 class _Links(NamedTuple):
-    """The leg in the terms that all of its closed forms share; floats, or arrays of a batch."""
+    """Terms that all closed forms of the leg share; floats, or arrays of a batch."""
 
     c1: Any  # of the plane in which femur and tibia move
     s1: Any
@@ -104,7 +106,7 @@ def _links(leg: LegGeometry, q: ArrayLike) -> _Links:
     (q1, q2, q3), cos, sin = split("q", q, 3)
     x2, z2 = leg.l2 * cos(q2), leg.l2 * sin(q2)
     x3, z3 = leg.l3 * cos(q2 + q3), leg.l3 * sin(q2 + q3)
-    return _Links(cos(q1), sin(q1), x2, z2, x3, z3, leg.l1 + x2 + x3)
+    return _Links(cos(q1), sin(q1), x2, z2, x3, z3, leg.l1 + (x2 + x3))
 
 
 def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:
@@ -116,8 +118,13 @@ def foot_position(leg: LegGeometry, q: ArrayLike) -> Array:
     return assemble((c1 * reach, s1 * reach, leg.sign * (z2 + z3)))
 
 
+def foot_reach(leg: LegGeometry, q: ArrayLike) -> Array:
+    """Signed distance of the foot from the hip axis, (...) [m]; negative behind the hip."""
+    return np.asarray(_links(leg, q).reach)
+
+
 def foot_and_jacobian(leg: LegGeometry, q: ArrayLike) -> tuple[Array, Array]:
-    """``foot_position`` and ``foot_jacobian`` at once: they share most of the work."""
+    """``foot_position`` and ``foot_jacobian`` together, which share most of the work."""
     angles = finite_vectors("q", q, 3)
     if angles.ndim == 1:
         return _foot_and_jacobian(leg, angles)
@@ -189,7 +196,7 @@ def determinant(leg: LegGeometry, q: ArrayLike) -> Array:
 
 
 def jacobian_rate_bias(leg: LegGeometry, q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Foot acceleration that is there without joint acceleration, (..., 3) [m/s^2].
+    """Acceleration of the foot at zero joint acceleration, (..., 3) [m/s^2].
 
     ``a_BF = Jv_BF @ qddot + bias`` with ``bias = dJv_BF/dt @ qdot``.
     """
@@ -303,7 +310,7 @@ class Branch:
 
     @property
     def name(self) -> str:
-        """What the branch looks like, in words."""
+        """Description of the branch."""
         front = "foot in front of the hip" if self.facing > 0 else "foot behind the hip"
         return f"{front}, q3 {'positive' if self.bend > 0 else 'negative'}"
 
@@ -327,9 +334,7 @@ def _solve(leg: LegGeometry, x: Array, y: Array, w: Array, facing: int, bend: in
     u = facing * np.hypot(x, y) - leg.l1
     q3 = bend * triangle_angle(leg.l2, leg.l3, np.hypot(u, w))
     q2 = np.arctan2(w, u) - np.arctan2(leg.l3 * np.sin(q3), leg.l2 + leg.l3 * np.cos(q3))
-    q = np.stack([np.where(np.isnan(q3), np.nan, q1), q2, q3], axis=-1)
-    wrapped: Array = math.pi - np.mod(math.pi - q, 2.0 * math.pi)
-    return wrapped
+    return principal(np.stack([np.where(np.isnan(q3), np.nan, q1), q2, q3], axis=-1))
 
 
 def branches(
@@ -337,14 +342,14 @@ def branches(
     p_BF: ArrayLike,
     limits: Sequence[tuple[float, float]] | None = None,
 ) -> tuple[Branch, ...]:
-    """All four ways of putting the foot at one point (3,) [m], those out of reach named as such.
+    """All four ways of putting the foot at one point (3,) [m], including those out of reach.
 
     ``limits`` are the lower and upper limit of each joint [rad].
 
     Raises
     ------
     InvalidValueError
-        If ``p_BF`` has not three finite numbers, or there are not three pairs of limits.
+        If ``p_BF`` is not three finite numbers, or there are not three pairs of limits.
     """
     if limits is not None and len(limits) != 3:
         raise InvalidValueError(f"there are {len(limits)} pairs of limits; a leg has three joints")
@@ -374,9 +379,5 @@ def inverse_kinematics(leg: LegGeometry, p_BF: ArrayLike, like: ArrayLike) -> Ar
     nearest to that of ``like`` (3,) [rad], by whole turns; NaN where the point is out of reach.
     """
     near = one_vector("like", like, 3)
-    reach = leg.l1 + leg.l2 * math.cos(near[1]) + leg.l3 * math.cos(near[1] + near[2])
-    branch = (1 if reach >= 0.0 else -1, 1 if math.sin(near[2]) >= 0.0 else -1)
-    q = branch_angles(leg, p_BF)[..., BRANCHES.index(branch), :]
-    turn = 2.0 * math.pi
-    nearest: Array = q + turn * np.round((near - q) / turn)
-    return nearest
+    branch = (1 if foot_reach(leg, near) >= 0.0 else -1, 1 if math.sin(near[2]) >= 0.0 else -1)
+    return nearest_turn(branch_angles(leg, p_BF)[..., BRANCHES.index(branch), :], near)

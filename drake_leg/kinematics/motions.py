@@ -1,7 +1,4 @@
-"""The motions that sine waves command: a straight step, and an ellipse.
-
-One object goes the whole way, from the options to the Sine block, the exact path and the forecast.
-"""
+"""Commanded motions of a foot: the straight sine step, the ellipse, a push, a speed limit."""
 
 from __future__ import annotations
 
@@ -13,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.quantities import require_non_negative, require_positive
+from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.movable import Floats
+from drake_leg.units import MOST, require_non_negative, require_positive
 
 UP = np.array([0.0, 0.0, 1.0])
 UP.setflags(write=False)
@@ -46,7 +44,7 @@ class SineStep:
     Raises
     ------
     InvalidValueError
-        If a number makes no sense.
+        If a number is invalid.
 
     Examples
     --------
@@ -72,7 +70,7 @@ class SineStep:
 
     @property
     def is_straight(self) -> bool:
-        """Whether the foot stays on a line."""
+        """Whether the foot moves on a line."""
         return True
 
     @property
@@ -82,50 +80,50 @@ class SineStep:
 
     @property
     def greatest_speed(self) -> float:
-        """Of the foot [m/s]."""
+        """Greatest speed of the foot [m/s]."""
         return abs(self.amplitude)
 
     @property
     def period(self) -> float:
-        """After which the foot is back [s]."""
+        """Time in which the foot moves there and back [s]."""
         return 2.0 * math.pi / self.frequency
 
     @property
     def across(self) -> Array:
-        """Directions in which the foot does not move, (3, k): what a motion has along them is 0."""
+        """Directions in which the foot does not move, as columns (3, k)."""
         return np.eye(3) - np.outer(self.direction, self.direction)
 
     def displacement(self, time: ArrayLike) -> Array:
-        """Return where the foot is, seen from where it starts: times (n,) [s] to (n, 3) [m]."""
+        """Displacement of the foot from its start at times (n,) [s], (n, 3) [m]."""
         advance = self.amplitude / self.frequency * (1.0 - np.cos(self._phase(time)))
         return np.outer(advance, self.direction)
 
     def velocity(self, time: ArrayLike) -> Array:
-        """Return the derivative of the displacement: times (n,) [s] to (n, 3) [m/s]."""
+        """Velocity of the foot at times (n,) [s], (n, 3) [m/s]."""
         return np.outer(self.amplitude * np.sin(self._phase(time)), self.direction)
 
     def acceleration(self, time: ArrayLike) -> Array:
-        """Return the derivative of the velocity: times (n,) [s] to (n, 3) [m/s^2]."""
+        """Acceleration of the foot at times (n,) [s], (n, 3) [m/s^2]."""
         rate = self.amplitude * self.frequency
         return np.outer(rate * np.cos(self._phase(time)), self.direction)
 
     @property
     def heading(self) -> Array:
-        """Where the foot goes first along the line, (3,)."""
+        """Unit vector of the foot's first motion along the line, (3,)."""
         return math.copysign(1.0, self.amplitude) * np.array(self.direction)
 
     @property
     def length(self) -> float:
-        """Of the line [m]."""
+        """Length of the line [m]."""
         return 2.0 * abs(self.amplitude) / self.frequency
 
     def way(self, time: float) -> float:
-        """Return how far the foot has got along the line when it first goes forward [m]."""
+        """Distance along the line at a time [s] of the first way forward [m]."""
         half = min(self.frequency * time, math.pi) / 2.0
         return self.length * math.sin(half) ** 2
 
     def time(self, way: float) -> float:
-        """Return when the foot first gets somewhere on the line [s]."""
+        """Time at which the foot first reaches a distance on the line [s]."""
         return 2.0 / self.frequency * math.asin(min(math.sqrt(way / self.length), 1.0))
 
     def _phase(self, time: ArrayLike) -> Array:
@@ -150,7 +148,7 @@ class EllipticStep(SineStep):
     Raises
     ------
     InvalidValueError
-        If a number makes no sense, or the direction is not horizontal.
+        If a number is invalid, or the direction is not horizontal.
 
     Examples
     --------
@@ -177,7 +175,7 @@ class EllipticStep(SineStep):
 
     @property
     def is_straight(self) -> bool:
-        """Whether the foot stays on a line."""
+        """Whether the foot moves on a line."""
         return False
 
     @property
@@ -187,25 +185,77 @@ class EllipticStep(SineStep):
 
     @property
     def greatest_speed(self) -> float:
-        """Of the foot [m/s]."""
+        """Greatest speed of the foot [m/s]."""
         return max(abs(self.amplitude), abs(self.lift) / 2.0 * self.frequency)
 
     @property
     def across(self) -> Array:
-        """The direction in which the foot does not move, (3, 1)."""
+        """The direction in which the foot does not move, as a column (3, 1)."""
         return np.cross(self.direction, UP)[:, np.newaxis]
 
     def displacement(self, time: ArrayLike) -> Array:
-        """Return where the foot is, seen from where it starts: times (n,) [s] to (n, 3) [m]."""
+        """Displacement of the foot from its start at times (n,) [s], (n, 3) [m]."""
         rise = self.lift / 2.0 * np.sin(self._phase(time))
         return super().displacement(time) + np.outer(rise, UP)
 
     def velocity(self, time: ArrayLike) -> Array:
-        """Return the derivative of the displacement: times (n,) [s] to (n, 3) [m/s]."""
+        """Velocity of the foot at times (n,) [s], (n, 3) [m/s]."""
         climb = self.lift / 2.0 * self.frequency * np.cos(self._phase(time))
         return super().velocity(time) + np.outer(climb, UP)
 
     def acceleration(self, time: ArrayLike) -> Array:
-        """Return the derivative of the velocity: times (n,) [s] to (n, 3) [m/s^2]."""
+        """Acceleration of the foot at times (n,) [s], (n, 3) [m/s^2]."""
         slowing = -self.lift / 2.0 * self.frequency**2 * np.sin(self._phase(time))
         return super().acceleration(time) + np.outer(slowing, UP)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Push:
+    """The force ``F sin(pi (t - at) / lasting)`` from ``at`` to ``at + lasting``, otherwise 0."""
+
+    force: tuple[float, float, float]  # F, its greatest value, base frame [N]
+    at: float  # [s]
+    lasting: float  # [s]
+
+    def __post_init__(self) -> None:
+        if len(self.force) != 3 or not all(abs(part) <= MOST for part in self.force):
+            raise InvalidValueError(
+                f"the push is {list(self.force)}; it must be three finite numbers in N, as 0,0,0.1"
+            )
+        require_non_negative("the instant of the push", self.at, "s")
+        require_positive("the time that the push lasts", self.lasting, "s")
+
+    @property
+    def end(self) -> float:
+        """Time at which the push ends [s]."""
+        return self.at + self.lasting
+
+    @property
+    def impulse(self) -> Array:
+        """Integral of the force over time, ``2 F lasting / pi`` (3,) [N*s]."""
+        impulse: Array = 2.0 * self.lasting / math.pi * np.array(self.force)
+        return impulse
+
+    def at_time(self, time: ArrayLike) -> Array:
+        """Force (..., 3) in the base frame [N] at times (...) [s]."""
+        part = np.clip((np.asarray(time) - self.at) / self.lasting, 0.0, 1.0)
+        force: Array = np.multiply.outer(np.sin(np.pi * part), np.array(self.force))
+        return force
+
+
+def limited_speed(
+    v: Floats, a: Floats, top: float, lengths: Floats
+) -> tuple[list[float], list[float]]:
+    """Shorten a velocity v and its derivative a to a greatest speed [m/s], the direction kept.
+
+    Where ``|v| > top``, the velocity is ``top v / |v|`` and its derivative
+    ``(top / |v|) (a - n (n . a))`` with ``n = v / |v|``; elsewhere both are unchanged.
+    ``lengths`` scale each component of the velocity to a length [m/unit].
+    """
+    weights = [length * length for length in lengths]
+    square = sum(w * part * part for w, part in zip(weights, v, strict=True))
+    if square <= top * top:
+        return list(v), list(a)
+    along = sum(w * x * y for w, x, y in zip(weights, v, a, strict=True)) / square
+    factor = top / math.sqrt(square)
+    return [factor * x for x in v], [factor * (y - along * x) for x, y in zip(v, a, strict=True)]

@@ -1,8 +1,8 @@
-"""A robot whose foot can be moved: commanded velocities of the foot, and the joint rates for them.
+"""The protocol of a robot whose foot can be moved: commanded velocities to joint rates.
 
-The commanded velocities are as many as the joints that move, or fewer: then it is redundant. These
-functions run inside a simulation, thousands of times a second, for one posture at a time: plain
-floats go in and out.
+There are as many commanded velocities as moving joints, or fewer: then the robot is redundant.
+These functions run inside a simulation, thousands of times a second, for one posture at a time, so
+they take and return plain floats.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 
 Floats = Sequence[float]
 
-# Smallest pivot of the Jacobian's LU factors, relative to the largest, that is still divided
-# by: below it the joint rates have lost half of their digits.
+# Smallest pivot of the Jacobian's LU factors, relative to the largest: below it the joint rates
+# have lost half of their digits.
 SINGULAR_BELOW = 1e-8
 
-TRANSLATION = np.eye(6)[:, 3:]  # twists of the foot, turning first: x, y, z
+TRANSLATION = np.eye(6)[:, 3:]  # twists of the foot, rotation first: x, y, z
 TRANSLATION.setflags(write=False)
 
 
@@ -35,13 +35,13 @@ class Movable(ABC):
     """
 
     turning: tuple[bool, ...] = (True, True, True)  # (n,): revolute, not prismatic
-    twists: Array = TRANSLATION  # (6, m): foot's turning, then translation, of each part of v
-    row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0)  # that make the rows of J lengths [m/unit]
+    twists: Array = TRANSLATION  # (6, m): rotation, then translation, for each component of v
+    row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0)  # that scale the rows of J to lengths [m/unit]
     length: float  # of the stretched arm [m]
-    determinant_scale: float  # about the greatest determinant, in its unit
-    geometry: object = None  # for closed forms, as of_robot.geometry_of tells; None: none known
-    is_exact: bool = True  # whether the rates do not exist where J is singular
-    varies: bool = False  # whether what can be commanded changes from posture to posture
+    determinant_scale: float  # roughly the greatest determinant, in its unit
+    geometry: object = None  # for closed forms, as of_robot.geometry_of returns it
+    is_exact: bool = True  # whether the rates are undefined where J is singular
+    varies: bool = False  # whether the twists depend on the posture
 
     @abstractmethod
     def foot(self, q: Floats) -> Array:
@@ -78,11 +78,11 @@ class Movable(ABC):
         v: Floats | None = None,
         w: Floats | None = None,
     ) -> Floats:
-        """Derivative of the rates along the way the joints really move, w, by default ``qdot``.
+        """Derivative of the rates while the joints move at rates w, by default ``qdot``.
 
-        ``J^-1 (a - dJ/dt qdot)`` where J is square. Rates may fall so steeply with the posture, on
-        the way out of a singularity or where they are damped, that along the commanded ones a small
-        difference between the two would grow.
+        ``J^-1 (a - dJ/dt qdot)`` where J is square. Near a singularity, or where they are damped,
+        rates may change so steeply with the posture that a small difference between commanded and
+        actual rates would grow, unless w is the actual ones.
         """
         right_side = np.asarray(a) - self._bias_along(q, qdot, qdot if w is None else w)
         qddot: list[float] = exact_rates(self.jacobian(q), right_side, q).tolist()
@@ -96,25 +96,25 @@ class Movable(ABC):
         return (self.bias(q, (u + along).tolist()) - self.bias(q, (u - along).tolist())) / 4.0
 
     def stiffness(self, q: Floats, v: Floats) -> tuple[float, float]:
-        """How fast rates that are not exact change with the posture: at most, and here [1/s]."""
+        """How fast inexact rates change with the posture: at most, and in this one [1/s]."""
         return 0.0, 0.0
 
     def regime(self, q: Floats, v: Floats) -> tuple[int, ...]:
-        """What bounds each joint's rate: where that changes, the rates have a kink."""
+        """Which bound limits each joint's rate; the rates have a kink where that changes."""
         return ()
 
     def at(self, q: Floats) -> Self:
-        """What can be commanded in a posture: always the same, unless it ``varies``."""
+        """The robot with the twists of a posture: itself, unless it ``varies``."""
         return self
 
     @property
     def joints(self) -> int:
-        """How many joints move: n."""
+        """Number of moving joints, n."""
         return len(self.turning)
 
     @property
     def size(self) -> int:
-        """How many velocities are commanded: m."""
+        """Number of commanded velocities, m."""
         return int(self.twists.shape[1])
 
     @property
@@ -124,15 +124,15 @@ class Movable(ABC):
 
     @property
     def keeps_orientation(self) -> bool:
-        """Whether the foot's turning is commanded, too."""
+        """Whether the foot's rotation is commanded, too."""
         return bool(self.twists[:3].any())
 
     def command(self, v: Floats | Array) -> Array:
-        """Commanded part (m,) of a velocity of a foot that does not turn, (3,) [m/s]."""
+        """Command (m,) for a velocity (3,) [m/s] of a foot that does not rotate."""
         return np.asarray(self.twists[3:].T @ np.asarray(v))
 
     def jacobian_in_lengths(self, q: Floats) -> Array:
-        """J with all of its rows made lengths, (m, n) [m]."""
+        """J with all of its rows scaled to lengths, (m, n) [m]."""
         J: Array = np.array(self.row_lengths)[:, np.newaxis] * self.jacobian(q)
         return J
 
@@ -141,11 +141,11 @@ class Movable(ABC):
         return self.determinant(q) / self.determinant_scale
 
     def sigma_min(self, q: Floats) -> float:
-        """Smallest singular value of J, its rows made lengths [m]."""
+        """Smallest singular value of J, its rows scaled to lengths [m]."""
         return float(smallest_singular_value(self.jacobian_in_lengths(q)))
 
     def singular(self, q: Floats, time: float | None = None) -> SingularConfigurationError:
-        """Describe a posture as singular, at a time [s]; the error is to be raised."""
+        """Make the error of a singular posture at a time [s], to be raised."""
         return SingularConfigurationError(q=q, sigma_min=self.sigma_min(q), time=time)
 
 

@@ -1,23 +1,23 @@
-"""What a robot is, and what of its foot can be commanded."""
+"""Chooses a robot's closed forms, and the motions of its foot that can be commanded."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import MovableChain, freedoms, tangent_twists
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
 from drake_leg.kinematics.scara import ScaraGeometry, is_scara
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 
 TASKS = ("position", "pose")
 
 
 def geometry_of(robot: Robot) -> LegGeometry | ScaraGeometry | PendulumModel | None:
-    """What the closed forms need of a robot: None for one without closed forms."""
+    """Dimensions for a robot's closed forms; None if it has no closed forms."""
     if is_hexabot_leg(robot):
         return LegGeometry.from_robot(robot)
     if is_scara(robot):
@@ -26,15 +26,15 @@ def geometry_of(robot: Robot) -> LegGeometry | ScaraGeometry | PendulumModel | N
 
 
 def movable(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = None) -> Movable:
-    """Make a robot ready to be moved, in closed form if it is the hexabot's leg.
+    """Choose how a robot's foot is moved: in closed form for the hexabot's leg, else numerically.
 
     Parameters
     ----------
     q0 : (n,) sequence of float, optional
-        Where it starts [rad or m]: what the foot can do may depend on it. All 0 by default.
+        Initial posture [rad or m], on which the foot's motions may depend. All 0 by default.
     keep : {"position", "pose"}, optional
-        Whether the foot's translation is commanded alone, or its turning, too. By default the
-        pose, if the joints suffice for it and can turn the foot; else the position.
+        Whether only the foot's translation is commanded, or its rotation, too. By default the
+        pose, if there are enough joints for it and they can rotate the foot; else the position.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def movable(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = 
     Raises
     ------
     InvalidValueError
-        If the robot cannot do that, or the count of joint positions is another.
+        If the robot cannot do that, or the number of joint positions is wrong.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def movable(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = 
 
 
 def _constant_span(robot: Robot, keep: str | None) -> Array | None:
-    """Choose the twists that are commanded in every posture; None if they change on the way."""
+    """Choose the twists that are commanded in every posture; None if they vary."""
     position, pose = freedoms(robot.rows)
     if position.rank == 0:
         raise InvalidValueError(
@@ -96,6 +96,6 @@ def _constant_span(robot: Robot, keep: str | None) -> Array | None:
 
 
 def joints_in_words(robot: Robot) -> str:
-    """Say how many joints a robot has, such as "3 joints"."""
+    """Number of joints in words, such as "3 joints"."""
     count = len(robot.moving)
     return f"{count} joint{'s' * (count > 1)}"

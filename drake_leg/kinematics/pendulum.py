@@ -11,26 +11,32 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipkm1
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_energy, limit_force
-from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative, require_positive
-from drake_leg.robot import Brick, Robot, Row, Solid
+from drake_leg.kinematics.khalil import Array
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import Brick, Robot, Row, Solid, mass_properties
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright
-IN_AND_OUT = 0.002  # [s], greatest step where a limit may be met: none is stepped over
-STIFF = 1e5  # time constants of the damper in a run from which an implicit method is taken
+IN_AND_OUT = 0.002  # [s], greatest step of a motion with limits, so that none is stepped over
+STIFF = 1e5  # time constants of the damper in a run beyond which an implicit method is used
+
+STEP = 1e-6  # [rad], [rad/s], of the differences
+MOST = 1e300  # greatest growth that is reported
+GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)  # points of a step
+WEIGHTS = (0.25 - math.sqrt(3.0) / 6.0, 0.25 + math.sqrt(3.0) / 6.0)  # of the slopes there
 
 
 @dataclass(frozen=True, kw_only=True)
 class PendulumModel:
-    """What the equation of motion ``I qddot = m g (L/2) cos q - c qdot - k (q - q_ref)`` needs.
+    """Parameters of the equation ``I qddot = m g (L/2) cos q - c qdot - k (q - q_ref)``.
 
-    On its right side is also the force of the joint's limits, where they push back. q = 0 is
+    The force of the joint's limits that push back is added on its right side. q = 0 is
     horizontal and positive q turns the link downwards, so that the link hangs at q = pi/2; the
     swing angle from there is ``phi = q - pi/2``.
     """
@@ -53,25 +59,24 @@ class PendulumModel:
 
     @classmethod
     def from_robot(cls, robot: Robot, gravity: float = STANDARD_GRAVITY) -> Self:
-        """Read the model off the data of a pendulum, as ``robots.pendulum`` makes it.
+        """Read the model off the data of a pendulum such as ``robots.pendulum()``.
 
         ``I = m (L^2 + w^2) / 12 + m (L/2)^2``; gravity in m/s^2.
 
         Raises
         ------
         InvalidValueError
-            If the robot has not one joint and one brick.
+            If the robot is not one joint and one brick.
         """
         segment, body = robot.segments[0], _body(robot)
         if body is None:
             raise InvalidValueError(f"{robot.name!r} is no pendulum of one brick")
         solid, brick = body
-        mass = solid.density * brick.length * brick.width * brick.height
-        inertia = mass * (brick.length**2 + brick.width**2) / 12 + mass * (brick.length / 2) ** 2
+        own = mass_properties(solid)
         return cls(
-            mass=mass,
+            mass=own.mass,
             length=brick.length,
-            inertia=inertia,
+            inertia=own.moments[2] + own.mass * (brick.length / 2) ** 2,
             damping=segment.mechanics.damping,
             spring_stiffness=segment.mechanics.spring_stiffness,
             equilibrium_position=segment.mechanics.equilibrium_position,
@@ -91,12 +96,12 @@ class PendulumModel:
 
 
 def is_pendulum(robot: Robot) -> bool:
-    """Tell whether a robot is one brick that turns about the base's y axis, of whatever size."""
+    """Whether a robot is one brick, of any size, that turns about the base's y axis."""
     return _body(robot) is not None
 
 
 def _body(robot: Robot) -> tuple[Solid, Brick] | None:
-    """Return the only body of a pendulum; None where the robot is none."""
+    """Return the only body of a pendulum; None if the robot is not a pendulum."""
     first, *others = robot.segments
     link = first.link
     if link is None or link.solid is None or link.inertial is not None:
@@ -136,12 +141,12 @@ def acceleration(model: PendulumModel, q: ArrayLike, qdot: ArrayLike) -> Array:
 
 
 def _swing(q0: float) -> float:
-    """Return the angle from hanging, brought into [-pi, pi]."""
+    """Angle from hanging, wrapped to [-pi, pi]."""
     return math.remainder(q0 - math.pi / 2, 2 * math.pi)
 
 
 def _oscillates(model: PendulumModel, q0: float) -> bool:
-    """Tell whether the undamped pendulum released at rest at q0 swings with a finite period."""
+    """Whether the undamped pendulum, released at rest at q0, swings with a finite period."""
     return (
         model.damping == 0.0
         and model.spring_stiffness == 0.0
@@ -243,8 +248,8 @@ def rest_angle(model: PendulumModel, q_end: float) -> float | None:
     """Angle [rad] at which the damped pendulum rests, the one nearest to where it ended.
 
     It solves ``k (q - q_ref) = m g (L/2) cos q``; without a spring it is where the link hangs. None
-    without damping and limits, for then it never rests, and where there is no rest within half a
-    turn of ``q_end``.
+    without damping and limits, since then it never rests, and if there is no equilibrium within
+    half a turn of ``q_end``.
     """
     if model.damping == 0.0 and model.limits is None:
         return None
@@ -263,3 +268,82 @@ def rest_angle(model: PendulumModel, q_end: float) -> float | None:
         if torque(left) >= 0.0 > torque(right)
     ]
     return float(min(stable, key=lambda angle: abs(angle - q_end))) if stable else None
+
+
+def instability(model: PendulumModel, q: Array, qdot: Array) -> float:
+    """Greatest rate at which neighbouring motions diverge on a motion q, qdot (n,) [1/s].
+
+    Upright it is the positive root of ``s^2 + (c / I) s = m g (L/2) / I``; it is 0 where the motion
+    is stable everywhere.
+    """
+    stiffness, damping = _slopes(model, q, qdot)
+    roots = damping / 2.0 + np.sqrt(np.maximum(damping**2 / 4.0 + stiffness, 0.0))
+    return float(max(np.max(np.where(stiffness > 0.0, roots, 0.0)), 0.0))
+
+
+def error_growth(model: PendulumModel, time: Array, q: Array, qdot: Array) -> float:
+    """Greatest factor, from 1 to ``MOST``, by which an initial error grows in the angle.
+
+    The motion q, qdot (n,) at times (n,) [s] is linearized, by two exponentials from row to row
+    (Magnus, fourth order); a rate counts as the angle that it is at the frequency of small swings.
+    """
+    if len(time) < 2:
+        return 1.0
+    rate = model.natural_frequency or 1.0
+    steps = _steps(model, rate, time, q, qdot)
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0
+    size, greatest = 0.0, 0.0  # logarithms
+    for e, f, g, h in steps.tolist():
+        a, b, c, d = e * a + f * c, e * b + f * d, g * a + h * c, g * b + h * d
+        length = math.hypot(a, b)
+        if length > 0.0:
+            greatest = max(greatest, size + math.log(length))
+        if max(length, abs(c), abs(d)) > 1e100:
+            a, b, c, d, size = a / 1e100, b / 1e100, c / 1e100, d / 1e100, size + math.log(1e100)
+    return math.exp(min(greatest, math.log(MOST)))
+
+
+def _steps(model: PendulumModel, rate: float, time: Array, q: Array, qdot: Array) -> Array:
+    """Return two exponentials for each step, from the slopes at its two Gauss points, (2 n, 4)."""
+    step = np.diff(time)
+    (stiff, damp), (stiffer, damper) = (
+        _slopes(model, *_between(time, q, qdot, at)) for at in GAUSS
+    )
+    halves = [
+        _exponentials(
+            2.0 * (a * stiff + b * stiffer) / rate, 2.0 * (a * damp + b * damper), rate, step / 2.0
+        )
+        for a, b in (WEIGHTS[::-1], WEIGHTS)
+    ]
+    return np.stack(halves, axis=1).reshape(-1, 4)
+
+
+def _between(time: Array, q: Array, qdot: Array, at: float) -> tuple[Array, Array]:
+    """Interpolate a motion at a part of every step, by cubics."""
+    motion = CubicHermiteSpline(time, q, qdot)
+    there = time[:-1] + at * np.diff(time)
+    return motion(there), motion(there, 1)
+
+
+def _slopes(model: PendulumModel, q: Array, qdot: Array) -> tuple[Array, Array]:
+    """Differentiate the acceleration by the angle [1/s^2] and by the rate [1/s]."""
+    by_angle = acceleration(model, q + STEP, qdot) - acceleration(model, q - STEP, qdot)
+    by_rate = acceleration(model, q, qdot + STEP) - acceleration(model, q, qdot - STEP)
+    return by_angle / (2.0 * STEP), by_rate / (2.0 * STEP)
+
+
+def _exponentials(stiffness: Array, damping: Array, rate: float, step: Array) -> Array:
+    """Return ``exp([[0, rate], [stiffness, damping]] step)``, row by row, (n, 4)."""
+    middle = damping / 2.0
+    root = np.sqrt(middle**2 + stiffness * rate + 0j)
+    plus, minus = np.exp((middle + root) * step), np.exp((middle - root) * step)
+    even = ((plus + minus) / 2.0).real
+    apart = np.abs(root * step) > 1e-6
+    odd = np.where(
+        apart,
+        ((plus - minus) / np.where(apart, 2.0 * root, 1.0)).real,
+        step * np.exp(middle * step),
+    )
+    return np.stack(
+        [even - middle * odd, rate * odd, stiffness * odd, even + middle * odd], axis=-1
+    )

@@ -1,7 +1,7 @@
 """Closed forms of the SCARA arm: tool, Jacobian of (x, y, yaw), determinant.
 
 The task coordinates are the tool's x and y [m] and its yaw q1 + q2 + q3 [rad], driven by the
-first three joints; the fourth sets the height alone.
+first three joints; the fourth sets only the height.
 """
 
 from __future__ import annotations
@@ -14,23 +14,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import (
+from drake_leg.kinematics.khalil import (
     Array,
     assemble,
     finite_vectors,
+    nearest_turn,
     one_vector,
     split,
     triangle_angle,
 )
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.quantities import require_positive
-from drake_leg.robot import Robot
-from drake_leg.robots import SCARA_HEIGHT, SCARA_LOWEST
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import SCARA_HEIGHT, SCARA_LOWEST
+from drake_leg.units import require_positive
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScaraGeometry:
-    """What the closed forms need of a SCARA arm."""
+    """Dimensions of a SCARA arm for its closed forms."""
 
     l1: float  # [m], first arm
     l2: float  # [m], second arm
@@ -43,7 +44,7 @@ class ScaraGeometry:
 
     @classmethod
     def from_robot(cls, robot: Robot) -> Self:
-        """Read the lengths off the Khalil table of a SCARA, as ``robots.scara`` makes it.
+        """Read the lengths off the Khalil table of a SCARA such as ``robots.scara()``.
 
         Raises
         ------
@@ -51,13 +52,13 @@ class ScaraGeometry:
             If the table is not that of the report's SCARA.
         """
         if not is_scara(robot):
-            raise InvalidValueError(f"{robot.name!r} has not the table of the report's SCARA")
+            raise InvalidValueError(f"{robot.name!r} does not have the table of the report's SCARA")
         rows = robot.rows
         return cls(l1=rows[1].d, l2=rows[2].d, height=rows[0].r)
 
 
 def is_scara(robot: Robot) -> bool:
-    """Tell whether a robot has the table of the report's SCARA, whatever its lengths."""
+    """Whether a robot has the table of the report's SCARA, of any lengths."""
     rows = robot.rows
     kinds = ("revolute", "revolute", "revolute", "prismatic")
     return (
@@ -108,7 +109,7 @@ def task_jacobian(arm: ScaraGeometry, q: ArrayLike) -> Array:
 
 
 def determinant(arm: ScaraGeometry, q: ArrayLike) -> Array:
-    """Determinant of the task Jacobian: ``l1 l2 sin(q2)`` [m^2], whatever q1 is.
+    """Determinant of the task Jacobian: ``l1 l2 sin(q2)`` [m^2], independent of q1.
 
     Report B, 1.6, calls q1 = 0 singular; it is not.
     """
@@ -116,7 +117,7 @@ def determinant(arm: ScaraGeometry, q: ArrayLike) -> Array:
 
 
 def jacobian_rate_bias(arm: ScaraGeometry, q: ArrayLike, qdot: ArrayLike) -> Array:
-    """Task acceleration that is there without joint acceleration: ``dJ/dt @ qdot``, (..., 3).
+    """Task acceleration at zero joint acceleration: ``dJ/dt @ qdot``, (..., 3).
 
     In m/s^2, m/s^2 and rad/s^2.
     """
@@ -183,7 +184,4 @@ def inverse_kinematics(arm: ScaraGeometry, task: ArrayLike, like: ArrayLike) -> 
     The side and the turns are those of ``like`` (3,) [rad]; NaN where the point is out of reach.
     """
     near = one_vector("like", like, 3)
-    q = branch_angles(arm, task)[..., 0 if np.sin(near[1]) >= 0.0 else 1, :]
-    turn = 2.0 * np.pi
-    nearest: Array = q + turn * np.round((near - q) / turn)
-    return nearest
+    return nearest_turn(branch_angles(arm, task)[..., 0 if np.sin(near[1]) >= 0.0 else 1, :], near)

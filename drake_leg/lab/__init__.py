@@ -1,1 +1,1 @@
-"""The two reports: their page, their errata, the grader of printed formulas, the lessons."""
+"""The two reports: their page, their errata, the grader of printed formulas, the exercises."""

@@ -1,4 +1,4 @@
-"""What the notebooks need besides the front door: checked answers, printed matrices."""
+"""Checks the notebooks' exercises, and provides the printed matrices that they use."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import sympy as sp
 from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.errata.printed import (
+from drake_leg.errors import DrakeLegError
+from drake_leg.lab.errata.printed import (
     PrintedMatrices,
     angle_values,
     leg_b_matrices,
@@ -19,12 +20,11 @@ from drake_leg.errata.printed import (
     scara_matrices,
     texts,
 )
-from drake_leg.errors import DrakeLegError
-from drake_leg.figures.of_postures import maps_of_posture
-from drake_leg.integrator import IntegratorSettings
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix
-from drake_leg.robot import Robot
+from drake_leg.pictures.plots.singularity_maps import maps_of_posture
+from drake_leg.robot.robot import Robot
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulink.compare.compare import LiveModel
 
 __all__ = [
@@ -52,11 +52,11 @@ def check(
     count: int | None = 1,
     mistaken: Mapping[str, Convert] = NONE_MISTAKEN,
 ) -> None:
-    """Print whether an answer does what the exercise asks for: whether ``holds(answer)``.
+    """Print whether an answer to an exercise is right, that is, whether ``holds(answer)``.
 
-    ``hint`` is a sentence that is shown with a wrong answer. ``count`` is how many numbers an
-    answer has; None if it is text. ``mistaken`` maps a sentence about a mistake to what undoes it:
-    it is shown if the answer is right apart from that.
+    ``hint`` is shown with a wrong answer. ``count`` is how many numbers the answer has; None if it
+    is text. ``mistaken`` maps a sentence about a common mistake to a function that undoes it; the
+    sentence is shown if the answer is right after that.
     """
     if answer is None:
         print("Put your answer in the place of None, and run both cells again.")
@@ -76,14 +76,14 @@ def check(
 def graded(
     robot: Robot, matrices: Mapping[str, sp.Matrix], symbols: Mapping[str, float]
 ) -> list[str]:
-    """Grade printed matrices, in mm: a sentence on everything that is wrong.
+    """Grade printed matrices, in mm; return one sentence per error.
 
     Parameters
     ----------
     matrices : mapping of str to sympy.Matrix
         By name: "T12" is the pose of frame 2 in frame 1.
     symbols : mapping of str to float
-        The lengths that they are printed with [mm].
+        The lengths in them [mm].
     """
     printed = Printed(
         origin="the notebook",
@@ -97,12 +97,12 @@ def graded(
 
 
 def live_model(diagram: Diagram, robot: Robot, *, duration: float = 20.0) -> LiveModel:
-    """Make a diagram as it starts ready to be compared with a Simulink model.
+    """Prepare a diagram, in its initial state, for the comparison with a Simulink model.
 
     Parameters
     ----------
     diagram : Diagram
-        Of a robot whose joints follow a motion.
+        A diagram in which the robot's joints follow a motion.
     duration : float
         How long it would be simulated [s].
     """
@@ -134,7 +134,7 @@ def _fault(answer: object, count: int | None) -> str | None:
 def _mistake(
     answer: object, holds: Callable[[Any], bool], mistaken: Mapping[str, Convert]
 ) -> str | None:
-    """Find the one mistake that explains a wrong answer."""
+    """Return the sentence about the mistake that explains a wrong answer, if one does."""
     for sentence, undo in mistaken.items():
         try:
             if holds(undo(answer)):

@@ -1,4 +1,4 @@
-"""The reports as a person asks for them: the page, and what they print wrongly."""
+"""The front door's ``report`` and ``errata``, whose results show themselves in a notebook."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from drake_leg.errata import Erratum
-from drake_leg.errata import errata as all_errata
 from drake_leg.errors import InvalidValueError, PictureError
 from drake_leg.files import ResultsFolder
+from drake_leg.lab.errata.catalogue import Erratum
+from drake_leg.lab.errata.catalogue import errata as all_errata
 
 
 @dataclass(frozen=True)
 class Errata:
-    """Errors of the reports; a notebook shows what is printed, what is right, and the effect."""
+    """Errors in the reports; a notebook shows what is printed, what is right, and the effect."""
 
     chosen: tuple[Erratum, ...]
 
@@ -29,7 +29,7 @@ class Errata:
         return self.chosen[index]
 
     def _repr_html_(self) -> str:
-        from drake_leg.report.errata import errata_entries
+        from drake_leg.lab.page.pieces import errata_entries
 
         style = (files("drake_leg.lab") / "shown.css").read_text(encoding="utf-8")
         entries = errata_entries(erratum.number for erratum in self.chosen)
@@ -41,21 +41,21 @@ class Report:
     """The page that was written; a notebook shows a link to it."""
 
     page: Path  # report.html
-    failures: tuple[PictureError, ...]  # what could not be made
+    failures: tuple[PictureError, ...]  # items that could not be made
 
     def _repr_html_(self) -> str:
         return f'<a href="{self.page}">{self.page}</a>'
 
 
 def errata(*numbers: int) -> Errata:
-    """List what the two reports print wrongly, what is right, and what the error does.
+    """List the errors in the two reports: what is printed, what is right, and the error's effect.
 
-    The effects are computed now, at the robots' own numbers.
+    The effects are computed when this is called, with the robots' dimensions.
 
     Parameters
     ----------
     *numbers : int
-        Of the errata, from 1; by default all of them.
+        Numbers of the errata, from 1; by default all of them.
 
     Returns
     -------
@@ -96,16 +96,16 @@ def report(
     Parameters
     ----------
     folder : Path or str
-        To be made: ``report.html``, and the figures and replays beside it.
+        Folder to create, with ``report.html``, the figures and the replays.
     overwrite : bool
-        Whether the folder may replace older results.
+        Whether to replace older results in the folder.
     progress : callable, optional
         Called with the number of stages done.
 
     Returns
     -------
     Report
-        Where the page is, and what of it could not be made.
+        The page, and the items that could not be made.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def report(
     >>> made.page  # doctest: +SKIP
     PosixPath('report/report.html')
     """
-    from drake_leg.report.page import write_report
+    from drake_leg.lab.page.page import write_report
 
     target = ResultsFolder(Path(folder), overwrite=overwrite)
     with target.begun() as scratch:

@@ -1,1 +1,1 @@
-"""From a robot as data to SDF and to a MultibodyPlant."""
+"""Converts a robot to SDF and to a MultibodyPlant, and proves that they agree."""

@@ -1,17 +1,34 @@
-"""From a robot to Drake's MultibodyPlant, by way of its SDF."""
+"""Builds Drake's MultibodyPlant from a robot's SDF, and writes the files of ``sdf/``."""
 
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.models.sdf import sdf_text
-from drake_leg.quantities import STANDARD_GRAVITY, require_non_negative
-from drake_leg.robot import Robot, Segment
+from drake_leg.models.sdf import package_text, sdf_text
+from drake_leg.models.thigh import FILE, LEG_FILE, thigh_leg_text, thigh_text
+from drake_leg.robot.robot import Robot, Segment
+from drake_leg.robot.robots import LEG_B, ROBOTS
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative
+
+
+def generated_files() -> dict[str, str]:
+    """Generate all files of the folder ``sdf``: file name to text."""
+    files = {f"{robot.name}.sdf": sdf_text(robot) for robot in ROBOTS}
+    thighs = {FILE: thigh_text(), LEG_FILE: thigh_leg_text(LEG_B)}
+    return {"package.xml": package_text(), **files, **thighs}
+
+
+def sdf_folder() -> Path:
+    """Find the folder of SDF files and their ``package.xml``, in a wheel or in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "sdf"
+    return installed if installed.is_dir() else package.parent / "sdf"
 
 
 def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
@@ -82,3 +99,26 @@ def _leave_limits_to_stops(plant: MultibodyPlant, segment: Segment) -> None:
         for side, _, _ in segment.mechanics.stops:
             (lower if side < 0 else upper)[0] = side * math.inf
         joint.set_position_limits(lower, upper)
+
+
+def thigh_leg(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
+    """Compose a leg of thigh subsystems (report B, figure 5) into a continuous, finalised plant.
+
+    It moves exactly as ``build_plant(robot)`` does: the same joints in the same order, the same
+    masses, the same frames of the table. Its links are model instances of their own, each with the
+    frames ``base``, ``cog``, ``end`` and ``solid``. ``gravity`` is in m/s^2, along the world's -z.
+
+    Raises
+    ------
+    InvalidValueError
+        If a link is not a brick or does not end where the next row begins, gravity is negative, or
+        Drake refuses the model.
+    """
+    package = sdf_folder() / "package.xml"
+    return parsed_plant(thigh_leg_text(robot), robot, gravity=gravity, package=package)
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
+    for file_name, text in generated_files().items():
+        (folder / file_name).write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""A robot proved: its chain, SymPy's derivation and Drake's plant agree on foot and Jacobian.
+"""Proves a robot: its chain, SymPy's derivation and Drake's plant agree on foot and Jacobian.
 
 Four witnesses that share no formula: the chain (``kinematics.khalil``), the same table derived in
 symbols, Drake on the SDF, and differences of the chain's foot. A foot's coordinate is a sum of
@@ -20,14 +20,12 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from drake_leg.errors import InvalidValueError, TimeBudgetError
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import greatest_reach, random_configurations
+from drake_leg.kinematics.feet import greatest_reach, random_configurations
+from drake_leg.kinematics.khalil import Array
 from drake_leg.models.plant import build_plant
-from drake_leg.names import frame_name
 from drake_leg.progress import BUDGET, TimeBudget
-from drake_leg.quantities import require_positive
-from drake_leg.robot import Robot, Row
-from drake_leg.symbolic.optional import require_sympy
+from drake_leg.robot.robot import Robot, Row, frame_name
+from drake_leg.units import require_positive
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
 SAMPLES = 32
@@ -73,13 +71,13 @@ class Missing:
 
     @property
     def sentence(self) -> str:
-        """What is missing, and why."""
+        """The missing quantity, and the reason."""
         return f"the {self.quantity} by {self.witness} is {self.why}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Proof:
-    """What the witnesses say of a robot."""
+    """Result of comparing all witnesses of a robot."""
 
     robot: str
     samples: int
@@ -100,7 +98,7 @@ class Proof:
 
     @property
     def worst(self) -> Comparison | None:
-        """Where two witnesses differ most; one that has no number is worse than any."""
+        """The comparison with the greatest difference; NaN counts as the greatest."""
         return max(
             self.comparisons,
             key=lambda c: (math.isnan(c.difference), c.difference),
@@ -149,21 +147,19 @@ def prove(
     seed : int
         Of their random numbers.
     budget : float
-        Time that it may take [s]; what is not compared by then is missing.
+        Time budget [s]; comparisons not made by then are missing.
     progress : callable, optional
         Called with what is computed next.
 
     Returns
     -------
     Proof
-        It does not prove that the table is the robot's that was meant.
+        It does not prove that the table is that of the intended robot.
 
     Raises
     ------
     InvalidValueError
         If there is no sample, the seed is negative, or the budget is not positive.
-    MissingSymPyError
-        If SymPy is not installed.
 
     Examples
     --------
@@ -179,7 +175,6 @@ def prove(
     if seed < 0:
         raise InvalidValueError(f"the seed is {seed}; it must not be negative")
     require_positive("the budget", budget, "s")
-    require_sympy("a proof")
     q = random_configurations(robot, samples, np.random.default_rng(seed))
     found, missing = _compute(_testimonies(robot), q, TimeBudget(budget), progress)
     size = greatest_reach(robot)

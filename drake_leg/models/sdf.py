@@ -1,6 +1,6 @@
-"""A robot as SDF text, as in ``sdf/``, readable by Drake and by Gazebo.
+"""Writes a robot as SDF, as in the folder ``sdf``, for Drake and Gazebo.
 
-Every link's frame is the DH frame of its row. Beside it are the frames ``frame_0`` ...
+Every link's frame is the DH frame of its row. There are also the frames ``frame_0`` ...
 ``frame_n`` of the table, and for every link ``NAME_base``, ``NAME_cog`` and ``NAME_end``.
 """
 
@@ -14,22 +14,34 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import row_transform
-from drake_leg.models.solids import mass_properties
-from drake_leg.names import BASE, BASE_WELD, PLACES, frame_name, place_name
-from drake_leg.quantities import LEAST
-from drake_leg.robot import Brick, Cylinder, Link, Robot, Row, Segment, Shape
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import (
+    BASE,
+    BASE_WELD,
+    PLACES,
+    Brick,
+    Cylinder,
+    Link,
+    Robot,
+    Row,
+    Segment,
+    Shape,
+    frame_name,
+    mass_properties,
+    place_name,
+)
+from drake_leg.units import LEAST
 
 PACKAGE = "drake_leg"
 CENTRED = (0.0, 0.0, 0.0)
 STEEP = 0.99  # sine of the pitch beyond which roll, pitch, yaw lose digits
 
 
-def sdf_text(robot: Robot, *, origin: str = "drake_leg.robots") -> str:
+def sdf_text(robot: Robot, *, origin: str = "drake_leg.robot.robots") -> str:
     """Write a robot as an SDF 1.9 document with one model, its base welded to the world.
 
-    ``origin`` is what the document says that it was generated from.
+    ``origin`` names the source in the document's comment.
     """
     sdf = ET.Element("sdf", version="1.9")
     about = f"{robot.title} ({robot.source}). Generated from {origin}."
@@ -66,7 +78,7 @@ def package_text() -> str:
 
 
 def _number(value: float) -> str:
-    # What is smaller than any part of a robot is nothing: parsers stumble over it.
+    # Parsers fail on numbers that are smaller than any quantity of a robot.
     return repr(0.0 if abs(value) < LEAST else float(value)).removesuffix(".0")
 
 
@@ -85,7 +97,7 @@ def _row_text(row: Row) -> str:
 
 
 def _comment(text: str) -> str:
-    """Make the text of an XML comment, in which two hyphens may not meet."""
+    """Text of an XML comment, in which two hyphens must not be adjacent."""
     return f" {re.sub('-(?=-)', '- ', text)} "
 
 
@@ -217,7 +229,7 @@ def _add_axis(joint: ET.Element, mechanics: JointMechanics) -> None:
 
 
 def _add_limits(axis: ET.Element, mechanics: JointMechanics) -> None:
-    """Add the limits that there are; an effort of 0 makes a joint without actuator."""
+    """Add the limits that exist; an effort of 0 means a joint without actuator."""
     limits = {
         "lower": mechanics.lower,
         "upper": mechanics.upper,

@@ -1,1 +1,1 @@
-"""Pictures of recordings, robots and diagrams."""
+"""Plots of recordings, and block diagrams as SVG."""

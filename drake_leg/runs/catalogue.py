@@ -25,7 +25,7 @@ from drake_leg.runs.options import (
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
 
-    from drake_leg.robot import Robot
+    from drake_leg.robot.robot import Robot
     from drake_leg.runs.outcome import Outcome
     from drake_leg.simulation.run import Progress, Start
 

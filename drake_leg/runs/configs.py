@@ -9,19 +9,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from drake_leg.diagrams.control import Control
+from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.diagrams.ellipse import EllipseConfig
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.pendulum import PendulumConfig
 from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics, StateTarget
+from drake_leg.kinematics.motions import Push
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.kinematics.push import Push
-from drake_leg.models.state_targets import initial_state, starting_posture
-from drake_leg.robot import Robot, Segment
-from drake_leg.robots import hexabot_leg, pendulum, scara
+from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
+from drake_leg.robot.robot import Robot, Segment
+from drake_leg.robot.robots import hexabot_leg, pendulum, scara
+from drake_leg.robot.state_targets import initial_state, starting_posture
 from drake_leg.runs.options import (
     EllipseOptions,
     LegOptions,
@@ -31,8 +31,8 @@ from drake_leg.runs.options import (
     StepOptions,
     StraightOptions,
 )
-from drake_leg.singularity.directions import first_direction
 from drake_leg.singularity.inverse import Inverse
+from drake_leg.singularity.stroke import first_direction
 
 CORRECTION = 5.0  # [1/s], of a damped or limited inverse where none is asked for
 PUSH_AT, PUSH_FOR = 2.0, 0.1  # [s]

@@ -6,7 +6,7 @@ from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.ellipse import build
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.runs.configs import ellipse_config, leg_of
 from drake_leg.runs.leg import compared
 from drake_leg.runs.options import EllipseOptions

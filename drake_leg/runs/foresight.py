@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.diagrams.control import Control
+from drake_leg.diagrams.additions import Control
 from drake_leg.errors import ForeseenSingularityError, SingularConfigurationError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
 from drake_leg.simulation.run import Run

@@ -10,15 +10,12 @@ from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import foot_pose, jacobian
+from drake_leg.kinematics.euler import rotation_matrices
+from drake_leg.kinematics.khalil import Array, foot_pose, jacobian
 from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
 from drake_leg.kinematics.movable import Movable, smallest_singular_value
 from drake_leg.kinematics.of_robot import geometry_of
-from drake_leg.kinematics.rotation import rotation_matrices
-from drake_leg.quantities import joint_entries
-from drake_leg.recording import Recording
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.runs.configs import leg_of, straight_config
 from drake_leg.runs.options import LegBOptions, LegOptions, StepOptions, StraightOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
@@ -32,7 +29,9 @@ from drake_leg.runs.tip import (
     tip_inaccuracy,
     torque_error,
 )
+from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import Progress, Start
+from drake_leg.units import joint_entries
 
 
 def run(options: LegBOptions, progress: Progress | None = None) -> Outcome:

@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
-from drake_leg.html_table import html_table
-from drake_leg.kinematics.batches import Array
-from drake_leg.recording import Recording
-from drake_leg.robot import Robot
+from drake_leg.kinematics.khalil import Array
+from drake_leg.robot.robot import Robot, html_table
 from drake_leg.runs.catalogue import OwnRobot, run_kind
 from drake_leg.runs.outcome import Outcome
+from drake_leg.simulation.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -158,7 +157,7 @@ def run(
 
 
 def _figures(title: str, outcome: Outcome) -> Figures:
-    from drake_leg.figures.of_runs import figures_of_run
+    from drake_leg.pictures.plots.of_runs import figures_of_run
 
     return Figures(
         dict(
@@ -171,7 +170,7 @@ def _figures(title: str, outcome: Outcome) -> Figures:
 
 def _write(folder: ResultsFolder, name: str, title: str, outcome: Outcome) -> None:
     """Write the data, then the figures one by one."""
-    from drake_leg.runs.files import figure_files
+    from drake_leg.runs.outcome import figure_files
 
     with folder.begun() as scratch:
         outcome.write(scratch, name)

@@ -11,10 +11,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.integrator import INTEGRATORS, IntegratorSettings
-from drake_leg.joint_mechanics import HardStop
-from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
-from drake_leg.robots import (
+from drake_leg.robot.joint_mechanics import HardStop
+from drake_leg.robot.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
     LEG_A_POSTURE,
@@ -25,6 +23,8 @@ from drake_leg.robots import (
     WATER,
     LegVariant,
 )
+from drake_leg.simulation.integrator import INTEGRATORS, IntegratorSettings
+from drake_leg.units import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
 
 if TYPE_CHECKING:
     from drake_leg.kinematics.motions import EllipticStep, SineStep

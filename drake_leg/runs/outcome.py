@@ -1,21 +1,38 @@
-"""What a run returns, whichever robot it moved."""
+"""A run's figures as files."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.integrator import IntegratorSettings
-from drake_leg.kinematics.batches import Array
-from drake_leg.recording import Recording
-from drake_leg.robot import Robot
+from matplotlib.figure import Figure
+
+from drake_leg.kinematics.khalil import Array
+from drake_leg.pictures.plots.of_runs import figures_of_run
+from drake_leg.pictures.plots.style import save
+from drake_leg.robot.robot import Robot
+from drake_leg.simulation.integrator import IntegratorSettings
+from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import Run
 
 if TYPE_CHECKING:
-    from drake_leg.figures.of_runs import Subject
+    from drake_leg.pictures.plots.of_runs import Subject
+
+
+def figure_files(title: str, outcome: Outcome) -> Iterator[tuple[str, Callable[[Path], None]]]:
+    """List a run's figures: file name without ending, and what writes the file into a folder."""
+    for file_name, draw in figures_of_run(
+        outcome.subject, title, outcome.robot, outcome.recording, outcome.summary
+    ):
+        yield file_name, partial(_write, draw, file_name)
+
+
+def _write(draw: Callable[[], Figure], file_name: str, folder: Path) -> None:
+    save(draw(), folder, file_name)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,4 +95,37 @@ def outcome_of(
         exact=exact,
         summary={**common, **findings},
         subject=subject,
+    )
+
+
+BEST = IntegratorSettings().scheme
+SHOWN = 0.01  # of a motion's range: about the width of a curve in a figure as high as a thumb
+NOTHING = 1e-6  # [rad or m], an error that never matters
+
+
+def shows(error: float, span: float) -> bool:
+    """Tell whether an error can be seen in a figure of the motion.
+
+    ``error`` is the greatest distance from the exact motion, ``span`` the range of that [rad or m].
+    Where nothing moves, an error counts from ``NOTHING`` on.
+    """
+    return not error <= max(SHOWN * span, NOTHING)
+
+
+def finer(settings: IntegratorSettings) -> str:
+    """Say how an integration becomes more accurate."""
+    if settings.accuracy is None:
+        remedy = "choose a smaller `max_step`"
+    else:
+        remedy = "choose a finer `accuracy`"
+    return remedy if settings.scheme == BEST else f"{remedy} or `integrator={BEST!r}`"
+
+
+def inaccuracy(error: float, span: float, what: str, unit: str, remedy: str) -> str | None:
+    """Say that a run is not the motion that was asked for; None if the error cannot be seen."""
+    if not shows(error, span):
+        return None
+    return (
+        f"the {what} is up to {error:.2g} {unit} from the exact motion, which goes through "
+        f"{span:.3g} {unit}: what was recorded is another motion; {remedy}"
     )

@@ -9,9 +9,7 @@ from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.diagrams.scara import ScaraConfig, build
 from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.kinematics.scara import inverse_kinematics, task_jacobian, tool_position
-from drake_leg.quantities import joint_entries
-from drake_leg.recording import Recording
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.runs.configs import scara_config
 from drake_leg.runs.options import ScaraOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
@@ -25,7 +23,9 @@ from drake_leg.runs.tip import (
     tip_inaccuracy,
     torque_error,
 )
+from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import Progress, Start
+from drake_leg.units import joint_entries
 
 
 def run(options: ScaraOptions, progress: Progress | None = None) -> Outcome:

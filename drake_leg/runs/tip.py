@@ -11,23 +11,22 @@ from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.framework import Diagram
 from scipy.integrate import trapezoid
 
-from drake_leg.diagrams.control import Control
+from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.ellipse import EllipseConfig
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.diagrams.scara import ScaraConfig
-from drake_leg.integrator import ROW_INTERVAL, IntegratorSettings
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.joint_stop import limit_force
-from drake_leg.kinematics.khalil import jacobian
+from drake_leg.kinematics.khalil import Array, jacobian
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.models.plant import build_plant
-from drake_leg.recording import lettered, numbered, without_sign_jumps
-from drake_leg.robot import Robot
-from drake_leg.runs.accuracy import finer, inaccuracy
+from drake_leg.robot.robot import Robot
 from drake_leg.runs.foresight import foresee, require_passable, singularity_findings
 from drake_leg.runs.options import StepOptions
+from drake_leg.runs.outcome import finer, inaccuracy
+from drake_leg.simulation.integrator import ROW_INTERVAL, IntegratorSettings
+from drake_leg.simulation.recording import lettered, numbered, without_sign_jumps
 from drake_leg.simulation.run import Progress, Run, simulate
 
 OFF_COMMAND = 1e-6  # [m]: a tip that is farther from its command than this is off it

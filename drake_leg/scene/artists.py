@@ -1,4 +1,4 @@
-"""Who makes pictures of a scene: Drake's VTK renderer, or matplotlib where that cannot work."""
+"""Renders a scene with Drake's VTK engine, or draws it with matplotlib where VTK cannot work."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ from pydrake.systems.sensors import CameraInfo
 
 from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
-from drake_leg.figures.style import STYLE
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
+from drake_leg.pictures.plots.style import STYLE
 from drake_leg.scene.lettering import LIGHT, Paper, Pixels
 from drake_leg.scene.parts import Part
 from drake_leg.scene.scene import MARGIN, Scene, View
@@ -62,7 +62,7 @@ _LIGHTS = (((-0.6, -0.9, -0.5), 0.8), ((0.9, -0.2, -0.6), 0.4), ((0.1, 0.4, -1.0
 
 TRIAL = """
 import numpy as np
-from drake_leg.robots import PENDULUM
+from drake_leg.robot.robots import PENDULUM
 from drake_leg.scene.artists import Renderer
 from drake_leg.scene.scene import VIEWS, at_rest, scene_of
 motion = at_rest(PENDULUM, [0.3])
@@ -75,7 +75,7 @@ REMEDY = "install Mesa (Debian: libegl1 libgl1-mesa-dri)"
 
 @dataclass(frozen=True, kw_only=True)
 class _Shot:
-    """A camera in its place; the edges of the picture, where nothing is, it leaves out."""
+    """A placed camera; it leaves out the empty edges of the picture."""
 
     X_WC: RigidTransform  # its axes point right, down and forwards
     focus: float  # focal length [pixels]
@@ -92,7 +92,7 @@ class Renderer:
     Parameters
     ----------
     scene : Scene
-        What there is to see.
+        What is drawn.
     width, height : int
         Of the pictures [pixels].
     """
@@ -142,7 +142,7 @@ class Renderer:
         return image
 
     def pixels(self, points: Array, view: View) -> Array:
-        """Say where points of the world (n, 3) are, to the right and down, (n, 2) [pixels]."""
+        """Project points of the world (n, 3), to the right and down, (n, 2) [pixels]."""
         shot = self._shot(view)
         middle = np.array([self.width, self.height]) / 2.0
         return middle + _projected(points, shot.X_WC, shot.focus)
@@ -175,7 +175,7 @@ class Sketcher:
     Parameters
     ----------
     scene : Scene
-        What there is to see.
+        What is drawn.
     width, height : int
         Of the pictures [pixels].
     """
@@ -199,7 +199,7 @@ class Sketcher:
         return self._drawn(polygons, [colours[index] for index in far_first])
 
     def pixels(self, points: Array, view: View) -> Array:
-        """Say where points of the world (n, 3) are, to the right and down, (n, 2) [pixels]."""
+        """Project points of the world (n, 3), to the right and down, (n, 2) [pixels]."""
         return self._pixels(points @ view.axes, view)
 
     def _pixels(self, seen: Array, view: View) -> Array:
@@ -227,12 +227,12 @@ class Sketcher:
 
 
 class NoRenderingError(DrakeLegError):
-    """There is nothing here to render with.
+    """OpenGL is missing or broken.
 
     Attributes
     ----------
     reason : str
-        What the trial left, its last line.
+        The last line of the trial's output.
     """
 
     def __init__(self, reason: str) -> None:
@@ -250,7 +250,7 @@ def rendering_fault() -> str | None:
     Returns
     -------
     str or None
-        What went wrong, in a line; None where a picture came out.
+        What went wrong, in one line; None if it rendered a picture.
     """
     command = [sys.executable, "-c", TRIAL]
     try:
@@ -268,7 +268,7 @@ def rendering_fault() -> str | None:
 
 
 def require_rendering() -> None:
-    """Refuse to go on where nothing can be rendered.
+    """Check that VTK can render.
 
     Raises
     ------
@@ -281,7 +281,7 @@ def require_rendering() -> None:
 
 
 def _projected(points: Array, X_WC: RigidTransform, focus: float) -> Array:
-    """Where points of the world are in a picture, from its middle [pixels]."""
+    """Project points of the world into a picture, from its middle [pixels]."""
     in_camera = (points - X_WC.translation()) @ X_WC.rotation().matrix()
     return np.asarray(focus * in_camera[:, :2] / in_camera[:, 2:])
 

@@ -1,4 +1,4 @@
-"""A robot whose foot is driven by hand, and what its guard says of each step."""
+"""Drives a robot's foot step by step, slowed by a guard near singularities."""
 
 from __future__ import annotations
 
@@ -11,44 +11,48 @@ from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
 from drake_leg.diagrams.driven_foot import BRAKE, COMMAND, JOINTS, WholeFoot, build
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.batches import Array, one_vector
+from drake_leg.kinematics.khalil import Array, one_vector
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.quantities import beyond
-from drake_leg.robot import Robot
-from drake_leg.singularity.directions import motion_in_words
-from drake_leg.singularity.driving import GREATEST_RATE, SLOW, STOP, room
+from drake_leg.robot.robot import Robot
 from drake_leg.singularity.families import singular_words
-from drake_leg.singularity.look_ahead import LookAhead
+from drake_leg.singularity.look_ahead import GREATEST_RATE, SLOW, STOP, LookAhead, room
+from drake_leg.singularity.stroke import motion_in_words
+from drake_leg.units import beyond
 
 State = Literal["free", "near", "slowed", "stopped"]
 
 LARGEST_TURN = 0.015  # [rad or m] of a joint in one step of the simulation
-APPROACH = 0.5  # part of the determinant that such a step may change: no singularity is jumped
+APPROACH = (
+    0.5  # share of the determinant that such a step may change, so as not to jump a singularity
+)
 SHORTEST = 1e-9  # [s] of such a step
-AT_LIMIT = {"revolute": 0.02, "prismatic": 0.004}  # [rad], [m]: nearer a joint is at its limit
-FREE = 0.995  # share of the commanded way above which nothing is said
+AT_LIMIT = {
+    "revolute": 0.02,
+    "prismatic": 0.004,
+}  # [rad], [m]: a joint nearer to its limit is at it
+FREE = 0.995  # share of the commanded displacement from which on the foot counts as free
 LEAST = 1e-9  # [m/s], of a command that the joints can follow
 
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """What one step came to."""
+    """The result of one step."""
 
     q: Array  # (n,) [rad or m]
     foot: Array  # (3,) p_BF [m]
     sigma_min: float  # [m]
-    share: float | None  # of the commanded way that was gone: 0 ... 1; None at rest
+    share: float | None  # of the commanded displacement: 0 ... 1; None at rest
     state: State  # near: at rest where the guard would slow the foot
-    sentence: str  # for a person; empty where nothing is in the way
+    sentence: str  # to be shown; empty if nothing is in the way
 
 
 class DrivenFoot:
     """A robot ready to be driven: ``diagrams.driven_foot``, stepped by a Simulator.
 
-    Whatever lowers the smallest singular value of the foot's Jacobian is slowed below ``slow`` and
-    stopped at ``stop``; no joint goes too fast or further out of its limits. Of a command acts what
-    the foot can do.
+    Motion that lowers the smallest singular value of the foot's Jacobian is slowed below ``slow``
+    and stopped at ``stop``. No joint exceeds its greatest rate or moves further out of its limits.
+    A command is projected onto the directions in which the foot can move.
 
     Parameters
     ----------
@@ -92,7 +96,7 @@ class DrivenFoot:
         return self.moved.at(posture).sigma_min(posture)
 
     def at_rest(self, q: ArrayLike) -> Step:
-        """Describe a posture (n,) [rad or m] that nobody moves.
+        """Describe a posture at rest, (n,) [rad or m].
 
         Raises
         ------
@@ -157,7 +161,7 @@ class DrivenFoot:
         return ahead.shortened(LARGEST_TURN / max(map(abs, slowed)), APPROACH, SHORTEST)
 
     def _advance(self, q: Array, span: float) -> tuple[Array, float, str]:
-        """Simulate a short time: posture, share of the command that acted, what was in the way."""
+        """Simulate a short time; return posture, share of the command that acted, obstacle."""
         self._joints.set_integral_value(self._joints_context, q)
         self._simulator.AdvanceTo(self._root.get_time() + span)
         moved = self._joints_context.get_continuous_state_vector().CopyToVector()
@@ -177,7 +181,7 @@ class DrivenFoot:
         return self._described(q, share, state, sentence)
 
     def _rest(self, q: Array) -> Step:
-        """Describe a posture at rest by what the guard would do on the way to what is near."""
+        """Describe a posture at rest, and what the guard would do towards a near singularity."""
         left = room(self.moved, self.sigma_min(q))
         near = singular_words(self.moved.geometry, q)
         if left <= 1.0 - FREE:
@@ -212,7 +216,7 @@ def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
 
 
 def _joint_at_limit(robot: Robot, q: Array) -> str | None:
-    """Name a joint that is as near to a limit as one that was stopped there."""
+    """Name a joint at one of its limits."""
     for segment, now in zip(robot.moving, q, strict=True):
         mechanics = segment.mechanics
         near = AT_LIMIT[segment.row.joint]

@@ -11,9 +11,8 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 from PIL import Image
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, require_import, require_pillow
 from drake_leg.files import whole_file
-from drake_leg.imports import require_import, require_pillow
 from drake_leg.scene.artists import (
     REMEDY,
     Renderer,

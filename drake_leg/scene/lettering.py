@@ -1,4 +1,4 @@
-"""What is written on pictures, and where: titles, and the names of the axes, x₀, y₀, z₀ and so on.
+"""Writes titles and the names of the axes, x₀, y₀, z₀ and so on, on pictures.
 
 Where a name is placed is described once, in ``PLACEMENT``: pages place their names by the same
 rules in ``page/names.js``, with the numbers that ``Placement.data`` writes into them.
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from drake_leg.colours import Colour
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.parts import triad_lengths
 from drake_leg.scene.scene import Scene, View
 
@@ -62,7 +62,7 @@ class Artist(Protocol):
         ...
 
     def pixels(self, points: Array, view: View) -> Array:
-        """Say where points of the world (n, 3) are, to the right and down, (n, 2) [pixels]."""
+        """Project points of the world (n, 3), to the right and down, (n, 2) [pixels]."""
         ...
 
 
@@ -102,7 +102,7 @@ def write_on(image: Pixels, words: Sequence[Words], *, paper: Paper = LIGHT) -> 
 
 @cache
 def width_of(text: str, size: int) -> float:
-    """Say how wide a text is, with the halo around its letters [pixels]."""
+    """Compute the width of a text with its halo [pixels]."""
     return _font(size).getlength(text) + 2.0 * HALO
 
 
@@ -128,7 +128,7 @@ def _font(size: int) -> ImageFont.FreeTypeFont:
 
 @dataclass(frozen=True, kw_only=True)
 class Placement:
-    """Where the names of axes may be, and what is paid for it; lengths in sizes of the letters.
+    """Candidate places for the names of axes, and their costs; lengths in letter sizes.
 
     A name is beyond its axis' end, or beside its origin, with ⊙ or ⊗, where the axis is seen from
     its end. It takes the cheapest of these places; where that costs too much, it is left out. The
@@ -268,7 +268,7 @@ class AxisNames:
         return words
 
     def _choose(self, axis: _Axis, half: Array, boxes: list[Array], points: Array) -> Array | None:
-        """Return where an axis' name has its place [letters]; None where there is none."""
+        """Choose the place of an axis' name [letters]; None if there is none."""
         end_on, last = self._before.get(axis.name, (axis.end_on, -1))
         self._before[axis.name] = axis.end_on, -1
         if not axis.is_named:
@@ -320,7 +320,7 @@ class AxisNames:
         return seen
 
     def _seen_at(self, points: Array) -> Array:
-        """Where points of the world (n, 3) are in the picture, (n, 2) [letters]."""
+        """Project points of the world (n, 3) into the picture, (n, 2) [letters]."""
         return self._artist.pixels(points, self._view) / self._unit
 
 

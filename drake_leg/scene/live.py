@@ -1,4 +1,4 @@
-"""What a running program tells the open pages, what they may ask for, and their common parts."""
+"""States, traces and commands that a running program exchanges with its open pages."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import numpy as np
 
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.parts import BLUE, GREEN, RED, TRACE, TRACE_RADIUS, TRACE_SPACING
 from drake_leg.scene.scene import Scene, View
 from drake_leg.scene.web_page import stage_data
 
 MOST_PIECES = 500  # of a trace; its oldest pieces go when it is longer
-QUIET = 1.0  # [s] without a new state, after which a page is told that the program is still there
+QUIET = 1.0  # [s] without a new state, after which a page is told that the program still runs
 LONGEST_NAME = 40  # of a page
 
 Command = Mapping[str, Any]  # an object of JSON: what to do, under "do", and its numbers
@@ -29,7 +29,7 @@ AXES: tuple[Entry, ...] = (("x", (RED,)), ("y", (GREEN,)), ("z", (BLUE,)))
 
 
 class Trace:
-    """The paths of tips while somebody moves it: straight pieces, numbered as they come.
+    """The paths of moving tips, as numbered straight pieces.
 
     Pages ask for those that they have not yet seen.
 
@@ -52,7 +52,7 @@ class Trace:
         return self._cleared, self._count
 
     def add(self, points: Array) -> None:
-        """Go on to points of the world, one for each tip (k, 3) or (3,) [m], unless too near."""
+        """Extend the paths to points of the world, one per tip, (k, 3) or (3,) [m], unless near."""
         with self._lock:
             for tip, point in enumerate(np.atleast_2d(points)):
                 last = self._last.setdefault(tip, np.array(point))
@@ -61,7 +61,7 @@ class Trace:
                     self._last[tip], self._count = np.array(point), self._count + 1
 
     def lift(self) -> None:
-        """Leave a gap before the next point: the tip was put there, it did not move there."""
+        """Leave a gap before the next point, to which the tip jumps."""
         with self._lock:
             self._last.clear()
 
@@ -73,7 +73,7 @@ class Trace:
             self._count, self._cleared = 0, self._cleared + 1
 
     def since(self, cleared: int, count: int) -> dict[str, Any]:
-        """Return what is new since an answer with these numbers; -1 and 0 at first.
+        """Return the pieces that are new since an answer with these numbers; -1 and 0 at first.
 
         Returns
         -------
@@ -89,9 +89,9 @@ class Trace:
 
 
 class Feed:
-    """The latest state and the trace for all open pages; at last, that the session has ended.
+    """Publishes the latest state and the trace to all open pages, and the end of the session.
 
-    Every page gets the latest state; one that is slow misses what came in between.
+    A slow page misses the states in between.
     """
 
     def __init__(self, trace: Trace) -> None:
@@ -104,7 +104,7 @@ class Feed:
         self._ended = False
 
     def publish(self, state: Mapping[str, Any]) -> None:
-        """Send a new state, of what JSON can write, or a new trace."""
+        """Publish a new state, which JSON can write, or a new trace."""
         with self._changed:
             if (state, self.trace.mark) != (self._state, self._mark):
                 self._state, self._mark = state, self.trace.mark
@@ -112,7 +112,7 @@ class Feed:
                 self._changed.notify_all()
 
     def end(self, patience: float = QUIET) -> None:
-        """Send that the session has ended; wait at most ``patience`` [s] until pages know it."""
+        """Announce the end of the session; wait at most ``patience`` [s] for the pages."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()
@@ -124,7 +124,7 @@ class Feed:
         Parameters
         ----------
         quiet : float
-            Time without a new state after which None is yielded [s].
+            Time without a new state, after which None is yielded [s].
 
         Yields
         ------
@@ -191,7 +191,7 @@ def numbers_of(command: Command, name: str, count: int) -> list[float]:
 
 
 def tab_of(command: Command) -> str:
-    """Read which page a command comes from: a name that the page has given itself.
+    """Read the name of the page that a command comes from; the page chose it.
 
     Raises
     ------
@@ -205,7 +205,7 @@ def tab_of(command: Command) -> str:
 
 
 def live_data(scene: Scene, first: View, session: str) -> dict[str, Any]:
-    """Tell what the scripts need that all live pages have.
+    """Collect the data that the scripts of all live pages need.
 
     Parameters
     ----------

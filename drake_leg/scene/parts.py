@@ -1,4 +1,4 @@
-"""Everything that is drawn, as solids on the frames of a plant: links, axes, traces, a floor.
+"""The solids that a scene consists of: links, axes, traces and a floor, on the frames of a plant.
 
 Every way of showing a plant, in a browser, by VTK or by matplotlib, shows these parts.
 """
@@ -13,7 +13,7 @@ import numpy as np
 from pydrake.geometry import Box, CalcObb, Cylinder, Shape, Sphere
 
 from drake_leg.colours import PURPLE, Colour, rgb
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 
 RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
 LINE = (0.66, 0.67, 0.70)
@@ -26,7 +26,7 @@ TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
 TRACE_RADIUS, TRACE_SPACING = 0.011, 1.0 / 60.0
 FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
 
-SLACK = 1e-9  # of a square of the floor: what stands on its edge needs no other square
+SLACK = 1e-9  # of a square of the floor: a point on its edge needs no other square
 
 WORLD_TRIAD = 1.5  # of the others: length of the world's axes
 DASH = 3  # pieces of a trace from one dash to the next; the last of them is the gap
@@ -69,7 +69,7 @@ def size_of(points: Array) -> float:
 
 
 def placed(x: float, y: float, z: float) -> Array:
-    """Make a pose that only displaces, (4, 4)."""
+    """Make a pure translation, (4, 4)."""
     X = np.eye(4)
     X[:3, 3] = x, y, z
     return X
@@ -89,7 +89,7 @@ def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
 
 
 def triad_lengths(frames: int, size: float) -> list[float]:
-    """How long the axes of each frame are [m]: those of the world are longer."""
+    """Lengths of the axes of each frame [m]; the world's are longer."""
     return [WORLD_TRIAD * TRIAD_LENGTH * size] + [TRIAD_LENGTH * size] * (frames - 1)
 
 
@@ -107,7 +107,7 @@ def triad_parts(frames: int, size: float) -> tuple[Part, ...]:
 
 
 def triad_tips(X_WF: Array, size: float) -> Array:
-    """Where the axes of frames end, p_WT (..., n, 3, 3) [m], from their poses (..., n, 4, 4).
+    """Tips of the axes of frames, p_WT (..., n, 3, 3) [m], from their poses (..., n, 4, 4).
 
     The last axis but one counts x, y, z.
     """

@@ -1,4 +1,4 @@
-"""One page that replays a motion: it needs no other file, no network and no Drake."""
+"""A page that replays a motion; it needs no other file, no network and no Drake."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import check_file, write_text
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.scene import PlantMotion, Record, View, as_view, motion_of, scene_of
 from drake_leg.scene.shown_plant import Showable
 from drake_leg.scene.web_page import pose_rows, stage_data, web_page
@@ -118,7 +118,7 @@ def replay(
 
 
 def check_show(target: Path, *, overwrite: bool) -> None:
-    """Refuse a page or video that cannot be made, before any work is done for it.
+    """Check that a page or video can be made, before any work is done for it.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How a plant moves, the scene that holds its whole motion, and the views of it."""
+"""The motion of a plant, the scene that contains it, and the views of the scene."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from pydrake.systems.primitives import VectorLog
 from scipy.spatial import ConvexHull
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.recording import Recording
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.parts import (
     Part,
     floor_corners,
@@ -27,19 +26,21 @@ from drake_leg.scene.parts import (
     triad_tips,
 )
 from drake_leg.scene.shown_plant import Showable, ShownPlant, shown
+from drake_leg.simulation.recording import Recording
 from drake_leg.units import ANGLE_UNITS, LENGTH_UNITS, TIME_UNITS
 
 NATURAL, FLAT = math.radians(30.0), math.radians(5.0)  # fields of view, lower to upper edge
 MARGIN = 1.18  # the picture is wider than what it shows by this factor
-LARGEST_MISS = 1e-6  # [m], of a recorded tip from the tip of the robot that is said to have moved
-MOST_POSTURES = 400  # of a motion that are examined to find out how much room it takes
+LARGEST_MISS = 1e-6  # [m], between a recorded tip and the robot's
+MOST_POSTURES = 400  # of a motion that determine the size of its scene
 
 # A plant's motion: as it was recorded, as Drake logged it, or as time (rows,) and q (rows, q).
 Record: TypeAlias = "PlantMotion | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
+_FROM_ABOVE = (0.0, -1e-4, 1.0)  # the little that leaves y up in the picture
 
 
 class OtherRobotError(InvalidValueError):
-    """A recording of another robot than the one that is said to have moved.
+    """A recording of another robot.
 
     Attributes
     ----------
@@ -79,7 +80,7 @@ class PlantMotion:
                 f"of shape {self.q.shape}; there must be one row of {positions} at each time"
             )
         if not (np.isfinite(self.time).all() and np.isfinite(self.q).all()):
-            raise InvalidValueError(f"a motion of {name!r} has a value not finite")
+            raise InvalidValueError(f"a motion of {name!r} has a value that is not finite")
         if (np.diff(self.time) < 0.0).any():
             raise InvalidValueError(f"the times of a motion of {name!r} fall somewhere")
 
@@ -111,7 +112,7 @@ class PlantMotion:
         return np.moveaxis(self.shown.traced(self.poses()), -2, 0)
 
     def _with_even_quaternions(self) -> Array:
-        """Positions whose quaternions do not jump to their negatives, which are the same turn."""
+        """Positions whose quaternions do not jump to their negatives, the same rotation."""
         q = np.array(self.q)
         for start in self.shown.quaternions:
             turn = q[:, start : start + 4]
@@ -121,7 +122,7 @@ class PlantMotion:
 
 
 def at_rest(what: Showable, q: ArrayLike | None = None) -> PlantMotion:
-    """Make the motion of a plant that rests: one row, at time 0.
+    """Make the motion of a plant at rest: one row, at time 0.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def at_rest(what: Showable, q: ArrayLike | None = None) -> PlantMotion:
 
 
 def motion_of(what: Showable, record: Record) -> PlantMotion:
-    """Read a plant's motion out of what was recorded of it.
+    """Read a plant's motion from a recording or a log.
 
     Parameters
     ----------
@@ -210,7 +211,7 @@ class View:
     field: float = FLAT  # of view [rad]; a narrow one shows parallels as parallels
 
     def titled(self, title: str) -> str:
-        """Say what is seen, and from where: ``Hexabot leg B, from the right``; 3D is not said."""
+        """Append the direction to a title: ``Hexabot leg B, from the right``; not in 3D."""
         return f"{title}, {self.origin}" if self.origin else title
 
     @property
@@ -221,8 +222,6 @@ class View:
         right /= np.linalg.norm(right)
         return np.column_stack([right, np.cross(back, right), back])
 
-
-_FROM_ABOVE = (0.0, -1e-4, 1.0)  # the little that leaves y up in the picture
 
 VIEWS = {
     view.name: view
@@ -236,7 +235,7 @@ VIEWS = {
 
 
 def as_view(view: View | str) -> View:
-    """Look a view up by its name; one that is a view already is returned.
+    """Return a view by its name; a View is returned as it is.
 
     Raises
     ------
@@ -252,7 +251,7 @@ def as_view(view: View | str) -> View:
 
 @dataclass(frozen=True, kw_only=True)
 class Framing:
-    """What a view has to show: a box along the picture's axes."""
+    """The box that a view shows, along the picture's axes."""
 
     view: View
     target: Array  # (3,) p_WT: middle of the box [m]
@@ -324,7 +323,7 @@ class Scene:
 
 
 def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = None) -> Scene:
-    """Put a scene together that holds a whole motion, of one row or many.
+    """Make a scene that contains a whole motion, of one row or many.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Pages, their states and their commands over HTTP, for this machine unless others are let in."""
+"""Serves pages, states and commands over HTTP, to this machine unless others are let in."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class ServerError(DrakeLegError):
 
 
 class Server:
-    """Listens from the beginning; answers when it serves.
+    """Listens once created; answers once it serves.
 
     Parameters
     ----------
@@ -103,10 +103,10 @@ class Server:
         Parameters
         ----------
         handle : callable
-            Called with each command, from threads of its own; returns what a page is answered,
-            or raises a ``DrakeLegError``, whose sentence the page is answered.
+            Called with each command, in other threads; returns the answer to the page, or raises
+            a ``DrakeLegError``, whose sentence is the answer.
         feed : Feed
-            What the pages are told.
+            The states for the pages.
         """
         self._feed = feed
         site = Site(page=page.encode(), handle=handle, feed=feed, names=self.names)
@@ -115,7 +115,7 @@ class Server:
             Thread(target=listener.serve_forever, args=(POLL,), daemon=True).start()
 
     def close(self) -> None:
-        """Tell the pages that the session has ended, and listen no longer."""
+        """Announce the end of the session to the pages, and stop listening."""
         if self._feed is not None:
             self._feed.end()
         for listener in self._listeners:
@@ -158,14 +158,14 @@ class Answers(BaseHTTPRequestHandler):
         self._answer({"/command": self._command}, "/command")
 
     def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """Refuse with one sentence; a method that is not known is the browser's fault."""
+        """Refuse with one sentence; an unknown method is a client error."""
         status = HTTPStatus(code)
         if status == HTTPStatus.NOT_IMPLEMENTED:
             status, message = HTTPStatus.METHOD_NOT_ALLOWED, "only GET and POST are answered"
         self._send(status, (message or status.phrase).encode(), "text/plain; charset=utf-8")
 
     def log_message(self, format: str, *args: object) -> None:
-        """Say nothing in the terminal."""
+        """Print nothing."""
 
     @property
     def _site(self) -> Site:
@@ -258,11 +258,11 @@ class _Listener(ThreadingHTTPServer):
         self.server_address = self.socket.getsockname()
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Say nothing: a browser that breaks off does not concern the terminal."""
+        """Ignore a browser that breaks the connection."""
 
 
 def open_browser(url: str) -> bool:
-    """Open a page in the person's browser; tell whether there is a screen to show it."""
+    """Open a page in the user's browser; return whether that worked."""
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):
@@ -274,7 +274,7 @@ def open_browser(url: str) -> bool:
 
 
 def require_own(host: str | None, origin: str | None, names: tuple[str, ...]) -> None:
-    """Refuse what another site sends through a browser of this machine.
+    """Refuse requests that another site sends through a browser of this machine.
 
     Raises
     ------
@@ -290,7 +290,7 @@ def require_own(host: str | None, origin: str | None, names: tuple[str, ...]) ->
 
 
 def parse_command(text: bytes) -> Command:
-    """Read a command; what is no object of JSON is an ``InvalidValueError``."""
+    """Read a command; raise ``InvalidValueError`` if it is not a JSON object."""
     try:
         command = json.loads(text)
     except (ValueError, RecursionError):
@@ -301,7 +301,7 @@ def parse_command(text: bytes) -> Command:
 
 
 def _listen(host: str, addresses: list[Address], port: int | None) -> list[_Listener]:
-    """Listen at all addresses, with one port."""
+    """Listen at all addresses, at one port."""
     ports = range(FIRST_PORT, LAST_PORT + 1) if port is None else (port,)
     for candidate in ports:
         listeners: list[_Listener] = []

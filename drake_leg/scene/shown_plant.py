@@ -1,7 +1,7 @@
-"""What is shown of a plant: its frames, the shapes on them, and the points that leave a trace.
+"""The frames and shapes that are shown of a plant, and the points that leave a trace.
 
-All of it comes from the plant and its SceneGraph, so that any model can be shown: a robot of the
-reports, somebody's SDF, a body with six legs.
+They come from the plant and its SceneGraph, so that any model can be shown: a robot of the reports,
+another SDF, a body with six legs.
 """
 
 from __future__ import annotations
@@ -24,10 +24,9 @@ from pydrake.multibody.tree import Frame, ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Diagram, System
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array, finite_vectors
+from drake_leg.kinematics.khalil import Array, finite_vectors
 from drake_leg.models.sdf import sdf_text
-from drake_leg.names import place_name
-from drake_leg.robot import Robot, link_colour
+from drake_leg.robot.robot import Robot, link_colour, place_name
 from drake_leg.scene.parts import Part, rod, size_of
 
 PALE = (0.72, 0.73, 0.76)
@@ -51,7 +50,7 @@ class Coordinate:
 
 @dataclass(frozen=True, kw_only=True)
 class _Stop:
-    """A place on a body from where it leads on: the origin of a shown frame N, or of a base."""
+    """A waypoint on a body: the origin of a shown frame N, or of a base."""
 
     frame: int  # index of N among the shown frames
     X_NB: Array  # (4, 4) pose of the body
@@ -158,7 +157,7 @@ class ShownPlant:
         return np.stack([X_WF[..., frame, :3, :] @ [*p, 1.0] for frame, p in self._traced], axis=-2)
 
     def outline(self, X_WF: Array) -> Array:
-        """Points that a picture must hold, (k, 3) [m], from poses (rows, n, 4, 4)."""
+        """Points that a picture must contain, (k, 3) [m], from poses (rows, n, 4, 4)."""
         points = [X_WF[..., :3, 3].reshape(-1, 3)]
         for frame, held in enumerate(self.held()):
             R, p = X_WF[:, frame, :3, :3], X_WF[:, frame, :3, 3]
@@ -166,7 +165,7 @@ class ShownPlant:
         return np.concatenate(points)
 
     def held(self) -> list[Array]:
-        """Points on each shown frame that a picture must hold, (k, 3) [m]: corners and ends.
+        """Points on each shown frame that a picture must contain, (k, 3) [m]: corners and ends.
 
         Those of the world are left out: it may have a floor of any size.
         """
@@ -184,7 +183,7 @@ class ShownPlant:
 
     @property
     def length(self) -> float:
-        """Sum of all ways from joint to joint along the bodies [m]."""
+        """Sum of the distances from joint to joint along the bodies [m]."""
         return sum(
             float(np.linalg.norm(end - stop.place))
             for body in self._bodies
@@ -193,7 +192,7 @@ class ShownPlant:
         )
 
     def parts(self, size: float) -> tuple[Part, ...]:
-        """Shapes, thin rods where no shape leads on, and a block where a base has none.
+        """Shapes, thin rods where shapes are missing, and a block for a base without a shape.
 
         A ground that is much larger than the scene is left out: there is a floor.
 
@@ -215,7 +214,7 @@ class ShownPlant:
         return tuple(parts)
 
     def _base_parts(self, body: RigidBody, size: float) -> Iterator[Part]:
-        """Make a base's block, and posts from there to joints that are somewhere else."""
+        """Make a base's block, and posts from there to distant joints."""
         edge = BASE_SIZE * size
         for stop, ends in self._leads(body):
             start = stop.point(stop.place)
@@ -241,7 +240,7 @@ class ShownPlant:
                     )
 
     def _rods(self, body: RigidBody, radius: float) -> Iterator[Part]:
-        """Make rods to where a body leads on and none of its shapes is."""
+        """Make rods to the joints of a body that none of its shapes reaches."""
         shapes = self._shapes[body.index()]
         for stop, joints in self._leads(body):
             first = stop is self._stops[body.index()][0]
@@ -265,7 +264,7 @@ class ShownPlant:
                 seen.append(end)
 
     def _leads(self, body: RigidBody) -> Iterator[tuple[_Stop, list[Array]]]:
-        """List where a body leads on, from stop to stop and then to its joints, p_B [m]."""
+        """List a body's waypoints, and where each leads: to the next, or to its joints, p_B [m]."""
         stops = self._stops[body.index()]
         for index, stop in enumerate(stops):
             if index + 1 < len(stops):
@@ -274,7 +273,7 @@ class ShownPlant:
                 yield stop, self._joints_on(body)
 
     def _joints_on(self, body: RigidBody) -> list[Array]:
-        """Where the joints are by which a body carries others, p_B [m]; none of what floats."""
+        """Joints by which a body carries others, p_B [m]; without floating ones."""
         joints = map(self.plant.get_joint, self.plant.GetJointIndices())
         return [
             np.array(joint.frame_on_parent().GetFixedPoseInBodyFrame().translation())
@@ -356,9 +355,7 @@ class ShownPlant:
             frames = {frame.name(): frame for frame in self._all_frames}
             for name in names:
                 if name not in frames:
-                    raise InvalidValueError(
-                        f"the plant has no frame {name!r}, which is to leave a trace"
-                    )
+                    raise InvalidValueError(f"the plant has no frame {name!r}, for a trace")
             return [self._fixed(frames[name]) for name in names]
         ends = [self._end_point(body) for body in self._last_bodies()]
         return ends or [(len(self.frames) - 1, np.zeros(3))]
@@ -399,7 +396,7 @@ Showable: TypeAlias = ShownPlant | Robot | MultibodyPlant | Diagram | Path | str
 
 
 def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()) -> ShownPlant:
-    """Make ready to be shown whatever it is.
+    """Prepare a robot, a plant, a diagram or a model to be shown.
 
     Parameters
     ----------
@@ -424,7 +421,7 @@ def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()
         plants = list(_systems(what, MultibodyPlant))
         if len(plants) != 1:
             raise InvalidValueError(
-                f"the diagram has {len(plants)} plants; one can be shown: pass it alone"
+                f"the diagram has {len(plants)} plants; pass one with one plant, or a plant alone"
             )
         inspectors = [graph.model_inspector() for graph in _systems(what, SceneGraph)]
         return ShownPlant(
@@ -457,7 +454,7 @@ def _parsed(model: Path | str, title: str | None, trace: Sequence[str]) -> Shown
 
 
 def _systems(diagram: Diagram, kind: type) -> Iterator[System]:
-    """Find the systems of a kind, at any depth."""
+    """Find the systems of a class, at any depth."""
     for system in diagram.GetSystems():
         if isinstance(system, kind):
             yield system
@@ -466,7 +463,7 @@ def _systems(diagram: Diagram, kind: type) -> Iterator[System]:
 
 
 def _label(body: RigidBody) -> str:
-    """Name a body, as no other body of the plant is named."""
+    """A body's name, unique in its plant."""
     return str(body.scoped_name()).replace("::", ".")
 
 

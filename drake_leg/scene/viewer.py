@@ -1,4 +1,4 @@
-"""A plant in the browser, its joints moved by sliders."""
+"""Shows a plant in the browser, with a slider for every joint."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.kinematics.batches import Array
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.live import (
     AXES,
     Command,
@@ -52,7 +53,7 @@ class Slider:
 def joint_sliders(plant: ShownPlant, q: ArrayLike | None = None) -> tuple[Slider, ...]:
     """Make a slider for every position that is not part of a quaternion.
 
-    It ends at the joint's limits; where there are none, a turn each way, or the plant's length.
+    Its range is the joint's limits; without limits a half turn or the plant's length each way.
 
     Parameters
     ----------
@@ -69,7 +70,7 @@ def joint_sliders(plant: ShownPlant, q: ArrayLike | None = None) -> tuple[Slider
 
 
 def slider_range(coordinate: Coordinate, plant: ShownPlant) -> tuple[float, float]:
-    """Return a joint's limits [rad or m]; a turn, or the plant's length, where there is none."""
+    """Return a joint's limits [rad or m]; by default half a turn or the plant's length each way."""
     free = math.pi if coordinate.turns else plant.length or 1.0
     low, high = (
         limit if math.isfinite(limit) else math.copysign(free, limit)
@@ -93,12 +94,12 @@ def _slider(index: int, coordinate: Coordinate, value: float, plant: ShownPlant)
 
 
 class SliderCommands:
-    """Where the sliders are, as the pages have moved them.
+    """The positions of the sliders, as moved by the pages.
 
     Parameters
     ----------
     trace : Trace
-        Cleared when a page asks for it; lifted where the joints are put somewhere.
+        Cleared on a page's command; interrupted where the joints jump.
     """
 
     def __init__(self, sliders: tuple[Slider, ...], trace: Trace) -> None:
@@ -144,7 +145,7 @@ class SliderCommands:
             return {"values": self._values}
 
     def read(self) -> tuple[list[float], bool, bool]:
-        """Return where the sliders are, whether the plant was put there, whether to quit."""
+        """Return the sliders' positions, whether the joints jumped there, and whether to quit."""
         with self._lock:
             put, self._put = self._put, False
             return self._values, put, self._quit
@@ -157,40 +158,54 @@ def view(
     view: View | str = "3d",
     host: str = "localhost",
     port: int | None = None,
-    browser: bool = True,
+    announce: Callable[[str], object] | None = None,
 ) -> Array:
-    """Open a plant in the browser, its joints on sliders, until the page quits or Ctrl-C.
+    """Open a robot, or any plant, in the browser, with a slider for every joint.
+
+    It returns when the page is ended with Escape, or after Ctrl-C.
 
     Parameters
     ----------
-    what : Robot, MultibodyPlant, Diagram, Path, str or ShownPlant
-        As ``shown`` takes it: a robot, a plant, a diagram with one, a model file or its text.
-    q : (q,) array_like, optional
-        Where it starts [rad or m]; by default at the plant's default positions.
-    view : View or str
-        From where it is seen first: ``3d``, ``right``, ``front`` or ``top``.
+    what : Robot, MultibodyPlant, Diagram, Path or str
+        A robot, or any plant, as ``still`` takes it.
+    q : (n,) array_like, optional
+        Positions at the start [rad or m]; by default the plant's default ones.
+    view : {"3d", "right", "front", "top"}
+        Where it is seen from first.
     host : str
         Name or address to listen at; ``*`` lets other machines in.
     port : int, optional
         To listen at; by default the first free one from 7000 on.
-    browser : bool
-        Whether to open the page; its address is printed where there is none.
+    announce : callable, optional
+        Called with the page's address, in place of opening it in a browser.
 
     Returns
     -------
-    q : (q,) ndarray
+    q : (n,) ndarray
         Where the sliders were left [rad or m].
 
     Raises
     ------
     InvalidValueError
-        If ``q`` has not one finite number for each position.
+        If ``q`` does not have n finite numbers, there is no such view, or no browser can be
+        opened and nothing else was to be done with the address.
     ServerError
         If it cannot listen there.
+
+    Examples
+    --------
+    >>> from drake_leg.robot.robots import LEG_B
+    >>> q = view(LEG_B, [1.57, -0.87, -1.57], announce=print)  # doctest: +SKIP
+    http://localhost:7000
     """
     with Server(host, port) as server:
-        if not (browser and open_browser(server.url)):
-            print(f"{server.url}: Escape in the page ends")
+        if announce is not None:
+            announce(server.url)
+        elif not open_browser(server.url):
+            raise InvalidValueError(
+                "no browser can be opened here",
+                advice="pass `announce=print` and open the address elsewhere",
+            )
         return view_served(what, q, server, view=view)
 
 
@@ -237,7 +252,7 @@ def view_served(
 
 
 def _way(before: Array, after: Array) -> Array:
-    """Return postures on the way of the joints, close to each other [rad or m]."""
+    """Interpolate closely spaced postures between two [rad or m]."""
     count = math.ceil(np.abs(after - before).max(initial=0.0) / FINEST) + 1
     return np.linspace(before, after, count + 1)[1:]
 

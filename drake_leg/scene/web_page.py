@@ -1,4 +1,4 @@
-"""Pages that show a plant in 3D: Meshcat's viewer, with controls of our own around it."""
+"""Makes pages that show a plant in 3D: Meshcat's viewer, with our controls around it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.lettering import PLACEMENT
 from drake_leg.scene.parts import triad_lengths
 from drake_leg.scene.scene import MARGIN, VIEWS, Scene, View
@@ -30,7 +30,7 @@ class MeshcatError(DrakeLegError):
 
 
 class PageError(DrakeLegError):
-    """Meshcat's page is not as this program knows it."""
+    """Meshcat's page is not as expected."""
 
 
 def web_page(
@@ -67,7 +67,7 @@ def web_page(
     MeshcatError
         If Meshcat finds no free port.
     PageError
-        If Meshcat's page is not as this program knows it.
+        If Meshcat's page is not as expected.
     """
     meshcat = open_meshcat()
     _draw(meshcat, scene)
@@ -101,7 +101,7 @@ def templates() -> Environment:
 
 
 def stage_data(scene: Scene, first: View) -> dict[str, Any]:
-    """Tell what the scripts need that all pages have; ``first`` is the view that is seen first."""
+    """Collect the data that the scripts of all pages need; ``first`` is the initial view."""
     count, lengths = len(scene.shown.frames), triad_lengths(len(scene.shown.frames), scene.size)
     tips = [length * np.eye(3) for length in lengths]
     held = [np.concatenate([*pair]) for pair in zip(scene.shown.held(), tips, strict=True)]
@@ -122,7 +122,7 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
 
 
 def drake_path(index: int) -> str:
-    """Where the parts of a shown frame are in a page's tree; 0 is the world."""
+    """Path of a shown frame in a page's tree; 0 is the world."""
     return f"/drake/{_path(index)}"
 
 
@@ -159,7 +159,7 @@ def open_meshcat() -> Meshcat:
 
 
 def replaced(page: str, old: str, new: str) -> str:
-    """Replace the last occurrence of a text on Meshcat's page: scripts may have it, too, earlier.
+    """Replace the last occurrence of a text on Meshcat's page; scripts may contain it earlier.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def replaced(page: str, old: str, new: str) -> str:
     """
     before, found, after = page.rpartition(old)
     if not found:
-        raise PageError(f"Meshcat's page has no {old}: this version of Drake is not known")
+        raise PageError(f"Meshcat's page has no {old}: this version of Drake is not supported")
     return before + new + after
 
 
@@ -198,7 +198,7 @@ def _css(colour: Colour) -> str:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep Drake from announcing Meshcat's address: nobody needs it."""
+    """Keep Drake from logging Meshcat's address."""
     logger = logging.getLogger("drake")
     level = logger.level
     logger.setLevel(logging.WARNING)

@@ -31,11 +31,11 @@ from drake_leg.errors import (
     StepBudgetError,
     UnstableRunError,
 )
-from drake_leg.html_table import html_table
-from drake_leg.integrator import IntegratorSettings
-from drake_leg.kinematics.batches import Array
-from drake_leg.quantities import beyond, require_positive
+from drake_leg.kinematics.khalil import Array
+from drake_leg.robot.robot import html_table
 from drake_leg.simulation.guard import Guard
+from drake_leg.simulation.integrator import IntegratorSettings
+from drake_leg.units import beyond, require_positive
 
 STEP_BUDGET = 2_000_000  # steps that one run may take
 RUNAWAY = 1e9  # [rad, rad/s, m, m/s]: no joint of these robots gets there but by instability

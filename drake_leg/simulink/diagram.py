@@ -9,8 +9,7 @@ from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import one_line, parameters
-from drake_leg.simulink.charts import Charts
-from drake_leg.simulink.masks import Mask, read_mask
+from drake_leg.simulink.masks import Charts, Mask, read_mask
 from drake_leg.simulink.model import Function, split_port
 
 _PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")

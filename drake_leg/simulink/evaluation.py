@@ -10,7 +10,7 @@ from functools import lru_cache
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.diagram import DrawnBlock
-from drake_leg.simulink.matlab import value
+from drake_leg.simulink.matlab.program import value
 from drake_leg.simulink.model import Numbers, Value
 from drake_leg.units import parse_unit
 

@@ -1,1 +1,1 @@
-"""Singularities: where they are, what they take from a robot, and how rates stay bounded there."""
+"""Singularities: their families, strokes up to them, forecasts, and rates that stay bounded."""

@@ -1,4 +1,4 @@
-"""What a posture allows, before anything is simulated: rank, singularities, room to move."""
+"""Examines a posture before any simulation: rank, nearest singularities, strokes, limits."""
 
 from __future__ import annotations
 
@@ -9,20 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.kinematics.batches import one_vector
-from drake_leg.kinematics.chain import freedoms, size_of
+from drake_leg.kinematics.chain import freedoms
 from drake_leg.kinematics.euler import euler_angles
 from drake_leg.kinematics.feet import Feet, Solution, feet, lift_limits, limits_of
-from drake_leg.kinematics.khalil import foot_pose, jacobian
+from drake_leg.kinematics.khalil import chain_length, foot_pose, jacobian, one_vector
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import geometry_of, movable
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.quantities import beyond, require_positive
-from drake_leg.robot import Robot, Segment
-from drake_leg.singularity.directions import STRAIGHT
+from drake_leg.robot.robot import Robot, Segment
 from drake_leg.singularity.families import Families, Nearness, families_of
 from drake_leg.singularity.rank import LostTwist, RankReport, WholeRank, examine, examine_whole
-from drake_leg.singularity.stroke import Stroke, chain_stroke, closed_stroke, greatest_amplitude
+from drake_leg.singularity.stroke import (
+    STRAIGHT,
+    Stroke,
+    chain_stroke,
+    closed_stroke,
+    greatest_amplitude,
+)
+from drake_leg.units import beyond, require_positive
 
 ROUNDING = 1e-13  # of the length: singular values below it are zero
 
@@ -36,7 +40,7 @@ class Outside:
 
     @property
     def sentence(self) -> str:
-        """Which joint, where, and its limits."""
+        """The joint, its position and its limits, in words."""
         turning = self.segment.row.joint == "revolute"
         ((low, high),) = limits_of([self.segment])
         position, low, high = (
@@ -51,11 +55,11 @@ class Outside:
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
-    """All results of examining a posture; lengths in m, angles in rad."""
+    """All results of an examination of a posture; lengths in m, angles in rad."""
 
-    position: tuple[float, float, float | None]  # of the foot; no height without the lift
+    position: tuple[float, float, float | None]  # of the foot; the height is None without the lift
     orientation: tuple[float, float, float]  # of the foot: roll, pitch, yaw about x, y, z
-    moved: str  # what the rank is of: the foot's translation, or part of it
+    moved: str  # the motion that the rank refers to: the foot's translation, or part of it
     rank: RankReport
     most_rank: int  # in any posture
     whole: WholeRank | None  # of the whole Jacobian; None where there are at most three joints
@@ -64,12 +68,12 @@ class Diagnosis:
     holds_orientation: bool  # along the stroke
     forward: Stroke | None  # None where the posture is singular already
     backward: Stroke | None
-    greatest_amplitude: float | None  # [m/s], at the frequency asked for
-    feet: Feet | None  # the inverse kinematics; None where not asked for
+    greatest_amplitude: float | None  # [m/s], at the given frequency
+    feet: Feet | None  # the inverse kinematics; None if not requested
 
     @property
     def solutions(self) -> tuple[Solution, ...] | None:
-        """Joint positions that put the foot where it was asked for; None if it was not."""
+        """Joint positions that put the foot at the requested point; None without one."""
         return None if self.feet is None else self.feet.solutions
 
     def as_json(self) -> dict[str, Any]:
@@ -138,11 +142,11 @@ def examine_posture(
     direction : (3,) sequence of float
         Of the stroke, in the base frame.
     frequency : float
-        Of the sine whose greatest amplitude is asked for [rad/s].
+        Of the sine whose greatest amplitude is computed [rad/s].
     foot : (3,) sequence of float, optional
-        Point whose inverse kinematics is asked for [m].
+        Point for the inverse kinematics [m].
     yaw, rpy : float and (3,) sequence of float, optional
-        How the foot is to be turned there, as ``feet`` takes them [rad].
+        Orientation of the foot there, as in ``feet`` [rad].
 
     Returns
     -------
@@ -153,7 +157,7 @@ def examine_posture(
     Raises
     ------
     InvalidValueError
-        If a number of joints is wrong, or a value makes no sense.
+        If the number of joint positions is wrong, or a value is invalid.
 
     Examples
     --------
@@ -170,7 +174,7 @@ def examine_posture(
     families = families_of(geometry_of(robot))
     lifted = _lifted(robot, q)
     X_BF = foot_pose(robot.rows, lifted)
-    size = size_of(robot.rows)
+    size = chain_length(robot.rows)
     one_vector("q", q, len(q))
     J = families.translation_jacobian(q) if families else jacobian(robot.rows, lifted)[3:]
     rank = examine(J, ROUNDING * size)
@@ -201,12 +205,12 @@ def examine_posture(
 
 
 def _is_regular(moved: Movable | None, q: Sequence[float], rounding: float) -> bool:
-    """Tell whether the foot can make every commanded motion in a posture."""
+    """Whether the foot can make every commanded motion in a posture."""
     return moved is None or examine(moved.jacobian_in_lengths(q), rounding).rank == moved.size
 
 
 def _lifted(robot: Robot, q: Sequence[float]) -> Sequence[float]:
-    """Fill in a lift that was left out: only the height depends on it."""
+    """Add a SCARA's lift if it was left out: only the height depends on it."""
     if isinstance(geometry_of(robot), ScaraGeometry) and len(q) == 3:
         low, high = lift_limits(robot)
         return [*q, low if math.isfinite(low) else min(high, 0.0)]
@@ -229,7 +233,7 @@ def _limited(
     direction: Sequence[float],
     moved: Movable | None,
 ) -> Stroke:
-    """Return the stroke to the first singularity, or to a joint limit before it."""
+    """Stroke to the first singularity, or to a joint limit before it."""
     lifted, limits = _lifted(robot, q), limits_of(robot.moving)
     already = _outside(robot, lifted)
     if already:
@@ -249,7 +253,7 @@ def _limited(
     if known is not None and found.joint is None:
         return known
     curved = moved is not None and moved.varies
-    leaves = curved and found.joint is None and found.length < STRAIGHT * size_of(robot.rows)
+    leaves = curved and found.joint is None and found.length < STRAIGHT * chain_length(robot.rows)
     return replace(found, length=0.0) if leaves else found
 
 
@@ -258,7 +262,7 @@ def _finite(value: float | None) -> float | None:
 
 
 def _end(stroke: Stroke | None) -> str | None:
-    """Say what ends a stroke."""
+    """What ends a stroke, in words."""
     if stroke is None or not math.isfinite(stroke.length):
         return None
     if stroke.joint is not None:

@@ -1,4 +1,4 @@
-"""Where and when a commanded motion meets a singularity, known before anything moves."""
+"""Forecasts where and when a commanded motion meets a singularity, before any simulation."""
 
 from __future__ import annotations
 
@@ -10,19 +10,26 @@ from typing import Any
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import MovableChain
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
-from drake_leg.quantities import joint_entries
-from drake_leg.singularity.edges import Approach, Family, Path, approaches, line
-from drake_leg.singularity.families import Families, families_of
+from drake_leg.singularity.families import (
+    Approach,
+    Families,
+    Family,
+    Path,
+    approaches,
+    families_of,
+    line,
+)
 from drake_leg.singularity.rank import loses_turning, lost_direction
 from drake_leg.singularity.stroke import approaches_on_line, chain_stroke
+from drake_leg.units import joint_entries
 
 GRAZE = 1e-6  # of the arm's length: passing nearer than this to an edge is grazing it
-# Parts of the path before a meeting at which the joints are read: the last where the singularity
-# itself leaves one of them open, the ones between where rounding puts it out of reach.
+# Parts of the path before an encounter at which the posture is computed: at the singularity itself
+# a joint may be undetermined, and just before it rounding may put the point out of reach.
 BACK = (0.0, 1e-15, 1e-14, 1e-13, 1e-12, 1e-9)
 SAME_POSTURE = 1e-3  # [rad]
 PER_PERIOD = 720  # points of a curved path over a period
@@ -32,7 +39,7 @@ HALVINGS = 50  # of the interval in which the greatest amplitude of a curved pat
 
 @dataclass(frozen=True, kw_only=True)
 class Encounter:
-    """A meeting with a singular family."""
+    """An encounter with a singular family."""
 
     time: float  # [s]
     family: Family | None  # None where families have no names
@@ -46,7 +53,7 @@ class Encounter:
     turning: tuple[bool, ...] = (True, True, True)  # joint by joint: revolute, not prismatic
 
     def describe(self) -> str:
-        """Say it in the middle of a sentence."""
+        """Description for the middle of a sentence."""
         family = f" ({self.family} family)" if self.family else ""
         about = "about " if self.numerical else ""
         at = f"{self.time:.{6 if self.numerical else 9}f}"
@@ -79,14 +86,14 @@ class Encounter:
 
 @dataclass(frozen=True, kw_only=True)
 class Graze:
-    """A passing close by an edge of the workspace."""
+    """A pass close to an edge of the workspace."""
 
     time: float  # [s]
     family: Family
     clearance: float  # [m]
 
     def describe(self) -> str:
-        """Say it in a sentence."""
+        """Description in a sentence."""
         return (
             f"the command passes within {self.clearance:.3g} m of the {self.family} family "
             f"at t = {self.time:.9f} s"
@@ -95,7 +102,7 @@ class Graze:
 
 @dataclass(frozen=True, kw_only=True)
 class Forecast:
-    """What a motion will meet."""
+    """The first encounter of a motion, or its closest pass; neither if the way is clear."""
 
     encounter: Encounter | None = None
     graze: Graze | None = None
@@ -104,9 +111,9 @@ class Forecast:
 def encounter_at(
     robot: Movable, q: Sequence[float], time: float, greatest_amplitude: float | None = None
 ) -> Encounter:
-    """Describe a singular posture that a run has come to at a time [s].
+    """Describe a singular posture that a run has reached at a time [s].
 
-    ``greatest_amplitude`` [m/s] is what would have stayed inside, where it is known.
+    ``greatest_amplitude`` [m/s] would have stayed inside the workspace, if it is known.
     """
     posture = tuple(float(value) for value in q)
     families = families_of(robot.geometry)
@@ -127,10 +134,10 @@ def _listed(values: Sequence[float], digits: int) -> str:
 
 
 def forecast_step(robot: Movable, q0: Sequence[float], step: SineStep, duration: float) -> Forecast:
-    """Say what a straight step from q0 meets in a run's duration [s].
+    """Forecast a straight step from q0 over a run's duration [s].
 
-    ``s = (2 A / w) sin^2(w t / 2)`` is the way, so that the way to the edge tells the instant: in
-    closed form, for a chain numerically.
+    The distance is ``s = (2 A / w) sin^2(w t / 2)``, so that the distance to the edge determines
+    the time: in closed form, or numerically for a chain.
     """
     end = step.way(duration)
     if end == 0.0:
@@ -160,20 +167,20 @@ def forecast_path(
     period: float,
     duration: float,
 ) -> Forecast:
-    """Say what a curved motion meets, on a path sampled finely and then solved.
+    """Forecast a curved motion: its path is sampled finely, then encounters are solved for.
 
     Parameters
     ----------
     q0 : (3,) sequence of float
-        Where it starts [rad], not singular.
+        Initial posture [rad], not singular.
     path : callable
         ``path(amplitude)(times)`` gives points (n, 3) [m].
     amplitude : float
         [m/s].
     period : float
-        Over which the path turns [s].
+        Of the motion [s].
     duration : float
-        Of what has to be looked at [s].
+        Of the forecast [s].
     """
     count = min(max(int(PER_PERIOD * duration / period), PER_PERIOD), MOST_POINTS)
     times = np.linspace(0.0, duration, count + 1)
@@ -205,7 +212,7 @@ def _forecast(
     path: Path,
     found: list[Approach],
 ) -> Forecast:
-    """Describe the first meeting, or the closest graze, at its parameter on the path."""
+    """Describe the first encounter, or the closest graze, at its parameter on the path."""
     size = families.edges(q0).size
     met = [approach for approach in found if approach.clearance <= 0.0]
     if not met:
@@ -228,7 +235,7 @@ def _forecast(
 
 
 def _posture_at(families: Families, q0: Sequence[float], path: Path, first: Approach) -> Array:
-    """Return the joints' limit on the way to a meeting: there itself some may be open."""
+    """Limit of the posture towards an encounter, at which a joint may be undetermined."""
     points = path(first.parameter * (1.0 - np.array(BACK)))
     reference = families.posture(points[-1], q0)
     if first.family == "hip-axis":

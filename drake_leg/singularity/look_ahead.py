@@ -1,11 +1,4 @@
-"""How long a step may be so that no singularity is jumped across.
-
-The joints' rates and accelerations tell beforehand how far a step will change the determinant.
-Steps that change it by a small part approach a zero in a geometric sequence of instants, whether it
-falls linearly (the foot comes to the hip axis) or like the root of the time that is left (the leg
-stretches): where the determinant over its rate of change is less than ``TIME_LEFT``, the zero is
-not farther than that. A motion that turns away in time, however near, continues.
-"""
+"""Looks ahead to a singularity: shortens a guarded run's steps, and slows a driven foot."""
 
 from __future__ import annotations
 
@@ -13,17 +6,79 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from drake_leg.kinematics.movable import Floats, Movable
+from drake_leg.singularity.families import singular_words
+
+STOP, SLOW = 0.01, 0.04  # of the arm's length: singular values where the foot stops, slows down
+GREATEST_RATE = 4.0  # [rad/s or m/s] of a joint
+LOOK = 1e-4  # [rad or m] of the fastest joint, trial step that shows where the singular value goes
 
 TIME_LEFT = 5e-10  # [s] before the instant of a singularity, at which a run stops
 APPROACH = 0.03  # part of the determinant that a step changes, at most
-NEAR, NEAR_APPROACH = 0.3, 0.02  # below this normalised determinant it is this part
+NEAR, NEAR_APPROACH = 0.3, 0.02  # below this normalised determinant, at most this part
 LARGEST_TURN = 0.05  # [rad or m] of a joint in a step
-SHRINK = 1.5  # from one trial to the next
+SHRINK = 1.5  # factor from one trial step to the next
 SMALLEST_STEP = 1e-13  # [s]
 DAMPED_STEP = 1.5  # of the time constant of a damped inverse, at most
 STEP_OF_KINK, SHORTEST_AT_KINK = 2e-3, 2e-4  # [s], of steps in which a rate may have a kink
-PART_AT_KINK = 0.04  # of a rate, by which it may change in such a step
+PART_AT_KINK = 0.04  # part of a rate that it may change by in such a step
+
+
+class Braked(NamedTuple):
+    """Which part of a command may act, and why not all of it."""
+
+    share: float  # 0 ... 1
+    obstacle: str  # in words; empty if nothing is in the way
+
+
+def room(robot: Movable, sigma_min: float) -> float:
+    """Share of a velocity towards a singularity that may act, from the smallest singular value [m].
+
+    It is at least 1 where nothing is slowed, and at most 0 where the foot stops.
+    """
+    stop, slow = STOP * robot.length, SLOW * robot.length
+    return (sigma_min - stop) / (slow - stop)
+
+
+def braked(robot: Movable, q: Floats, v: Floats, fastest: float = GREATEST_RATE) -> Braked:
+    """Part of a commanded velocity that may act in a posture.
+
+    A motion that lowers the smallest singular value is slowed in proportion to what is left of it
+    above ``STOP``; a motion that raises it is not. No joint moves faster than ``fastest``.
+
+    Parameters
+    ----------
+    robot : Movable
+        In the posture: ``robot.at(q)``.
+    q : (n,) sequence of float
+        Joint positions [rad or m].
+    v : (m,) sequence of float
+        Commanded velocity of the foot, as ``robot.command`` makes it [m/s].
+    fastest : float
+        [rad/s or m/s].
+
+    Raises
+    ------
+    SingularConfigurationError
+        If the posture is singular.
+    """
+    rates = np.asarray(robot.rates(q, v), dtype=np.float64)
+    peak = float(np.abs(rates).max())
+    if peak == 0.0:
+        return Braked(1.0, "")
+    share, obstacle = 1.0, ""
+    if peak > fastest:
+        share, obstacle = fastest / peak, "a joint is at its greatest speed"
+    before = robot.sigma_min(q)
+    left = room(robot, before)
+    if left < 1.0:
+        later = (np.asarray(q) + LOOK / peak * rates).tolist()
+        crosses = robot.determinant(q) * robot.determinant(later) <= 0.0
+        if crosses or robot.sigma_min(later) < before:
+            return Braked(share * max(left, 0.0), singular_words(robot.geometry, q))
+    return Braked(share, obstacle)
 
 
 class Instant(NamedTuple):
@@ -38,7 +93,7 @@ class Instant(NamedTuple):
 
 
 class LookAhead:
-    """How far a step would go, from the joints' rates and, where known, their accelerations.
+    """Effect of a step, from the joints' rates and, if known, their accelerations.
 
     Parameters
     ----------
@@ -102,16 +157,16 @@ class LookAhead:
 def step_towards(
     robot: Movable, at: Instant, now: float, step: float, *, disturbed: bool
 ) -> float | None:
-    """Shorten a step so that it comes nearer to a singularity and not across it.
+    """Shorten a step so that it approaches a singularity but does not cross it.
 
     Parameters
     ----------
     now : float
-        Determinant over its scale, positive on the side where the robot started.
+        Normalised determinant, positive on the side where the robot started.
     step : float
         Longest that it may be [s].
     disturbed : bool
-        Whether the joints may move otherwise than commanded, so that sensed rates count.
+        Whether the joints may not move as commanded, so that the sensed rates are used.
 
     Returns
     -------
@@ -126,7 +181,7 @@ def step_towards(
 
 
 def step_through(robot: Movable, at: Instant, step: float, *, disturbed: bool) -> float:
-    """Shorten a step of an inverse that is not exact to what its rates can follow [s]."""
+    """Shorten a step of an inexact inverse until its rates can be integrated accurately [s]."""
     slowest, stiffness = robot.stiffness(at.q, at.v)
     least = DAMPED_STEP / slowest if slowest > 0.0 else step
     step = _look_ahead(robot, at, disturbed=disturbed).shortened(step, APPROACH, least)
@@ -138,9 +193,9 @@ def step_through(robot: Movable, at: Instant, step: float, *, disturbed: bool) -
 def step_at_kink(robot: Movable, at: Instant, step: float) -> float:
     """Longest step in which the bound of a joint rate may change [s].
 
-    Across the kink an integrator errs by a part of what the rate changes in the step: that is
-    less than the headroom before a greatest rate, and than the margin before a limit. The answer is
-    infinite where the rates have no kink in a step that long.
+    Across a kink the error of an integrator is a part of the rate's change in the step; it has
+    to be less than the headroom before a greatest rate and the margin before a limit. The result
+    is infinite if the rates have no kink in this step.
     """
     if at.a is None or at.qddot is None:
         return math.inf

@@ -1,4 +1,4 @@
-"""How near a Jacobian is to losing rank, and which direction it loses, for any chain."""
+"""Rank of any chain's Jacobian, and the directions that it loses."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.kinematics.batches import Array
 from drake_leg.kinematics.chain import RANK_TOLERANCE
-from drake_leg.kinematics.khalil import jacobian, moving_rows
+from drake_leg.kinematics.khalil import Array, jacobian, moving_rows
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.robot import Row
+from drake_leg.robot.robot import Row
 
-# Of the greatest singular value of the foot's translation: where the smallest one is greater, the
-# foot goes everywhere.
+# Part of the greatest singular value of the foot's translation: while the smallest one is greater,
+# the foot can move in all directions.
 STILL_MOVES = 1e-3
 
 
@@ -31,7 +30,7 @@ class RankReport:
 
 
 def examine(J: Array, least: float = 0.0) -> RankReport:
-    """Find the rank of a Jacobian (m, n) whose rows are in one unit, and what it loses.
+    """Rank and lost directions of a Jacobian (m, n) whose rows have the same unit.
 
     Singular values below ``least`` count as zero. A lost direction is one in which no
     joint rate moves the foot; its first component that is not zero is positive.
@@ -51,7 +50,7 @@ def examine(J: Array, least: float = 0.0) -> RankReport:
 
 @dataclass(frozen=True, kw_only=True)
 class LostTwist:
-    """A motion of the foot that no joint rates make here, though they do nearby."""
+    """A motion of the foot that no joint rates produce in this posture, but do nearby."""
 
     turning: Array | None  # unit axis, about which the foot does not turn while it stays in place
     moving: Array | None  # unit vector, along which it does not move while it holds its orientation
@@ -68,9 +67,9 @@ class WholeRank:
 
 
 def examine_whole(rows: Sequence[Row], q: ArrayLike, length: float) -> WholeRank:
-    """Find the rank of the whole Jacobian of a chain's foot, with ``length`` [m] as its unit.
+    """Rank of the whole Jacobian of a chain's foot, with ``length`` [m] as its unit.
 
-    A motion counts as lost only if postures nearby have it.
+    A motion counts as lost only if nearby postures have it.
     """
     posture = np.asarray(q, dtype=np.float64)
     unit = np.where([rows[index].joint == "revolute" for index in moving_rows(rows)], 1.0, length)
@@ -94,7 +93,7 @@ def examine_whole(rows: Sequence[Row], q: ArrayLike, length: float) -> WholeRank
 
 
 def _lost_twists(nothing: Array, regained: Array, most: int) -> tuple[LostTwist, ...]:
-    """Of the motions that no joint rates make here, name those that postures nearby have."""
+    """Of the motions that no joint rates produce here, return those that nearby postures have."""
     if not most:
         return ()
     V, gain, _ = np.linalg.svd(regained, full_matrices=False)
@@ -113,14 +112,14 @@ def _axis(vector: Array) -> Array | None:
 
 
 def _signed(vector: Array, rounding: float) -> Array:
-    """Turn a vector so that its first component that is not zero is positive."""
+    """Flip a vector if its first nonzero component is negative."""
     cleaned = np.where(np.abs(vector) < rounding, 0.0, vector)
     signed: Array = np.sign(cleaned[np.flatnonzero(cleaned)[0]]) * cleaned + 0.0
     return signed
 
 
 def loses_turning(robot: Movable, q: Floats) -> bool:
-    """Tell whether a singular posture loses only a turning: the foot still goes everywhere."""
+    """Whether a singular posture loses only a rotation: the foot still moves in all directions."""
     _, sigma, moved = _translations(robot, q)
     return bool(robot.keeps_orientation and sigma[moved - 1] > STILL_MOVES * sigma[0])
 
@@ -131,8 +130,8 @@ def lost_direction(robot: Movable, q: Floats) -> tuple[float, float, float]:
     Returns
     -------
     (3,) tuple of float
-        Unit vector in the base frame, its first component that is not zero positive: of a
-        translation or, where only a turning is lost, of its axis.
+        Unit vector in the base frame, its first nonzero component positive: of a translation or,
+        if only a rotation is lost, of its axis.
     """
     U, _, moved = _translations(robot, q)
     lost = U[:, moved - 1]
@@ -145,7 +144,7 @@ def lost_direction(robot: Movable, q: Floats) -> tuple[float, float, float]:
 
 
 def _translations(robot: Movable, q: Floats) -> tuple[Array, Array, int]:
-    """Directions and singular values of the foot's translation, and how many there are."""
+    """Directions, singular values and dimension of the foot's translation."""
     moved = int(np.linalg.matrix_rank(robot.twists[3:]))
     U, sigma, _ = np.linalg.svd(robot.twists[3:] @ robot.jacobian_in_lengths(q))
     return U, sigma, moved

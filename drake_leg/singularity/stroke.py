@@ -1,4 +1,4 @@
-"""How far a foot or a tool can go along a straight line before it meets a singularity."""
+"""How far and in which directions a foot can move straight before a singularity or limit."""
 
 from __future__ import annotations
 
@@ -11,21 +11,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
-from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.kinematics.chain import MovableChain, Sweep, size_of, sweep, twist_between
-from drake_leg.kinematics.khalil import moving_rows
-from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.kinematics.chain import RANK_TOLERANCE, MovableChain, Sweep, sweep, twist_between
+from drake_leg.kinematics.khalil import Array, chain_length, moving_rows, one_vector
 from drake_leg.kinematics.movable import TRANSLATION, Movable
-from drake_leg.quantities import AT_LIMIT
-from drake_leg.robot import Row
-from drake_leg.singularity.edges import Approach, Family, approaches, breaks_of_line, line
-from drake_leg.singularity.families import Families, LegFamilies, ScaraFamilies
+from drake_leg.kinematics.of_robot import joints_in_words
+from drake_leg.robot.robot import Robot, Row
+from drake_leg.singularity.families import (
+    Approach,
+    Families,
+    Family,
+    ScaraFamilies,
+    approaches,
+    breaks_of_line,
+    line,
+)
+from drake_leg.units import AT_LIMIT
 
 CHAIN_STEPS = 200  # steps of a numerical stroke over the length of the chain
 CHAIN_RESOLUTION = 1e-10  # smallest step, of the length of the chain
-LARGEST_CHANGE = 0.5  # [rad or m] of a joint in one step; more is a jump to another branch
-ROUNDING = 1e-13  # of the length of the chain: what a foot misses its goal by at best
+LARGEST_CHANGE = 0.5  # [rad or m] of a joint in one step; a larger one jumps to another branch
+ROUNDING = 1e-13  # of the length of the chain: least achievable miss of a goal
 FARTHEST = 10.0  # of the length of the chain: the longest search by default
+
+STRAIGHT = 1e-3  # of the robot's length: distance that a foot must be able to move straight
+OUTSIDE = 1e-5  # of a direction's length: tolerated part outside the foot's motions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +42,7 @@ class Stroke:
     """Distance along a line to the first singularity or joint limit."""
 
     length: float  # [m]
-    family: Family | None  # which singular family ends it; None if unnamed
+    family: Family | None  # that ends it; None if unnamed
     joint: str | None = None  # whose limit ends it; None if none does
 
 
@@ -79,24 +88,19 @@ def closed_stroke(families: Families, q: ArrayLike, direction: ArrayLike) -> Str
 def approaches_on_line(
     families: Families, q: Sequence[float], p: Array, d: Array, end: float
 ) -> list[Approach]:
-    """How near the foot comes to each boundary on a line; parameters are distances [m].
+    """Approaches of the foot to each boundary on a line; parameters are distances [m].
 
     Parameters
     ----------
     q : (3,) sequence of float
         Joint angles at the start [rad].
     p, d : (3,) ndarray
-        The foot there [m], and a unit vector in the base frame.
+        Position of the foot there [m], and a unit vector in the base frame.
     end : float
         Length of the line [m].
     """
     breaks = breaks_of_line(families.extremes(p, d), end)
     return approaches(families.edges(q), line(p, d), breaks)
-
-
-def leg_stroke(leg: LegGeometry, q: ArrayLike, direction: ArrayLike) -> Stroke:
-    """``closed_stroke`` of a leg."""
-    return closed_stroke(LegFamilies(leg), q, direction)
 
 
 def greatest_amplitude(stroke: Stroke, frequency: float) -> float:
@@ -105,7 +109,7 @@ def greatest_amplitude(stroke: Stroke, frequency: float) -> float:
 
 
 def unit(direction: ArrayLike) -> Array:
-    """Make a direction (3,) a unit vector.
+    """Normalise a direction (3,).
 
     Raises
     ------
@@ -152,7 +156,7 @@ def chain_stroke(
     direction : (3,) array_like
         Unit vector in the base frame.
     moved : Movable, optional
-        What the foot is commanded; its translation by default.
+        How the foot is moved; by its translation by default.
     farthest : float, optional
         Longest distance that is searched [m]; by default ten times the chain's length.
     limits : mapping, optional
@@ -173,7 +177,7 @@ def chain_stroke(
     posture = one_vector("q", q, len(moving_rows(rows)))
     moved = moved or MovableChain(tuple(rows), TRANSLATION)
     start = sweep(rows, posture.tolist())
-    size = size_of(rows)
+    size = chain_length(rows)
     longest = max(size, farthest or 0.0) / CHAIN_STEPS
     farthest = FARTHEST * size if farthest is None else farthest
     names = list(limits or ())
@@ -200,7 +204,7 @@ def chain_stroke(
 def _room(
     moved: Movable, q: Array, way: Array, limits: Mapping[str, tuple[float, float]] | None
 ) -> tuple[Array, Array]:
-    """Return the range of each joint: one that does not move may be at its limit."""
+    """Range of each joint: one that does not move may be at its limit."""
     if limits is None:
         return np.full_like(q, -math.inf), np.full_like(q, math.inf)
     low, high = np.array(list(limits.values())).T
@@ -224,7 +228,7 @@ def _closed(rows: Sequence[Row], moved: Movable, q: Array, goal: Sweep, way: Arr
     except SingularConfigurationError:
         return None
     translation = twist_between(sweep(rows, posture.tolist()), goal)[3:]
-    enough = max(1e-6 * float(np.linalg.norm(way)), ROUNDING * size_of(rows))
+    enough = max(1e-6 * float(np.linalg.norm(way)), ROUNDING * chain_length(rows))
     return posture if float(np.abs(translation).max()) < enough else None
 
 
@@ -234,3 +238,72 @@ def _ahead(moved: Movable, q: Array, v: Array) -> Array:
     there = q + half * min(1.0, LARGEST_CHANGE / float(np.abs(half).max() or 1.0))
     ahead: Array = q + np.array(moved.rates(there.tolist(), v.tolist()))
     return ahead
+
+
+def first_direction(
+    robot: Robot, moved: Movable, q0: Sequence[float]
+) -> tuple[float, float, float]:
+    """First of x, y, z along which the foot can move from q0, or else another unit vector."""
+    U, _, _ = np.linalg.svd(moved.twists[3:])
+    commanded = (one for one in np.eye(3) if _is_commanded(moved, one))
+    ways = (one for one in commanded if _straight(robot, moved, q0, one))
+    x, y, z = next(ways, U[:, 0]).tolist()
+    return x, y, z
+
+
+def require_direction(
+    robot: Robot, moved: Movable, q0: Sequence[float], direction: Sequence[float]
+) -> None:
+    """Refuse a direction (unit vector) along which the foot cannot be moved straight from q0.
+
+    Raises
+    ------
+    InvalidValueError
+        With the motions that the foot can make.
+    """
+    if not _is_commanded(moved, np.asarray(direction)):
+        where = "at q0 " if moved.varies else ""
+        raise InvalidValueError(
+            f"{where}the foot of {robot.name!r} {motion_in_words(moved)}: it cannot go along "
+            f"{_vector(np.asarray(direction))}",
+            advice="choose another `direction`",
+        )
+    if not _straight(robot, moved, q0, direction):
+        raise InvalidValueError(
+            f"{robot.name!r} takes its foot along a curve with its {joints_in_words(robot)}: "
+            f"from q0 it cannot go straight along {_vector(np.asarray(direction))}",
+            advice="choose another `direction`, or a robot with more joints",
+        )
+
+
+def _straight(
+    robot: Robot, moved: Movable, q0: Sequence[float], direction: Sequence[float] | Array
+) -> bool:
+    """Whether a foot that starts along a direction stays on the line."""
+    if not moved.varies:
+        return True
+    enough = STRAIGHT * chain_length(robot.rows)
+    way = chain_stroke(robot.rows, q0, direction, moved=moved, farthest=enough).stroke
+    return way.length > enough
+
+
+def _is_commanded(moved: Movable, direction: Array) -> bool:
+    wanted = np.concatenate([np.zeros(3), direction])
+    outside = wanted - moved.twists @ (moved.twists.T @ wanted)
+    return float(np.linalg.norm(outside)) <= OUTSIDE
+
+
+def motion_in_words(moved: Movable) -> str:
+    """Translations that can be commanded, in words, such as "moves along (0, 0, 1) only"."""
+    U, sigma, _ = np.linalg.svd(moved.twists[3:])
+    rank = int((sigma > RANK_TOLERANCE).sum())
+    if rank == 1:
+        return f"moves along {_vector(U[:, 0])} only"
+    if rank == 2:
+        return f"moves in the plane at right angles to {_vector(U[:, 2])} only"
+    return "moves along x, y and z"
+
+
+def _vector(direction: Array) -> str:
+    x, y, z = (round(float(part), 6) + 0.0 for part in direction)
+    return f"({x:g}, {y:g}, {z:g})"

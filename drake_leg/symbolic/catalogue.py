@@ -1,27 +1,127 @@
-"""The derivations by name; SymPy is imported only when one is carried out."""
+"""Derives the equations of a robot from its Khalil table, and shows them as formulas.
+
+SymPy is imported when something is derived.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot import Robot
-from drake_leg.robots import LEG_A, LEG_B, SCARA
-from drake_leg.symbolic.optional import require_sympy
+from drake_leg.progress import BUDGET, TimeBudget
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 
 if TYPE_CHECKING:
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import Equation
 
 
-@dataclass(frozen=True, kw_only=True)
-class DerivedRobot:
-    """A robot that is derived, and the velocities of a report's Jacobian."""
+@dataclass(frozen=True)
+class Equations:
+    """Equations in order; a notebook typesets them, with their numbers in the report."""
 
     robot: Robot
-    numbering: str  # what is written before an equation's number
+    all: tuple[Equation, ...] = field(repr=False)
+    report: str = ""  # letter of the report that numbers them, if one does
+
+    def __getitem__(self, wanted: str) -> Equations:
+        """Return the equations with a number or a title, as "15" or "determinant, factored"."""
+        return self.choose(wanted)
+
+    def __iter__(self) -> Iterator[Equation]:
+        return iter(self.all)
+
+    def __len__(self) -> int:
+        return len(self.all)
+
+    def __str__(self) -> str:
+        return "\n\n".join(f"{one.title}\n{one.text()}" for one in self.all)
+
+    def choose(self, *wanted: str) -> Equations:
+        """Return the equations with these numbers or titles, in this order.
+
+        Raises
+        ------
+        InvalidValueError
+            If there is no equation with one of them.
+        """
+        for name in wanted:
+            if not any(name in (one.label, one.title) for one in self.all):
+                known = dict.fromkeys(one.label or one.title for one in self.all)
+                raise InvalidValueError(
+                    f"{self.robot.name} has no equation {name!r}; there are {', '.join(known)}"
+                )
+        found = tuple(e for name in wanted for e in self.all if name in (e.label, e.title))
+        return Equations(self.robot, found, self.report)
+
+    def _repr_latex_(self) -> str:
+        return "\n".join(self._latex(one) for one in self.all)
+
+    def _latex(self, equation: Equation) -> str:
+        number = f"{self.report} {equation.label}".strip()
+        tag = rf" \tag{{{number}}}" if equation.label else ""
+        return f"$${equation.latex()}{tag}$$"
+
+
+def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
+    """Derive a robot's matrices and equations from its Khalil table, in symbols.
+
+    Transforms between neighbours and to the base, the Jacobian by two methods and their
+    difference, its determinant, and the singular postures.
+
+    Parameters
+    ----------
+    robot : Robot
+        ``LEG_A``, ``LEG_B`` and ``SCARA`` have the numbers of their reports' equations; any other
+        is derived from its table.
+    *wanted : str
+        Numbers or titles of the equations wanted, in order; by default all of them.
+    budget : float
+        How long the derivation may take [s].
+
+    Returns
+    -------
+    Equations
+        A notebook typesets them; ``print`` writes them as text.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no such equation.
+    TimeBudgetError
+        If the derivation takes longer.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_A, derive
+    >>> print(derive(LEG_A, "determinant, factored"))
+    determinant, factored
+    │J│ = l₂⋅l₃⋅s₃⋅(c₂⋅l₂ + c₂₃⋅l₃ + l₁)
+    """
+    name = next((name for name, subject in SUBJECTS.items() if subject.robot == robot), None)
+    spending = TimeBudget(budget)
+    if name is not None:
+        report = SUBJECTS[name].numbering.partition(",")[0].removeprefix("Report ")
+        found = Equations(robot, spending.spend(lambda: derived_equations(name)), report)
+    else:
+        from drake_leg.symbolic.derivation import Derivation
+        from drake_leg.symbolic.equations import own_pieces
+
+        pieces = own_pieces(Derivation(robot.rows))
+        found = Equations(robot, tuple(e for p in pieces for e in spending.spend(p.derive)))
+    return found.choose(*wanted) if wanted else found
+
+
+@dataclass(frozen=True, kw_only=True)
+class DerivedRobot:
+    """A robot of the reports, and the velocities that its Jacobian maps to."""
+
+    robot: Robot
+    numbering: str  # precedes an equation's number
     task: tuple[int, ...]  # rows of the spatial Jacobian
 
 
@@ -33,26 +133,23 @@ SUBJECTS = {
 
 
 def require_subject(name: str) -> None:
-    """Raise an error unless ``name`` is one of ``SUBJECTS`` and SymPy is installed."""
+    """Raise an error unless ``name`` is one of ``SUBJECTS``."""
     if name not in SUBJECTS:
         raise InvalidValueError(
             f"there is no derivation {name!r}; the derivations are {', '.join(SUBJECTS)}"
         )
-    require_sympy(f"the derivation of {name}")
 
 
 def derived_equations(name: str) -> tuple[Equation, ...]:
-    """Derive all equations of one of the reports' robots, and what they prove.
+    """Derive all equations of one of the reports' robots, and what follows from them.
 
-    Those that its report numbers come first; then, without a number, the two Jacobians'
-    difference, the factored determinant and its zeros.
+    The report's numbered equations come first; then, without a number, the difference of the two
+    Jacobians, the factored determinant and its zeros.
 
     Raises
     ------
     InvalidValueError
         If there is no such robot.
-    MissingSymPyError
-        If SymPy is not installed.
     """
     require_subject(name)
     from drake_leg.symbolic import equations
@@ -68,7 +165,7 @@ def derived_equations(name: str) -> tuple[Equation, ...]:
 
 @cache
 def derived(name: str) -> Derivation:
-    """Derive one of the reports' robots, once for everything that uses its matrices."""
+    """Derive the matrices of one of the reports' robots; the result is cached."""
     require_subject(name)
     from drake_leg.symbolic.derivation import Derivation
 

@@ -1,7 +1,7 @@
-"""Any serial chain in Khalil's convention, in symbols: transforms, foot, Jacobian by two methods.
+"""The kinematics of a serial chain in symbols: transforms, foot, and the Jacobian by two methods.
 
-What ``kinematics.khalil`` does with numbers is done here with expressions. Nothing is simplified,
-so that a chain of six axes takes a second; ``trigonometry.tidy`` makes a result readable.
+The same as ``kinematics.khalil``, with expressions in place of numbers. Nothing is simplified, so
+that a chain of six axes takes a second; ``notation.tidy`` makes a result readable.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from drake_leg.kinematics.batches import Array, one_vector
-from drake_leg.robot import JointType, Row
+from drake_leg.kinematics.khalil import Array, one_vector
+from drake_leg.robot.robot import JointType, Row
 
 Function = Callable[[ArrayLike], Array]  # of the joint positions
 
@@ -133,7 +133,7 @@ def base_transforms(chain: SymbolicChain) -> tuple[sp.Matrix, ...]:
 
 
 def direct_jacobian(chain: SymbolicChain) -> sp.Matrix:
-    """Jacobian by the direct method: every joint's own contribution, (6, m), rotation first.
+    """Jacobian by the direct method, one joint's contribution per column, (6, m), rotation first.
 
     ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint adds ``[z; z x OF]``, a prismatic one
     ``[0; z]``: report A, eq. 9-15.
@@ -151,7 +151,7 @@ def direct_jacobian(chain: SymbolicChain) -> sp.Matrix:
 
 
 def indirect_jacobian(chain: SymbolicChain) -> sp.Matrix:
-    """Jacobian by the indirect method: derivatives of the foot's pose, (6, m), rotation first.
+    """Jacobian by the indirect method, differentiating the foot's pose, (6, m), rotation first.
 
     Its columns are ``[w; dp_BF/dqi]``, with ``w`` the axis of the skew matrix
     ``dR_BF/dqi R_BF'``: report A, appendix.
@@ -166,9 +166,9 @@ def indirect_jacobian(chain: SymbolicChain) -> sp.Matrix:
 
 
 def evaluator(chain: SymbolicChain, expression: sp.Matrix) -> Function:
-    """Make a NumPy function of q (m,) of a matrix, at the table's own lengths and angles.
+    """Compile a matrix to a NumPy function of q (m,), with the table's lengths and angles.
 
-    It raises ``InvalidValueError`` if q is not m finite numbers.
+    The function raises ``InvalidValueError`` if q is not m finite numbers.
     """
     symbols, numbers = list(chain.values), list(chain.values.values())
     compiled = sp.lambdify([list(chain.q), symbols], expression, "numpy", cse=True)

@@ -1,4 +1,4 @@
-"""The reports' equations, as SymPy derives them; and those of a table of one's own, by pieces."""
+"""Lists the reports' equations as SymPy derives them, and those of any other table, in pieces."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ from functools import partial
 import sympy as sp
 
 from drake_leg.symbolic.chain import SymbolicRow, row_transform
-from drake_leg.symbolic.derivation import Derivation
+from drake_leg.symbolic.derivation import ANY_INTEGER, Derivation, SingularFamily
 from drake_leg.symbolic.notation import shorthand
-from drake_leg.symbolic.singularities import ANY_INTEGER, SingularFamily
 
 PARTS = ("w_x", "w_y", "w_z", "v_x", "v_y", "v_z")  # rows of the spatial Jacobian
 
 
 @dataclass(frozen=True, kw_only=True)
 class Equation:
-    """One equation of a report, or what follows from them."""
+    """One equation of a report, or a consequence of its equations."""
 
     label: str = ""  # its number in the report, where it has one
     title: str
-    left: sp.Basic  # the name of what is derived
-    right: sp.Basic  # what it is
+    left: sp.Basic  # name
+    right: sp.Basic  # value
     relation: type[sp.Rel] = sp.Eq
 
     def latex(self) -> str:
@@ -124,7 +123,7 @@ def scara_equations(arm: Derivation) -> tuple[Equation, ...]:
 
 
 def findings(robot: Derivation) -> tuple[Equation, ...]:
-    """State what the matrices prove: both methods agree, and where the Jacobian is singular."""
+    """State that both methods agree, and where the Jacobian is singular."""
     return (
         Equation(
             title="Jacobian by both methods, rotation and translation",
@@ -158,7 +157,7 @@ def zeros_of(family: SingularFamily) -> list[Equation]:
 
 
 def matrices(robot: Derivation) -> dict[str, sp.Matrix]:
-    """Name what the equations of a report's robot are made of: T, T01, V1, P, J, J⁻¹, det J."""
+    """Return the matrices of a report's equations by name: T, T01, V1, P, J, J⁻¹, det J."""
     last, J = len(robot.neighbours), robot.jacobian
     found = {"T": general_transform()}
     found |= {f"T{i}{i + 1}": X for i, X in enumerate(robot.neighbours)}
@@ -179,15 +178,15 @@ def matrices(robot: Derivation) -> dict[str, sp.Matrix]:
 
 @dataclass(frozen=True, kw_only=True)
 class Piece:
-    """A part of a table's derivation, which may take long, or forever."""
+    """A part of a table's derivation; it may take very long."""
 
     title: str
     derive: Callable[[], list[Equation]]
-    otherwise: str = ""  # what is said if there is no equation
+    otherwise: str = ""  # printed if there is no equation
 
 
 def own_pieces(robot: Derivation) -> Iterator[Piece]:
-    """List what is derived of a table of one's own; later pieces use what earlier ones found."""
+    """List what is derived from a table; later pieces use the results of earlier ones."""
     for frame, X_PC in enumerate(robot.neighbours, start=1):
         left = sp.MatrixSymbol(f"T_{frame - 1}{frame}", 4, 4)
         yield _piece(f"frame {frame} in frame {frame - 1}", left, partial(sp.Matrix, X_PC))
@@ -228,7 +227,7 @@ def _piece(title: str, left: sp.Basic, right: Callable[[], sp.Basic]) -> Piece:
 
 
 def general_transform() -> sp.Matrix:
-    """Transform of a row of any numbers, report A's equation 1."""
+    """General transform of a row, report A's equation 1."""
     d, alpha, r, theta = sp.symbols("d alpha r theta", real=True)
     return row_transform(SymbolicRow(joint="fixed", d=d, alpha=alpha, r=r, theta=theta))
 

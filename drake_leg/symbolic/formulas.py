@@ -1,4 +1,4 @@
-"""Formulas as they are written: SymPy expressions that nobody has evaluated, sorted or shortened.
+"""Formulas as written: SymPy expressions that are not evaluated, sorted or simplified.
 
 ``l2*c2 - 0`` stays a difference of a product and a zero. A difference is a sum with ``-1*x``, a
 quotient a product with ``x**-1``, and ``deg`` and ``rad`` are symbols with a fixed value. A *path*
@@ -50,7 +50,7 @@ def quotient(one: sp.Expr, other: sp.Expr) -> sp.Expr:
 
 
 def number(value: float) -> sp.Expr:
-    """Write a number, a whole one as an integer, which nobody has rounded."""
+    """Write a number; a whole number becomes an integer, which is exact."""
     value = float(f"{value:.10g}")
     return sp.Integer(int(value)) if value.is_integer() else sp.Float(value)
 
@@ -77,7 +77,7 @@ def names_in(formula: sp.Expr) -> set[str]:
 
 @lru_cache(maxsize=10_000)
 def inside(part: sp.Expr) -> Parts:
-    """List what a part is made of, as people read it: exponents and the -1 of signs left out."""
+    """List the operands of a part as people read them, without exponents and the -1 of signs."""
     if is_negative(part):
         return (((1,), part.args[1]),)
     if is_quotient(part):
@@ -104,12 +104,12 @@ def parts(formula: sp.Expr, *, of_functions: bool = True) -> Parts:
 
 
 def distinct(formulas: Iterable[sp.Expr]) -> Iterator[sp.Expr]:
-    """Keep one of each spelling."""
+    """Drop formulas that are written the same as an earlier one."""
     yield from dict.fromkeys(formulas)
 
 
 def replace_at(formula: sp.Expr, path: Path, new: sp.Expr) -> sp.Expr:
-    """Put a part at a path."""
+    """Replace the part at a path."""
     if not path:
         return new
     arguments = list(formula.args)
@@ -118,7 +118,7 @@ def replace_at(formula: sp.Expr, path: Path, new: sp.Expr) -> sp.Expr:
 
 
 def changed(formula: sp.Expr, change: Change) -> sp.Expr:
-    """Change every part for which there is something else, from the outside in."""
+    """Replace every part for which ``change`` returns another, from the outside in."""
     new = change(formula)
     if new is not None:
         return new
@@ -131,14 +131,14 @@ def changed(formula: sp.Expr, change: Change) -> sp.Expr:
 
 
 def replace_alike(formula: sp.Expr, old: sp.Expr, new: sp.Expr) -> sp.Expr:
-    """Put a part in the place of every one that is written like the old one."""
+    """Replace every part that is written like the old one."""
     return changed(formula, lambda part: new if part == old else None)
 
 
 def substitute(formula: sp.Expr, definitions: Mapping[str, sp.Expr]) -> sp.Expr:
-    """Put definitions in the place of their names, within these definitions too.
+    """Replace names by their definitions, also within these definitions.
 
-    A name that is defined by itself, and a formula that becomes too long, are refused.
+    Refuses a name that is defined by itself, and a formula that becomes too long.
     """
     count = 0
 
@@ -220,7 +220,7 @@ def written(formula: sp.Expr) -> str:
 
 
 def _written(part: sp.Expr) -> tuple[str, int]:
-    """Write a part, and say how strongly it holds together: 1 a sum, 2 a product, 3 a sign, ..."""
+    """Write a part, and return its precedence: 1 a sum, 2 a product, 3 a sign, ..."""
     if part.is_Integer or part.is_Symbol or part is sp.pi:
         return str(part), 5
     if part.is_Float:
@@ -243,7 +243,7 @@ def _written(part: sp.Expr) -> tuple[str, int]:
 
 
 def _bound(part: sp.Expr, least: int) -> str:
-    """Write a part in brackets if it holds together less strongly than what is around it."""
+    """Write a part, in brackets if its precedence is lower than that of what is around it."""
     text, strength = _written(part)
     return text if strength >= least else f"({text})"
 

@@ -1,4 +1,4 @@
-"""A printed formula read into SymPy: by a grammar of its own, of allowed parts only, never run."""
+"""Parses printed formulas into SymPy with a grammar of allowed parts; nothing is executed."""
 
 from __future__ import annotations
 
@@ -24,14 +24,15 @@ from drake_leg.symbolic.formulas import (
     total,
     written,
 )
-from drake_leg.symbolic.spelling import plain, quoted
-from drake_leg.symbolic.tokens import (
+from drake_leg.symbolic.spelling import (
     ANGLE_LETTERS,
     END,
     IN_DEGREES,
     RECIPROCALS,
     TURNS,
     Token,
+    plain,
+    quoted,
     tokens_of,
 )
 
@@ -51,7 +52,7 @@ def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = Tru
     Parameters
     ----------
     text : str
-        In the reports' notation; see ``spelling``.
+        In the reports' notation; see ``symbolic.spelling``.
     declared : collection of str
         Names of symbols in lower case, so that ``rl4c3`` is read as ``rl4 c3``.
     weak : bool
@@ -60,7 +61,8 @@ def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = Tru
     Returns
     -------
     Expr
-        See ``formulas``: numbers, symbols, sums, products, powers, cos, sin and tan, not evaluated.
+        Numbers, symbols, sums, products, powers, cos, sin and tan, not evaluated; see
+        ``symbolic.formulas``.
         Joints' positions are q1, q2, ...
 
     Raises
@@ -109,7 +111,7 @@ def _require_small(formula: sp.Expr, text: str) -> None:
 
 
 def _degree(part: sp.Expr) -> float:
-    """How often a formula multiplies its symbols at most."""
+    """Degree of a formula in its symbols."""
     degrees = [_degree(child) for _, child in inside(part)]
     if part.is_Pow:
         return degrees[0] * max(1.0, abs(float(part.args[1])))

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Integrator, MatrixGain, Multiplexer
 
-from drake_leg.quantities import require_non_negative
+from drake_leg.units import require_non_negative
 
 
 class DriftCorrection(Diagram):

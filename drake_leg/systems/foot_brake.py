@@ -6,7 +6,7 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem, State
 
 from drake_leg.kinematics.movable import Movable
-from drake_leg.singularity.driving import Braked, braked
+from drake_leg.singularity.look_ahead import Braked, braked
 
 
 class FootBrake(LeafSystem):

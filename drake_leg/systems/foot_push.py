@@ -11,7 +11,7 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.multibody.tree import Frame
 from pydrake.systems.framework import Context, LeafSystem
 
-from drake_leg.kinematics.push import Push
+from drake_leg.kinematics.motions import Push
 
 STEPS_OF_PUSH = 20  # steps of the integrator, at least, while it lasts
 NEVER_AGAIN = 1e12  # [s], period of an event that happens once

@@ -10,7 +10,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Demultiplexer, LinearSystem, MatrixGain, Multiplexer
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.quantities import require_positive
+from drake_leg.units import require_positive
 
 TIME_CONSTANT = 0.001  # [s], Simscape's default
 

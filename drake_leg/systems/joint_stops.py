@@ -9,8 +9,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.joint_stop import stop_force, stored_energy
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.systems.partial_dynamics import joints_of_one_axis
 
 
@@ -43,7 +43,7 @@ class JointStops(LeafSystem):
     Examples
     --------
     >>> from drake_leg import PENDULUM, JointStops, build_plant
-    >>> from drake_leg.joint_mechanics import HardStop, JointMechanics
+    >>> from drake_leg.robot.joint_mechanics import HardStop, JointMechanics
     >>> mechanics = JointMechanics(upper=1.0, upper_stop=HardStop.rotational())
     >>> block = JointStops(build_plant(PENDULUM), {"pivot": mechanics})
     >>> context = block.CreateDefaultContext()

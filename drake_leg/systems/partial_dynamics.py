@@ -10,7 +10,7 @@ from pydrake.multibody.tree import Joint, MultibodyForces
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 
 _ONE_AXIS = ("revolute", "prismatic")
 

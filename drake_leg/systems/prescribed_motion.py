@@ -12,13 +12,13 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import MatrixGain, Multiplexer
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.quantities import require_non_negative
+from drake_leg.kinematics.khalil import Array
 from drake_leg.systems.partial_dynamics import (
     PartialInverseDynamics,
     joints_of_one_axis,
     require_plant,
 )
+from drake_leg.units import require_non_negative
 
 # Pulls the joints back onto the prescribed motion against the integrator's rounding: so weak
 # that it does not stiffen the loop, so that a step of 40 ms stays accurate.

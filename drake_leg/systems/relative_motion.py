@@ -9,9 +9,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, JacobianWrtVariable
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.euler import euler_angles
-from drake_leg.kinematics.euler_rates import angle_accelerations, angle_rates
+from drake_leg.kinematics.euler import angle_accelerations, angle_rates, euler_angles
+from drake_leg.kinematics.khalil import Array
 
 Where = Literal["base", "follower", "world"]
 

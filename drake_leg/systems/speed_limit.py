@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from drake_leg.kinematics.motions import limited_speed
 from drake_leg.kinematics.movable import Floats
-from drake_leg.quantities import require_positive
-from drake_leg.singularity.limits import limited_speed
+from drake_leg.units import require_positive
 
 
 class SpeedLimit(LeafSystem):

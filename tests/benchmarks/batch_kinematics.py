@@ -11,7 +11,7 @@ import pinocchio
 
 from drake_leg.kinematics.khalil import foot_pose, jacobian, row_transform
 from drake_leg.kinematics.leg import LegGeometry, foot_and_jacobian
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 
 POSTURES = 1_000_000
 REPEATS = 5

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drake_leg.cli.advice import as_options, place_given_by
+from drake_leg.cli.terminal import as_options, place_given_by
 from drake_leg.errors import LostMotionError, OutputError, PlaceError
 
 

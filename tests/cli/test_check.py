@@ -186,13 +186,6 @@ def test_bad_input_is_one_sentence(words, said, capsys):
     assert err.count("\n") == 1
 
 
-def test_without_sympy_the_check_says_what_is_missing(capsys, monkeypatch):
-    monkeypatch.setattr("drake_leg.symbolic.optional.find_spec", lambda name: None)
-    status, err = checked(capsys, "leg-b")
-    assert status == 2
-    assert "needs SymPy: pip install 'drake-leg[symbolic]'" in err
-
-
 def test_help_says_what_status_1_is(capsys):
     with pytest.raises(SystemExit, match="0"):
         main(["check", "--help"])

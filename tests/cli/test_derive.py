@@ -121,25 +121,23 @@ def test_an_unknown_name_is_refused(capsys):
     )
 
 
-def without_sympy(*words):
-    return subprocess.run(
-        [sys.executable, "-c", WITHOUT_SYMPY, *words], capture_output=True, text=True, check=False
-    )
-
-
 @pytest.mark.parametrize(
-    ("words", "purpose"),
-    [(("derive", "leg-a"), "the derivation of leg-a"), (("errata",), "the list of errata")],
+    "words",
+    [
+        ("list",),
+        ("doctor", "leg-b", "--q", "90,-50,-90"),
+        ("run", "leg-b", "--duration", "0.1", "--out", "here"),
+    ],
+    ids=lambda words: words[0],
 )
-def test_without_sympy_it_says_how_to_get_it(words, purpose):
-    run = without_sympy(*words)
-    assert run.returncode == 2
-    assert run.stdout == ""
-    assert run.stderr == f"drake-leg: {purpose} needs SymPy: pip install 'drake-leg[symbolic]'\n"
-
-
-@pytest.mark.parametrize("words", [("list",), ("doctor", "leg-b", "--q", "90,-50,-90")])
-def test_what_shows_no_formula_goes_without_sympy(words):
-    run = without_sympy(*words)
+def test_what_shows_no_formula_does_not_import_sympy(words, tmp_path):
+    run = subprocess.run(
+        [sys.executable, "-c", WITHOUT_SYMPY, *words],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert run.returncode == 0
-    assert run.stderr == ""
+    progress = "at work for"  # printed every ten seconds, on a busy machine
+    assert [line for line in run.stderr.splitlines() if progress not in line] == []

@@ -4,7 +4,7 @@ import json
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.errata import errata
+from drake_leg.lab.errata.catalogue import errata
 
 
 def test_the_list_says_everything(capsys):

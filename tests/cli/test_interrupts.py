@@ -12,8 +12,8 @@ import pytest
 from drake_leg.cli import main
 from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
-from drake_leg.recording import read_csv
-from drake_leg.runs import files, outcome
+from drake_leg.runs import outcome
+from drake_leg.simulation.recording import read_csv
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 NAMES = [number.name for number in SIGNALS]
@@ -27,7 +27,7 @@ def here(tmp_path, monkeypatch):
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr(files, "figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr(outcome, "figures_of_run", lambda *arguments: ())
 
 
 def inside(folder="."):
@@ -121,11 +121,11 @@ def test_a_signal_during_the_figures_leaves_the_data(number, monkeypatch, capsys
         if name == "foot_position":
             act()
 
-    named = files.figures_of_run
+    named = outcome.figures_of_run
     monkeypatch.setattr(
-        files, "figures_of_run", lambda *given: [(name, str) for name, _ in named(*given)]
+        outcome, "figures_of_run", lambda *given: [(name, str) for name, _ in named(*given)]
     )
-    monkeypatch.setattr(files, "save", save)
+    monkeypatch.setattr(outcome, "save", save)
     assert main(["run", "leg-b", "--out", "out", "--duration", "0.2"]) == 128 + number
     assert summary_of("out")["stop_reason"] is None
     assert "interrupted; the data in out are whole" in capsys.readouterr().err
@@ -135,9 +135,8 @@ def test_a_signal_during_the_figures_leaves_the_data(number, monkeypatch, capsys
 
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
 def test_a_signal_during_a_file_leaves_nothing_of_it(number, monkeypatch, capsys):
-    from drake_leg import files
 
-    monkeypatch.setattr(files, "_place", before_it(files._place, come(number)))
+    monkeypatch.setattr(outcome, "_place", before_it(outcome._place, come(number)))
     assert main(["sdf", "leg-b", "--out", "a/b/leg.sdf"]) == 128 + number
     assert inside() == []
     assert "interrupted" in capsys.readouterr().err

@@ -7,11 +7,11 @@ import pytest
 from chains import PLANAR_3, WHEEL
 
 from drake_leg.cli import main
-from drake_leg.figures.free_body import free_body
-from drake_leg.figures.of_postures import maps_of_posture
-from drake_leg.robot_file.read import read_robot
-from drake_leg.robot_file.write import robot_toml
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.pictures.plots.free_body import free_body
+from drake_leg.pictures.plots.singularity_maps import maps_of_posture
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.toml_writer import robot_toml
 
 NAMES = ["pendulum", "pendulum3", "leg_a", "leg_b", "scara", "hexabot_leg", "ellipse", "arm"]
 STRUCTURES = {
@@ -42,7 +42,7 @@ def drawn(monkeypatch):
     names = []
 
     monkeypatch.setattr(
-        "drake_leg.runs.files.save", lambda _figure, _folder, name: names.append(name)
+        "drake_leg.runs.outcome.save", lambda _figure, _folder, name: names.append(name)
     )
     return names
 

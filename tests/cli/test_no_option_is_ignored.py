@@ -8,8 +8,8 @@ import pytest
 from drake_leg.cli import main
 from drake_leg.cli.entry import _build_parser
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import StateTarget
-from drake_leg.robots import LEG_B
+from drake_leg.robot.joint_mechanics import StateTarget
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.configs import (
     ellipse_config,
@@ -79,10 +79,10 @@ MEANINGLESS = [
     ("run", "leg-b --force --inverse damped", "--force means nothing with --inverse damped"),
     ("run", "ellipse --force --inverse limited", "--force means nothing with --inverse limited"),
     *(("compare", words, said) for words, said in OF_RUNS_MEANINGLESS),
-    ("compare", "leg-b --accuracy 1e-6", "means nothing to compare"),
-    ("compare", "leg-b --max-step 0.01", "means nothing to compare"),
-    ("compare", "leg-b --force", "means nothing to compare"),
-    ("compare", "leg-b --stiffness 9", "means nothing to compare"),
+    ("compare", "leg-b --accuracy 1e-6", "has no effect on compare"),
+    ("compare", "leg-b --max-step 0.01", "has no effect on compare"),
+    ("compare", "leg-b --force", "has no effect on compare"),
+    ("compare", "leg-b --stiffness 9", "has no effect on compare"),
     ("view", "leg-b --host localhost --still leg.png", "means nothing with --still"),
     ("view", "leg-b --port 7000 --still leg.png", "means nothing with --still"),
     ("view", "leg-b --no-browser --still leg.png", "means nothing with --still"),

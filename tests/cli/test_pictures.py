@@ -8,16 +8,16 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import main, run
-from drake_leg.cli.pictures import Pictures
 from drake_leg.cli.run_options import kind_of
+from drake_leg.cli.terminal import Pictures
 from drake_leg.files import LIST, ResultsFolder
-from drake_leg.recording import read_csv
-from drake_leg.robot_file.write import robot_toml
-from drake_leg.robots import hexabot_leg
-from drake_leg.runs import files
+from drake_leg.robot.robots import hexabot_leg
+from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.runs import outcome
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.scene.images import Still
 from drake_leg.scene.replay import Replay
+from drake_leg.simulation.recording import read_csv
 
 DATA = {LIST, "recording.csv", "summary.json"}
 REPORT = "please report this, with the command that you gave"
@@ -64,12 +64,12 @@ def write_figure(figure, folder, name):
 
 def with_figures(monkeypatch, draw):
     """Let the figures of a run, by their own names, be drawn by another function."""
-    named = files.figures_of_run
+    named = outcome.figures_of_run
 
     def figures(*arguments):
         return [(name, draw) for name, _ in named(*arguments)]
 
-    monkeypatch.setattr(files, "figures_of_run", figures)
+    monkeypatch.setattr(outcome, "figures_of_run", figures)
 
 
 # --- every figure of every run ---------------------------------------------------------------
@@ -81,7 +81,7 @@ class Made:
 
     name: str
     kind: object
-    outcome: object
+    result: object
     figures: list
 
 
@@ -94,9 +94,9 @@ def options_of(name):
 @pytest.fixture(params=[*RUNS, "own.toml"])
 def made(request):
     kind, options = options_of(request.param)
-    outcome = kind.run(options, None)
-    figures = [name for name, _ in files.figure_files(kind.title, outcome)]
-    return Made(request.param, kind, outcome, figures)
+    result = kind.run(options, None)
+    figures = [name for name, _ in outcome.figure_files(kind.title, result)]
+    return Made(request.param, kind, result, figures)
 
 
 def test_each_figure_of_each_run_fails_alone(made, monkeypatch, capsys):
@@ -104,20 +104,15 @@ def test_each_figure_of_each_run_fails_alone(made, monkeypatch, capsys):
     for failing in made.figures:
         folder = ResultsFolder(Path(failing), overwrite=False)
         with folder.begun() as scratch:
-            made.outcome.write(scratch, made.name)
+            made.result.write(scratch, made.name)
         whole(folder.path)
-        monkeypatch.setattr(files, "save", write_figure)
+        monkeypatch.setattr(outcome, "save", write_figure)
         drawn = dict.fromkeys(made.figures, lambda: "a figure") | {failing: broken(BROKEN)}
-        monkeypatch.setattr(files, "figures_of_run", lambda *_, drawn=drawn: drawn.items())
-        monkeypatch.setattr(
-            files,
-            "save",
-            lambda figure, scratch, name: (scratch / f"{name}.svg").write_text(figure),
-        )
+        monkeypatch.setattr(outcome, "figures_of_run", lambda *_, drawn=drawn: drawn.items())
         pictures = Pictures()
-        run._draw(made.name, made.kind, made.outcome, folder, pictures)
+        run._draw(made.name, made.kind, made.result, folder, pictures)
         assert len(pictures.failures) == 1
-        pictures.say_failures()
+        pictures.print_failures()
         assert capsys.readouterr().err == (
             f"drake-leg: the figure {failing} was not made (ValueError: max() arg is an empty "
             f"sequence): {REPORT}\n"
@@ -153,7 +148,7 @@ def test_a_run_whose_figures_all_fail_has_its_data_and_exits_with_1(monkeypatch,
     "error", [KeyError("pendulum3"), RecursionError(), MemoryError(), OSError(28, "No space left")]
 )
 def test_whatever_error_it_is_it_is_a_sentence(monkeypatch, capsys, error):
-    monkeypatch.setattr(files, "figures_of_run", broken(error))
+    monkeypatch.setattr(outcome, "figures_of_run", broken(error))
     status, _, err = told(capsys, "run", "pendulum", "--out", "out", "--duration", "0.1")
     assert status == 1
     assert len(err) == 2
@@ -162,10 +157,10 @@ def test_whatever_error_it_is_it_is_a_sentence(monkeypatch, capsys, error):
 
 
 def test_figures_that_cannot_be_imported_cost_themselves(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "drake_leg.runs.files", None)
+    monkeypatch.setitem(sys.modules, "drake_leg.runs.outcome", None)
     status, _, err = told(capsys, "run", "pendulum", "--out", "out", "--duration", "0.1")
     assert status == 1
-    assert "was not made (ModuleNotFoundError: import of drake_leg.runs.files" in err[0]
+    assert "was not made (ModuleNotFoundError: import of drake_leg.runs.outcome" in err[0]
     whole("out")
 
 
@@ -179,7 +174,7 @@ def test_matplotlib_that_cannot_be_imported_is_said_before_the_run(monkeypatch, 
 
 @pytest.mark.parametrize("duration", ["9.5", "10"])
 def test_a_pendulum_that_is_nearly_at_rest_is_drawn(duration, monkeypatch, capsys):
-    monkeypatch.setattr(files, "save", lambda figure, folder, name: None)
+    monkeypatch.setattr(outcome, "save", lambda figure, folder, name: None)
     words = ("run", "pendulum-damped", "--out", "out", "--duration", duration, "--max-step", "0.02")
     assert told(capsys, *words)[::2] == (0, [])
 
@@ -189,7 +184,7 @@ def test_a_pendulum_that_is_nearly_at_rest_is_drawn(duration, monkeypatch, capsy
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr(files, "figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr(outcome, "figures_of_run", lambda *arguments: ())
 
 
 @pytest.mark.parametrize(
@@ -285,10 +280,10 @@ def taking_the_place(monkeypatch):
 
 def test_each_map_of_the_doctor_fails_alone(monkeypatch, capsys):
     monkeypatch.setattr(
-        "drake_leg.figures.of_postures.maps_of_posture",
+        "drake_leg.pictures.plots.singularity_maps.maps_of_posture",
         lambda *_: {"first": broken(BROKEN), "second": lambda: "a figure"},
     )
-    monkeypatch.setattr("drake_leg.figures.style.save", write_figure)
+    monkeypatch.setattr("drake_leg.pictures.plots.style.save", write_figure)
     status, out, err = told(capsys, "doctor", "leg-b", "--q", "90,-50,-90", "--out", "maps")
     assert status == 1
     assert out.splitlines()[-1] == "wrote maps"
@@ -309,12 +304,12 @@ def test_each_map_of_the_doctor_fails_alone(monkeypatch, capsys):
         ),
         (
             ["diagram", "leg-b", "--out", "a.svg"],
-            "drake_leg.drawings.drawing.draw",
+            "drake_leg.pictures.drawing.draw",
             "the diagram a.svg",
         ),
         (
             ["diagram", "leg-b", "--part", "frames", "--out", "a.svg"],
-            "drake_leg.figures.free_body.free_body",
+            "drake_leg.pictures.plots.free_body.free_body",
             "the diagram a.svg",
         ),
         (
@@ -342,10 +337,10 @@ def test_a_picture_asked_for_alone_is_one_sentence(words, function, said, monkey
 
 @pytest.mark.slow
 def test_a_report_whose_items_fail_is_written_with_sentences_in_their_places(monkeypatch, capsys):
-    from drake_leg.report import exhibits
+    from drake_leg.lab.page import items
 
-    stubs = dict.fromkeys(exhibits.KINDS, broken(BROKEN))
-    monkeypatch.setattr(exhibits, "KINDS", stubs)
+    stubs = dict.fromkeys(items.KINDS, broken(BROKEN))
+    monkeypatch.setattr(items, "KINDS", stubs)
     status, out, err = told(capsys, "report", "--out", "report")
     assert status == 1
     assert out.startswith("wrote report/report.html")
@@ -357,7 +352,7 @@ def test_a_report_whose_items_fail_is_written_with_sentences_in_their_places(mon
 
 def test_who_asks_is_shown_where_the_error_came_from(no_figures, monkeypatch, capsys):
     monkeypatch.setenv("DRAKE_LEG_TRACEBACK", "1")
-    monkeypatch.setattr(files, "figures_of_run", broken(BROKEN))
+    monkeypatch.setattr(outcome, "figures_of_run", broken(BROKEN))
     assert main(["run", "pendulum", "--out", "out", "--duration", "0.1"]) == 1
     assert "Traceback" in capsys.readouterr().err
     whole("out")

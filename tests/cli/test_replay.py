@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.recording import Recording, read_csv
-from drake_leg.robots import LEG_B, hexabot_leg
+from drake_leg.robot.robots import LEG_B, hexabot_leg
 from drake_leg.scene.scene import PlantMotion
 from drake_leg.scene.shown_plant import shown
+from drake_leg.simulation.recording import Recording, read_csv
 
 
 def write_run(folder, robot):
@@ -102,7 +102,7 @@ def test_a_run_with_lengths_of_ones_own_needs_its_robot(capsys):
     said = refused(capsys, "long", "--out", "long.html")
     assert "tip is up to 0.03 m away from where 'leg_b' has it" in said
     assert not Path("long.html").exists()
-    from drake_leg.robot_file.write import robot_toml
+    from drake_leg.robot.toml_writer import robot_toml
 
     Path("long.toml").write_text(robot_toml(hexabot_leg("B", l1=0.08)), encoding="utf-8")
     assert main(["replay", "long", "--out", "long.html", "--robot", "long.toml"]) == 0

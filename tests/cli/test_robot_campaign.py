@@ -17,11 +17,11 @@ from random_robots import random_robot
 
 from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError
-from drake_leg.kinematics.configurations import greatest_reach, random_configurations
+from drake_leg.kinematics.feet import greatest_reach, random_configurations
 from drake_leg.models.proof import DrakeWitness
-from drake_leg.recording import read_csv
-from drake_leg.robot_file.read import load_robot
+from drake_leg.robot.toml_reader import load_robot
 from drake_leg.scene.driven_foot import DrivenFoot
+from drake_leg.simulation.recording import read_csv
 
 # Work that is stopped at its budget may be in a weak reference's callback, which is only reported.
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"
@@ -43,7 +43,7 @@ class Subject:
         rng = np.random.default_rng(seed)
         self.seed, self.folder, self._capsys = seed, folder, capsys
         monkeypatch.chdir(folder)
-        monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+        monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
         text, self.count = random_robot(seed, rng)
         self.file = f"chance_{seed}.toml"
         (folder / self.file).write_text(text, encoding="utf-8")

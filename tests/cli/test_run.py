@@ -10,8 +10,8 @@ import sys
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.recording import read_csv
 from drake_leg.scene import images
+from drake_leg.simulation.recording import read_csv
 
 
 @pytest.fixture(autouse=True)
@@ -22,7 +22,7 @@ def here(tmp_path, monkeypatch):
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr("drake_leg.runs.files.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
 
 
 def run(capsys, *words):

@@ -7,9 +7,9 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.cli import main
-from drake_leg.models.files import sdf_folder
-from drake_leg.robot_file.read import load_robot
-from drake_leg.robots import LEG_B
+from drake_leg.models.plant import sdf_folder
+from drake_leg.robot.robots import LEG_B
+from drake_leg.robot.toml_reader import load_robot
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 ARM = """
@@ -78,7 +78,7 @@ def test_the_toml_of_a_robot_is_a_beginning_for_ones_own(arm, capsys):
     capsys.readouterr()
     assert main(["sdf", "leg.toml"]) == 0
     own = capsys.readouterr().out
-    assert own.replace("Generated from leg.toml.", "Generated from drake_leg.robots.") == (
+    assert own.replace("Generated from leg.toml.", "Generated from drake_leg.robot.robots.") == (
         (sdf_folder() / "leg_b.sdf").read_text(encoding="utf-8")
     )
 

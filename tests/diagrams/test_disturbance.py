@@ -20,10 +20,10 @@ from drake_leg.diagrams.disturbance import (
 from drake_leg.diagrams.mechanism import MOTION, add_mechanism
 from drake_leg.diagrams.wiring import wires
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.push import Push
+from drake_leg.kinematics.motions import Push
 from drake_leg.models.plant import build_plant
-from drake_leg.robot import Inertial
-from drake_leg.robots import LEG_B, SCARA
+from drake_leg.robot.robot import Inertial
+from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.systems.prescribed_motion import STIFFNESS
 
 LEG = hexabot_leg.HexabotLegConfig(robot=LEG_B, q0=(1.0, -0.8, -1.5))

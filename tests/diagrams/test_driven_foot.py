@@ -7,7 +7,7 @@ from drake_leg.diagrams.driven_foot import BRAKE, COMMAND, INVERSE, JOINTS, Whol
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.leg import LegGeometry, foot_position
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 
 Q = np.radians([90.0, -50.0, -90.0])
 

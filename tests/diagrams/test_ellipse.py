@@ -6,7 +6,7 @@ from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.motions import EllipticStep
-from drake_leg.robots import LEG_A, LEG_B
+from drake_leg.robot.robots import LEG_A, LEG_B
 from drake_leg.simulation.run import simulate
 
 POSTURE = tuple(np.radians([90.0, -50.0, -90.0]))

@@ -10,10 +10,10 @@ from pydrake.systems.primitives import ConstantVectorSource, Gain, Integrator, S
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
-from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.models.files import sdf_folder
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.models.plant import sdf_folder
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import simulate
 
 POSTURES = {

@@ -3,9 +3,9 @@ import pytest
 
 from drake_leg.diagrams.pendulum import PendulumConfig, build, start_at_target
 from drake_leg.errors import InvalidValueError
-from drake_leg.integrator import IntegratorSettings
-from drake_leg.joint_mechanics import JointMechanics
-from drake_leg.robots import LEG_B, PENDULUM, pendulum
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robots import LEG_B, PENDULUM, pendulum
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import simulate
 
 MASS, LENGTH, WIDTH = 1000 * 0.4 * 0.01 * 0.01, 0.4, 0.01  # [kg], [m]

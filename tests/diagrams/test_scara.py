@@ -7,7 +7,7 @@ from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.diagrams.scara import ScaraConfig, build
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.robots import LEG_B, SCARA
+from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.simulation.run import simulate
 
 L1, L2 = 0.220, 0.240  # [m]

@@ -6,7 +6,7 @@ import pytest
 
 from drake_leg.diagrams import ellipse, hexabot_leg, pendulum, scara
 from drake_leg.errors import InvalidValueError
-from drake_leg.robots import LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
 
 POSTURE = (1.0, -0.8, -1.5)
 

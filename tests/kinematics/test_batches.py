@@ -8,8 +8,8 @@ import witnesses
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil, leg, scara
-from drake_leg.kinematics.batches import BLOCK, assemble, finite_vectors, in_blocks, split
-from drake_leg.robots import LEG_A, SCARA
+from drake_leg.kinematics.khalil import BLOCK, assemble, finite_vectors, in_blocks, split
+from drake_leg.robot.robots import LEG_A, SCARA
 
 LEG = leg.LegGeometry.from_robot(LEG_A)
 ARM = scara.ScaraGeometry.from_robot(SCARA)

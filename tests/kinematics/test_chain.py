@@ -5,14 +5,14 @@ import pytest
 from chains import POSTURES, chain_of, fixed, random_chain, turn
 from witnesses import jacobian_rate_bias
 
-from drake_leg.kinematics.chain import foot_jacobian, foot_jacobian_rate, size_of, sweep
-from drake_leg.kinematics.khalil import foot_pose, jacobian
+from drake_leg.kinematics.chain import foot_jacobian, foot_jacobian_rate, sweep
+from drake_leg.kinematics.khalil import chain_length, foot_pose, jacobian
 
 
 def test_the_size_of_a_chain_is_the_way_from_frame_to_frame():
     rows = chain_of([turn(d=0.3, r=0.4), fixed(d=-0.5)]).rows
-    assert size_of(rows) == pytest.approx(1.0)
-    assert size_of([turn()]) == 1.0
+    assert chain_length(rows) == pytest.approx(1.0)
+    assert chain_length([turn()]) == 1.0
 
 
 @pytest.mark.parametrize("joints", range(1, 10))

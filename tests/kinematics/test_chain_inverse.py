@@ -3,11 +3,11 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.kinematics.chain_inverse import find_postures
+from drake_leg.kinematics.feet import find_postures
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, branch_angles
-from drake_leg.robot import Row
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robot import Row
+from drake_leg.robot.robots import LEG_B
 
 FREE = (-math.inf, math.inf)
 

@@ -6,9 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drake_leg.kinematics.conditioning import MOST, error_growth, instability
-from drake_leg.kinematics.pendulum import PendulumModel, exact_motion
-from drake_leg.robots import PENDULUM
+from drake_leg.kinematics.pendulum import (
+    MOST,
+    PendulumModel,
+    error_growth,
+    exact_motion,
+    instability,
+)
+from drake_leg.robot.robots import PENDULUM
 
 FREE = PendulumModel.from_robot(PENDULUM)
 DAMPED = replace(FREE, damping=0.01)

@@ -9,8 +9,14 @@ from hypothesis import strategies as st
 from pydrake.math import RollPitchYaw
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.euler import PROPER, SEQUENCES, euler_rotation
-from drake_leg.kinematics.euler_rates import angle_accelerations, angle_rates, rate_matrix
+from drake_leg.kinematics.euler import (
+    PROPER,
+    SEQUENCES,
+    angle_accelerations,
+    angle_rates,
+    euler_rotation,
+    rate_matrix,
+)
 
 ALL = pytest.mark.parametrize("sequence", SEQUENCES)
 

@@ -3,7 +3,6 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from witnesses import rest_depth
 
-from drake_leg.joint_mechanics import HardStop, JointMechanics
 from drake_leg.kinematics.joint_stop import (
     engagement,
     limit_energy,
@@ -11,6 +10,7 @@ from drake_leg.kinematics.joint_stop import (
     stop_force,
     stored_energy,
 )
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics
 
 STOP = HardStop(stiffness=200.0, damping=3.0, transition_width=0.05)
 BOTH = JointMechanics(lower=-0.4, upper=0.7, lower_stop=STOP, upper_stop=STOP)

@@ -17,8 +17,8 @@ from drake_leg.kinematics.khalil import (
     row_transform,
     row_transform_rate,
 )
-from drake_leg.robot import Row
-from drake_leg.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg
+from drake_leg.robot.robot import Row
+from drake_leg.robot.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg
 
 NUMERICAL = 1e-12
 

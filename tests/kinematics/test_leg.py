@@ -22,7 +22,7 @@ from drake_leg.kinematics.leg import (
     foot_rotation_angles,
     jacobian_rate_bias,
 )
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
 
 GEOMETRIES = tuple(LegGeometry.from_robot(robot) for robot in (LEG_A, LEG_B))
 A, B = GEOMETRIES
@@ -263,7 +263,7 @@ def test_geometry_is_read_off_the_table():
 
 @pytest.mark.parametrize("robot", [PENDULUM, SCARA], ids=["pendulum", "scara"])
 def test_another_robots_table_is_refused_by_name(robot):
-    with pytest.raises(InvalidValueError, match=f"{robot.name!r} has not the table"):
+    with pytest.raises(InvalidValueError, match=f"{robot.name!r} does not have the table"):
         LegGeometry.from_robot(robot)
 
 

@@ -19,7 +19,7 @@ from drake_leg.kinematics.leg import (
     foot_position,
     inverse_kinematics,
 )
-from drake_leg.robots import LEG_A, LEG_B
+from drake_leg.robot.robots import LEG_A, LEG_B
 
 A, B = (LegGeometry.from_robot(robot) for robot in (LEG_A, LEG_B))
 each_leg = pytest.mark.parametrize("leg", [A, B], ids=["A", "B"])

@@ -8,7 +8,7 @@ import pytest
 from drake_leg.errors import DrakeLegError, SingularConfigurationError
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg
 from drake_leg.kinematics.movable import Movable
-from drake_leg.robots import LEG_A, LEG_B
+from drake_leg.robot.robots import LEG_A, LEG_B
 
 LEGS = [LegGeometry.from_robot(robot) for robot in (LEG_A, LEG_B)]
 

@@ -27,9 +27,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import freedoms
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.robot import Row
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
-from drake_leg.singularity.directions import first_direction, require_direction
+from drake_leg.robot.robot import Row
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.singularity.stroke import first_direction, require_direction
 
 
 def with_offset(robot, offset):

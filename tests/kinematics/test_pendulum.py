@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk, ellipkm1
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.pendulum import (
     PendulumModel,
@@ -21,8 +20,9 @@ from drake_leg.kinematics.pendulum import (
     exact_period,
     rest_angle,
 )
-from drake_leg.models.solids import mass_properties
-from drake_leg.robots import LEG_A, PENDULUM, SCARA, pendulum
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import mass_properties
+from drake_leg.robot.robots import LEG_A, PENDULUM, SCARA, pendulum
 
 FREE = PendulumModel.from_robot(PENDULUM)
 DAMPED = replace(FREE, damping=0.01)

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.push import Push
+from drake_leg.kinematics.motions import Push
 
 PUSH = Push(force=(0.1, -0.2, 0.3), at=2.0, lasting=0.5)
 

@@ -9,7 +9,7 @@ from pydrake.math import RotationMatrix
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.rotation import rotation_matrices
+from drake_leg.kinematics.euler import rotation_matrices
 
 
 def unit_quaternions(rng, *shape):

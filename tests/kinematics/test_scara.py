@@ -22,7 +22,7 @@ from drake_leg.kinematics.scara import (
     task_jacobian,
     tool_position,
 )
-from drake_leg.robots import LEG_B, PENDULUM, SCARA, SCARA_HEIGHT, SCARA_LOWEST, scara
+from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA, SCARA_HEIGHT, SCARA_LOWEST, scara
 
 ARM = ScaraGeometry.from_robot(SCARA)
 YAW_X_Y = [3, 4, 2]  # rows of a spatial Jacobian: vx, vy, wz
@@ -212,7 +212,7 @@ def test_geometry_is_read_off_the_table():
 
 @pytest.mark.parametrize("robot", [PENDULUM, LEG_B], ids=["pendulum", "leg_b"])
 def test_another_robots_table_is_refused_by_name(robot):
-    with pytest.raises(InvalidValueError, match=f"{robot.name!r} has not the table"):
+    with pytest.raises(InvalidValueError, match=f"{robot.name!r} does not have the table"):
         ScaraGeometry.from_robot(robot)
 
 

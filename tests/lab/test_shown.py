@@ -5,13 +5,13 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from drake_leg.errata import catalogue
 from drake_leg.errors import InvalidValueError
+from drake_leg.lab.errata import catalogue
 from drake_leg.lab.shown import errata
-from drake_leg.recording import Recording
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.scene.replay import replay
-from drake_leg.symbolic.by_robot import derive
+from drake_leg.simulation.recording import Recording
+from drake_leg.symbolic.catalogue import derive
 
 
 class _Reader(HTMLParser):

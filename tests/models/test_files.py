@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from drake_leg.models import files
-from drake_leg.models.files import generated_files, sdf_folder
-from drake_leg.robots import ROBOTS
+from drake_leg.models import plant
+from drake_leg.models.plant import generated_files, sdf_folder
+from drake_leg.robot.robots import ROBOTS
 
 PROJECT = Path(__file__).parents[2]
 COMMITTED = PROJECT / "sdf"
@@ -28,7 +28,7 @@ def test_the_folder_holds_the_generated_files_and_nothing_else():
 
 def test_the_module_writes_the_files(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["files", str(tmp_path)])
-    runpy.run_path(files.__file__, run_name="__main__")
+    runpy.run_path(plant.__file__, run_name="__main__")
     written = {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
     assert written == generated_files()
 
@@ -41,7 +41,7 @@ def test_every_robots_file_is_found(robot):
 def folder_seen_by(path, cwd):
     """Ask a fresh interpreter, with ``path`` before everything installed, for the folder."""
     question = (
-        "import drake_leg.models.files as f; print(f.__file__); print(f.sdf_folder()); "
+        "import drake_leg.models.plant as f; print(f.__file__); print(f.sdf_folder()); "
         "print(*sorted(p.name for p in f.sdf_folder().iterdir()))"
     )
     environment = {**os.environ, "PYTHONPATH": str(path)}

@@ -8,18 +8,13 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.configurations import (
-    greatest_reach,
-    random_configurations,
-    ranges,
-    table_length,
-)
+from drake_leg.kinematics.feet import greatest_reach, random_configurations, ranges
+from drake_leg.kinematics.khalil import table_length
 from drake_leg.models.proof import TOLERANCE, DrakeWitness, difference_jacobian, prove
-from drake_leg.robot import Link, Robot, Row, Segment
-from drake_leg.robots import LEG_B, ROBOTS, SCARA
-from drake_leg.symbolic.optional import MissingSymPyError
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA
 
 
 def bare(*rows, **mechanics):
@@ -99,12 +94,6 @@ def test_differences_over_a_quarter_turn_are_the_derivative(rng):
         q = rng.uniform(-3.0, 3.0, (7, len(robot.moving)))
         exact = khalil.jacobian(robot.rows, q)
         np.testing.assert_allclose(difference_jacobian(robot.rows, q), exact, atol=1e-14)
-
-
-def test_the_proof_without_sympy_is_refused_in_one_sentence(monkeypatch):
-    monkeypatch.setattr("drake_leg.symbolic.optional.find_spec", lambda name: None)
-    with pytest.raises(MissingSymPyError, match="needs SymPy"):
-        prove(LEG_B)
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import pytest
 
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.models.sdf import package_text, sdf_text
-from drake_leg.robot import Link, Robot, Row, Segment, Solid, Sphere
-from drake_leg.robots import PENDULUM, ROBOTS
+from drake_leg.robot.robot import Link, Robot, Row, Segment, Solid, Sphere
+from drake_leg.robot.robots import PENDULUM, ROBOTS
 
 BALL = Solid(shape=Sphere(radius=0.01), density=1e3, centre=(0.0,) * 3, colour=(0.0,) * 3)
 
@@ -123,7 +123,7 @@ def test_a_mere_frame_anywhere_in_the_table_counts(mere, drake_frames):
 
 
 def test_the_text_says_what_it_is_generated_from():
-    assert "Generated from drake_leg.robots." in sdf_text(PENDULUM)
+    assert "Generated from drake_leg.robot.robots." in sdf_text(PENDULUM)
     assert "Generated from arm.yaml." in sdf_text(PENDULUM, origin="arm.yaml")
 
 

@@ -9,11 +9,10 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.lab.grader.table_linter import lint_table
 from drake_leg.lab.grader.tables import table_of_document
 from drake_leg.models.proof import prove
-from drake_leg.robot import Row
-from drake_leg.robot_file.classic import ClassicRow, khalil_rows
-from drake_leg.robot_file.document import parse_document
-from drake_leg.robot_file.read import load_robot, read_robot
-from drake_leg.robot_file.write import robot_toml
+from drake_leg.robot.robot import Row
+from drake_leg.robot.toml_keys import parse_document
+from drake_leg.robot.toml_reader import ClassicRow, khalil_rows, load_robot, read_robot
+from drake_leg.robot.toml_writer import robot_toml
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 FILES = sorted(ROBOTS.glob("*.toml"))

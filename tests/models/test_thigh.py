@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.models.thigh import FRAMES, thighs
-from drake_leg.robot import Brick, Link, Robot, Row, Segment, Solid
-from drake_leg.robots import LEG_A, LEG_B, SCARA, hexabot_leg
+from drake_leg.robot.robot import Brick, Link, Robot, Row, Segment, Solid
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA, hexabot_leg
 
 
 def bar(name, length, end=None):

@@ -13,15 +13,13 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.leg import LegGeometry, foot_position
-from drake_leg.models.files import sdf_folder
-from drake_leg.models.plant import build_plant
-from drake_leg.models.thigh_leg import thigh_leg
-from drake_leg.models.thigh_sdf import thigh_leg_text, thigh_text
-from drake_leg.quantities import STANDARD_GRAVITY
-from drake_leg.robot import Inertial, Row, Segment
-from drake_leg.robots import LEG_A, LEG_B, SCARA, hexabot_leg
+from drake_leg.models.plant import build_plant, sdf_folder, thigh_leg
+from drake_leg.models.thigh import thigh_leg_text, thigh_text
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import Inertial, Row, Segment
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA, hexabot_leg
+from drake_leg.units import STANDARD_GRAVITY
 
 
 def changed(robot, index, **changes):

@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 import pytest
 from slx_models import published_leg
 
-from drake_leg.errata import errata
+from drake_leg.lab.errata.catalogue import errata
 from drake_leg.simulink.listing import as_lines
 from drake_leg.simulink.reader import read_model
 

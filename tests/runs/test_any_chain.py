@@ -13,9 +13,9 @@ from drake_leg.errors import (
     InvalidValueError,
     SingularConfigurationError,
 )
-from drake_leg.joint_mechanics import JointMechanics, StateTarget
+from drake_leg.kinematics.euler import rotation_matrices
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.kinematics.rotation import rotation_matrices
+from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
 

@@ -7,7 +7,7 @@ import pytest
 from drake_leg.diagrams import ellipse, hexabot_leg, scara
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import EllipticStep, SineStep
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.catalogue import RUNS, OwnRobot
 from drake_leg.runs.configs import (
     control_of,

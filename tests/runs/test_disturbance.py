@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import HardStop, JointMechanics
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.models.plant import build_plant
-from drake_leg.robots import LEG_B
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.configs import disturbance_of
 from drake_leg.runs.ellipse import run as run_ellipse
 from drake_leg.runs.leg import run as run_leg

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import ForeseenSingularityError, InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics
-from drake_leg.robots import LEG_B
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.ellipse import run as run_ellipse
 from drake_leg.runs.leg import run as run_leg
 from drake_leg.runs.leg import run_robot

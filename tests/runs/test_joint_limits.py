@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.kinematics.joint_stop import limit_force
-from drake_leg.robots import LEG_B
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import FreePendulumOptions, SpringPendulumOptions, StraightOptions
 from drake_leg.runs.pendulum import run as run_pendulum

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError, JointLimitError, SingularConfigurationError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import foot_pose, jacobian
-from drake_leg.robots import LEG_A, LEG_B
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robots import LEG_A, LEG_B
 from drake_leg.runs.ellipse import run as run_ellipse
 from drake_leg.runs.leg import run as run_leg
 from drake_leg.runs.leg import run_robot

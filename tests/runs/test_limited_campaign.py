@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import DrakeLegError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.quantities import AT_LIMIT
-from drake_leg.robot_file.read import read_robot
-from drake_leg.robots import hexabot_leg
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robots import hexabot_leg
+from drake_leg.robot.toml_reader import read_robot
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
 from drake_leg.singularity.forecast import Forecast
-from drake_leg.singularity.limits import MARGIN
+from drake_leg.singularity.inverse import MARGIN
+from drake_leg.units import AT_LIMIT
 
 RUNS = 200
 BATCHES = 10

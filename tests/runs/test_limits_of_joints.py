@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError, JointLimitError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.quantities import AT_LIMIT, beyond, in_words, joint_entries
-from drake_leg.robot_file.read import read_robot
-from drake_leg.robots import LEG_B
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robots import LEG_B
+from drake_leg.robot.toml_reader import read_robot
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
-from drake_leg.singularity.limits import MARGIN
+from drake_leg.singularity.inverse import MARGIN
+from drake_leg.units import AT_LIMIT, beyond, in_words, joint_entries
 
 Q0 = (90.0, -50.0, -90.0)
 BACK = StraightOptions(q0=list(Q0), amplitude=-0.2, frequency=3.0, duration=0.6, inverse="limited")

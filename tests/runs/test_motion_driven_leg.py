@@ -12,7 +12,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.ellipse import run as run_ellipse
 from drake_leg.runs.leg import run as run_leg
 from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions

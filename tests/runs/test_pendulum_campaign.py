@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.figures.of_runs import figures_of_run
-from drake_leg.integrator import INTEGRATORS
 from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.quantities import DAMPING_UNITS, SPRING_UNITS
-from drake_leg.runs.accuracy import NOTHING, SHOWN
+from drake_leg.pictures.plots.of_runs import figures_of_run
 from drake_leg.runs.catalogue import RUNS
+from drake_leg.runs.outcome import NOTHING, SHOWN
+from drake_leg.simulation.integrator import INTEGRATORS
+from drake_leg.units import DAMPING_UNITS, SPRING_UNITS
 
 KINDS = ("pendulum", "pendulum-damped", "pendulum-spring")
 BATCHES, OF_A_BATCH = 20, 50

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.scene.artists import rendering_fault
 from drake_leg.scene.live import Feed, Trace
 from drake_leg.scene.scene import PlantMotion

@@ -19,7 +19,7 @@ from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import sdf_text
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.scene.images import still, write_video
 from drake_leg.scene.replay import replay
 from drake_leg.scene.scene import PlantMotion, at_rest, scene_of

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.scene import artists
 from drake_leg.scene.artists import Renderer, Sketcher
 from drake_leg.scene.scene import VIEWS, at_rest, scene_of

@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.scene.replay import replay
 from drake_leg.scene.scene import at_rest
 

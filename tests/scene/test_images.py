@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from drake_leg.errors import InvalidValueError, OutputError
-from drake_leg.imports import BrokenPackageError
-from drake_leg.robots import PENDULUM
+from drake_leg.errors import BrokenPackageError, InvalidValueError, OutputError
+from drake_leg.robot.robots import PENDULUM
 from drake_leg.scene import images
 from drake_leg.scene.artists import Renderer, Sketcher
 from drake_leg.scene.images import require_video, still, write_stills, write_video

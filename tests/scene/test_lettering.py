@@ -4,7 +4,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.scene import lettering
 from drake_leg.scene.artists import Sketcher
 from drake_leg.scene.lettering import DARK, PLACEMENT, AxisNames, Words, reduced, width_of, write_on

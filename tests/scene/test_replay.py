@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError, OutputError
-from drake_leg.robots import LEG_B, ROBOTS
+from drake_leg.robot.robots import LEG_B, ROBOTS
 from drake_leg.scene.replay import replay
 from drake_leg.scene.scene import PlantMotion, at_rest
 from drake_leg.scene.shown_plant import shown

@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from drake_leg.errors import DrakeLegError
-from drake_leg.scene.server import FIRST_PORT, LAST_PORT, Server, ServerError
+from drake_leg.scene.server import FIRST_PORT, LAST_PORT, Server, ServerError, open_browser
 
 
 def test_a_taken_port_is_one_sentence():
@@ -88,3 +88,10 @@ def test_many_may_wait_for_a_server_that_is_busy():
         finally:
             for caller in callers:
                 caller.close()
+
+
+def test_without_a_screen_no_browser_is_opened(monkeypatch):
+    monkeypatch.setattr("sys.platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert not open_browser("http://localhost:7000")

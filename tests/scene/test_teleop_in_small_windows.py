@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.scene.teleop import drive_robot
 
 pytestmark = pytest.mark.slow

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 from drake_leg.scene.viewer import view_served
 
 pytestmark = pytest.mark.slow

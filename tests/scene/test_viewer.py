@@ -5,10 +5,10 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.robot_file.read import read_robot
-from drake_leg.robots import LEG_B, SCARA
+from drake_leg.robot.robots import LEG_B, SCARA
+from drake_leg.robot.toml_reader import read_robot
 from drake_leg.scene.shown_plant import shown
-from drake_leg.scene.viewer import joint_sliders, view_served
+from drake_leg.scene.viewer import joint_sliders, view, view_served
 
 Q = np.radians([90.0, -50.0, -90.0])
 LIMITED = """
@@ -128,3 +128,31 @@ def test_a_wrong_command_is_refused_and_changes_nothing(command):
 def test_a_posture_of_another_size_is_refused():
     with pytest.raises(InvalidValueError, match="must be 3 long"):
         Person().view(q=[0.0])
+
+
+@pytest.fixture
+def views(monkeypatch):
+    """Where a view was served, without a page."""
+    served = []
+
+    def view_served(_what, _q, server, *, view):
+        served.append((server.url, view))
+        return Q
+
+    monkeypatch.setattr("drake_leg.scene.viewer.view_served", view_served)
+    return served
+
+
+def test_the_address_is_opened_or_announced(views, monkeypatch):
+    opened, announced = [], []
+    monkeypatch.setattr("drake_leg.scene.viewer.open_browser", lambda url: not opened.append(url))
+    view(LEG_B, Q, view="top")
+    view(LEG_B, Q, announce=announced.append)
+    assert views == [(opened[0], "top"), (announced[0], "3d")]
+
+
+def test_without_a_browser_the_address_must_be_announced(views, monkeypatch):
+    monkeypatch.setattr("drake_leg.scene.viewer.open_browser", lambda _: False)
+    with pytest.raises(InvalidValueError, match="no browser can be opened here: pass `announce="):
+        view(LEG_B, Q)
+    assert not views

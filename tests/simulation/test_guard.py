@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from drake_leg.diagrams import hexabot_leg
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, foot_position
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
-from drake_leg.robots import hexabot_leg as leg_robot
+from drake_leg.robot.robots import hexabot_leg as leg_robot
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import simulate
 from drake_leg.singularity.families import LegFamilies
 from drake_leg.singularity.forecast import forecast_step

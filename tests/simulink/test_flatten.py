@@ -3,9 +3,9 @@ from slx_models import RIGID_TRANSFORM, WORLD, published_leg
 from slx_writer import ModelBuilder
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.flatten import flatten
 from drake_leg.simulink.model import SignalWire
 from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.wiring import flatten
 
 
 @pytest.fixture

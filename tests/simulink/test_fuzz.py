@@ -13,9 +13,9 @@ from slx_models import published_leg, published_pendulum
 from slx_writer import ModelBuilder, mask_text
 
 from drake_leg.errors import DrakeLegError
-from drake_leg.simulink.flatten import flatten
 from drake_leg.simulink.listing import as_json, as_lines
 from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.wiring import flatten
 
 LONGEST = 2.0  # seconds that one file may take on a busy machine
 

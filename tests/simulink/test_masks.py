@@ -113,8 +113,8 @@ def test_a_column_stays_a_column(gain, text):
         ),
         ({"L": ""}, {}, "L", "is '': the text is empty"),
         ({"L": "9^9^9^9^9"}, {}, "L", "is '9.9.9.9.9', which is infinite"),
-        ({"L": "2"}, {"Type": "popup"}, "L", "is '2', which is a choice or a text, no number"),
-        ({"L": "2"}, {"Evaluate": "off"}, "L", "is '2', which is a choice or a text, no number"),
+        ({"L": "2"}, {"Type": "popup"}, "L", "is '2', which is a choice or a text, not a number"),
+        ({"L": "2"}, {"Evaluate": "off"}, "L", "is '2', which is a choice or a text, not a number"),
         ({"pi": "rods"}, {}, "pi", "mask parameter pi of block 'S' .SID 1. is 'rods'"),
     ],
 )

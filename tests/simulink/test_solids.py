@@ -5,9 +5,8 @@ import math
 import pytest
 from slx_models import published_leg
 
-from drake_leg.models.solids import mass_properties
-from drake_leg.models.solids import volume as volume_of
-from drake_leg.robot import Brick, Cylinder, Solid, Sphere
+from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere, mass_properties
+from drake_leg.robot.robot import volume as volume_of
 from drake_leg.simulink.bodies import OTHER, SHAPES, SOLIDS, read_solid, volume
 from drake_leg.simulink.catalogue.multibody import MULTIBODY
 from drake_leg.simulink.model import Block

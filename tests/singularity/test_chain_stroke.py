@@ -11,10 +11,10 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.quantities import beyond
-from drake_leg.robots import LEG_B, SCARA
-from drake_leg.singularity.families import ScaraFamilies
-from drake_leg.singularity.stroke import chain_stroke, closed_stroke, leg_stroke
+from drake_leg.robot.robots import LEG_B, SCARA
+from drake_leg.singularity.families import LegFamilies, ScaraFamilies
+from drake_leg.singularity.stroke import chain_stroke, closed_stroke
+from drake_leg.units import beyond
 
 FREE = (-math.inf, math.inf)
 PUMA = textbook_arm("puma560_modified")
@@ -29,7 +29,9 @@ def test_a_legs_stroke_is_the_closed_forms(rng, task):
         q, d = rng.uniform(-1.5, 1.5, 3), rng.standard_normal(3)
         stroke = chain_stroke(LEG_B.rows, q, d, moved=task).stroke
         assert stroke.joint is stroke.family is None
-        assert stroke.length == pytest.approx(leg_stroke(leg, q, d).length, abs=1e-7)
+        assert stroke.length == pytest.approx(
+            closed_stroke(LegFamilies(leg), q, d).length, abs=1e-7
+        )
 
 
 def test_a_scaras_stroke_is_the_closed_forms_with_its_lift_at_a_limit(rng):

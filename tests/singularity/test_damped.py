@@ -9,10 +9,8 @@ from scipy.optimize import brentq, minimize
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, foot_jacobian
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, task_jacobian
-from drake_leg.robots import LEG_B, SCARA
-from drake_leg.singularity.damped import Damped
-from drake_leg.singularity.inverse import Inverse
-from drake_leg.singularity.limits import HEADROOM, MARGIN, RateBox
+from drake_leg.robot.robots import LEG_B, SCARA
+from drake_leg.singularity.inverse import HEADROOM, MARGIN, Damped, Inverse, RateBox
 
 LEG = LegGeometry.from_robot(LEG_B)
 EXACT = MovableLeg(LEG)

@@ -12,9 +12,9 @@ from drake_leg.kinematics.euler import euler_rotation
 from drake_leg.kinematics.feet import feet
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, foot_position
-from drake_leg.robot_file.read import load_robot
-from drake_leg.robot_file.write import robot_toml
-from drake_leg.robots import LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
+from drake_leg.robot.toml_reader import load_robot
+from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.singularity.doctor import examine_posture
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
@@ -181,7 +181,7 @@ def test_a_limit_that_comes_first_ends_the_stroke(capsys):
     found = feet(robot, goal.tolist()).solutions
     assert any(abs(solution.q[2] - 0.1) < 1e-6 for solution in found)
     assert main(["doctor", DESK, "--q", "10,20,0.05"]) == 0
-    assert "m, where joint slide comes to its limit" in capsys.readouterr().out
+    assert "m, where joint slide reaches its limit" in capsys.readouterr().out
 
 
 def test_a_legs_limit_comes_before_its_singularity(tmp_path):

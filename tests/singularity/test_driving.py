@@ -6,8 +6,8 @@ import pytest
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.robots import LEG_B
-from drake_leg.singularity.driving import SLOW, STOP, braked, room
+from drake_leg.robot.robots import LEG_B
+from drake_leg.singularity.look_ahead import SLOW, STOP, braked, room
 
 LEG = movable(LEG_B)
 

@@ -15,7 +15,7 @@ from drake_leg.kinematics.motions import EllipticStep, SineStep
 from drake_leg.kinematics.movable import TRANSLATION
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.singularity.forecast import forecast_path, forecast_step
 from drake_leg.singularity.rank import loses_turning, lost_direction
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.singularity.limits import (
+from drake_leg.singularity.inverse import (
     BRAKING,
     FASTEST,
     FREE,

@@ -8,9 +8,9 @@ from scipy.linalg import null_space
 
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian
-from drake_leg.robot import Row
-from drake_leg.robot_file.read import load_robot
-from drake_leg.robots import LEG_B, SCARA
+from drake_leg.robot.robot import Row
+from drake_leg.robot.robots import LEG_B, SCARA
+from drake_leg.robot.toml_reader import load_robot
 from drake_leg.singularity.rank import examine, examine_whole
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"

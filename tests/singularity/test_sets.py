@@ -5,15 +5,15 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian, foot_position
-from drake_leg.robots import hexabot_leg
-from drake_leg.singularity.rank import examine
-from drake_leg.singularity.sets import (
+from drake_leg.robot.robots import hexabot_leg
+from drake_leg.singularity.families import (
     axis_reach,
     folded_feet,
     hip_axis_arcs,
     leaning_over,
     stretched_feet,
 )
+from drake_leg.singularity.rank import examine
 
 LEGS = [
     LegGeometry.from_robot(hexabot_leg(variant, **lengths))

@@ -10,12 +10,11 @@ from drake_leg.kinematics.leg import LegGeometry, determinant, foot_position, in
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.kinematics.scara import determinant as scara_determinant
 from drake_leg.kinematics.scara import inverse_kinematics as scara_inverse
-from drake_leg.robots import LEG_A, LEG_B, SCARA, hexabot_leg
-from drake_leg.singularity.families import ScaraFamilies
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA, hexabot_leg
+from drake_leg.singularity.families import LegFamilies, ScaraFamilies
 from drake_leg.singularity.stroke import (
     closed_stroke,
     greatest_amplitude,
-    leg_stroke,
 )
 
 DEFAULT = np.radians([90.0, -50.0, -90.0])
@@ -48,7 +47,7 @@ def test_just_before_its_end_a_stroke_is_in_reach_and_just_beyond_it_is_not(rng,
     leg = LegGeometry.from_robot(robot)
     for _ in range(100):
         q, d = random_posture(rng), random_direction(rng)
-        stroke = leg_stroke(leg, q, d)
+        stroke = closed_stroke(LegFamilies(leg), q, d)
         assert stroke.family == "stretch"  # a random line misses the hip axis
         p = foot_position(leg, q)
         if grazes(leg, p + stroke.length * d, d):
@@ -62,14 +61,14 @@ def test_at_the_end_of_a_stroke_the_determinant_is_zero(rng):
     leg = LegGeometry.from_robot(LEG_B)
     for _ in range(100):
         q, d = random_posture(rng), random_direction(rng)
-        p = foot_position(leg, q) + (1 - 1e-12) * leg_stroke(leg, q, d).length * d
+        p = foot_position(leg, q) + (1 - 1e-12) * closed_stroke(LegFamilies(leg), q, d).length * d
         end = inverse_kinematics(leg, p, like=q)
         assert abs(determinant(leg, end)) < 1e-4 * leg.l2 * leg.l3 * (leg.l1 + leg.l2 + leg.l3)
 
 
 def test_the_default_posture_has_the_reports_room_along_x():
     leg = LegGeometry.from_robot(LEG_B)
-    stroke = leg_stroke(leg, DEFAULT, [1.0, 0.0, 0.0])
+    stroke = closed_stroke(LegFamilies(leg), DEFAULT, [1.0, 0.0, 0.0])
     x0, y0, z0 = foot_position(leg, DEFAULT)
     boundary = math.sqrt((leg.l1 + math.sqrt((leg.l2 + leg.l3) ** 2 - z0**2)) ** 2 - y0**2) - x0
     assert stroke.length == pytest.approx(boundary, abs=1e-14)
@@ -79,7 +78,7 @@ def test_the_default_posture_has_the_reports_room_along_x():
 
 def test_a_line_through_the_hip_axis_meets_it():
     leg = LegGeometry.from_robot(LEG_B)
-    stroke = leg_stroke(leg, DEFAULT, [0.0, -1.0, 0.0])
+    stroke = closed_stroke(LegFamilies(leg), DEFAULT, [0.0, -1.0, 0.0])
     assert stroke.family == "hip-axis"
     assert stroke.length == pytest.approx(foot_position(leg, DEFAULT)[1], abs=1e-14)
 
@@ -87,15 +86,15 @@ def test_a_line_through_the_hip_axis_meets_it():
 @pytest.mark.parametrize("length", [1e-3, 1.0, 1e3])
 def test_the_length_of_the_direction_does_not_matter(length):
     leg = LegGeometry.from_robot(LEG_B)
-    one = leg_stroke(leg, DEFAULT, [0.6, 0.0, 0.8])
-    assert leg_stroke(leg, DEFAULT, [0.6 * length, 0.0, 0.8 * length]).length == pytest.approx(
-        one.length, rel=1e-14
-    )
+    one = closed_stroke(LegFamilies(leg), DEFAULT, [0.6, 0.0, 0.8])
+    assert closed_stroke(
+        LegFamilies(leg), DEFAULT, [0.6 * length, 0.0, 0.8 * length]
+    ).length == pytest.approx(one.length, rel=1e-14)
 
 
 def test_a_direction_that_is_zero_is_refused():
     with pytest.raises(InvalidValueError, match="direction is zero"):
-        leg_stroke(LegGeometry.from_robot(LEG_B), DEFAULT, [0.0, 0.0, 0.0])
+        closed_stroke(LegFamilies(LegGeometry.from_robot(LEG_B)), DEFAULT, [0.0, 0.0, 0.0])
 
 
 def test_a_scaras_stroke_ends_where_the_arm_is_flat(rng):

@@ -3,10 +3,8 @@ import sys
 
 import pytest
 
-from drake_leg.errors import DrakeLegError, InvalidValueError
-from drake_leg.symbolic import optional
+from drake_leg.errors import InvalidValueError
 from drake_leg.symbolic.catalogue import SUBJECTS, derived_equations
-from drake_leg.symbolic.optional import MissingSymPyError, require_sympy
 
 
 def test_the_subjects_are_the_reports():
@@ -26,21 +24,6 @@ def test_an_unknown_name_is_refused_with_the_known_ones(name):
     with pytest.raises(InvalidValueError, match="leg-a, leg-b, scara") as refusal:
         derived_equations(name)
     assert repr(name) in str(refusal.value)
-
-
-def test_without_sympy_one_sentence_says_how_to_get_it(monkeypatch):
-    monkeypatch.setattr(optional, "find_spec", lambda name: None)
-    with pytest.raises(MissingSymPyError) as refusal:
-        derived_equations("leg-a")
-    assert isinstance(refusal.value, DrakeLegError)
-    assert refusal.value.purpose == "the derivation of leg-a"
-    assert str(refusal.value) == (
-        "the derivation of leg-a needs SymPy: pip install 'drake-leg[symbolic]'"
-    )
-
-
-def test_with_sympy_nothing_is_said():
-    assert require_sympy("anything") is None
 
 
 def test_the_catalogue_itself_needs_neither_sympy_nor_drake():

@@ -7,8 +7,8 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil
-from drake_leg.robot import Row
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA
+from drake_leg.robot.robot import Row
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA
 from drake_leg.symbolic.chain import (
     SymbolicRow,
     base_transforms,

@@ -3,7 +3,7 @@ import pytest
 import sympy as sp
 
 from drake_leg.kinematics import khalil, leg, scara
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.symbolic.chain import evaluator
 from drake_leg.symbolic.derivation import Derivation
 

@@ -5,10 +5,10 @@ import pytest
 import sympy as sp
 
 from drake_leg.kinematics import khalil
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.symbolic.chain import evaluator
 from drake_leg.symbolic.equations import findings
-from drake_leg.symbolic.trigonometry import normal_form
+from drake_leg.symbolic.notation import normal_form
 
 Q1, Q2, Q3 = sp.symbols("q1:4", real=True)
 L1, L2, L3 = sp.symbols("l1:4", positive=True)

@@ -6,9 +6,9 @@ import pytest
 import sympy as sp
 
 from drake_leg.kinematics import khalil
-from drake_leg.robot import Row
-from drake_leg.robot_file.read import load_robot
-from drake_leg.robots import SCARA
+from drake_leg.robot.robot import Row
+from drake_leg.robot.robots import SCARA
+from drake_leg.robot.toml_reader import load_robot
 from drake_leg.symbolic.chain import evaluator
 from drake_leg.symbolic.derivation import Derivation
 from drake_leg.symbolic.equations import own_pieces

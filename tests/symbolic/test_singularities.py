@@ -6,8 +6,8 @@ import sympy as sp
 
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.kinematics.leg import LegGeometry, determinant
-from drake_leg.robots import HEXABOT_LENGTHS, LEG_A, LEG_B, SCARA
-from drake_leg.symbolic.singularities import ANY_INTEGER, singular_families, solve_for
+from drake_leg.robot.robots import HEXABOT_LENGTHS, LEG_A, LEG_B, SCARA
+from drake_leg.symbolic.derivation import ANY_INTEGER, singular_families, solve_for
 
 Q1, Q2, Q3 = sp.symbols("q1:4", real=True)
 LENGTHS = sp.symbols("l1:4", positive=True)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from drake_leg.diagrams import hexabot_leg, scara
-from drake_leg.diagrams.control import Control
+from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError
-from drake_leg.integrator import IntegratorSettings
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.robots import LEG_B, SCARA
+from drake_leg.robot.robots import LEG_B, SCARA
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import simulate
 from drake_leg.systems.drift_correction import DriftCorrection
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.models.plant import build_plant
-from drake_leg.robots import LEG_A, LEG_B, pendulum
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robots import LEG_A, LEG_B, pendulum
 from drake_leg.systems.energy_sensor import EnergySensor
 
 LENGTH, WIDTH, HEIGHT, DENSITY = 0.4, 0.03, 0.02, 800.0  # [m], [kg/m^3]

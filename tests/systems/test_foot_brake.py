@@ -3,8 +3,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from drake_leg.kinematics.of_robot import movable
-from drake_leg.robots import LEG_B
-from drake_leg.singularity.driving import braked
+from drake_leg.robot.robots import LEG_B
+from drake_leg.singularity.look_ahead import braked
 from drake_leg.systems.foot_brake import FootBrake
 
 NEAR = [1.5, -0.5, -0.15]  # nearly stretched

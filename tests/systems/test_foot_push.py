@@ -6,9 +6,9 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.diagrams.mechanism import add_scope
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.kinematics.push import Push
+from drake_leg.kinematics.motions import Push
 from drake_leg.models.plant import build_plant
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.simulation.run import simulate
 from drake_leg.systems.foot_push import FootPush
 

@@ -3,11 +3,9 @@ import pytest
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.euler import euler_rotation
-from drake_leg.kinematics.euler_rates import rate_matrix
-from drake_leg.kinematics.rotation import rotation_matrices
+from drake_leg.kinematics.euler import euler_rotation, rate_matrix, rotation_matrices
 from drake_leg.models.plant import build_plant
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.systems.frame_sensor import MEASUREMENT_FRAMES, FrameSensor
 from drake_leg.systems.relative_motion import RelativeMotion
 

@@ -9,7 +9,7 @@ from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
 from drake_leg.models.plant import build_plant
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 
 LEGS = pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=lambda robot: robot.name)

@@ -7,12 +7,12 @@ from witnesses import rest_depth
 from drake_leg.diagrams.mechanism import start_at_targets
 from drake_leg.diagrams.pendulum import PendulumConfig, build
 from drake_leg.errors import InvalidValueError
-from drake_leg.integrator import IntegratorSettings
-from drake_leg.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.kinematics.joint_stop import limit_energy, limit_force
 from drake_leg.kinematics.pendulum import PendulumModel, acceleration, energy
 from drake_leg.models.plant import build_plant
-from drake_leg.robots import PENDULUM, SCARA, pendulum
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
+from drake_leg.robot.robots import PENDULUM, SCARA, pendulum
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import simulate
 from drake_leg.systems.joint_stops import JointStops
 

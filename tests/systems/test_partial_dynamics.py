@@ -23,9 +23,9 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Sine, VectorLogSink
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics
 from drake_leg.models.plant import build_plant
-from drake_leg.robots import PENDULUM, hexabot_leg, pendulum
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robots import PENDULUM, hexabot_leg, pendulum
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 
 GRAVITY = 9.81  # [m/s^2], Drake's

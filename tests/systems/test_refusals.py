@@ -5,10 +5,10 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.joint_mechanics import JointMechanics, StateTarget
 from drake_leg.models.plant import build_plant
 from drake_leg.models.sdf import sdf_text
-from drake_leg.robots import LEG_A, LEG_B
+from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
+from drake_leg.robot.robots import LEG_A, LEG_B
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.joint_stops import JointStops

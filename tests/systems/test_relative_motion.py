@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.euler import SEQUENCES
 from drake_leg.models.plant import build_plant
-from drake_leg.robots import LEG_B, SCARA
+from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.systems.relative_motion import RelativeMotion
 
 PLACES = ("base", "follower", "world")

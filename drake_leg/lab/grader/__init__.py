@@ -1,1 +1,1 @@
-"""A teacher's grader: printed tables, matrices and singular postures against a robot."""
+"""Grades printed tables, matrices and singular postures against a robot."""

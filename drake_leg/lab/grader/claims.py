@@ -1,4 +1,4 @@
-r"""What a printed matrix claims to be, by its name: T12, ^0T_4, A2, R01, p_04, J_v, \det(J)."""
+r"""Reads from a name what a matrix claims to be: T12, ^0T_4, A2, R01, p_04, J_v, \det(J)."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ from typing import Literal
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import random_configurations
-from drake_leg.kinematics.khalil import jacobian
-from drake_leg.robot import Robot
+from drake_leg.kinematics.feet import random_configurations
+from drake_leg.kinematics.khalil import Array, jacobian
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.spelling import plain, quoted, typed, without_latex
 
 Kind = Literal["transform", "rotation", "position", "jacobian", "determinant"]
@@ -37,14 +36,14 @@ _ROWS = {
     **dict.fromkeys(("w", "omega", "o"), ("wx", "wy", "wz")),
 }
 _JACOBIAN = r"(?:jacobian|jacobienne|jacobien|jacobi|jac|j)(?:matrix)?"
-# With and without a last row that is always the same; a position may lie.
+# With and without the constant last row; a position may be a row.
 _SHAPES: dict[Kind, tuple[tuple[int, int], ...]] = {
     "transform": ((4, 4), (3, 4)),
     "rotation": ((3, 3),),
     "position": ((3, 1), (4, 1), (1, 3), (1, 4)),
 }
 _ALL_ROWS = (0, 1, 2, 3, 4, 5)
-_SAMPLES = 8  # configurations at which a Jacobian's rank is looked at
+_SAMPLES = 8  # configurations at which a Jacobian's rank is computed
 _NEGLIGIBLE = 1e-9  # of a Jacobian's largest entry
 
 
@@ -63,7 +62,7 @@ def read_name(text: str) -> MatrixName:
     ``T12`` is the pose of frame 2 in frame 1, ``T21`` that of frame 1 in frame 2, its inverse.
     Where one number is above and the other below, as in ``T_1^2`` and ``T_2^1``, prints differ
     on which is which: both are T12. In front, ``{}^1T_2`` and ``{}^1_2T``, the upper one is the
-    frame that is looked from.
+    reference frame.
     """
     try:
         name = without_latex(typed(text[:200]))
@@ -136,7 +135,7 @@ def _jacobian_name(name: str) -> MatrixName | None:
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:
-    """What a matrix says it is."""
+    """What a matrix is according to its name and rows."""
 
     name: str  # as printed
     kind: Kind
@@ -153,7 +152,7 @@ class Claim:
 def claim_of(
     name: str, rows: Sequence[str], typed_shape: tuple[int, int], robot: Robot, rows_key: str
 ) -> Claim:
-    """Read what a matrix is, or say why its name means nothing for this robot.
+    """Read what a matrix is; raise ``InvalidValueError`` if its name means nothing for this robot.
 
     Parameters
     ----------
@@ -176,7 +175,7 @@ def claim_of(
     asked = f"name every row {rows_key}, each one of {', '.join(JACOBIAN_ROWS)}"
     names = [plain(row).replace(" ", "").replace("omega", "w") for row in rows or read.rows]
     if any(row not in JACOBIAN_ROWS for row in names):
-        raise InvalidValueError(f"its rows are said to be {', '.join(rows)}; {asked}")
+        raise InvalidValueError(f"its rows are named {', '.join(rows)}; {asked}")
     indices = tuple(JACOBIAN_ROWS[row] for row in names)
     if read.kind == "determinant":
         indices = indices or task_rows(robot, 3) or POSITION
@@ -198,9 +197,9 @@ def claim_of(
 
 
 def task_rows(robot: Robot, columns: int) -> tuple[int, ...] | None:
-    """Choose three rows of a Jacobian's first columns: x, y, z, or x, y, yaw where z is no task.
+    """Choose three rows of a Jacobian's first columns: x, y, z, or x, y, yaw if z does not move.
 
-    None where both are singular everywhere.
+    None if both are singular everywhere.
     """
     Jv_BF = _jacobians(robot)[..., :columns]
     rank = min(len(POSITION), Jv_BF.shape[-1])

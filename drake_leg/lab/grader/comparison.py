@@ -1,13 +1,10 @@
-"""Whether a printed formula is right: at random postures, with lengths as they are and of any size.
-
-A number rounded in print, such as 1.5708 for π/2, is right within its last digit.
-"""
+"""Compares formulas with the robot's chain at random postures and, for symbols, random lengths."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
@@ -16,12 +13,11 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import table_length
-from drake_leg.lab.grader.chains import Chain, chain_of
+from drake_leg.kinematics.khalil import Array, moving_rows, table_length
+from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
 from drake_leg.lab.grader.definitions import Reader
-from drake_leg.lab.grader.lengths import Binding, Cell, cell_values, same
-from drake_leg.robot import Robot
+from drake_leg.lab.grader.tables import Binding, Cell, cell_values, same
+from drake_leg.robot.robot import JointType, Robot, Row
 from drake_leg.symbolic.formulas import (
     Evaluator,
     Path,
@@ -32,18 +28,176 @@ from drake_leg.symbolic.formulas import (
     replace_at,
 )
 
+
+@dataclass(frozen=True, kw_only=True)
+class Chain:
+    """A Khalil table of n rows, of which m move, at N samples."""
+
+    joints: tuple[JointType, ...]  # of the rows
+    d: Array  # (N, n), in any unit of lengths
+    alpha: Array  # (N, n) [rad]
+    r: Array  # (N, n), without the position of a sliding joint
+    theta: Array  # (N, n) [rad], without the position of a turning joint
+    q: Array  # (N, m) [rad or the unit of lengths]
+
+    @property
+    def moving(self) -> list[int]:
+        """The rows that move, counted from 0."""
+        return [index for index, joint in enumerate(self.joints) if joint != "fixed"]
+
+    def positions(self, joint: JointType) -> Array:
+        """Spread the positions of turning or of sliding joints over the rows, (N, n)."""
+        spread = np.zeros_like(self.theta)
+        for column, index in enumerate(self.moving):
+            if self.joints[index] == joint:
+                spread[:, index] = self.q[:, column]
+        return spread
+
+    def about_x(self) -> Array:
+        """Every row's turn and shift about x, (N, n, 4, 4)."""
+        X = np.broadcast_to(np.eye(4), (*self.alpha.shape, 4, 4)).copy()
+        X[..., 1, 1] = X[..., 2, 2] = np.cos(self.alpha)
+        X[..., 2, 1] = np.sin(self.alpha)
+        X[..., 1, 2] = -X[..., 2, 1]
+        X[..., 0, 3] = self.d
+        return X
+
+    def about_z(self) -> Array:
+        """Every row's turn and shift about z, with the joint's position, (N, n, 4, 4)."""
+        theta = self.theta + self.positions("revolute")
+        X = np.broadcast_to(np.eye(4), (*theta.shape, 4, 4)).copy()
+        X[..., 0, 0] = X[..., 1, 1] = np.cos(theta)
+        X[..., 1, 0] = np.sin(theta)
+        X[..., 0, 1] = -X[..., 1, 0]
+        X[..., 2, 3] = self.r + self.positions("prismatic")
+        return X
+
+    def steps(self) -> Array:
+        """Transforms from every row's frame to the frame before it, (N, n, 4, 4).
+
+        ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``.
+        """
+        return self.about_x() @ self.about_z()
+
+    def frames(self) -> Array:
+        """Poses of the frames 0 to n in the base, (N, n + 1, 4, 4)."""
+        return running_products(self.steps())
+
+    def jacobian(self) -> Array:
+        """Jacobian of the last frame by the direct method, rotation first, (N, 6, m)."""
+        X_B = self.frames()
+        return twists(self, X_B[:, 1:], X_B[:, -1, :3, 3])
+
+
+def chain_of(rows: Sequence[Row], q: Array, metres: float) -> Chain:
+    """Write a robot's table once for every sample of its joint positions.
+
+    Parameters
+    ----------
+    q : (N, m) ndarray
+        Joint positions [rad or m].
+    metres : float
+        [m] of the chain's unit of lengths.
+    """
+
+    def column(name: str, unit: float) -> Array:
+        return np.tile([getattr(row, name) / unit for row in rows], (len(q), 1))
+
+    sliding = [rows[index].joint == "prismatic" for index in moving_rows(rows)]
+    return Chain(
+        joints=tuple(row.joint for row in rows),
+        d=column("d", metres),
+        alpha=column("alpha", 1.0),
+        r=column("r", metres),
+        theta=column("theta", 1.0),
+        q=q / np.where(sliding, metres, 1.0),
+    )
+
+
+def running_products(steps: Array) -> Array:
+    """Multiply transforms from the left: 1, X1, X1 X2, ..., (N, n + 1, 4, 4)."""
+    products = [np.broadcast_to(np.eye(4), (*steps.shape[:1], 4, 4))]
+    for index in range(steps.shape[1]):
+        products.append(products[-1] @ steps[:, index])
+    return np.stack(products, axis=1)
+
+
+def twists(chain: Chain, axes: Array, point: Array) -> Array:
+    """Twist at a point per unit of each joint's rate: ``[z; z x OP]``, or ``[0; z]``.
+
+    Parameters
+    ----------
+    axes : (N, n, 4, 4) ndarray
+        For every row, the frame about or along whose z axis it moves.
+    point : (N, 3) ndarray
+        P, in the base frame.
+
+    Returns
+    -------
+    (N, 6, m) ndarray
+        Rotation first; a sliding joint turns nothing.
+    """
+    columns = []
+    for index in chain.moving:
+        z, p = axes[:, index, :3, 2], axes[:, index, :3, 3]
+        turns = chain.joints[index] == "revolute"
+        halves = (z, np.cross(z, point - p)) if turns else (np.zeros_like(z), z)
+        columns.append(np.concatenate(halves, axis=-1))
+    return np.stack(columns, axis=-1)
+
+
+def right_values(claim: Claim, chain: Chain) -> Array:
+    """Evaluate what is claimed at N samples, (N, r, c), in the chain's unit of lengths."""
+    if claim.is_pose:
+        return claimed_part(claim, between(chain.frames(), *claim.frames))
+    return claimed_part(claim, chain.jacobian())
+
+
+def between(X_B: Array, first: int, last: int) -> Array:
+    """Pose of one frame in another, (N, 4, 4), of the poses of all frames in the base."""
+    relative: Array = np.linalg.inv(X_B[:, first]) @ X_B[:, last]
+    return relative
+
+
+def claimed_part(claim: Claim, whole: Array) -> Array:
+    """Extract what is claimed, (N, r, c), from a pose or a (6, m) Jacobian, rotation first."""
+    if claim.kind == "position":
+        return whole[:, : max(claim.shape), 3].reshape(-1, *claim.shape)
+    if claim.is_pose:
+        return whole[:, : claim.shape[0], : claim.shape[1]]
+    Jv_BF = whole[:, list(claim.rows)]
+    if claim.kind == "jacobian":
+        return Jv_BF[..., : claim.shape[1]]
+    determinants: Array = np.linalg.det(Jv_BF[..., : len(claim.rows)])
+    return determinants[:, np.newaxis, np.newaxis]
+
+
+def scales(claim: Claim, length: float) -> Array:
+    """Scale of the entries of a claim, (r, c): 1 in a rotation, or a power of a length."""
+    scale = np.ones(claim.shape)
+    if claim.kind == "transform":
+        scale[:3, 3] = length
+    elif claim.kind == "position":
+        scale[:] = length
+    elif claim.kind == "jacobian":
+        scale[[row >= FIRST_LENGTH for row in claim.rows]] = length
+    else:
+        scale[:] = length ** sum(row >= FIRST_LENGTH for row in claim.rows)
+    return scale
+
+
 COUNT = 8  # postures; two formulas that agree on all of them are the same
 MOST_READINGS = 64  # of an entry's numbers as lengths
 _LEAST, _MOST = 0.6, 1.6  # times its own value: how long a length is drawn
 FEWEST_DIGITS = 3  # of a rounded number; 0.5 and 1.2 are exact
 _MOST_DECIMALS = 20  # rounded numbers in one entry
-_NEXT = 1e-3  # of half a unit: so near its next number, nobody cuts a number off
-_ALIKE = 1e-3  # of the largest: what numbers change counts as one and the same below that
+_NEXT = 1e-3  # of half a unit: a number this near to the next one is not cut off
+_ALIKE = 1e-3  # of the largest: changes that differ by less count as the same
 
 
 @dataclass(frozen=True, kw_only=True)
 class Samples:
-    """What a print's formulas and the robot are evaluated with."""
+    """Values at which a print's formulas and the robot are evaluated."""
 
     values: Mapping[str, Any]  # symbol to number or (N,) array; angles in rad, lengths as printed
     chain: Chain  # in the print's unit of lengths
@@ -58,7 +212,7 @@ class Samples:
 
 
 class Sampler:
-    """Draws postures, and lengths: the same ones whenever it is asked for the same lengths.
+    """Draws random postures and lengths; the same lengths always get the same values.
 
     Parameters
     ----------
@@ -126,7 +280,7 @@ class Sampler:
         return Samples(values=values | {name: joints[name] for name in own}, chain=chain)
 
     def _chain(self, values: Mapping[str, Any], factors: Mapping[Cell, Array]) -> Chain:
-        """Put lengths into the table, and the joints where the symbols then say."""
+        """Put lengths into the table, and evaluate the joints' formulas with them."""
         chain = self.as_it_is.chain
         columns = {name: getattr(chain, name).copy() for name in ("d", "alpha", "r", "theta")}
         for (row, column), factor in factors.items():
@@ -138,7 +292,7 @@ class Sampler:
 
 
 class Meaning:
-    """What a matrix is, or could be, at all samples; evaluated once for each of them."""
+    """The values of a matrix, right or mistaken, at samples; evaluated once per set of samples."""
 
     def __init__(self, of_chain: Callable[[Chain], Array]) -> None:
         self._of_chain = of_chain
@@ -174,7 +328,7 @@ class Comparison:
         return self.sampler.as_it_is.evaluate(formula)
 
     def agrees(self, formula: sp.Expr, target: Target) -> bool:
-        """Whether a formula is right whatever the lengths that it has symbols for.
+        """Whether a formula is right for all values of the lengths that it has symbols for.
 
         Numbers that stand for lengths are right as numbers.
         """

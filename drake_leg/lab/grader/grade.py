@@ -1,7 +1,7 @@
-"""A teacher's grader: printed tables, transforms and Jacobians against the robot as it is.
+"""Grades printed tables, transforms, Jacobians and singular postures against a robot.
 
-Every entry is evaluated at random postures, and with random lengths where it has symbols for them,
-beside the chain of the robot's table; an entry that differs somewhere is wrong.
+Every entry is compared with the chain of the robot's table at random postures, and with random
+lengths where it has symbols for them; an entry that differs anywhere is wrong.
 """
 
 from __future__ import annotations
@@ -14,20 +14,23 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import table_length
-from drake_leg.kinematics.khalil import moving_rows
+from drake_leg.kinematics.khalil import Array, moving_rows, table_length
 from drake_leg.lab.grader.comparison import Comparison, Sampler, agrees_within_digits
 from drake_leg.lab.grader.definitions import Reader, unused_definitions, with_lengths_as_symbols
-from drake_leg.lab.grader.findings import Finding
-from drake_leg.lab.grader.lengths import Binding, printed_cells, readings, said_cells
 from drake_leg.lab.grader.matrices import TOLERANCE, Matrix, read_matrix
 from drake_leg.lab.grader.matrix_grader import MatrixGrader
-from drake_leg.lab.grader.printed import Printed
+from drake_leg.lab.grader.printed import Finding, Printed
 from drake_leg.lab.grader.singular_sets import grade_singular_sets
 from drake_leg.lab.grader.table_linter import lint_table
-from drake_leg.lab.grader.tables import Table, repaired
-from drake_leg.robot import Robot
+from drake_leg.lab.grader.tables import (
+    Binding,
+    Table,
+    printed_cells,
+    readings,
+    repaired,
+    said_cells,
+)
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import evaluate, names_in
 from drake_leg.symbolic.spelling import spelled_as
 
@@ -40,7 +43,7 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     Parameters
     ----------
     robot : Robot
-        The robot as it is.
+        The robot that the print describes.
     printed : Printed
         A table, matrices, or both.
     seed : int
@@ -50,12 +53,12 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     -------
     list of Finding
         One for every row, matrix, entry, rotation and caption that is wrong or not understood;
-        empty for a print without fault.
+        empty if everything is right.
 
     Raises
     ------
     InvalidValueError
-        If the print's units are not said, or a definition is no formula.
+        If the print does not say its unit of lengths, or a definition is no formula.
     """
     if printed.table is not None and printed.lengths is None and not printed.matrices:
         return [*lint_table(printed.table), *printed.unread]
@@ -84,7 +87,7 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
 
 
 def _bindings(printed: Printed, reader: Reader, sampler: Sampler) -> list[Binding]:
-    """List what the print's symbols of lengths can stand for."""
+    """List the possible meanings of the print's symbols for lengths."""
     said = said_cells(printed.cells, sampler.lengths, printed.origin)
     table = printed.table and repaired(printed.table)
     known = {**printed_cells(table, reader.symbols, sampler.lengths), **said}
@@ -94,7 +97,7 @@ def _bindings(printed: Printed, reader: Reader, sampler: Sampler) -> list[Bindin
 def _likeliest(
     sampler: Sampler, bindings: Sequence[Binding], matrices: Sequence[Matrix]
 ) -> list[Binding]:
-    """Keep the readings of the symbols under which the fewest entries are wrong."""
+    """Keep the meanings of the symbols under which the fewest entries are wrong."""
     if len(bindings) == 1:
         return list(bindings)
     counts = [len(list(_right_by_chance(Comparison(sampler, b), matrices))) for b in bindings]
@@ -102,7 +105,7 @@ def _likeliest(
 
 
 def _right_by_chance(comparison: Comparison, matrices: Sequence[Matrix]) -> Iterator[sp.Expr]:
-    """List the entries whose numbers are right and whose symbols are not."""
+    """List the entries that are right in numbers but not in symbols."""
     for matrix in matrices:
         formulas = matrix.formulas
         for place in matrix.wrong(comparison):
@@ -113,7 +116,7 @@ def _right_by_chance(comparison: Comparison, matrices: Sequence[Matrix]) -> Iter
 def _ambiguities(
     likely: Sequence[Binding], matrices: Sequence[Matrix], sampler: Sampler, printed: Printed
 ) -> Iterator[Finding]:
-    """Ask what symbols stand for, where that decides what is wrong with an entry."""
+    """Report symbols whose meaning is ambiguous and decides whether an entry is wrong."""
     if len(likely) == 1:
         return
     doubtful = list(_right_by_chance(Comparison(sampler, likely[0]), matrices))
@@ -138,9 +141,9 @@ def _ambiguities(
 def _grade_table(
     robot: Robot, printed: Printed, reader: Reader, sampler: Sampler
 ) -> Iterator[Finding]:
-    """Read a printed table as the linter does, then compare its cells with the robot's.
+    """Lint a printed table, then compare its cells with the robot's.
 
-    Rows that are beside their headings are compared as they were meant.
+    Rows whose cells are under the wrong headings are compared as they were meant.
     """
     if printed.table is None:
         return
@@ -172,7 +175,7 @@ def _grade_table(
 
 
 class _Cell:
-    """A cell of a printed table, beside the robot's."""
+    """A cell of a printed table, compared with the robot's."""
 
     def __init__(self, row: int, column: str, table: Table, robot: Robot, sampler: Sampler) -> None:
         self._place, self._column = f"row {row + 1}", column
@@ -185,7 +188,7 @@ class _Cell:
         self._joint = moving_rows(robot.rows).index(row) if moves == column else None
 
     def grade(self, reader: Reader, symbol: str) -> Iterator[Finding]:
-        """Say whether it is the robot's; ``symbol`` is where the print declares one."""
+        """Report it if it differs from the robot's; ``symbol`` is where the print declares one."""
         try:
             formula = reader.formula(self._text)
             agrees = self._agrees(formula)
@@ -223,12 +226,12 @@ class _Cell:
         return np.asarray(np.radians(value)) if self._degrees else value
 
     def _right_value(self) -> Array:
-        """Return what the robot has there, at all postures [m, rad]."""
+        """Return the robot's value at all postures [m, rad]."""
         q = self._sampler.q
         return np.full(len(q), self._right) + (0.0 if self._joint is None else q[:, self._joint])
 
     def _right_text(self) -> str:
-        """Write what the robot has there, in the print's unit of lengths or in degrees."""
+        """Write the robot's value, in the print's unit of lengths or in degrees."""
         number = f"{self._right / self._sampler.metres:.9g}"
         if self._column in ANGLES:
             number = f"{math.degrees(self._right):.9g}°"

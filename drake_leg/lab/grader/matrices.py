@@ -1,4 +1,4 @@
-"""A printed matrix, read: what it is of, and its entries as formulas."""
+"""Reads a printed matrix: what it claims to be, and its entries as formulas."""
 
 from __future__ import annotations
 
@@ -9,16 +9,13 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import table_length
-from drake_leg.lab.grader.chains import scales
+from drake_leg.kinematics.khalil import Array, table_length
 from drake_leg.lab.grader.claims import Claim, claim_of
-from drake_leg.lab.grader.comparison import Comparison, Meaning, Target
+from drake_leg.lab.grader.comparison import Comparison, Meaning, Target, scales
 from drake_leg.lab.grader.definitions import Reader
-from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.mistakes import Subject
-from drake_leg.lab.grader.printed import Printed, PrintedMatrix
-from drake_leg.robot import Robot
+from drake_leg.lab.grader.printed import Finding, Printed, PrintedMatrix, unreadable
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import names_in
 
 TOLERANCE = 1e-6  # of 1, or of the robot's size: a print's numbers are rounded
@@ -38,7 +35,7 @@ class Entry:
 
 @dataclass(frozen=True, kw_only=True)
 class Matrix:
-    """What is printed, beside what is right."""
+    """A printed matrix and the right one."""
 
     subject: Subject
     caption: str
@@ -50,7 +47,7 @@ class Matrix:
 
     @property
     def claim(self) -> Claim:
-        """What it says it is."""
+        """What it claims to be."""
         return self.subject.claim
 
     @property
@@ -59,7 +56,7 @@ class Matrix:
         return {p: entry.formula for p, entry in self.entries.items() if entry.formula is not None}
 
     def with_halves_exchanged(self) -> Matrix:
-        """Take a Jacobian's rows for (v; w) where they are said to be (w; v), or the other way."""
+        """Exchange a Jacobian's rows (w; v) for (v; w), or the other way round."""
         rows = self.claim.rows
         half = len(rows) // 2
         claim = replace(self.claim, rows=rows[half:] + rows[:half])
@@ -68,7 +65,7 @@ class Matrix:
         return replace(self, subject=subject, margin=margin, right=Meaning(subject.right))
 
     def target(self, place: Place) -> Target:
-        """What is right in an entry's place."""
+        """Return the right value of an entry."""
         return Target(self.right, place, float(self.margin[place]))
 
     def wrong(self, comparison: Comparison) -> list[Place]:
@@ -81,7 +78,7 @@ class Matrix:
     def finding(
         self, place: Place, fault: str, remedy: str, kind: str = "", *, understood: bool = True
     ) -> Finding:
-        """Name an entry by row and column, from 1."""
+        """Make a finding about an entry, named by row and column, from 1."""
         row, column = place[0] + 1, place[1] + 1
         return Finding(
             place=f"{self.claim.name} ({row}, {column})",

@@ -1,4 +1,4 @@
-"""What is wrong with a printed matrix: as a whole, then entry by entry."""
+"""Finds what is wrong with a printed matrix: as a whole, then entry by entry."""
 
 from __future__ import annotations
 
@@ -9,19 +9,16 @@ from functools import cached_property
 
 import numpy as np
 
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.khalil import moving_rows
+from drake_leg.kinematics.khalil import Array, moving_rows
 from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
 from drake_leg.lab.grader.comparison import COUNT, Comparison, Meaning, Target
-from drake_leg.lab.grader.definitions import Reader
-from drake_leg.lab.grader.derived import RightForms
-from drake_leg.lab.grader.findings import Finding
-from drake_leg.lab.grader.lengths import cell_names
+from drake_leg.lab.grader.definitions import Reader, RightForms
 from drake_leg.lab.grader.matrices import TOLERANCE, Matrix, Place
 from drake_leg.lab.grader.mistakes import HALVES, Mistake, mistakes, table_mistakes
-from drake_leg.lab.grader.printed import Printed
+from drake_leg.lab.grader.printed import Finding, Printed
 from drake_leg.lab.grader.slips import COMMON, Vocabulary, changes, explain
-from drake_leg.robot import Robot
+from drake_leg.lab.grader.tables import names_of_cells
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.spelling import is_joint_variable, plain, readable, renamed, spelled_as
 
 MOST_TRIALS = 1000  # of two changes in an entry, in all of a print
@@ -44,7 +41,7 @@ class Explanation:
 
 
 class MatrixGrader:
-    """Grades the matrices of one print, its symbols read in one way."""
+    """Grades the matrices of one print, under one meaning of its symbols."""
 
     def __init__(
         self, robot: Robot, printed: Printed, reader: Reader, comparison: Comparison
@@ -59,7 +56,7 @@ class MatrixGrader:
             lengths=tuple(dict.fromkeys(abs(v) for c, v in lengths if c.column in ("d", "r"))),
             unit=printed.unit,
             units=reader.units,
-            names=cell_names(comparison.binding, self._spelled),
+            names=names_of_cells(comparison.binding, self._spelled),
         )
         self._trials = iter(range(MOST_TRIALS))
 
@@ -70,9 +67,9 @@ class MatrixGrader:
         return RightForms(self._robot, self._printed, self._reader, self._vocabulary.names)
 
     def grade(self, matrix: Matrix) -> Iterator[Finding]:
-        """Find everything that is wrong with a matrix, or not understood in it.
+        """Find everything that is wrong or not understood in a matrix.
 
-        A mistake of the whole first, then the entries that it does not explain.
+        First a mistake of the whole matrix, then the entries that it does not explain.
         """
         yield from _grade_caption(matrix, self._robot)
         if matrix.shape != matrix.claim.shape:
@@ -139,7 +136,7 @@ class MatrixGrader:
         return spelled_as(matrix.spelling, renamed(text, self._spelled))
 
     def _stranger_finding(self, matrix: Matrix, place: Place, strangers: Sequence[str]) -> Finding:
-        """Say which symbols have no value: one more joint is wrong, others may be anything."""
+        """Report symbols without a value: an unknown joint is wrong, others are not understood."""
         names, verb = " and ".join(strangers), "have" if len(strangers) > 1 else "has"
         text = readable(matrix.entries[place].text)
         fault = spelled_as(matrix.spelling, f"printed {text}, in which {names} {verb} no value")
@@ -160,7 +157,7 @@ class MatrixGrader:
         return spelled_as(matrix.spelling, numbers)
 
     def _grade_rotation(self, matrix: Matrix, wrong: Sequence[Place]) -> Iterator[Finding]:
-        """Say why a rotation part is none; entries that are right count as exactly right."""
+        """Report a rotation part that is no rotation; right entries count as exactly right."""
         R = np.full((COUNT, 3, 3), np.nan)
         right = matrix.right.at(self._comparison.sampler.as_it_is)
         for (i, j), formula in matrix.formulas.items():
@@ -199,7 +196,7 @@ def _counted(rows: int, columns: int) -> str:
 
 
 def _listed(entries: Sequence[tuple[int, int]]) -> str:
-    """Write entries as people list them."""
+    """Write entries as a list in a sentence."""
     *first, last = [f"({row}, {column})" for row, column in entries]
     return f"{', '.join(first)} and {last}" if first else last
 
@@ -259,7 +256,7 @@ def _common_changes(
 def _matching(
     matrix: Matrix, wrong: Sequence[Place], comparison: Comparison, candidates: Iterable[Mistake]
 ) -> Iterator[Explanation]:
-    """Look for a misunderstanding that brings about what is printed."""
+    """Look for a misunderstanding that results in what is printed."""
     formulas = matrix.formulas
     printed = np.full((COUNT, *matrix.shape), np.nan)
     for (i, j), formula in formulas.items():

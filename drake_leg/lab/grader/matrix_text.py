@@ -1,4 +1,4 @@
-r"""A matrix pasted as one text: LaTeX, MATLAB, Python, Markdown, or plain rows.
+r"""Splits a matrix pasted as text into entries: LaTeX, MATLAB, Python, Markdown, or plain rows.
 
 ``\begin{bmatrix} a & b \\ c & d \end{bmatrix}``, ``[a b; c d]``, ``Matrix([[a, b], [c, d]])``,
 ``| a | b |``, lines separated by tabs or spaces, and the boxes that SymPy draws.
@@ -102,8 +102,7 @@ def _something_beside(text: str) -> InvalidValueError:
             f"{quoted(text, 30)} is on its line, too; write each matrix in a line of its own"
         )
     return InvalidValueError(
-        f"{quoted(text, 30)} is beside the matrix; multiply it in, and write the one matrix "
-        "that comes out"
+        f"{quoted(text, 30)} is beside the matrix; multiply it in, and write the resulting matrix"
     )
 
 

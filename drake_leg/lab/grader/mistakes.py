@@ -1,7 +1,7 @@
-"""Mistakes of a whole matrix, of which one finding is better than one for every entry.
+"""Mistakes of a whole matrix, reported as one finding instead of one per entry.
 
-Each says what it would print in the matrix's place: transposed, inverse, of other frames or of
-another point, in another order, about other axes, in another unit.
+Each computes the matrix that it results in: transposed, inverse, of other frames or of another
+point, in another order, about other axes, in another unit.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.kinematics.batches import Array
-from drake_leg.lab.grader.chains import (
+from drake_leg.kinematics.khalil import Array
+from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
+from drake_leg.lab.grader.comparison import (
     Chain,
     between,
     claimed_part,
@@ -24,11 +25,10 @@ from drake_leg.lab.grader.chains import (
     running_products,
     twists,
 )
-from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
-from drake_leg.lab.grader.lengths import Cell
 from drake_leg.lab.grader.other_tables import CONVENTION, DEGREES, other_tables
 from drake_leg.lab.grader.printed import Format
-from drake_leg.robot import Robot
+from drake_leg.lab.grader.tables import Cell
+from drake_leg.robot.robot import Robot
 
 Mask = NDArray[np.bool_]  # which entries of a matrix belong to a part of it
 Index = int | slice
@@ -80,7 +80,7 @@ class Mistake:
     kind: str  # a word or a few, the same for all matrices
     fault: str
     remedy: str
-    printed: Callable[[Chain], Array]  # what the mistake makes of the matrix, (N, r, c)
+    printed: Callable[[Chain], Array]  # the matrix with the mistake, (N, r, c)
     rough: float = 1.0  # times the usual margin: numbers that people round
     exact: bool = False  # whether it must explain every entry that can be read
 
@@ -100,7 +100,7 @@ def mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
 
 
 def table_mistakes(subject: Subject, names: Mapping[Cell, str]) -> Iterator[Mistake]:
-    """List what another table than the robot's makes of a matrix."""
+    """List the mistakes that come from another table than the robot's."""
     for table in other_tables(subject.robot, subject.variables, names, subject.format):
         if subject.claim.kind != "determinant" or table.kind != DEGREES:  # too rough for one entry
             printed = partial(lambda change, chain: subject.right(change(chain)), table.change)
@@ -142,7 +142,7 @@ def _pose_mistakes(subject: Subject) -> Iterator[Mistake]:
 
 
 def _of(subject: Subject, whole: Callable[[Chain], Array]) -> Callable[[Chain], Array]:
-    """Take what is claimed out of another pose or Jacobian."""
+    """Extract what is claimed from another pose or Jacobian."""
     return lambda chain: claimed_part(subject.claim, whole(chain))
 
 

@@ -10,11 +10,11 @@ from functools import partial
 
 import numpy as np
 
-from drake_leg.kinematics.batches import Array
-from drake_leg.lab.grader.chains import Chain
-from drake_leg.lab.grader.lengths import Cell
+from drake_leg.kinematics.khalil import Array
+from drake_leg.lab.grader.comparison import Chain
 from drake_leg.lab.grader.printed import Format
-from drake_leg.robot import Robot
+from drake_leg.lab.grader.tables import Cell
+from drake_leg.robot.robot import Robot
 
 QUARTER = math.pi / 2.0
 CONVENTION, DEGREES = "convention", "degrees"
@@ -23,7 +23,7 @@ Names = Mapping[Cell, str]
 
 @dataclass(frozen=True)
 class OtherTable:
-    """A table that someone may have had in mind in the place of the robot's."""
+    """A table with one mistake in it, from which a print may have been computed."""
 
     kind: str
     fault: str

@@ -1,22 +1,67 @@
-"""A print as typed into a file: tables and matrices as text, with the units of their numbers."""
+"""Reads a print: a table, matrices and singular postures from TOML, CSV or text; and findings."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.lab.grader.claims import kind_of_name
-from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.matrix_text import rows_of_text
 from drake_leg.lab.grader.tables import Table, TableRow
 from drake_leg.lab.grader.text_print import parse_table, parse_text
-from drake_leg.robot_file.document import parse_document
-from drake_leg.robot_file.keys import Keys, shown
+from drake_leg.robot.toml_keys import Keys, parse_document, shown
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One fault of a table or of a printed matrix, or a part of it that cannot be read.
+
+    An error is certainly wrong, a warning probably. Something that is not understood may be right;
+    its remedy says what to write instead.
+    """
+
+    place: str  # row 2, or T12 (3, 2)
+    fault: str
+    remedy: str
+    severity: Literal["error", "warning"] = "error"
+    understood: bool = True  # False: it cannot be read, and may be right
+    kind: str = ""  # of the mistake, in a word or a few: transposed, unit, sign
+    matrix: str = ""  # name as printed; empty where it is of a table
+    entries: tuple[tuple[int, int], ...] = ()  # rows and columns, from 1, that it is about
+
+    def sentence(self) -> str:
+        """Write it as one sentence, without a full stop."""
+        mark = "" if self.severity == "error" else " (a guess)"
+        if not self.understood:
+            mark = " (not understood)"
+        return f"{self.place}{mark}: {self.fault}; {self.remedy}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the fields by name."""
+        return asdict(self)
+
+
+def unreadable(place: str, sentence: object, matrix: str = "") -> Finding:
+    """Make a finding of a sentence or an error, "what is not understood; what to write"."""
+    fault, _, remedy = str(sentence).partition("; ")
+    remedy = remedy or "write it another way"
+    return Finding(place=place, fault=fault, remedy=remedy, understood=False, matrix=matrix)
+
+
+def errors(findings: Iterable[Finding]) -> list[Finding]:
+    """Keep the errors that are understood."""
+    return [f for f in findings if f.severity == "error" and f.understood]
+
+
+def not_understood(findings: Iterable[Finding]) -> list[Finding]:
+    """Keep the findings about what cannot be read."""
+    return [finding for finding in findings if not finding.understood]
+
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
@@ -34,7 +79,7 @@ _MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """A kind of file, and where a person says something in it: the words of advice."""
+    """A kind of file: the words of advice on where to write something in it."""
 
     symbol: str  # a symbol's value
     meaning: str  # a symbol's value or its formula
@@ -66,7 +111,7 @@ class PrintedMatrix:
     name: str  # T12, T04, J, ...
     entries: tuple[tuple[str, ...], ...]
     caption: str = ""
-    rows: tuple[str, ...] = ()  # of a Jacobian: x, y, z, wx, wy, wz; empty where not said
+    rows: tuple[str, ...] = ()  # of a Jacobian: x, y, z, wx, wy, wz; empty if missing
     where: Mapping[str, str] = field(default_factory=dict)  # name to formula, for this matrix
 
     @property
@@ -90,11 +135,11 @@ class Printed:
     table: Table | None = None
     matrices: tuple[PrintedMatrix, ...] = ()
     singular: tuple[str, ...] = ()  # sets of singular postures
-    unread: tuple[Finding, ...] = ()  # what else it has and makes no sense
+    unread: tuple[Finding, ...] = ()  # parts that make no sense
 
     @property
     def unit(self) -> str:
-        """The unit of lengths: m where it is not said."""
+        """The unit of lengths: m if the print does not say it."""
         return self.lengths or "m"
 
     @property
@@ -117,14 +162,14 @@ def read_printed(path: Path) -> Printed:
 
 
 def is_print(document: Mapping[str, Any]) -> bool:
-    """Whether a TOML file is a print and no robot."""
+    """Whether a TOML file is a print rather than a robot."""
     return "row" not in document and any(key in document for key in ("table", "matrix", "singular"))
 
 
 def printed_of_document(
     document: Mapping[str, Any], where: str, unread: Sequence[Finding] = ()
 ) -> Printed:
-    """Take a print out of a file's nested tables.
+    """Read a print from a file's nested tables.
 
     Parameters
     ----------
@@ -215,7 +260,7 @@ def _cell(keys: Keys, key: str) -> str:
 
 
 def _matrix(part: object, where: str) -> PrintedMatrix | Finding:
-    """Read one matrix, or say why its rows make none."""
+    """Read one matrix, or return a finding about what is wrong with its rows."""
     called = part.get("name", "") if isinstance(part, dict) else ""
     keys = Keys(part, f"{where} ({called})" if called else where, _MATRIX_KEYS)
     name = keys.text("name")

@@ -1,4 +1,8 @@
-"""Claimed sets of singular postures against the determinant: not singular, or not all."""
+r"""Grades sets of singular postures, such as ``θ3 = kπ``, ``q3 = 0 or π``, ``sin(q3) = 0``.
+
+Alternatives are separated by "or", semicolons or lines; simultaneous conditions by "and".
+``qi = 0 or π, i = 1, 2, 3`` stands for one set per joint; ``k`` and ``n`` are any integer.
+"""
 
 from __future__ import annotations
 
@@ -10,23 +14,184 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.batches import Array
-from drake_leg.kinematics.configurations import table_length
-from drake_leg.kinematics.khalil import jacobian
+from drake_leg.kinematics.khalil import Array, jacobian, table_length
 from drake_leg.lab.grader.claims import POSITION, task_rows
 from drake_leg.lab.grader.comparison import Sampler
-from drake_leg.lab.grader.definitions import Reader
-from drake_leg.lab.grader.derived import determinant_factors
-from drake_leg.lab.grader.findings import Finding, unreadable
-from drake_leg.lab.grader.lengths import Binding, cell_names
-from drake_leg.lab.grader.printed import Printed
-from drake_leg.lab.grader.singular_claims import Alternative, Condition, alternatives_of
-from drake_leg.robot import Robot, Row
-from drake_leg.symbolic.formulas import evaluate, names_in
-from drake_leg.symbolic.spelling import plain, readable, renamed, spelled_as
+from drake_leg.lab.grader.definitions import Reader, determinant_factors
+from drake_leg.lab.grader.printed import Finding, Printed, unreadable
+from drake_leg.lab.grader.tables import Binding, names_of_cells
+from drake_leg.robot.robot import Robot, Row
+from drake_leg.symbolic.formulas import DEGREE, evaluate, names_in, number_of, parts, product
+from drake_leg.symbolic.spelling import (
+    LONGEST,
+    plain,
+    quoted,
+    readable,
+    renamed,
+    spelled_as,
+    typed,
+    without_latex,
+)
+
+INTEGERS = ("k", "n", "m")
+_MOST = 50  # alternatives
+_LEAST_DEGREES = 10.0  # smaller numbers are radians: 3.1416
+_BEFORE = re.compile(
+    r"^.*?(?:\b(?:when|whenever|if|iff|for(?! (?:all|any) )|where|at|pour|si|lorsque|quand)\b"
+    r"|<=>|=>|⇔|⟺|⇒|⟹)"
+)
+_END = r"(?=$|;|\bor\b|\band\b)"  # of an alternative
+_SAID = rf"(?:(?!{_END})[^=])*{_END}"
+_WITH = r"(?:with|avec|for any|for all|∀|and\b|where\b|,|;|\()"
+_ANY_INTEGER = re.compile(
+    rf"(?:\s*{_WITH})*\s*\b(?:integer )?[knm]"
+    rf"\s*(?:∈|in\b|is\b|an integer|integer|entier|=\s*0\s*,){_SAID}"
+    rf"|(?:\s*{_WITH})+\s*(?:integer )?[knm]\s*\)?\s*$"
+)
+_INDICES = re.compile(
+    r"[,;]?\s*(?:for |with |pour )?\bi\s*(?:=|∈|in)\s*\{?([1-9](?:\s*,\s*[1-9])*)\}?"
+)
+_LATEX = {
+    r"\\(?:mathbb|mathds)\s*\{?Z\}?": "Z",
+    r"\\in(?![a-z])": "∈",
+    r"\\pm(?![a-z])": "±",
+    r"\\(?:iff|(?:Long)?(?:[Ll]eft)?[Rr]ightarrow)(?![a-z])": "⇔",
+    r"\\(?:lor|vee)(?![a-z])|\N{LOGICAL OR}|\n": " or ",
+    r"\\(?:land|wedge)(?![a-z])|∧": " and ",
+    r"\\(?:text|mathrm)\s*\{\s*(or|and|when|if)\s*\}": r" \1 ",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """One equation: the difference of its sides is zero."""
+
+    left: sp.Expr
+    right: sp.Expr
+    integer: str | None  # k, n or m, where it may be any integer
+    bare: bool = False  # a number without a unit, such as 180, is said of an angle
+
+    @property
+    def names(self) -> set[str]:
+        """Its symbols but for the integer."""
+        return (names_in(self.left) | names_in(self.right)) - {self.integer or ""}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alternative:
+    """Postures at which some equations hold at once."""
+
+    text: str
+    conditions: tuple[Condition, ...]
+
+    @property
+    def names(self) -> set[str]:
+        """The symbols of its equations."""
+        return {name for condition in self.conditions for name in condition.names}
+
+
+def alternatives_of(text: str, reader: Reader) -> list[Alternative]:
+    """Read a set of postures, of which the set is all alternatives together.
+
+    An introduction such as "|J| = 0 when" is skipped; what is no set of equations is refused.
+    """
+    if len(text) > LONGEST:
+        raise InvalidValueError(f"{quoted(text)} has {len(text)} characters; write fewer")
+    try:
+        equations = list(_equations(_bare(text)))
+        if len(equations) > _MOST:
+            raise InvalidValueError(f"it has more than {_MOST} alternatives; write fewer")
+        return [
+            Alternative(text=each, conditions=tuple(_conditions(each, reader)))
+            for each in equations
+        ]
+    except InvalidValueError as error:
+        reason, _, remedy = str(error).partition("; ")
+        remedy = remedy or "write equations separated by or, such as θ3 = kπ or L1 + L2 c2 = 0"
+        raise InvalidValueError(f"{quoted(text)}: {reason}; {remedy}") from None
+
+
+def _bare(text: str) -> str:
+    """Remove the introduction and the statement that k is an integer."""
+    for command, words in _LATEX.items():
+        text = re.sub(command, words, text)
+    text = " ".join(without_latex(typed(text)).split())
+    text = re.sub(r"\bou\b", "or", re.sub(r"\bet\b", "and", text))
+    return _ANY_INTEGER.sub(" ", _BEFORE.sub("", text)).strip(" .")
+
+
+def _equations(text: str) -> Iterator[str]:
+    """Split alternatives; values of one angle, and joints counted by i, make one each."""
+    indices = _INDICES.search(text)
+    if indices:
+        text = text.replace(indices[0], "")
+    left = ""
+    for part in re.split(r"\bor\b|;", text):
+        pieces = part.split(",")
+        if sum("=" in piece for piece in pieces) > 1:
+            raise InvalidValueError("it has a comma between equations; write or, or else and")
+        for piece in filter(str.strip, pieces if "=" in part or left else [part]):
+            whole = piece if "=" in piece else f"{left} = {piece}"
+            if "=" in piece:
+                left = piece.rpartition("=")[0] if " and " not in piece else ""
+            elif not left:
+                raise InvalidValueError(f"{quoted(piece.strip())} is no equation")
+            yield from _signed(whole.strip(), indices[1] if indices else "")
+
+
+def _signed(equation: str, indices: str) -> Iterator[str]:
+    """Write ±π as two equations, and qi as one of every joint."""
+    for sign in "+-" if "±" in equation else " ":
+        signed = equation.replace("±", sign)
+        if re.search(r"(?:q|theta|th)_?\{?i\b", signed) and not indices:
+            raise InvalidValueError("it does not say what i is; write i = 1, 2, 3 behind it")
+        for index in re.findall(r"\d", indices) or [""]:
+            yield re.sub(r"(q|theta|th)_?\{?i\b\}?", rf"\g<1>{index}", signed)
+
+
+def _conditions(text: str, reader: Reader) -> Iterator[Condition]:
+    for equation in re.split(r"\band\b|&", text):
+        sides = equation.replace("≡", "=").split("=")
+        if len(sides) != 2:
+            raise InvalidValueError(f"{quoted(equation.strip())} is no equation of two sides")
+        left = reader.formula(sides[0], names=INTEGERS)
+        right = reader.formula(_with_period(sides[1]), names=INTEGERS)
+        integer = _integer(names_in(left) | names_in(right), reader)
+        left_bare = _is_bare(left, integer) and reader.turns(right)
+        right_bare = _is_bare(right, integer) and reader.turns(left)
+        yield Condition(
+            left=product(left, DEGREE) if left_bare and reader.degrees else left,
+            right=product(right, DEGREE) if right_bare and reader.degrees else right,
+            integer=integer,
+            bare=(left_bare or right_bare) and not reader.degrees,
+        )
+
+
+def _with_period(text: str) -> str:
+    """Read 0 mod π, and 0 [π], as 0 + k π."""
+    found = re.fullmatch(r"(.*?)\s*(?:\(?\s*mod(?:ulo)?\s+(.+?)\s*\)?|\[(.+)\])\s*", text)
+    return f"{found[1]} + k*({found[2] or found[3]})" if found else text
+
+
+def _integer(names: set[str], reader: Reader) -> str | None:
+    free = sorted(names & set(INTEGERS) - set(reader.symbols))
+    if len(free) > 1:
+        raise InvalidValueError(f"it has the integers {' and '.join(free)}; write one")
+    return free[0] if free else None
+
+
+def _is_bare(side: sp.Expr, integer: str | None) -> bool:
+    """Whether a side is a number of degrees without the degree sign."""
+    found = [part for _, part in parts(side)]
+    if any(p.is_Function or p is sp.pi or (p.is_Symbol and p.name != integer) for p in found):
+        return False
+    numbers = [abs(value) for value in map(number_of, found) if value is not None]
+    return max(numbers, default=0.0) >= _LEAST_DEGREES
+
 
 PLACE = "singular"
 STARTS = 150  # random postures from which zeros are looked for
@@ -91,7 +256,7 @@ class _Arm:
         return dict(zip(self.spans, np.moveaxis(points, -1, 0), strict=True))
 
     def known(self, values: Mapping[str, Array]) -> dict[str, Any]:
-        """Everything that has a value."""
+        """Add the units and the symbols' values."""
         return {**self.reader.units, **self.symbols, **values}
 
     def determinant(self, values: Mapping[str, Array]) -> Array:
@@ -107,7 +272,7 @@ class _Arm:
         return determinant
 
     def difference(self, condition: Condition, k: int) -> Function:
-        """Subtract the sides of a condition; angles but for full turns."""
+        """Subtract the sides of a condition; angles modulo full turns."""
         integer = {condition.integer: float(k)} if condition.integer else {}
         angle = condition.left.is_Symbol and self.spans.get(condition.left.name) == math.pi
 
@@ -127,7 +292,7 @@ class _Arm:
         return float(np.max(sizes[np.isfinite(sizes)], initial=1e-12))
 
     def is_zero(self, function: Function, points: Array) -> Mask:
-        """Whether a function is zero at postures, for all that matters."""
+        """Whether a function is practically zero at postures."""
         near: Mask = np.abs(function(self.named(points))) <= NEAR * self.size(function)
         return near
 
@@ -150,7 +315,7 @@ class _Arm:
         return holding
 
     def zeros(self, functions: Sequence[Function]) -> Array:
-        """Follow Newton's shortest steps from all starts; keep those that arrive, (N, v)."""
+        """Run Newton's method with shortest steps from all starts; keep what converged, (N, v)."""
         x = self.starts.copy()
         scales = np.array([self.size(function) for function in functions])
 
@@ -255,7 +420,7 @@ class _Words:
     @cached_property
     def factors(self) -> list[tuple[str, Function]]:
         """Where the factors of the determinant are zero, and the factors."""
-        names = max((cell_names(b, self._spelled) for b in self.bindings), key=len)
+        names = max((names_of_cells(b, self._spelled) for b in self.bindings), key=len)
         return determinant_factors(
             self.arm.robot, self.arm.rows, self.printed, names, self._spelling
         )

@@ -1,4 +1,4 @@
-"""What is wrong inside a printed entry: the one or two changes that make it right."""
+"""Finds the one or two changes that make a wrong entry right."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from drake_leg.lab.grader.lengths import Cell, same
+from drake_leg.lab.grader.tables import Cell, same
 from drake_leg.symbolic.formulas import (
     Path,
     changed,
@@ -35,7 +35,7 @@ _OTHER_FUNCTION = {sp.sin: sp.cos, sp.cos: sp.sin}
 
 
 class Change(NamedTuple):
-    """What is wrong with a formula, and the formula without that."""
+    """One correction: what is wrong with a formula, and the corrected formula."""
 
     kind: str
     words: str
@@ -44,7 +44,7 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Vocabulary:
-    """What a print can write for one another."""
+    """The names and numbers that a print can confuse."""
 
     angles: int  # joints: q1, q2, ...
     symbols: Mapping[str, float] = field(default_factory=dict)  # of lengths, as printed

@@ -1,4 +1,4 @@
-"""A linter for Denavit-Hartenberg tables: slips of the pen, each with its row and its remedy."""
+"""Lints Denavit-Hartenberg tables: finds slips, each with its row and its remedy."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import fields
 
-from drake_leg.lab.grader.findings import Finding
+from drake_leg.lab.grader.printed import Finding
 from drake_leg.lab.grader.tables import (
     UNKNOWN,
     Repair,
@@ -20,14 +20,13 @@ from drake_leg.lab.grader.tables import (
     find_repair,
     likely_sigma,
 )
-from drake_leg.models.solids import bounding_radius
-from drake_leg.robot import Link, Robot, Segment
+from drake_leg.robot.robot import Link, Robot, Segment, bounding_radius
 from drake_leg.symbolic.spelling import quoted
 
-LONG = 10.0  # [m], a link longer than that is a crane's
-SHORT = 1.0  # [mm], a link shorter than that is a watch's
+LONG = 10.0  # [m], a longer link is probably in mm
+SHORT = 1.0  # [mm], a shorter link is probably in m
 TURN = 2.0 * math.pi  # [rad]
-NEAR = 2e-3  # [rad], how far from a fraction of pi a person rounds
+NEAR = 2e-3  # [rad], how far a rounded number is from a fraction of pi
 FRACTIONS = (1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1.0, 3 / 2, 2.0)  # of pi
 LENGTHS: tuple[Sort, ...] = ("length", "offset")
 LENGTH_SYMBOL = r"([adhlr]|rl)\d+|l"  # L1, d4, a2, RL4: no joint position, whatever the column
@@ -42,7 +41,7 @@ _BELONGS = {
 
 
 def lint_table(table: Table) -> list[Finding]:
-    """Read a table as a teacher does: errors and warnings, empty for a table without fault."""
+    """Find errors and warnings in a table; empty if there are none."""
     findings = list(_lint_frames(table))
     for number, row in enumerate(table.rows, start=1):
         findings += _lint_row(table, row, f"row {number}")
@@ -195,7 +194,7 @@ def _lint_numbers(table: Table) -> Iterator[Finding]:
 def _unit_finding(what: str, choice: str) -> Finding:
     return Finding(
         place="table",
-        fault=f"the unit of its {what} is not said",
+        fault=f"the unit of its {what} is missing",
         remedy=f"say {what} = {choice}",
         severity="warning",
     )
@@ -250,9 +249,9 @@ def _lint_convention(table: Table) -> Iterator[Finding]:
 
 
 def lint_sizes(robot: Robot) -> Iterator[Finding]:
-    """Look for links of more than 10 m, and for inertias that no such link has.
+    """Look for links of more than 10 m, and for inertias too large for their link.
 
-    Both are units that were mistaken; the table's own lengths are ``lint_table``'s.
+    Both come from mistaken units; ``lint_table`` checks the lengths in the table.
     """
     for index, segment in enumerate(robot.segments, start=1):
         for what, value in _lengths(segment.link) if segment.link else ():
@@ -270,7 +269,7 @@ def lint_sizes(robot: Robot) -> Iterator[Finding]:
 
 
 def _lint_inertia(index: int, link: Link, after: Segment | None) -> Iterator[Finding]:
-    """Compare the radius of gyration with the link: half its length would be two masses."""
+    """Compare the radius of gyration with the link's length."""
     body, size = link.inertial, _size(link, after)
     if body is None or size == 0.0:
         return

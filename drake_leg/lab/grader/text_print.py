@@ -1,4 +1,4 @@
-"""A print typed as text: CSV, columns separated by tabs or bars, or matrices as they are pasted.
+"""Reads a print typed as text: CSV, columns separated by tabs or bars, or pasted matrices.
 
 ``angles,deg`` and ``lengths,mm`` say the units; two cells of which the second is a number give a
 symbol its value (``L1,50``), otherwise its formula (``sigma1,2*cos(θ2)+1``). Three cells that
@@ -6,7 +6,7 @@ begin with ``joint``, ``cells``, ``caption`` or ``rows`` say something about a j
 matrix, and ``singular,θ3 = kπ`` where the determinant is zero. A heading with σ, d, α, r, θ begins
 a table, which an empty line ends. ``T01 = [...]``, in LaTeX, MATLAB or Python, is a matrix,
 ``L1 = 50`` a symbol. Every other line is a row of a matrix, its name first. Each line has its own
-delimiter, and one that makes no sense is left out and said.
+delimiter; a line that makes no sense is left out and reported.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any, Literal, NamedTuple
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.claims import kind_of_name
 from drake_leg.lab.grader.matrix_text import spaced_cells
-from drake_leg.robot_file.document import Document
+from drake_leg.robot.toml_keys import Document
 from drake_leg.symbolic.spelling import quoted
 
 _COLUMNS = ("sigma", "d", "alpha", "r", "theta")
@@ -202,11 +202,11 @@ class _Statements:
 
 
 def _of_equation(name: str, value: str, line: int) -> Iterator[_Statement]:
-    """Read what a name is said to be."""
+    """Read ``name = value``."""
     kind = kind_of_name(name)
     if kind in ("transform", "rotation") and re.search(r"[TtHhR]", name) and not _number(value):
-        sentence = f"{quoted(name)} is said to be {quoted(value, 30)}; write the matrix that comes "
-        yield _Statement("unread", line, text=sentence + "out, in brackets")
+        sentence = f"{quoted(name)} is given as {quoted(value, 30)}; write the resulting matrix, "
+        yield _Statement("unread", line, text=sentence + "in brackets")
     elif _has_columns_of_one(name, value):
         yield _Statement("matrix", line, name, value)
     elif not all(map(_NAME.fullmatch, value.split("=")[:-1])):
@@ -227,7 +227,7 @@ class _Document:
         self._last = ""  # name of the matrix whose rows are directly above
 
     def add(self, statement: _Statement) -> None:
-        """Put a statement where TOML has it."""
+        """Add a statement under the same keys as in TOML."""
         name, content = statement.name, self.content
         match statement.kind:
             case "matrix":
@@ -293,12 +293,12 @@ class _Document:
                 matrix["rows"] = value.split()
 
     def _leave_out(self, line: int, sentence: str) -> None:
-        """Say that a line makes no sense."""
+        """Record that a line makes no sense."""
         self.content.setdefault("unread", []).append((f"line {line}", sentence))
 
 
 def _tidy(line: str) -> str:
-    """Take off what a line of text, of LaTeX or of Markdown has around a statement."""
+    """Remove the markup of text, LaTeX or Markdown around a statement."""
     if _FENCE.match(line):
         return ""
     if line.lstrip().startswith(_COMMENTS) or len(line) > _LONGEST_LINE:

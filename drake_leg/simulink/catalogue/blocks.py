@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from drake_leg.simulink.catalogue.multibody import MULTIBODY
-from drake_leg.simulink.catalogue.parameter import (
+from drake_leg.simulink.catalogue.multibody import (
+    MULTIBODY,
     Parameters,
     choices,
     numbers,

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.simulink.bodies import inverse
-from drake_leg.simulink.compare.mechanism import Mechanism, PassedTransform, Place
+from drake_leg.simulink.compare.plant_mechanism import Mechanism, PassedTransform, Place
 from drake_leg.simulink.compare.simulink_mechanism import Network
 
 NEAR = 1e-9  # [m] or of a rotation's entries

@@ -10,7 +10,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.compare.signals import Scalar, Signal, constants, mixed, sine_term, total
-from drake_leg.simulink.matlab import value
+from drake_leg.simulink.matlab.program import value
 from drake_leg.simulink.model import Block, number, vector
 
 Inputs = Sequence[Signal]  # by port; zero where nothing is connected

@@ -18,9 +18,14 @@ from drake_leg.simulink.compare.mechanics import (
     compare_settings,
     locate_nodes,
 )
-from drake_leg.simulink.compare.motions import compare_integrators, compare_motions
 from drake_leg.simulink.compare.sides import LiveModel, Sides, joint_roles, read_sides
-from drake_leg.simulink.compare.velocity import compare_function, function_roles, match_inverse
+from drake_leg.simulink.compare.velocity import (
+    compare_function,
+    compare_integrators,
+    compare_motions,
+    function_roles,
+    match_inverse,
+)
 from drake_leg.simulink.compare.wires import (
     boundaries,
     compare_carriers,

@@ -15,11 +15,10 @@ from itertools import permutations
 import numpy as np
 
 from drake_leg.errors import DrakeLegError
-from drake_leg.kinematics.batches import Array
-from drake_leg.simulink.compare.diagram_signals import function_role
-from drake_leg.simulink.compare.signals import Atom, Scalar, Signal, close, mixed
+from drake_leg.kinematics.khalil import Array
+from drake_leg.simulink.compare.signals import Atom, Scalar, Signal, close, function_role, mixed
 from drake_leg.simulink.compare.simulink_signals import SimulinkSignals
-from drake_leg.simulink.matlab import Program
+from drake_leg.simulink.matlab.program import Program
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.units import parse_unit
 

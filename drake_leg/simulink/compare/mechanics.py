@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from pydrake.multibody.tree import FrameIndex
 
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.simulink.bodies import DIMENSIONS, OTHER, SolidProperties, rotation_text
 from drake_leg.simulink.compare.alignment import NEAR, Miss
 from drake_leg.simulink.compare.findings import (
@@ -21,8 +21,7 @@ from drake_leg.simulink.compare.findings import (
     matched,
     missing,
 )
-from drake_leg.simulink.compare.mechanism import ChainJoint, PassedTransform, Place
-from drake_leg.simulink.compare.plant_mechanism import Links
+from drake_leg.simulink.compare.plant_mechanism import ChainJoint, Links, PassedTransform, Place
 from drake_leg.simulink.compare.sides import Sides
 from drake_leg.simulink.model import Block, vector
 from drake_leg.systems.frame_sensor import FrameSensor

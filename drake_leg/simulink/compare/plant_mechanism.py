@@ -1,9 +1,14 @@
-"""A live MultibodyPlant, read as a chain of bodies and joints."""
+"""A chain of bodies and joints in a form that both sides are brought to.
+
+Poses inside a body are in the frame M of the joint that carries it (of the world for the first
+body), at the joint's zero.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -17,11 +22,58 @@ from pydrake.multibody.tree import (
 from pydrake.multibody.tree import Joint as PlantJoint
 from pydrake.systems.framework import Context
 
-from drake_leg.joint_mechanics import JointMechanics
-from drake_leg.kinematics.batches import Array
-from drake_leg.robot import Brick, Cylinder, Solid, Sphere
+from drake_leg.kinematics.khalil import Array
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere
 from drake_leg.simulink.bodies import SolidProperties, volume
-from drake_leg.simulink.compare.mechanism import ChainJoint, Mechanism, Parameter, Place
+
+Parameter = float | str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PassedTransform:
+    """A Rigid Transform on the way from a body's frame M to a place, from B to F or back."""
+
+    sid: str
+    name: str
+    back: bool
+    X_before: Array  # pose in M of the frame before the transform
+    X_BF: Array  # as the block states it
+    method: str  # how it states the translation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Something at a pose in a body: a solid, the next joint's base, the sensed foot."""
+
+    role: str  # "solid", "joint", "foot"
+    name: str
+    X_M: Array  # (4, 4)
+    sid: str = ""
+    way: tuple[PassedTransform, ...] = ()
+    solid: SolidProperties | None = None
+    number: int = 0  # of the joint, counted from 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChainJoint:
+    """A joint of the chain."""
+
+    number: int  # counted from 1, from the world outwards
+    name: str
+    type: str  # "revolute", "prismatic"
+    sid: str = ""
+    parameters: dict[str, Parameter] = field(default_factory=dict)  # SI
+    priorities: dict[str, str] = field(default_factory=dict)  # of the state targets
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mechanism:
+    """A serial chain."""
+
+    joints: tuple[ChainJoint, ...]
+    bodies: tuple[tuple[Place, ...], ...]  # one more than joints: the world's places come first
+
 
 DIGITS = 12  # of a size or a density that follows from moments of inertia
 SHAPES = {Brick: "brick", Cylinder: "cylinder", Sphere: "sphere"}

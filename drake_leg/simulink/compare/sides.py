@@ -10,17 +10,22 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram
 
 from drake_leg.diagrams.wiring import plant_of
-from drake_leg.robot import Robot
+from drake_leg.robot.robot import Robot
 from drake_leg.simulink.compare.alignment import Alignment, align, scale_of, shrunk
-from drake_leg.simulink.compare.diagram_signals import DiagramSignals, integral_roles
 from drake_leg.simulink.compare.findings import Verdict, different
-from drake_leg.simulink.compare.mechanism import Mechanism
-from drake_leg.simulink.compare.plant_mechanism import read_plant
-from drake_leg.simulink.compare.signals import Atom, Scalar, Signal, close
+from drake_leg.simulink.compare.plant_mechanism import Mechanism, read_plant
+from drake_leg.simulink.compare.signals import (
+    Atom,
+    DiagramSignals,
+    Scalar,
+    Signal,
+    close,
+    integral_roles,
+)
 from drake_leg.simulink.compare.simulink_mechanism import Network, read_network
 from drake_leg.simulink.compare.simulink_signals import SimulinkSignals, senses_rotation
-from drake_leg.simulink.flatten import flatten
 from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.wiring import flatten
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.joint_stops import JointStops
 from drake_leg.systems.prescribed_motion import PrescribedMotion

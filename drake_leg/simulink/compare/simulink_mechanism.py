@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_leg.kinematics.batches import Array
+from drake_leg.kinematics.khalil import Array
 from drake_leg.simulink.bodies import (
     SOLIDS,
     SolidProperties,
@@ -19,7 +19,7 @@ from drake_leg.simulink.bodies import (
     read_solid,
     rigid_transform,
 )
-from drake_leg.simulink.compare.mechanism import (
+from drake_leg.simulink.compare.plant_mechanism import (
     ChainJoint,
     Mechanism,
     Parameter,

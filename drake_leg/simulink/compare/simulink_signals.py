@@ -10,7 +10,7 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.compare.block_laws import OPEN, SOURCES, added, law_of, least_size
 from drake_leg.simulink.compare.signals import Atom, Signal, atoms, constants
-from drake_leg.simulink.matlab import Program, program
+from drake_leg.simulink.matlab.program import Program, program
 from drake_leg.simulink.model import Block, Model, is_on, number, vector
 from drake_leg.units import parse_unit
 

@@ -10,7 +10,6 @@ from pydrake.systems.primitives import ConstantVectorSource, VectorLogSink
 
 from drake_leg.diagrams.wiring import LiveWire
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.compare.diagram_signals import DiagramSignals
 from drake_leg.simulink.compare.findings import (
     Blocks,
     Verdict,
@@ -20,7 +19,7 @@ from drake_leg.simulink.compare.findings import (
     missing,
 )
 from drake_leg.simulink.compare.sides import Roles, Sides
-from drake_leg.simulink.compare.signals import CLOSE, Atom, Scalar, close
+from drake_leg.simulink.compare.signals import CLOSE, Atom, DiagramSignals, Scalar, close
 from drake_leg.simulink.compare.simulink_mechanism import SENSORS
 from drake_leg.simulink.compare.simulink_signals import SINKS, unit_factor
 from drake_leg.simulink.model import Block
@@ -166,7 +165,7 @@ def _carrier(sides: Sides, roles: Roles, block: Block) -> Verdict:
         if names
     ]
     if scalars and not best:
-        return missing(block, f"no block of the diagram has an output {scalars[0]}")
+        return missing(block, f"no output of the diagram is {scalars[0]}")
     names = list(dict.fromkeys(best or sides.live.of_type(ConstantVectorSource)))
     return matched(block, listed(names), names)
 

@@ -11,14 +11,16 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.arithmetic import OPERATORS, SIGNS, span, transpose
 from drake_leg.simulink.matlab.functions import CONSTANTS, HEAVY, KNOWN, SILENT
-from drake_leg.simulink.matlab.indexing import ALL, Index, read
 from drake_leg.simulink.matlab.values import (
+    ALL,
     CALL,
     CALLS,
     FACTOR,
     Budget,
+    Index,
     MatlabError,
     Value,
+    read,
     require_room,
     shape,
     stack,

@@ -18,8 +18,7 @@ from drake_leg.simulink.matlab.evaluation import (
     located,
 )
 from drake_leg.simulink.matlab.functions import SILENT
-from drake_leg.simulink.matlab.indexing import write
-from drake_leg.simulink.matlab.values import MatlabError, Value, grid, settle, truth
+from drake_leg.simulink.matlab.values import MatlabError, Value, grid, settle, truth, write
 
 _Step = Callable[[Frame], str | None]  # returns the jump that it makes, if it makes one
 _Store = Callable[[Frame, Value], None]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.tokens import JUMPS, REFUSED, Token
+from drake_leg.simulink.matlab.syntax import JUMPS, REFUSED, Token
 from drake_leg.simulink.matlab.values import NESTING, MatlabError
 
 _COLON = 6

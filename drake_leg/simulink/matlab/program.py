@@ -13,7 +13,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab.evaluation import Frame, Meanings, Routine, compiled, enter, located
 from drake_leg.simulink.matlab.execution import compile_function
 from drake_leg.simulink.matlab.parser import Parser
-from drake_leg.simulink.matlab.tokens import tokenize
+from drake_leg.simulink.matlab.syntax import tokenize
 from drake_leg.simulink.matlab.values import (
     ELEMENTS,
     SCRIPT_LENGTH,

@@ -1,8 +1,145 @@
-"""What MATLAB text says, as data: expressions, statements, functions."""
+"""MATLAB text cut into tokens; blanks inside brackets become the commas that they mean."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from typing import NamedTuple
+
+from drake_leg.simulink.matlab.values import MatlabError
+
+BLOCKS = ("function", "if", "elseif", "else", "end", "for", "while")
+JUMPS = ("break", "continue", "return")
+REFUSED = ("persistent", "global", "switch", "case", "otherwise", "try", "catch", "parfor", "spmd")
+KEYWORDS = frozenset((*BLOCKS, *JUMPS, *REFUSED))
+
+_PATTERN = re.compile(
+    r"""
+    (?P<blank>[ \t\f\v]+ | \.\.\.[^\n]*\n?)
+    | (?P<comment>%[^\n]*)
+    | (?P<newline>\n)
+    | (?P<number>(?:\d+(?:\.(?![*/\\^']|\.\.)\d*)?|\.\d+)(?:[eEdD][+-]?\d+)?)
+    | (?P<name>[A-Za-z]\w*)
+    | (?P<symbol>\.[*/\\^'] | [=~<>]= | && | \|\| | [-+*/\\^<>&|~=()\[\],;:'"{}@.])
+    """,
+    re.VERBOSE | re.ASCII,
+)
+_LETTERS = re.compile(r"\w+")
+_LOOSE = re.compile(r"[ \t\f\v\n]|\.\.\.|$")  # after a sign that joins two operands
+_TEXTS = {"'": re.compile(r"'((?:[^'\n]|'')*)'"), '"': re.compile(r'"((?:[^"\n]|"")*)"')}
+_OPENING = {")": "(", "]": "["}
+_UNKNOWN = {"{": "cells ({ })", "}": "cells ({ })", "@": "function handles (@)"}
+
+
+class Token(NamedTuple):
+    """A piece of text that means something."""
+
+    kind: str  # "number", "name", "keyword", "text", "symbol"; "stop" after the last one
+    text: str  # of a symbol at a line's end: "\n"; of a text: without its quotes
+    line: int  # from 1
+
+
+def tokenize(text: str) -> list[Token]:
+    """Cut MATLAB text into tokens.
+
+    Comments and continuations are left out. Inside brackets a line break is a semicolon, and
+    blanks between two elements are a comma: ``[1 -2]`` has two elements, ``[1 - 2]`` has one. The
+    last token is of kind ``"stop"``.
+    """
+    return _Scanner(_without_block_comments(text)).scan()
+
+
+def _without_block_comments(text: str) -> str:
+    lines, opened = [], 0
+    for line in text.replace("\r\n", "\n").replace("\r", "\n").split("\n"):
+        mark = line.strip()
+        opened += mark == "%{"
+        lines.append("" if opened else line)
+        opened -= mark == "%}" and opened > 0
+    return "\n".join(lines)
+
+
+class _Scanner:
+    def __init__(self, text: str) -> None:
+        self._text, self._at, self._line = text, 0, 1
+        self._found: list[Token] = []
+        self._open: list[Token] = []  # brackets
+        self._gap = False  # whether blanks came before the next token
+
+    def scan(self) -> list[Token]:
+        while self._at < len(self._text):
+            self._take()
+        if self._open:
+            raise MatlabError(f"'{self._open[-1].text}' is never closed", self._open[-1].line)
+        return [*self._found, Token("stop", "", self._line)]
+
+    def _take(self) -> None:
+        match = _PATTERN.match(self._text, self._at)
+        if match is None:
+            raise MatlabError(f"{self._text[self._at]!r} is not used in MATLAB", self._line)
+        kind, text = str(match.lastgroup), match[0]
+        if kind == "symbol" and text in _TEXTS and not self._is_transpose(text):
+            match = self._quoted(text)
+            kind, text = "text", match[1].replace(text * 2, text)
+        self._at = match.end()
+        if kind == "blank":
+            self._gap = True
+            self._line += text.count("\n")
+        elif kind != "comment":
+            self._add(kind, text)
+            self._gap = False
+
+    def _add(self, kind: str, text: str) -> None:
+        if kind == "number" and (wrong := _LETTERS.match(self._text, self._at)):
+            raise MatlabError(f"'{text}{wrong[0]}' is not a number", self._line)
+        if text in _UNKNOWN and kind == "symbol":
+            raise MatlabError(f"{_UNKNOWN[text]} are not supported", self._line)
+        if kind == "name" and text in KEYWORDS and not (text == "end" and self._open):
+            kind = "keyword"
+        if self._in_matrix() and self._gap and self._ends_operand() and self._starts(kind, text):
+            self._found.append(Token("symbol", ",", self._line))
+        if kind == "newline":
+            self._found.append(Token("symbol", ";" if self._in_matrix() else "\n", self._line))
+            self._line += 1
+            return
+        token = Token(kind, text, self._line)
+        self._found.append(token)
+        if kind == "symbol":
+            self._count(token)
+
+    def _count(self, token: Token) -> None:
+        if token.text in ("(", "["):
+            self._open.append(token)
+            return
+        opening = _OPENING.get(token.text)
+        if opening and (not self._open or self._open.pop().text != opening):
+            raise MatlabError(f"'{token.text}' closes nothing", token.line)
+
+    def _in_matrix(self) -> bool:
+        return bool(self._open) and self._open[-1].text == "["
+
+    def _ends_operand(self) -> bool:
+        if not self._found:
+            return False
+        kind, text, _ = self._found[-1]
+        return kind in ("number", "name", "text") or (
+            kind == "symbol" and text in (")", "]", "'", ".'")
+        )
+
+    def _starts(self, kind: str, text: str) -> bool:
+        """Tell whether a token after a blank begins an element of a matrix."""
+        if text in ("+", "-") and kind == "symbol":
+            return not _LOOSE.match(self._text, self._at)
+        return kind in ("number", "name", "text") or text in ("(", "[", "~")
+
+    def _is_transpose(self, quote: str) -> bool:
+        return quote == "'" and self._ends_operand() and not (self._gap and self._in_matrix())
+
+    def _quoted(self, quote: str) -> re.Match[str]:
+        match = _TEXTS[quote].match(self._text, self._at)
+        if match is None:
+            raise MatlabError("a text is not closed with its quote", self._line)
+        return match
 
 
 @dataclass(frozen=True, kw_only=True)

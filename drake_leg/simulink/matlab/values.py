@@ -137,3 +137,152 @@ def stack(rows: list[list[Value]]) -> Value:
 def _sizes(blocks: list[Grid]) -> str:
     sizes = [measure(block) for block in blocks[:6]]
     return ", ".join(sizes) + (", ..." if len(blocks) > 6 else "")
+
+
+class All:
+    """The index ``:``."""
+
+
+ALL = All()
+Index = Value | All
+_Places = NDArray[np.intp]
+_FAR = 2**31  # beyond any array
+
+
+def read(value: Value, indices: list[Index], name: str) -> Value:
+    """Read elements: one index counts column by column, two are row and column."""
+    if len(indices) == 1 and type(indices[0]) is float and isinstance(value, np.ndarray):
+        return _element(value, indices[0], name)
+    source = grid(value)
+    if not indices:
+        return value
+    if len(indices) == 1:
+        places = _places(indices[0], source.size, name)
+        _require_within(places, source.size, "element", source, name)
+        flat: Grid = source.ravel(order="F")[places]
+        return settle(flat.reshape(_read_shape(source, indices[0], len(places)), order="F"))
+    rows, columns = _pair(indices, source, name)
+    _require_within(rows, source.shape[0], "row", source, name)
+    _require_within(columns, source.shape[1], "column", source, name)
+    require_room(len(rows), len(columns))
+    return settle(source[np.ix_(rows, columns)])
+
+
+def _element(array: Grid, index: float, name: str) -> Value:
+    if not (index >= 1.0 and index.is_integer()):
+        raise _no_index(index, name)
+    if index > array.size:
+        raise _beyond(index, "element", array, name)
+    column, row = divmod(int(index) - 1, array.shape[0])
+    scalar: float | bool = array.item(row, column)
+    return scalar
+
+
+def _read_shape(source: Grid, index: Index, count: int) -> tuple[int, int]:
+    """Shape of what one index reads: a vector keeps its direction, else it is that of the index."""
+    if isinstance(index, All):
+        return count, 1
+    given = grid(index)
+    if given.dtype == np.bool_ and given.shape != (1, 1):
+        given_shape = (1, count) if given.shape[0] == 1 else (count, 1)
+    else:
+        given_shape = (given.shape[0], given.shape[1]) if given.size == count else (1, count)
+    if 1 in given_shape and 1 in source.shape and source.size != 1:
+        return (1, count) if source.shape[0] == 1 else (count, 1)
+    return given_shape
+
+
+def write(value: Value | None, indices: list[Index], new: Value, name: str) -> Value:
+    """Write one value for all elements, or as many values, into a copy, which grows if needed."""
+    block = grid(new)
+    old = np.empty((0, 0), block.dtype) if value is None else grid(value)
+    if not block.size:
+        raise MatlabError(f"elements of '{name}' cannot be taken out, nor set to []")
+    if old.dtype == np.bool_ and block.dtype != np.bool_:
+        block = block != 0
+    if len(indices) == 1:
+        return settle(_write_in_order(old, indices[0], block, name))
+    rows, columns = _pair(indices, old, name, block)
+    array = _grown(old, (_reach(rows), _reach(columns)))
+    _fill(array, np.ix_(rows, columns), (len(rows), len(columns)), block, name)
+    return settle(array)
+
+
+def _write_in_order(old: Grid, index: Index, block: Grid, name: str) -> Grid:
+    places = _places(index, old.size, name)
+    if (needed := _reach(places)) > old.size:
+        if old.size and 1 not in old.shape:
+            raise MatlabError(f"'{name}' of {measure(old)} cannot grow by one index")
+        old = _grown(old, (needed, 1) if old.shape[1] == 1 and old.size > 1 else (1, needed))
+    flat: Grid = old.flatten(order="F")
+    if block.size not in (1, len(places)):
+        raise MatlabError(f"{block.size} values do not fit {len(places)} elements of '{name}'")
+    flat[places] = block.ravel(order="F") if block.size > 1 else block.item()
+    return flat.reshape(old.shape, order="F")
+
+
+def _fill(
+    array: Grid, where: tuple[_Places, ...], size: tuple[int, int], block: Grid, name: str
+) -> None:
+    if block.size == 1:
+        array[where] = block.item()
+    elif [n for n in block.shape if n != 1] == [n for n in size if n != 1]:
+        array[where] = block.reshape(size)
+    else:
+        raise MatlabError(f"{measure(block)} does not fit {size[0]}×{size[1]} elements of '{name}'")
+
+
+def _grown(old: Grid, least: tuple[int, int]) -> Grid:
+    rows, columns = (max(pair) for pair in zip(old.shape, least, strict=True))
+    require_room(rows, columns)
+    array = np.zeros((rows, columns), old.dtype)
+    array[: old.shape[0], : old.shape[1]] = old
+    return array
+
+
+def _reach(places: _Places) -> int:
+    return int(places.max(initial=-1)) + 1
+
+
+def _pair(
+    indices: list[Index], source: Grid, name: str, block: Grid | None = None
+) -> tuple[_Places, _Places]:
+    """Rows and columns that two indices mean; ``:`` of nothing is as long as what is written."""
+    if len(indices) != 2:
+        raise MatlabError(f"'{name}' has {len(indices)} indices; there are one or two")
+    rows, columns = source.shape
+    if block is not None:
+        lengths = list(block.shape)
+        if isinstance(indices[1], float) and 1 in lengths:
+            lengths = [block.size, 1]
+        elif isinstance(indices[0], float) and 1 in lengths:
+            lengths = [1, block.size]
+        rows, columns = rows or lengths[0], columns or lengths[1]
+    return _places(indices[0], rows, name), _places(indices[1], columns, name)
+
+
+def _places(index: Index, extent: int, name: str) -> _Places:
+    """Places from 0 that an index means."""
+    if isinstance(index, All):
+        return np.arange(extent)
+    given = grid(index).ravel(order="F")
+    if given.dtype == np.bool_:
+        return np.flatnonzero(given)
+    wrong = given[~((given >= 1) & (given == np.floor(given)))]
+    if wrong.size:
+        raise _no_index(wrong[0], name)
+    places: _Places = np.minimum(given - 1, _FAR).astype(np.intp)
+    return places
+
+
+def _require_within(places: _Places, extent: int, what: str, source: Grid, name: str) -> None:
+    if places.size and places.max() >= extent:
+        raise _beyond(float(places.max()) + 1.0, what, source, name)
+
+
+def _no_index(index: float, name: str) -> MatlabError:
+    return MatlabError(f"'{name}' has the index {index:g}; indices are whole numbers from 1")
+
+
+def _beyond(index: float, what: str, source: Grid, name: str) -> MatlabError:
+    return MatlabError(f"'{name}' is {measure(source)} and has no {what} {index:.7g}")

@@ -4,7 +4,7 @@ import pytest
 
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import printed_of_document
-from drake_leg.robots import LEG_B, SCARA
+from drake_leg.robot.robots import LEG_B, SCARA
 
 
 def wrong(name, entries, robot=LEG_B, **settings):

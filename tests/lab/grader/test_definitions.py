@@ -5,7 +5,7 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import printed_of_document
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 
 
 def graded(**settings):
@@ -29,7 +29,7 @@ def test_two_symbols_of_one_name_are_refused(settings):
 
 
 def test_one_symbol_with_two_values_is_refused():
-    with pytest.raises(InvalidValueError, match="'L1' is said to be 50 and 60; say it once"):
+    with pytest.raises(InvalidValueError, match="'L1' is given as 50 and as 60; define it once"):
         graded(symbols={"L1": 50}, where={"L1": "60"})
 
 

@@ -13,8 +13,8 @@ from drake_leg.lab.grader.matrix_grader import rotation_fault
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix, read_printed
 from drake_leg.lab.grader.slips import Vocabulary, explain
 from drake_leg.lab.grader.tables import Table, TableRow
-from drake_leg.robot_file.read import load_robot, read_robot
-from drake_leg.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
+from drake_leg.robot.toml_reader import load_robot, read_robot
 from drake_leg.symbolic.formulas import evaluate
 from drake_leg.symbolic.parser import parse_formula
 

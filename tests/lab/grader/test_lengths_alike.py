@@ -8,14 +8,13 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil
-from drake_leg.lab.grader.chains import chain_of
+from drake_leg.lab.grader.comparison import chain_of
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.lengths import Cell, cell_values, readings
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix, printed_of_document
-from drake_leg.lab.grader.tables import Table, TableRow
+from drake_leg.lab.grader.tables import Cell, Table, TableRow, cell_values, readings
 from drake_leg.lab.grader.text_print import parse_text
-from drake_leg.robot import Link, Robot, Row, Segment
-from drake_leg.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg
 
 LEG = {"L1": 50.0, "L2": 100.0, "L3": 100.0}  # [mm], L2 = L3 = 2 L1
 BOTTOM = ("0", "0", "0", "1")

@@ -4,7 +4,7 @@ import pytest
 
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix
-from drake_leg.robots import LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
 
 REACH = "(50 + 100*c2 + 100*c23)"
 BOTTOM = ("0", "0", "0", "1")

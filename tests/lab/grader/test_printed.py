@@ -10,7 +10,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import is_print, printed_of_document, read_printed
 from drake_leg.lab.grader.text_print import parse_text
-from drake_leg.robots import SCARA
+from drake_leg.robot.robots import SCARA
 
 CSV = """\
 # a comment

@@ -7,7 +7,7 @@ import pytest
 
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import printed_of_document
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 FOLDER = Path(__file__).parent / "right"
 ROBOTS = {"leg-a": LEG_A, "leg-b": LEG_B, "scara": SCARA, "pendulum": PENDULUM}

@@ -6,7 +6,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import printed_of_document
 from drake_leg.lab.grader.text_print import parse_text
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 LEG = {"lengths": "mm", "angles": "deg", "symbols": {"L1": 50, "L2": 100, "L3": 100}}
 ARM = {"lengths": "mm", "joints": {"lift": "452.4-340-R"}}

@@ -9,15 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drake_leg.lab.grader.findings import errors
-from drake_leg.lab.grader.printed import read_printed
+from drake_leg.lab.grader.printed import errors, read_printed
 from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
 from drake_leg.lab.grader.tables import COLUMNS, Table, TableRow, repaired, table_of_document
-from drake_leg.robot import Inertial
-from drake_leg.robot_file.document import parse_document
-from drake_leg.robot_file.read import read_robot
-from drake_leg.robot_file.write import robot_toml
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
+from drake_leg.robot.robot import Inertial
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
+from drake_leg.robot.toml_keys import parse_document
+from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.toml_writer import robot_toml
 
 PRINTED = Path(__file__).parent / "printed"
 
@@ -158,8 +157,8 @@ def test_frames_out_of_order_are_named():
         ("0|90|0|0|0", {"lengths": "m"}, "or move it if it is an angle"),
         ("0|0|0|-452.4|0", {"lengths": "m"}, "r is -452.4 m; write -0.4524"),
         ("0|0.05|0|0|0", {"lengths": "mm"}, "d is 0.05 mm; write 50 if it is 0.05 m"),
-        ("0|50|0|20|0", {"lengths": None}, "the unit of its lengths is not said"),
-        ("0|0|90|0|45", {"angles": None}, "the unit of its angles is not said"),
+        ("0|50|0|20|0", {"lengths": None}, "the unit of its lengths is missing"),
+        ("0|0|90|0|45", {"angles": None}, "the unit of its angles is missing"),
     ],
 )
 def test_a_number_in_another_unit_is_guessed_and_no_error(row, units, said):

@@ -5,7 +5,7 @@ import pytest
 from drake_leg.lab.grader.claims import PLANAR, POSITION, fewest_columns, task_rows
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import printed_of_document
-from drake_leg.robots import LEG_A, LEG_B, PENDULUM, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 LIFT = {"lift": "452.4-340-R"}
 SCARA_J = "-220s1 - 240s12, -240s12, 0; 220c1 + 240c12, 240c12, 0; 1, 1, 1"
@@ -59,4 +59,4 @@ def test_rows_that_are_not_said_or_unknown_are_not_understood():
     (sentence,) = sentences(LEG_B, "J", "0, 1; 1, 0")
     assert "it does not say what its rows are; name every row under rows" in sentence
     (sentence,) = sentences(LEG_B, "J", "0, 1, 1; 1, 0, 1", rows=["x", "up"])
-    assert "its rows are said to be x, up; name every row under rows" in sentence
+    assert "its rows are named x, up; name every row under rows" in sentence

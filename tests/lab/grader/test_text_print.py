@@ -4,11 +4,10 @@ import time
 
 import pytest
 
-from drake_leg.lab.grader.findings import errors, not_understood
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.printed import read_printed
+from drake_leg.lab.grader.printed import errors, not_understood, read_printed
 from drake_leg.lab.grader.text_print import parse_text
-from drake_leg.robots import LEG_A
+from drake_leg.robot.robots import LEG_A
 
 LENGTHS = "lengths,mm\nL1,50\nL2,100\nL3,100\n"
 T12 = "T12 = [c2 -s2 0 L1; 0 0 1 0; -s2 -c2 0 0; 0 0 0 1]\n"
@@ -96,7 +95,7 @@ def test_what_is_wrong_is_not_hidden_by_what_is_right(graded, text):
         ("P4 = 0", "'P4' is defined and used nowhere"),
         ("z = L2*s2", "'z' is defined and used nowhere"),
         ("M12 = [1 0; 0 1]", "the matrix 'M12' means nothing here; write one of T12"),
-        ("T04 = T01*T12*T23*T34", "write the matrix that comes out"),
+        ("T04 = T01*T12*T23*T34", "write the resulting matrix"),
         ("L2 = 60", "L2 already has another value above; write it once"),
         ("T12,1,2", "T12 is already written above as a whole; write it once"),
         ("J = 100*[1 0; 0 1]", "'100*' is beside the matrix; multiply it in"),

@@ -10,7 +10,7 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import printed_of_document
-from drake_leg.robots import LEG_B
+from drake_leg.robot.robots import LEG_B
 
 HERE = Path(__file__).parent
 TEXTS = tomllib.loads((HERE / "unreadable.toml").read_text(encoding="utf-8"))

@@ -7,8 +7,8 @@ import pytest
 
 from drake_leg.lab.grader.grade import grade
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix
-from drake_leg.robot import Link, Robot, Row, Segment
-from drake_leg.robots import hexabot_leg, scara
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.robots import hexabot_leg, scara
 
 LENGTHS = {  # [mm]
     "distinct": (50, 100, 70),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drake_leg.robots import ROBOTS
+from drake_leg.robot.robots import ROBOTS
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.simulink.compare.compare import LiveModel, compare
 from drake_leg.simulink.reader import read_model

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import drake_leg.simulink.matlab
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.matlab import program, value
+from drake_leg.simulink.matlab.program import program, value
 
 SCRIPT = """function [qd, detJ] = f(u, v)
 %#codegen

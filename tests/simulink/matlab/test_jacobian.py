@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian
-from drake_leg.simulink.matlab import program
+from drake_leg.simulink.matlab.program import program
 
 LEG = LegGeometry(l1=0.05, l2=0.1, l3=0.1, sign=1)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.matlab import value
+from drake_leg.simulink.matlab.program import value
 
 PI, INF = math.pi, math.inf
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.matlab import program
+from drake_leg.simulink.matlab.program import program
 
 
 def run(body, *arguments, inputs="u", outputs="y"):

@@ -1,1 +1,0 @@
-"""Block diagrams as pictures: from live diagrams and plants to SVG."""

@@ -1,1 +1,0 @@
-"""From recordings to pictures; imports no Drake."""

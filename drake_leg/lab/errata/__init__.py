@@ -1,0 +1,1 @@
+"""The errors in the two reports: what is printed, what is right, and the error's effect."""

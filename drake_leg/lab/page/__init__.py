@@ -1,0 +1,1 @@
+"""The page with every figure, table and equation of both reports."""

@@ -1,0 +1,254 @@
+"""Writes pieces of HTML: prose with subscripts, numbers, pictures, errata, packed replays."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import io
+import json
+import re
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
+from urllib.parse import quote
+from xml.etree import ElementTree
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
+from markupsafe import Markup, escape
+from PIL import Image
+
+from drake_leg.errors import DrakeLegError, InvalidValueError
+from drake_leg.lab.errata.catalogue import Erratum, errata
+
+SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
+PNG = "data:image/png;base64,"
+PLACES = ("points", "x", "y", "x1", "y1", "x2", "y2")
+SHIFT = re.compile(r"translate\([^)]*\)")
+COORDINATE = re.compile(r"(?<![\w.])[1-9]\d*\.\d{3,}(?!\w)")
+PLAIN = ' !$"()*+,-./:;<=>?@[]_~'  # needs no escape in an address between single quotes
+
+
+@cache
+def template(name: str) -> Template:
+    """Load a template; values are escaped unless they are ``Markup``."""
+    environment = Environment(
+        loader=PackageLoader(__package__, "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["prose"] = prose
+    return environment.get_template(name)
+
+
+def piece(kind: str, *values: Any, **named: Any) -> Markup:  # noqa: ANN401 - as the macro takes
+    """Fill a macro of ``pieces.html``."""
+    return Markup(getattr(template("pieces.html").module, kind)(*values, **named).strip())
+
+
+def prose(text: str) -> Markup:
+    """Write text; the digits of names such as q1 and T04 become subscripts, and so does ``_j``."""
+    shown = re.sub(r"_(\w)", r"<sub>\1</sub>", str(escape(text)))
+    return Markup(re.sub(r"\b([^\W\d_])(\d+)\b", r"\1<sub>\2</sub>", shown))
+
+
+def number(value: float) -> str:
+    """Write a number in four decimals, a small one in six digits, with a true minus sign."""
+    if abs(value - round(value)) < 5e-13:
+        text = f"{round(value)}"
+    else:
+        text = f"{value:.4f}" if abs(value) > 1e-3 else f"{value:.6g}"
+    return text.replace("-", "−")
+
+
+def power(value: float) -> Markup:
+    """Write a small number with a power of ten."""
+    if value == 0.0:
+        return Markup("0")
+    digits, _, exponent = f"{value:.1e}".partition("e")
+    return Markup(f"{digits}&nbsp;·&nbsp;10<sup>{int(exponent)}</sup>".replace("-", "−"))
+
+
+def picture(
+    data: bytes | str, description: str, *, dark: bytes | None = None, narrow: str | None = None
+) -> Markup:
+    """Embed a PNG or an SVG in the page, once per medium; the style sheet shows one of them.
+
+    A ``picture`` element does not work here: browsers do not choose its source again for printing.
+    ``dark`` is a PNG for dark screens, ``narrow`` an SVG for phones and paper.
+    """
+    sources = {"any": _svg(data) if isinstance(data, str) else _webp(data)}
+    if dark is not None:
+        sources = {"light": sources["any"], "dark": _webp(dark)}
+    elif narrow is not None:
+        sources = {"broad": sources["any"], "narrow": _svg(narrow)}
+    return piece("images", {kind: Markup(source) for kind, source in sources.items()}, description)
+
+
+def _webp(png: bytes) -> str:
+    """Embed a PNG as lossless WebP, which is a third smaller."""
+    file = io.BytesIO()
+    Image.open(io.BytesIO(png)).save(file, "WEBP", lossless=True, quality=20, method=1)
+    return f"data:image/webp;base64,{base64.b64encode(file.getvalue()).decode('ascii')}"
+
+
+def _svg(text: str) -> str:
+    """Embed an SVG percent-encoded, which is shorter than base64, without invisible parts."""
+    return f"data:image/svg+xml,{quote(_lighter(text), safe=PLAIN)}"
+
+
+def _lighter(svg: str) -> str:
+    """Remove comments, metadata and line breaks, and round coordinates to 0.01 px."""
+    ElementTree.register_namespace("", SVG)
+    ElementTree.register_namespace("xlink", XLINK)
+    root = ElementTree.fromstring(svg)
+    for metadata in root.findall(f"{{{SVG}}}metadata"):
+        root.remove(metadata)
+    for element in root.iter():
+        element.text, element.tail = _joined(element.text), _joined(element.tail)
+        for name, value in element.attrib.items():
+            element.set(name, _shorter(name.removeprefix(f"{{{XLINK}}}"), value))
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _joined(text: str | None) -> str | None:
+    """Join the lines of a text; remove line breaks between elements."""
+    if text is None or "\n" not in text:
+        return text
+    return " ".join(line.strip() for line in text.split("\n")) if text.strip() else None
+
+
+def _shorter(name: str, value: str) -> str:
+    if name in PLACES:
+        return _rounded(value)
+    if name == "transform":
+        return SHIFT.sub(lambda found: _rounded(found[0]), value)
+    if name == "d":
+        return re.sub(r"\s*([MLQCz])\s*", r"\1", _rounded(value))
+    if name == "href" and value.startswith(PNG):
+        return _webp(base64.b64decode(value.removeprefix(PNG)))
+    return value
+
+
+def _rounded(numbers: str) -> str:
+    return COORDINATE.sub(lambda found: f"{float(found[0]):.2f}", numbers)
+
+
+MATRIX = re.compile(r"\[([^][]*;[^][]*)\]")  # entries between commas, rows between semicolons
+
+
+def erratum_notes(numbers: Iterable[int]) -> Markup:
+    """Write what is printed and what is right, for the item that the errata belong to."""
+    notes = []
+    for number in numbers:
+        printed, right = map(_ended, _beside(_numbered(number)))
+        notes.append(piece("note", _numbered(number), printed, right))
+    return Markup("\n").join(notes)
+
+
+def errata_entries(numbers: Iterable[int] | None = None) -> Markup:
+    """Write what is printed, what is right, and the effect of errata; by default of all of them.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is no erratum of such a number.
+    """
+    chosen = [_numbered(number) for number in (errata_by_number() if numbers is None else numbers)]
+    return Markup("\n").join(piece("entry", erratum, *_beside(erratum)) for erratum in chosen)
+
+
+def _numbered(number: int) -> Erratum:
+    if number not in errata_by_number():
+        raise InvalidValueError(
+            f"there is no erratum {number}; they are numbered from 1 to {len(errata_by_number())}"
+        )
+    return errata_by_number()[number]
+
+
+@cache
+def errata_by_number() -> Mapping[int, Erratum]:
+    """List the errata, computed once."""
+    return {erratum.number: erratum for erratum in errata()}
+
+
+def _beside(erratum: Erratum) -> tuple[Markup, Markup]:
+    """Write what is printed and what is right; entries of matrices that differ are marked."""
+    printed, right = (MATRIX.split(text) for text in (erratum.printed, erratum.right))
+    return _marked(printed, right, "wrong"), _marked(right, printed, "mended")
+
+
+def _marked(pieces: list[str], others: list[str], mark: str) -> Markup:
+    """Write text and matrices in turn, as ``MATRIX.split`` returns them."""
+    html = prose(pieces[0])
+    others = others + [""] * (len(pieces) - len(others))
+    for matrix, text, other, other_text in zip(
+        pieces[1::2], pieces[2::2], others[1::2], others[2::2], strict=False
+    ):
+        rows, beside = _entries(matrix), _entries(other)
+        same_shape = [len(row) for row in rows] == [len(row) for row in beside]
+        differing = {
+            (i, j): mark
+            for i, row in enumerate(rows)
+            for j, entry in enumerate(row)
+            if same_shape and entry != beside[i][j]
+        }
+        cells = piece("matrix", [[prose(entry) for entry in row] for row in rows], differing)
+        html += Markup('<div class="matrix">{}</div>').format(cells) + _text(text, other_text, mark)
+    return html
+
+
+def _text(text: str, other: str, mark: str) -> Markup:
+    """Write the text after a matrix; signs that differ from those of the other text are marked."""
+    words, others = (re.split(r"( [+−] )", one) for one in (text, other))
+    if len(words) != len(others) or len(words) == 1:
+        return prose(text)
+    return Markup("").join(
+        prose(word) if word == beside else Markup('<span class="{}">{}</span>').format(mark, word)
+        for word, beside in zip(words, others, strict=True)
+    )
+
+
+def _entries(matrix: str) -> list[list[str]]:
+    return [[entry.strip() for entry in row.split(",")] for row in matrix.split(";")]
+
+
+def _ended(sentence: Markup) -> Markup:
+    return sentence if sentence.endswith("</div>") else sentence + "."
+
+
+VIEWER = re.compile(r'<script type="text/javascript">.*?</script>', re.DOTALL)
+
+
+class UnlikeReplaysError(DrakeLegError):
+    """The replays have different viewers, so one copy cannot serve all."""
+
+
+def packed(pages: Mapping[str, str]) -> str:
+    """Pack pages (name -> HTML) that play motions with the same viewer; ``report.js`` unpacks them.
+
+    The JSON has ``viewer`` and, under ``pages``, what is before and after it on each; both are
+    compressed by gzip and in base64.
+
+    Raises
+    ------
+    UnlikeReplaysError
+        If a page has no viewer or another one.
+    """
+    viewers, rests = set(), {}
+    for name, page in pages.items():
+        found = VIEWER.search(page)
+        if found is None:
+            raise UnlikeReplaysError(f"the replay {name!r} has no viewer in it")
+        viewers.add(found[0])
+        rests[name] = _compressed(json.dumps([page[: found.start()], page[found.end() :]]))
+    if not pages:
+        return json.dumps({"viewer": "", "pages": {}})
+    if len(viewers) != 1:
+        raise UnlikeReplaysError(f"{len(pages)} replays have {len(viewers)} different viewers")
+    return json.dumps({"viewer": _compressed(viewers.pop()), "pages": rests})
+
+
+def _compressed(text: str) -> str:
+    return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode("ascii")

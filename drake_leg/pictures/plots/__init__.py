@@ -1,0 +1,1 @@
+"""Plots of recordings, robots and singularities; imports no Drake."""

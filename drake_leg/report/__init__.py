@@ -1,1 +1,0 @@
-"""Every figure and table of both reports on one page."""

@@ -1,0 +1,1 @@
+"""A robot as data: Khalil table, solids and joint mechanics, read from and written to TOML."""

@@ -1,0 +1,193 @@
+"""Joint mechanics under Simscape's names: damping, spring, limits, actuation, state targets."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, Self
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.units import (
+    DAMPING_UNITS,
+    SPRING_UNITS,
+    require_angle,
+    require_non_negative,
+    require_number,
+    require_positive,
+)
+
+Priority = Literal["high", "low"]
+PRIORITIES = ("high", "low")
+
+_PER_DEGREE, _PER_DEGREE_PER_SECOND = SPRING_UNITS["N*m/deg"], DAMPING_UNITS["N*m/(deg/s)"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StateTarget:
+    """Initial position or velocity of a joint; it has no effect afterwards."""
+
+    value: float  # [rad or m], or [rad/s or m/s]
+    priority: Priority = "high"  # a low one may be left unmet
+
+    def __post_init__(self) -> None:
+        require_angle("the state target", self.value)
+        if self.priority not in PRIORITIES:
+            raise InvalidValueError(
+                f"the state target's priority is {self.priority!r}; it must be "
+                f"{' or '.join(PRIORITIES)}, and where there is no target, leave it out"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class HardStop:
+    """Spring and damper that push a joint back beyond its limit, scaled up smoothly from 0."""
+
+    stiffness: float  # [N*m/rad] or [N/m]
+    damping: float  # [N*m*s/rad] or [N*s/m]
+    transition_width: float  # [rad] or [m], depth at which spring and damper act in full
+
+    def __post_init__(self) -> None:
+        require_positive("the limit's stiffness", self.stiffness, "N*m/rad")
+        require_non_negative("the limit's damping", self.damping, "N*m*s/rad")
+        require_positive("the limit's transition width", self.transition_width, "rad")
+
+    @classmethod
+    def rotational(
+        cls, stiffness: float = 1e4, damping: float = 10.0, transition_width: float = 0.1
+    ) -> Self:
+        """Make the stop of a revolute joint, by default with Simscape's values.
+
+        The units are Simscape's: N*m/deg, N*m/(deg/s), deg.
+        """
+        return cls(
+            stiffness=stiffness * _PER_DEGREE,
+            damping=damping * _PER_DEGREE_PER_SECOND,
+            transition_width=math.radians(transition_width),
+        )
+
+    @classmethod
+    def translational(
+        cls, stiffness: float = 1e6, damping: float = 1e3, transition_width: float = 1e-4
+    ) -> Self:
+        """Make the stop of a prismatic joint, by default with Simscape's values.
+
+        The units are N/m, N*s/m, m.
+        """
+        return cls(stiffness=stiffness, damping=damping, transition_width=transition_width)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointMechanics:
+    """A joint's state targets, internal mechanics, limits and actuation, as in Simscape.
+
+    A limit with a stop pushes the joint back; a limit without one must not be passed, and
+    a run ends there.
+    """
+
+    damping: float = 0.0  # [N*m*s/rad] or [N*s/m]
+    spring_stiffness: float = 0.0  # [N*m/rad] or [N/m]
+    equilibrium_position: float = 0.0  # [rad] or [m], where the spring is at rest
+    actuated: bool = True
+    lower: float | None = None  # [rad] or [m], least position; None: no limit
+    upper: float | None = None  # [rad] or [m], greatest position
+    velocity: float | None = None  # [rad/s] or [m/s], greatest speed
+    effort: float | None = None  # [N*m] or [N], greatest torque or force of the actuator
+    lower_stop: HardStop | None = None
+    upper_stop: HardStop | None = None
+    position_target: StateTarget | None = None  # [rad] or [m], where the joint starts
+    velocity_target: StateTarget | None = None  # [rad/s] or [m/s]
+
+    def __post_init__(self) -> None:
+        require_non_negative("the damping", self.damping, "N*m*s/rad")
+        require_non_negative("the spring stiffness", self.spring_stiffness, "N*m/rad")
+        require_angle("the spring's equilibrium position", self.equilibrium_position)
+        self._check_limits()
+        for name in ("lower", "upper"):
+            if getattr(self, f"{name}_stop") is not None and getattr(self, name) is None:
+                raise InvalidValueError(
+                    f"the {name} limit pushes back, but has no bound: give both or none"
+                )
+
+    def _check_limits(self) -> None:
+        for name, limit in (("lower", self.lower), ("upper", self.upper)):
+            if limit is not None:
+                require_number(f"the {name} limit", limit)
+            if limit is not None and not math.isfinite(limit):
+                raise InvalidValueError(
+                    f"the {name} limit is {limit!r}; it must be finite, or left out"
+                )
+        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
+            raise InvalidValueError(
+                f"the lower limit is {self.lower:.9g} and the upper one {self.upper:.9g}; the "
+                "lower one must be less, and a joint that cannot move is a fixed row"
+            )
+        if self.velocity is not None:
+            require_positive("the velocity limit", self.velocity, "rad/s")
+        if self.effort is not None:
+            require_positive("the effort limit", self.effort, "N*m")
+        if self.effort is not None and not self.actuated:
+            raise InvalidValueError(
+                f"the effort limit is {self.effort!r} N*m at a joint that is not actuated; "
+                "leave out one of the two"
+            )
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and greatest position [rad] or [m]; infinite where there is no limit."""
+        return (
+            -math.inf if self.lower is None else self.lower,
+            math.inf if self.upper is None else self.upper,
+        )
+
+    @property
+    def stops(self) -> tuple[tuple[int, float, HardStop], ...]:
+        """The limits that push back: side (-1 lower, 1 upper), bound [rad or m], stop."""
+        limits = ((-1, self.lower, self.lower_stop), (1, self.upper, self.upper_stop))
+        return tuple(
+            (side, bound, stop)
+            for side, bound, stop in limits
+            if bound is not None and stop is not None
+        )
+
+    @classmethod
+    def rotational(
+        cls,
+        *,
+        equilibrium_position: float = 0.0,
+        spring_stiffness: float = 0.0,
+        damping_coefficient: float = 0.0,
+        position_target: float | None = None,
+        position_priority: Priority = "high",
+        velocity_target: float | None = None,
+        velocity_priority: Priority = "high",
+        lower: float | None = None,
+        upper: float | None = None,
+        lower_stop: HardStop | None = None,
+        upper_stop: HardStop | None = None,
+        actuated: bool = True,
+    ) -> Self:
+        """Make the mechanics of a revolute joint from its settings in Simscape, in their units.
+
+        Angles are in deg, speeds in deg/s, the stiffness in N*m/deg, the damping in N*m/(deg/s).
+        A limit without a stop of its own gets ``HardStop.rotational()``.
+        """
+        position, velocity = (
+            None if value is None else StateTarget(value=math.radians(value), priority=priority)
+            for value, priority in (
+                (position_target, position_priority),
+                (velocity_target, velocity_priority),
+            )
+        )
+        default = HardStop.rotational()
+        return cls(
+            damping=damping_coefficient * _PER_DEGREE_PER_SECOND,
+            spring_stiffness=spring_stiffness * _PER_DEGREE,
+            equilibrium_position=math.radians(equilibrium_position),
+            actuated=actuated,
+            lower=None if lower is None else math.radians(lower),
+            upper=None if upper is None else math.radians(upper),
+            lower_stop=lower_stop or (None if lower is None else default),
+            upper_stop=upper_stop or (None if upper is None else default),
+            position_target=position,
+            velocity_target=velocity,
+        )

@@ -1,0 +1,457 @@
+"""A robot as data: Khalil rows, links with their mass properties, names and joint mechanics."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Literal
+
+from drake_leg.colours import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    REDDISH_PURPLE,
+    SKY_BLUE,
+    VERMILLION,
+    YELLOW,
+    Colour,
+    rgb,
+)
+from drake_leg.errors import InvalidValueError
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.units import LEAST, require_positive
+
+JointType = Literal["revolute", "prismatic", "fixed"]
+
+# As parts of the sum of the principal moments: how far a plate may violate the triangle inequality
+# by rounding, and the margin that a body with products of inertia needs, because SDF's parser
+# computes its principal moments only that accurately.
+_MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
+
+NO_MECHANICS = JointMechanics()
+
+# In the order of a chain's rows.
+LINK_COLOURS = tuple(map(rgb, (BLUE, ORANGE, GREEN, SKY_BLUE, YELLOW, VERMILLION, REDDISH_PURPLE)))
+
+BASE = "base"  # the link that is welded to the world
+BASE_WELD = "base_weld"
+PLACES = ("base", "cog", "end")  # of the frames on every link
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One row of a Khalil (modified DH) table.
+
+    The transform of the row is ``Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``. A revolute
+    joint adds its position to ``theta``, a prismatic one to ``r``; a fixed row (printed as ~ in
+    the reports) has no joint position.
+    """
+
+    joint: JointType
+    d: float = 0.0  # [m], along x of the frame before
+    alpha: float = 0.0  # [rad], about x of the frame before
+    r: float = 0.0  # [m], along z of this frame
+    theta: float = 0.0  # [rad], about z of this frame
+
+    def __post_init__(self) -> None:
+        if self.joint not in ("revolute", "prismatic", "fixed"):
+            raise InvalidValueError(
+                f"a row's joint is {self.joint!r}; it must be revolute, prismatic or fixed"
+            )
+        for name in ("d", "alpha", "r", "theta"):
+            value = getattr(self, name)
+            if not math.isfinite(value):
+                raise InvalidValueError(f"a row's {name} is {value!r}; it must be a finite number")
+
+    @property
+    def sigma(self) -> int | None:
+        """The reports' joint type: 0 revolute, 1 prismatic, None fixed (~)."""
+        return {"revolute": 0, "prismatic": 1, "fixed": None}[self.joint]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Brick:
+    """A box, its edges along the axes of its own frame, its origin at its centre."""
+
+    length: float  # [m], along x
+    width: float  # [m], along y
+    height: float  # [m], along z
+
+    def __post_init__(self) -> None:
+        for name in ("length", "width", "height"):
+            require_positive(f"the brick's {name}", getattr(self, name), "m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cylinder:
+    """A cylinder about the z axis of its own frame, its origin at its centre."""
+
+    radius: float  # [m]
+    length: float  # [m], along z
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "length"):
+            require_positive(f"the cylinder's {name}", getattr(self, name), "m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sphere:
+    """A ball, its origin at its centre."""
+
+    radius: float  # [m]
+
+    def __post_init__(self) -> None:
+        require_positive("the sphere's radius", self.radius, "m")
+
+
+Shape = Brick | Cylinder | Sphere
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solid:
+    """A homogeneous solid: mass and inertia follow from shape and density."""
+
+    shape: Shape
+    density: float  # [kg/m^3]
+    centre: tuple[float, float, float]  # [m], p_LS: centre of the solid in its link's frame
+    colour: Colour
+
+    def __post_init__(self) -> None:
+        require_positive("the density", self.density, "kg/m^3")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inertial:
+    """Explicit mass properties, where they do not follow from a homogeneous solid.
+
+    The inertia matrix is about the centre of mass, along the axes of the link's frame; its
+    products are the entries of the matrix, as in SDF.
+    """
+
+    mass: float  # [kg]
+    centre: tuple[float, float, float]  # [m], p_LC: centre of mass in the link's frame
+    moments: tuple[float, float, float]  # [kg*m^2], Ixx, Iyy, Izz
+    products: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [kg*m^2], Ixy, Ixz, Iyz
+
+    def __post_init__(self) -> None:
+        require_positive("the mass", self.mass, "kg")
+        if not all(map(math.isfinite, (*self.centre, *self.moments, *self.products))):
+            raise InvalidValueError(f"{self} has a value that is not finite")
+        small, middle, great = self.principal_moments()
+        total = small + middle + great
+        margin = _MOMENT_MARGIN * total if any(self.products) else -_MOMENT_ROUNDING * total
+        shown = ", ".join(f"{moment:.9g}" for moment in (small, middle, great))
+        if small < max(LEAST, margin):
+            raise InvalidValueError(
+                f"the inertia has the principal moments {shown} kg*m^2; all of them must be "
+                "positive"
+            )
+        if small + middle < great + margin:
+            raise InvalidValueError(
+                f"the inertia has the principal moments {shown} kg*m^2; the greatest must be less "
+                "than the other two together, as it is for every body"
+            )
+
+    def principal_moments(self) -> tuple[float, float, float]:
+        """Moments about the principal axes of inertia, the smallest first [kg*m^2]."""
+        (xx, yy, zz), (xy, xz, yz) = self.moments, self.products
+        if not any(self.products):
+            small, middle, great = sorted(self.moments)
+            return small, middle, great
+        import numpy as np
+
+        matrix = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+        small, middle, great = np.linalg.eigvalsh(matrix).tolist()
+        return small, middle, great
+
+
+@dataclass(frozen=True, kw_only=True)
+class Link:
+    """A rigid body whose frame is the DH frame of its row.
+
+    Its mass follows from ``solid``, unless there is an ``inertial``: then the solid is only drawn.
+    With neither, it is a body without mass, which is allowed between two joints.
+    """
+
+    name: str
+    solid: Solid | None = None
+    inertial: Inertial | None = None
+    end: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m], p_LE: end of the link in its frame
+
+    @property
+    def centre_of_mass(self) -> tuple[float, float, float]:
+        """Centre of mass in the link's frame, p_LC [m]; the origin where there is no mass."""
+        body = self.inertial or self.solid
+        return body.centre if body else (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Segment:
+    """A row of the table with its joint and link, or with only a frame."""
+
+    row: Row
+    joint: str | None = None  # name of the joint; None for a mere frame
+    link: Link | None = None
+    mechanics: JointMechanics = NO_MECHANICS
+
+    def __post_init__(self) -> None:
+        if (self.joint is None) != (self.link is None):
+            raise InvalidValueError(
+                f"a row has joint {self.joint!r} and link {self.link!r}; it must have both or none"
+            )
+        if self.link is None and self.row.joint != "fixed":
+            raise InvalidValueError(f"a {self.row.joint} row has no link; only a fixed row may")
+        if self.row.joint == "fixed" and self.mechanics != NO_MECHANICS:
+            raise InvalidValueError(
+                "a fixed row has joint mechanics or limits; only a row that moves may"
+            )
+
+
+def link_colour(row: int) -> Colour:
+    """Colour of a link that has none of its own, by its row in the table, from 1.
+
+    Colours repeat after ``len(LINK_COLOURS)`` rows.
+    """
+    return LINK_COLOURS[(row - 1) % len(LINK_COLOURS)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """A serial robot on a fixed base.
+
+    Its end effector, the foot, is the last frame of the table.
+
+    Parameters
+    ----------
+    name : str
+        As in file names: letters, digits and underscores.
+    title : str
+        As in headings.
+    source : str
+        Where its numbers come from.
+    segments : tuple of Segment
+        One for each row of the Khalil table, from base to tip, with its joint and its link.
+
+    Raises
+    ------
+    InvalidValueError
+        If a name is unusable or used twice, or no row moves.
+
+    Examples
+    --------
+    >>> from drake_leg import Robot
+    >>> from drake_leg.robot.robot import Brick, Link, Row, Segment, Solid
+    >>> bar = Solid(
+    ...     shape=Brick(length=0.2, width=0.02, height=0.01),  # [m]
+    ...     density=2700.0,  # [kg/m^3]
+    ...     centre=(0.1, 0.0, 0.0),
+    ...     colour=(0.0, 0.45, 0.7),
+    ... )
+    >>> arm = Robot(
+    ...     name="arm",
+    ...     title="One bar",
+    ...     source="typed here",
+    ...     segments=(
+    ...         Segment(
+    ...             row=Row(joint="revolute"),
+    ...             joint="turn",
+    ...             link=Link(name="bar", solid=bar, end=(0.2, 0.0, 0.0)),
+    ...         ),
+    ...         Segment(row=Row(joint="fixed", d=0.2)),  # the foot: a frame only
+    ...     ),
+    ... )
+    >>> len(arm.moving), len(arm.rows)
+    (1, 2)
+    """
+
+    name: str  # as in file names: leg_b
+    title: str  # as in headings: Hexabot leg B
+    source: str  # report and table
+    segments: tuple[Segment, ...]
+
+    def __post_init__(self) -> None:
+        require_name("the robot's name", self.name)
+        require_line("the robot's title", self.title)
+        require_line("the robot's source", self.source)
+        for index, segment in enumerate(self.segments, start=1):
+            if segment.link is not None and segment.joint is not None:
+                require_name(f"the link of row {index}", segment.link.name)
+                require_name(f"the joint of row {index}", segment.joint)
+        require_unique(self._names())
+        if not self.moving:
+            raise InvalidValueError(
+                f"the robot {self.name!r} has no row that moves; at least one must be revolute "
+                "or prismatic"
+            )
+
+    def _names(self) -> Iterator[tuple[str, str]]:
+        """List the names of all links, joints and frames of the model, with descriptions."""
+        yield BASE, "the base"
+        yield BASE_WELD, "the base's weld"
+        yield frame_name(0), "the base's frame"
+        for index, segment in enumerate(self.segments, start=1):
+            if segment.link is not None and segment.joint is not None:
+                yield segment.link.name, f"the link of row {index}"
+                yield segment.joint, f"the joint of row {index}"
+            yield frame_name(index), f"the frame of row {index}"
+        for index, segment in enumerate(self.segments, start=1):
+            if segment.link is not None:
+                for place in PLACES:
+                    yield (
+                        place_name(segment.link.name, place),
+                        f"a frame on the link of row {index}",
+                    )
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """The Khalil table."""
+        return tuple(segment.row for segment in self.segments)
+
+    @property
+    def moving(self) -> tuple[Segment, ...]:
+        """The segments with a joint position, in the table's order."""
+        return tuple(s for s in self.segments if s.row.joint != "fixed")
+
+    def _repr_html_(self) -> str:
+        headings = ("row", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]", "joint", "link")
+        rows = []
+        variables = (f"q{number}" for number in itertools.count(1))
+        for index, segment in enumerate(self.segments, start=1):
+            row = segment.row
+            r, theta = f"{row.r:g}", _angle(row.theta)
+            if row.joint == "revolute":
+                theta = _sum(next(variables), row.theta, theta)
+            elif row.joint == "prismatic":
+                r = _sum(next(variables), row.r, r)
+            sigma = "~" if row.sigma is None else row.sigma
+            link = segment.link.name if segment.link else ""
+            cells = (index, sigma, f"{row.d:g}", _angle(row.alpha), r, theta)
+            rows.append((*cells, segment.joint or "", link))
+        return html_table(headings, rows, title=f"{self.title} ({self.source})")
+
+
+def _angle(angle: float) -> str:
+    """Write an angle [rad], as a multiple of π where it is one."""
+    named = {0.0: "0", math.pi / 2: "π/2", -math.pi / 2: "−π/2", math.pi: "π"}
+    return named.get(angle, f"{angle:.4g}")
+
+
+def _sum(variable: str, offset: float, text: str) -> str:
+    """Write a joint variable plus the table's constant offset, unless that is 0."""
+    return f"{variable} + {text}" if offset else variable
+
+
+@dataclass(frozen=True, kw_only=True)
+class MassProperties:
+    """Mass and principal moments about the solid's centre, along its own axes."""
+
+    mass: float  # [kg]
+    moments: tuple[float, float, float]  # [kg*m^2], about x, y, z
+
+
+def volume(shape: Shape) -> float:
+    """Volume of a shape [m^3]."""
+    if isinstance(shape, Brick):
+        return shape.length * shape.width * shape.height
+    if isinstance(shape, Cylinder):
+        return math.pi * shape.radius**2 * shape.length
+    return 4.0 / 3.0 * math.pi * shape.radius**3
+
+
+def bounding_radius(shape: Shape) -> float:
+    """Distance of a shape's farthest point from its centre [m]."""
+    if isinstance(shape, Brick):
+        return math.hypot(shape.length, shape.width, shape.height) / 2
+    if isinstance(shape, Cylinder):
+        return math.hypot(shape.radius, shape.length / 2)
+    return shape.radius
+
+
+def mass_properties(solid: Solid) -> MassProperties:
+    """Mass and principal moments of a homogeneous solid.
+
+    A brick has ``Ixx = m (w^2 + h^2) / 12`` and so on, a cylinder ``Izz = m r^2 / 2`` and
+    ``Ixx = m (3 r^2 + l^2) / 12``, a ball ``2/5 m r^2``. A solid whose mass or moments would
+    underflow or overflow is refused.
+    """
+    shape = solid.shape
+    mass = solid.density * volume(shape)
+    if isinstance(shape, Brick):
+        x2, y2, z2 = shape.length**2, shape.width**2, shape.height**2
+        per_mass = ((y2 + z2) / 12, (x2 + z2) / 12, (x2 + y2) / 12)
+    elif isinstance(shape, Cylinder):
+        across = (3 * shape.radius**2 + shape.length**2) / 12
+        per_mass = (across, across, shape.radius**2 / 2)
+    else:
+        about = 2 / 5 * shape.radius**2
+        per_mass = (about, about, about)
+    require_positive("the mass of a solid", mass, "kg")
+    for moment in per_mass:
+        require_positive("a moment of inertia of a solid", mass * moment, "kg*m^2")
+    return MassProperties(
+        mass=mass, moments=(mass * per_mass[0], mass * per_mass[1], mass * per_mass[2])
+    )
+
+
+def frame_name(index: int) -> str:
+    """Name the frame of a row, counted from 1; 0 is the base."""
+    return f"frame_{index}"
+
+
+def place_name(link: str, place: str) -> str:
+    """Name a frame on a link: its base, its centre of gravity or its end."""
+    return f"{link}_{place}"
+
+
+def require_name(what: str, name: str) -> None:
+    """Refuse a name that SDF reserves or that other programs cannot read.
+
+    Allowed are letters, digits, _ and -, beginning with a letter or _.
+    """
+    if not name:
+        raise InvalidValueError(f"{what} is empty; it must be a name")
+    if "::" in name:
+        raise InvalidValueError(
+            f"{what} is {name!r}; SDF keeps '::' for models inside of models: leave it out"
+        )
+    if name == "world" or re.fullmatch(r"__.*__", name):
+        raise InvalidValueError(f"{what} is {name!r}, which SDF reserves; choose another name")
+    if not re.fullmatch(r"[^\W\d][\w-]*", name):
+        raise InvalidValueError(
+            f"{what} is {name!r}; it must have letters, digits, _ and - only, and begin with a "
+            "letter"
+        )
+
+
+def require_line(what: str, text: str) -> None:
+    """Refuse text that is not printable on one line."""
+    if not text.isprintable():
+        raise InvalidValueError(f"{what} is {text!r}; it must be printable text on one line")
+
+
+def require_unique(names: Iterable[tuple[str, str]]) -> None:
+    """Refuse a name that is used twice, given pairs of a name and a description of its owner."""
+    owners: dict[str, str] = {}
+    for name, what in names:
+        if name in owners:
+            raise InvalidValueError(
+                f"the name {name!r} is given twice, to {owners[name]} and to {what}; every link, "
+                "joint and frame must have its own"
+            )
+        owners[name] = what
+
+
+def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]], *, title: str) -> str:
+    """HTML of a table with a title above it, for notebooks; all texts are escaped."""
+    head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(str(cell))}</td>" for cell in row) + "</tr>" for row in rows
+    )
+    return (
+        f"<p><b>{escape(title)}</b></p>"
+        f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    )

@@ -1,1 +1,0 @@
-"""A robot as a TOML file: read and written."""
