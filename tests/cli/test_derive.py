@@ -27,7 +27,9 @@ LEG = "l₂⋅l₃⋅s₃⋅(c₂⋅l₂ + c₂₃⋅l₃ + l₁)"
     ("name", "first", "last", "determinant"),
     [
         pytest.param("leg-a", "A, eq. 1:", "A, eq. 19:", LEG, marks=pytest.mark.slow),
-        pytest.param("leg-b", "B, section 2.3:", "B, section 2.5.2:", f"-{LEG}"),
+        pytest.param(
+            "leg-b", "B, section 2.3:", "B, section 2.5.2:", f"-{LEG}", marks=pytest.mark.slow
+        ),
         pytest.param("scara", "B, section 1.3:", "B, section 1.6:", "l₁⋅l₂⋅s₂"),
     ],
     ids=["leg-a", "leg-b", "scara"],

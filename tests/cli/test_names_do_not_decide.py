@@ -86,7 +86,14 @@ def test_the_doctor_takes_three_numbers_of_a_scara_whatever_its_name(tmp_path, c
     assert capsys.readouterr().out == told
 
 
-@pytest.mark.parametrize("name", ["leg_a", "scara", "pendulum"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("leg_a", marks=pytest.mark.slow),
+        pytest.param("scara", marks=pytest.mark.slow),
+        "pendulum",
+    ],
+)
 def test_a_run_of_a_file_is_replayed_with_its_file(name, drawn, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / f"{name}.toml").write_text(named(PLANAR_3, name), encoding="utf-8")

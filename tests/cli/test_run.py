@@ -213,7 +213,7 @@ def on_a_small_disk(most):
         resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
 
     return subprocess.run(
-        [sys.executable, "-m", "drake_leg", "run", "leg-b", "--out", "out", "--duration", "2"],
+        [sys.executable, "-m", "drake_leg", "run", "pendulum", "--out", "out", "--duration", "0.5"],
         capture_output=True,
         text=True,
         check=False,
@@ -231,7 +231,7 @@ def test_a_full_disk_is_one_sentence_and_leaves_nothing(here):
 
 
 def test_a_disk_that_is_full_at_the_figures_costs_these_alone(here):
-    done = on_a_small_disk(60_000)
+    done = on_a_small_disk(40_000)
     assert done.returncode == 1
     rows = int(re.match(r"wrote out: (\d+) rows", done.stdout)[1])
     *figures, last = sentences(done)
@@ -264,6 +264,7 @@ def test_two_runs_record_the_same_bytes(no_figures, here, capsys, words):
     assert recordings[0] == recordings[1]
 
 
+@pytest.mark.slow
 def test_a_missing_display_is_no_hindrance(here, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.setenv("MPLBACKEND", "TkAgg")

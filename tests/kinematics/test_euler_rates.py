@@ -88,7 +88,13 @@ def test_at_gimbal_lock_rates_are_the_least_squares_of_least_norm(sequence, at, 
         np.testing.assert_allclose(angle_rates(sequence, angles, w), expected, atol=1e-12)
 
 
-@ALL
+@pytest.mark.parametrize(
+    "sequence",
+    [
+        pytest.param(sequence, marks=() if number % 3 == 0 else pytest.mark.slow)
+        for number, sequence in enumerate(SEQUENCES)
+    ],
+)
 @given(data=st.data())
 def test_nothing_is_ever_infinite(sequence, data):
     small = st.sampled_from([0.0, 1e-300, 1e-16, -1e-13, 1e-12, 1e-9, -1e-4, 1.0])

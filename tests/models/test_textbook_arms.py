@@ -123,7 +123,13 @@ def test_a_table_makes_the_published_transform(name, published, rng):
         np.testing.assert_allclose(foot_pose(robot.rows, q), published(q), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=pytest.mark.slow if "classic" in path.stem else ())
+        for path in FILES
+    ],
+)
 def test_an_arm_is_proved_against_sympy_and_drake(path):
     proof = prove(load_robot(path), samples=8)
     assert proof.holds, proof.worst

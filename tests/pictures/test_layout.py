@@ -63,7 +63,9 @@ def chain(count, *more):
     return Picture(title="chain", blocks=blocks, nets=nets)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize(
+    "seed", [*range(10), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(10, 40))]
+)
 def test_a_chance_picture_is_clean(rng, require_clean, seed):
     rng = type(rng)(type(rng.bit_generator)(seed))
     require_clean(lay_out(chance_picture(rng)))

@@ -84,10 +84,14 @@ def test_what_was_asked_for_is_no_inaccuracy(options):
     ("name", "options"),
     [
         ("pendulum", {"q0": [-90.0]}),
-        ("pendulum", {"q0": [-89.9999]}),
+        pytest.param("pendulum", {"q0": [-89.9999]}, marks=pytest.mark.slow),
         ("pendulum", {"q0": [0.0], "velocity_target": 491.3373}),  # on the separatrix
         ("pendulum-damped", {"q0": [-90.0], "duration": 10.0}),
-        ("pendulum-spring", {"q0": [-90.0], "spring_stiffness": 0.0, "duration": 10.0}),
+        pytest.param(
+            "pendulum-spring",
+            {"q0": [-90.0], "spring_stiffness": 0.0, "duration": 10.0},
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=str,
 )

@@ -143,7 +143,7 @@ def test_without_q0_the_joints_start_at_their_targets():
     np.testing.assert_allclose(joints(outcome)[0], [0.5, 0.5])
 
 
-@pytest.mark.parametrize("task", ["position", "pose"])
+@pytest.mark.parametrize("task", [pytest.param("position", marks=pytest.mark.slow), "pose"])
 def test_a_singularity_is_foreseen_where_the_simulation_meets_it(task):
     robot, q = POSTURES["seven"]
     far = options(robot, q, amplitude=0.5, duration=3.0, task=task)

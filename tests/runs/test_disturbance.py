@@ -90,7 +90,11 @@ def test_a_push_is_what_the_torques_do_not_explain():
     assert not push_torques(LEG_B, Seen, disturbance_of(wrong)).any()
 
 
-@pytest.mark.parametrize("disturbed", [{"push": UP}, {"mass_error": 0.2}], ids=str)
+@pytest.mark.parametrize(
+    "disturbed",
+    [{"push": UP}, pytest.param({"mass_error": 0.2}, marks=pytest.mark.slow)],
+    ids=str,
+)
 def test_a_correction_brings_a_disturbed_foot_back(disturbed):
     left = straight(duration=5.0, **disturbed).summary
     brought_back = straight(duration=5.0, correction=5.0, **disturbed).summary
@@ -128,6 +132,7 @@ def test_the_works_of_joints_and_push_become_the_legs_energy():
     )
 
 
+@pytest.mark.slow
 def test_weak_joints_fall_and_are_stopped_with_a_reason_or_go_on_damped():
     weak = straight(torque_limit=0.004)
     assert np.abs(columns(weak, "tau")).max() == 0.004

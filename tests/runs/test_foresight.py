@@ -104,7 +104,7 @@ def test_passing_close_by_is_reported_and_not_refused():
     assert straight(duration=1.0)["grazing"] is None
 
 
-@pytest.mark.parametrize("method", ["damped", "limited"])
+@pytest.mark.parametrize("method", ["damped", pytest.param("limited", marks=pytest.mark.slow)])
 def test_other_inverses_go_on_and_recover(method):
     summary = straight(duration=7.0, amplitude=0.1, inverse=method)
     assert summary["stop_reason"] is None
@@ -123,8 +123,15 @@ def test_a_command_far_outside_is_waited_for_at_a_bounded_speed_and_in_few_steps
     assert np.linalg.norm(outcome.recording.stack("vx", "vy", "vz"), axis=1).max() < 1.3 * 0.3
 
 
-@pytest.mark.parametrize("method", ["damped", "limited"])
-@pytest.mark.parametrize("amplitude", [0.07, 0.093])
+@pytest.mark.parametrize(
+    ("method", "amplitude"),
+    [
+        ("damped", 0.07),
+        ("damped", 0.093),
+        pytest.param("limited", 0.07, marks=pytest.mark.slow),
+        ("limited", 0.093),
+    ],
+)
 def test_other_inverses_are_exact_inside(method, amplitude):
     summary = straight(duration=6.4, amplitude=amplitude, inverse=method)
     assert summary["max_position_error_m"] < 1e-6
@@ -137,6 +144,7 @@ def test_a_rate_limit_is_kept():
     assert np.abs(recording.stack("qdot1", "qdot2", "qdot3")).max() < np.radians(40.5)
 
 
+@pytest.mark.slow
 def test_position_limits_are_kept_by_the_limited_inverse_alone():
     limits = JointMechanics(lower=np.radians(-60.0), upper=np.radians(-40.0))
     options = StraightOptions(q0=[90.0, -50.0, -90.0], amplitude=0.07, duration=6.4)

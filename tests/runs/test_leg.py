@@ -142,7 +142,7 @@ def test_steps_in_oblique_directions_are_as_exact(direction):
     assert outcome.summary["stroke_m"] == pytest.approx(0.030, abs=1e-5)
 
 
-@pytest.mark.parametrize("frequency", [0.1, 3.0, 20.0, 100.0])
+@pytest.mark.parametrize("frequency", [pytest.param(0.1, marks=pytest.mark.slow), 3.0, 20.0, 100.0])
 def test_steps_at_any_frequency_are_as_exact(frequency):
     outcome = straight(duration=10 / frequency, frequency=frequency, amplitude=0.070 * frequency)
     assert outcome.summary["stroke_m"] == pytest.approx(0.140, abs=1e-4)

@@ -81,7 +81,7 @@ def test_the_exact_inverse_stops_and_speaks_degrees():
     assert "outside its limits -50.5 ... -49.5 deg: choose another posture" in reason
 
 
-@pytest.mark.parametrize("lag", [0.001, 0.05])
+@pytest.mark.parametrize("lag", [pytest.param(0.001, marks=pytest.mark.slow), 0.05])
 def test_joints_that_lag_behind_input_filters_do_not_cross_their_limit_either(lag):
     robot = limited(knee={"lower": math.radians(-52.0), "upper": math.radians(-48.0)})
     slow = replace(BACK, filter_time_constant=lag, max_step=min(0.01, lag), duration=0.6)

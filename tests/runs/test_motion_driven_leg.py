@@ -29,7 +29,10 @@ def angle_error(outcome):
     return max(np.abs(outcome.recording[q] - outcome.exact[q]).max() for q in angles)
 
 
-@pytest.mark.parametrize(("max_step", "within"), [(0.040, 1e-9), (0.005, 1e-12)])
+@pytest.mark.parametrize(
+    ("max_step", "within"),
+    [(0.040, 1e-9), pytest.param(0.005, 1e-12, marks=pytest.mark.slow)],
+)
 def test_joint_angles_follow_their_command(max_step, within):
     config = HexabotLegConfig(robot=LEG_B, q0=tuple(Q0))
     diagram = build(config)
@@ -45,8 +48,15 @@ def test_joint_angles_follow_their_command(max_step, within):
     assert max(lags) <= within
 
 
-@pytest.mark.parametrize(("max_step", "within"), [(None, 2e-9), (0.005, 1e-12)])
-@pytest.mark.parametrize(("variant", "options"), [("A", LegAOptions), ("B", LegBOptions)])
+@pytest.mark.parametrize(
+    ("variant", "options", "max_step", "within"),
+    [
+        ("A", LegAOptions, None, 2e-9),
+        pytest.param("A", LegAOptions, 0.005, 1e-12, marks=pytest.mark.slow),
+        pytest.param("B", LegBOptions, None, 2e-9, marks=pytest.mark.slow),
+        ("B", LegBOptions, 0.005, 1e-12),
+    ],
+)
 def test_joint_angles_are_those_of_the_exact_path_and_torques_inverse_dynamics(
     variant, options, max_step, within
 ):

@@ -173,7 +173,13 @@ def test_a_run_that_has_hardly_begun_has_not_come_to_rest(duration):
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "target"), [(5.0, 30.0), (0.5, 30.0), (1.0, -20.0), (50.0, 120.0)]
+    ("stiffness", "target"),
+    [
+        (5.0, 30.0),
+        (0.5, 30.0),
+        (1.0, -20.0),
+        pytest.param(50.0, 120.0, marks=pytest.mark.slow),
+    ],
 )
 def test_the_spring_holds_it_where_the_torques_balance(stiffness, target):
     summary = sprung(spring_stiffness=stiffness, target=target, damping=0.05, duration=8.0).summary
@@ -262,7 +268,7 @@ def test_a_light_damped_link_is_told_what_works():
         run_pendulum(replace(LIGHT, damping=1000.0))
 
 
-@pytest.mark.parametrize("density", [1.0, 100.0])
+@pytest.mark.parametrize("density", [pytest.param(1.0, marks=pytest.mark.slow), 100.0])
 def test_an_implicit_integrator_gives_the_right_motion_of_a_light_damped_link(density):
     options = replace(LIGHT, density=density, damping=0.05, integrator="radau3")
     summary = run_pendulum(options).summary

@@ -1,3 +1,5 @@
+from functools import cache
+
 import numpy as np
 import pytest
 from witnesses import rest_depth
@@ -26,6 +28,7 @@ LIMITS = JointMechanics(
 )
 
 
+@cache
 def swing(mechanics, duration=3.0, accuracy=1e-9):
     robot = pendulum(mechanics=mechanics)
     run = simulate(
@@ -67,6 +70,7 @@ def test_stops_without_damper_keep_the_energy():
     np.testing.assert_allclose(recorded, recorded[0], atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_pendulum_rests_in_its_stop_at_the_closed_forms_depth():
     limits = JointMechanics(damping=0.02, upper=0.5, upper_stop=SOFT, actuated=False)
     model, q, w, _ = swing(limits, duration=8.0)

@@ -424,8 +424,15 @@ def test_curves_differ_in_colour_and_in_dashes():
     assert len({line.get_linestyle() for line in lines}) == 4
 
 
-@pytest.mark.parametrize("duration", [1e-9, 1e-3])
-@pytest.mark.parametrize("name", ["pendulum", "leg-b"])
+@pytest.mark.parametrize(
+    ("name", "duration"),
+    [
+        ("pendulum", 1e-9),
+        ("pendulum", 1e-3),
+        ("leg-b", 1e-9),
+        pytest.param("leg-b", 1e-3, marks=pytest.mark.slow),
+    ],
+)
 def test_runs_of_hardly_any_time_can_be_drawn(name, duration):
     for draw in figures_of(name, duration=duration).values():
         figure = draw()

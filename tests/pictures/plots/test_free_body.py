@@ -148,7 +148,13 @@ def chain_figure(name):
     return free_body(CHAINS[name])
 
 
-@pytest.mark.parametrize("name", CHAINS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if number % 3 == 0 else pytest.mark.slow)
+        for number, name in enumerate(CHAINS)
+    ],
+)
 def test_the_labels_of_any_chain_hide_none_and_stay_inside(name):
     figure = chain_figure(name)
     boxes = [(t.get_text(), t.get_window_extent()) for t in texts(figure)]

@@ -30,7 +30,7 @@ def texts_of(outcome, name):
     [
         ({}, True),
         ({"amplitude": -0.05, "frequency": 1.5}, True),
-        ({"filter_time_constant": 0.001}, True),
+        pytest.param({"filter_time_constant": 0.001}, True, marks=pytest.mark.slow),
         ({"amplitude": 0.1, "inverse": "damped"}, False),
         pytest.param(
             {"amplitude": 0.1, "inverse": "limited", "rate_limit": 60.0},
@@ -38,7 +38,7 @@ def texts_of(outcome, name):
             marks=pytest.mark.slow,
         ),
         ({"push": [0.0, 0.0, 0.1]}, False),
-        ({"torque_limit": 0.004, "inverse": "damped"}, False),
+        pytest.param({"torque_limit": 0.004, "inverse": "damped"}, False, marks=pytest.mark.slow),
     ],
     ids=str,
 )

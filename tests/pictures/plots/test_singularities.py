@@ -46,8 +46,8 @@ def test_a_curve_that_leaves_the_map_leaves_a_gap():
     ("robot", "q", "names"),
     [
         (LEG_A, -START, ["determinant", "singular_postures", "singular_feet", "sigma_min"]),
-        (hexabot_leg("B", l1=0.3), START, ["determinant", "singular_postures", "singular_feet",
-                                           "sigma_min"]),
+        pytest.param(hexabot_leg("B", l1=0.3), START, ["determinant", "singular_postures",
+                     "singular_feet", "sigma_min"], marks=pytest.mark.slow),
         (hexabot_leg("B", l3=0.06), START, ["determinant", "singular_postures", "singular_feet",
                                             "sigma_min"]),
         (SCARA, ARM, ["sigma_min"]),

@@ -262,8 +262,8 @@ def test_arguments_that_are_no_numbers_are_refused():
         "pinv(A);",
         "A\\A;",
         "norm(A);",
-        "y = u(1:2);",
-        "u(2) = sind(u(1));",
+        pytest.param("y = u(1:2);", marks=pytest.mark.slow),
+        pytest.param("u(2) = sind(u(1));", marks=pytest.mark.slow),
     ],
 )
 def test_endless_loops_are_stopped(loop):
