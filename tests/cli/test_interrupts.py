@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from drake_leg import files
 from drake_leg.cli import main
 from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
@@ -136,7 +137,7 @@ def test_a_signal_during_the_figures_leaves_the_data(number, monkeypatch, capsys
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
 def test_a_signal_during_a_file_leaves_nothing_of_it(number, monkeypatch, capsys):
 
-    monkeypatch.setattr(outcome, "_place", before_it(outcome._place, come(number)))
+    monkeypatch.setattr(files, "_place", before_it(files._place, come(number)))
     assert main(["sdf", "leg-b", "--out", "a/b/leg.sdf"]) == 128 + number
     assert inside() == []
     assert "interrupted" in capsys.readouterr().err
