@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import drake_leg
+from drake_leg.errors import InvalidValueError
 
 ROOT = Path(drake_leg.__file__).parents[1]
 SOURCE = Path(drake_leg.__file__).read_text(encoding="utf-8")
@@ -150,8 +151,6 @@ def test_a_run_shows_its_summary_and_a_figure_and_writes_what_the_command_writes
 
 
 def test_a_run_says_which_options_it_has():
-    from drake_leg.errors import InvalidValueError
-
     with pytest.raises(InvalidValueError, match="no option 'amplitud': did you mean amplitude"):
         load("run")("leg-b", amplitud=0.05)
     with pytest.raises(InvalidValueError, match="there is no run 'leg'"):
@@ -201,3 +200,18 @@ def test_the_report_is_made_in_one_call(tmp_path):
     assert made.page == tmp_path / "report" / "report.html"
     assert made.page.stat().st_size > 1e6
     assert str(made.page) in made._repr_html_()
+
+
+TAKE_A_ROBOT = ("build_plant", "derive", "examine_posture", "frames_drawing", "movable", "prove")
+
+
+@pytest.mark.parametrize("name", TAKE_A_ROBOT)
+def test_the_name_of_a_robot_is_no_robot(name):
+    more = ([0.0, 0.0, 0.0],) if name == "examine_posture" else ()
+    with pytest.raises(InvalidValueError, match=r"'leg-b' is not a Robot: take one .* load_robot"):
+        getattr(drake_leg, name)("leg-b", *more)
+
+
+def test_the_block_says_what_it_takes():
+    with pytest.raises(InvalidValueError, match=r"not a Robot: pass movable\(robot\)"):
+        drake_leg.InverseJacobian(drake_leg.LEG_B)

@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from drake_leg.errors import SingularConfigurationError
+from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.khalil import Array
 
 Floats = Sequence[float]
@@ -180,3 +180,12 @@ def exact_rates(J: Array, v: Array, q: Floats) -> Array:
 def smallest_singular_value(J: Array) -> Array:
     """Smallest singular values of Jacobians (..., m, n), in the unit of J, (...)."""
     return np.linalg.svd(J, compute_uv=False)[..., -1].astype(np.float64, copy=False)
+
+
+def require_movable(robot: object) -> None:
+    """Refuse what is not a Movable, such as a Robot."""
+    if not isinstance(robot, Movable):
+        raise InvalidValueError(
+            f"an InverseJacobian takes a Movable, not a {type(robot).__name__}",
+            advice="pass movable(robot)",
+        )

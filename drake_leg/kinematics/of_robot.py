@@ -11,7 +11,7 @@ from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
 from drake_leg.kinematics.scara import ScaraGeometry, is_scara
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, require_robot
 
 TASKS = ("position", "pose")
 
@@ -57,6 +57,7 @@ def movable(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = 
     >>> bool(abs(leg.jacobian(q) @ qdot - v).max() < 1e-12)
     True
     """
+    require_robot(robot)
     if keep is not None and keep not in TASKS:
         raise InvalidValueError(f"the task is {keep!r}; it must be {' or '.join(TASKS)}")
     q0 = [0.0] * len(robot.moving) if q0 is None else q0

@@ -12,7 +12,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import package_text, sdf_text
 from drake_leg.models.thigh import FILE, LEG_FILE, thigh_leg_text, thigh_text
-from drake_leg.robot.robot import Robot, Segment
+from drake_leg.robot.robot import Robot, Segment, require_robot
 from drake_leg.robot.robots import LEG_B, ROBOTS
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative
 
@@ -63,6 +63,7 @@ def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> Multibody
     >>> foot.round(3).tolist()  # stretched along x [m]
     [0.25, 0.0, 0.0]
     """
+    require_robot(robot)
     return parsed_plant(sdf_text(robot), robot, gravity=gravity)
 
 

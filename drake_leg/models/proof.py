@@ -25,7 +25,7 @@ from drake_leg.kinematics.feet import greatest_reach, random_configurations
 from drake_leg.kinematics.khalil import Array
 from drake_leg.models.plant import build_plant
 from drake_leg.progress import BUDGET, TimeBudget
-from drake_leg.robot.robot import Robot, Row, frame_name
+from drake_leg.robot.robot import Robot, Row, frame_name, require_robot
 from drake_leg.units import require_positive
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
@@ -171,6 +171,7 @@ def prove(
     >>> proof.worst.difference < 1e-15
     True
     """
+    require_robot(robot)
     if not 1 <= samples <= MOST_SAMPLES:
         raise InvalidValueError(f"samples is {samples}; it must be 1 to {MOST_SAMPLES}")
     if seed < 0:

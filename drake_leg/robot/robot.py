@@ -455,3 +455,18 @@ def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]], *, tit
         f"<p><b>{escape(title)}</b></p>"
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
     )
+
+
+def require_robot(robot: object) -> None:
+    """Refuse what is not a Robot, such as the name of one.
+
+    Raises
+    ------
+    InvalidValueError
+        With the value.
+    """
+    if not isinstance(robot, Robot):
+        raise InvalidValueError(
+            f"{robot!r} is not a Robot",
+            advice="take one from drake_leg, such as LEG_B, or load one with load_robot",
+        )

@@ -16,7 +16,7 @@ from drake_leg.kinematics.khalil import chain_length, foot_pose, jacobian, one_v
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import geometry_of, movable
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.robot.robot import Robot, Segment
+from drake_leg.robot.robot import Robot, Segment, require_robot
 from drake_leg.singularity.families import Families, Nearness, families_of
 from drake_leg.singularity.rank import LostTwist, RankReport, WholeRank, examine, examine_whole
 from drake_leg.singularity.stroke import (
@@ -170,6 +170,7 @@ def examine_posture(
     >>> round(found.forward.length, 4), found.forward.family  # how far the foot can go [m]
     (0.1882, 'stretch')
     """
+    require_robot(robot)
     require_positive("the frequency", frequency, "rad/s")
     families = families_of(geometry_of(robot))
     lifted = _lifted(robot, q)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import BUDGET, TimeBudget
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, require_robot
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 
 if TYPE_CHECKING:
@@ -102,6 +102,7 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     determinant, factored
     │J│ = l₂⋅l₃⋅s₃⋅(c₂⋅l₂ + c₂₃⋅l₃ + l₁)
     """
+    require_robot(robot)
     # SymPy is loaded before the time is limited.
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import own_pieces

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.errors import SingularConfigurationError
-from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.movable import Movable, require_movable
 from drake_leg.singularity.look_ahead import Instant
 
 
@@ -54,6 +54,7 @@ class InverseJacobian(LeafSystem):
     """
 
     def __init__(self, robot: Movable) -> None:
+        require_movable(robot)
         super().__init__()
         self.robot = robot
         n, m = robot.joints, robot.size

@@ -22,7 +22,7 @@ from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch, direction, polar
 from drake_leg.pictures.plots.style import BODY, GREY, INK, new_figure
-from drake_leg.robot.robot import Robot, Segment
+from drake_leg.robot.robot import Robot, Segment, require_robot
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two
 RIGHT, BACK, UP = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -60,6 +60,7 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     >>> figure = frames_drawing(LEG_B)  # matplotlib's; a notebook shows it
     >>> figure.savefig("leg.png")  # doctest: +SKIP
     """
+    require_robot(robot)
     heading = f"{title or robot.title}: bodies and frames"
     match geometry_of(robot):
         case LegGeometry():
