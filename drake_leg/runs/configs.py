@@ -15,8 +15,9 @@ from drake_leg.diagrams.ellipse import EllipseConfig
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.pendulum import PendulumConfig
 from drake_leg.diagrams.scara import ScaraConfig
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.motions import Push
+from drake_leg.kinematics.movable import SINGULAR_BELOW
 from drake_leg.kinematics.of_robot import movable
 from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
 from drake_leg.robot.robot import Robot, Segment
@@ -57,7 +58,7 @@ def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
     direction = None
     if options.direction is None:
         direction = first_direction(robot, movable(robot, q0, options.task), q0)
-    return HexabotLegConfig(
+    config = HexabotLegConfig(
         robot=robot,
         q0=q0,
         keep=options.task,
@@ -69,6 +70,9 @@ def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
         control=control_of(options, robot.moving),
         disturbance=disturbance_of(options),
     )
+    if options.q0 is None:
+        _require_regular_start(config)
+    return config
 
 
 def ellipse_config(options: EllipseOptions) -> EllipseConfig:
@@ -198,6 +202,18 @@ def _posture(robot: Robot, options: StraightOptions) -> tuple[float, ...]:
     joints = (str(segment.joint) for segment in robot.moving)
     initial_state(robot, {joint: (q, 0.0) for joint, q in zip(joints, q0, strict=True)})
     return q0
+
+
+def _require_regular_start(config: HexabotLegConfig) -> None:
+    """Refuse a default start in a singular posture, which the exact inverse cannot leave."""
+    sigma_min = config.movable.sigma_min(config.q0)
+    if config.inverted.is_exact and sigma_min < SINGULAR_BELOW * config.movable.length:
+        raise SingularConfigurationError(
+            q=config.q0,
+            sigma_min=sigma_min,
+            problem=f"{config.robot.name} is singular in its default start posture",
+            advice="choose one with `q0`",
+        )
 
 
 def _require_mass(robot: Robot) -> None:

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drake_leg.diagrams import ellipse, hexabot_leg, scara
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.motions import EllipticStep, SineStep
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.catalogue import RUNS, OwnRobot
@@ -104,3 +104,10 @@ def test_no_correction_said_is_not_a_correction_of_zero(inverse, gain):
     joints = LEG_B.moving
     assert control_of(LegBOptions(inverse=inverse), joints).correction == gain
     assert control_of(LegBOptions(inverse=inverse, correction=0.0), joints).correction == 0.0
+
+
+def test_a_start_that_nobody_chose_is_refused_where_it_is_singular():
+    with pytest.raises(SingularConfigurationError, match=r"default start .* choose one with `q0`"):
+        straight_config(LEG_B, StraightOptions())
+    assert straight_config(LEG_B, StraightOptions(inverse="damped")).q0 == (0.0, 0.0, 0.0)
+    assert straight_config(LEG_B, StraightOptions(q0=[0.0, 0.0, 0.0])).q0 == (0.0, 0.0, 0.0)
