@@ -25,7 +25,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Whatever goes wrong, also while modules load, becomes one sentence.
     """
     with interruptible() as interrupts:
-        return _of_signal(interrupts, _result(arguments))
+        try:
+            status = _result(arguments)
+        except KeyboardInterrupt:  # between the parts that answer it themselves
+            status = _print_error("interrupted", INTERRUPTED)
+        return _of_signal(interrupts, status)
 
 
 def _result(arguments: Sequence[str] | None) -> int:
