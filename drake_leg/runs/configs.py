@@ -58,7 +58,7 @@ def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
     direction = None
     if options.direction is None:
         direction = first_direction(robot, movable(robot, q0, options.task), q0)
-    config = HexabotLegConfig(
+    return HexabotLegConfig(
         robot=robot,
         q0=q0,
         keep=options.task,
@@ -70,9 +70,6 @@ def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
         control=control_of(options, robot.moving),
         disturbance=disturbance_of(options),
     )
-    if options.q0 is None:
-        _require_regular_start(config)
-    return config
 
 
 def ellipse_config(options: EllipseOptions) -> EllipseConfig:
@@ -204,8 +201,8 @@ def _posture(robot: Robot, options: StraightOptions) -> tuple[float, ...]:
     return q0
 
 
-def _require_regular_start(config: HexabotLegConfig) -> None:
-    """Refuse a default start in a singular posture, which the exact inverse cannot leave."""
+def require_regular_start(config: HexabotLegConfig) -> None:
+    """Refuse a default start that is singular: the exact inverse cannot leave it."""
     sigma_min = config.movable.sigma_min(config.q0)
     if config.inverted.is_exact and sigma_min < SINGULAR_BELOW * config.movable.length:
         raise SingularConfigurationError(

@@ -16,7 +16,7 @@ from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
 from drake_leg.kinematics.movable import Movable, smallest_singular_value
 from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.robot.robot import Robot
-from drake_leg.runs.configs import leg_of, straight_config
+from drake_leg.runs.configs import leg_of, require_regular_start, straight_config
 from drake_leg.runs.options import LegBOptions, LegOptions, StepOptions, StraightOptions
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.tip import (
@@ -70,6 +70,8 @@ def run_robot(robot: Robot, options: StraightOptions, progress: Progress | None 
     """
     options.refuse_ignored()
     config = straight_config(robot, options)
+    if options.q0 is None:
+        require_regular_start(config)
     followed = follow(config, build, options, progress, lag=config.filter_time_constant)
     outcome = compared(config, options, followed)
     exceeded = {"limits_exceeded": _exceeded_limits(robot, outcome.recording)}
