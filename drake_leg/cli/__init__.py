@@ -8,9 +8,12 @@ its time limit; 70 an unexpected error; 130 Ctrl-C; 128 + n another signal n.
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
+from typing import NoReturn
 
 from drake_leg.progress import Interrupts, interruptible
 
@@ -29,7 +32,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
             status = _result(arguments)
         except KeyboardInterrupt:  # between the parts that answer it themselves
             status = _print_error("interrupted", INTERRUPTED)
-        return _of_signal(interrupts, status)
+        status = _of_signal(interrupts, status)
+    if arguments is None and interrupts.received is not None:
+        _leave(status)
+    return status
+
+
+def _leave(status: int) -> NoReturn:
+    """End the process with a status, at once.
+
+    Python ends a process by SIGINT, whatever its status, if Ctrl-C has ever left code that a
+    compiled module runs as text, as Drake's modules do while they load.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(AttributeError, OSError, ValueError):  # none, gone, closed
+            stream.flush()
+    os._exit(status)
 
 
 def _result(arguments: Sequence[str] | None) -> int:
