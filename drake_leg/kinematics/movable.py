@@ -186,6 +186,6 @@ def require_movable(robot: object) -> None:
     """Refuse what is not a Movable, such as a Robot."""
     if not isinstance(robot, Movable):
         raise InvalidValueError(
-            f"an InverseJacobian takes a Movable, not a {type(robot).__name__}",
+            f"what is commanded must be a Movable, not a {type(robot).__name__}",
             advice="pass movable(robot)",
         )

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from drake_leg.errors import InvalidValueError, PictureError
+from drake_leg.errors import PictureError
 from drake_leg.files import ResultsFolder
-from drake_leg.lab.errata.catalogue import errata as all_errata
+from drake_leg.lab.errata.catalogue import errata_by_number, erratum_of
 from drake_leg.lab.errata.erratum import Erratum
 
 
@@ -74,13 +74,7 @@ def errata(*numbers: int) -> Errata:
     >>> first.source
     'Report A'
     """
-    by_number = {erratum.number: erratum for erratum in all_errata()}
-    for number in numbers:
-        if number not in by_number:
-            raise InvalidValueError(
-                f"there is no erratum {number}; they are numbered from 1 to {len(by_number)}"
-            )
-    return Errata(tuple(by_number[number] for number in numbers or sorted(by_number)))
+    return Errata(tuple(map(erratum_of, numbers or sorted(errata_by_number()))))
 
 
 def report(

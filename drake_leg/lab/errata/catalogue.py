@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
+from functools import cache
 from importlib.resources import files
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.lab.errata import leg_a_errors, leg_b_errors, pendulum_errors, scara_errors
 from drake_leg.lab.errata.erratum import Effects, Erratum, filled
 
@@ -26,3 +29,25 @@ def errata() -> tuple[Erratum, ...]:
             entry[part] = filled(entry[part], values)
         found.append(Erratum(**entry))
     return tuple(found)
+
+
+@cache
+def errata_by_number() -> Mapping[int, Erratum]:
+    """List the errata, computed once."""
+    return {erratum.number: erratum for erratum in errata()}
+
+
+def erratum_of(number: int) -> Erratum:
+    """Return the erratum with a number.
+
+    Raises
+    ------
+    InvalidValueError
+        If there is none.
+    """
+    by_number = errata_by_number()
+    if number not in by_number:
+        raise InvalidValueError(
+            f"there is no erratum {number}; they are numbered from 1 to {len(by_number)}"
+        )
+    return by_number[number]

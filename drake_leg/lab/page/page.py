@@ -12,11 +12,11 @@ from markupsafe import Markup
 
 from drake_leg.errors import PictureError
 from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.lab.errata.catalogue import errata_by_number
 from drake_leg.lab.errata.erratum import number
 from drake_leg.lab.page.contents import GAIN, RUNS, chapters, command
 from drake_leg.lab.page.items import ItemMaker, missing
 from drake_leg.lab.page.pieces import (
-    errata_by_number,
     errata_entries,
     erratum_notes,
     packed,

@@ -17,8 +17,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 from PIL import Image
 
-from drake_leg.errors import DrakeLegError, InvalidValueError
-from drake_leg.lab.errata.catalogue import errata
+from drake_leg.errors import DrakeLegError
+from drake_leg.lab.errata.catalogue import errata_by_number, erratum_of
 from drake_leg.lab.errata.erratum import Erratum
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
@@ -143,8 +143,8 @@ def erratum_notes(numbers: Iterable[int]) -> Markup:
     """Write what is printed and what is right, for the item that the errata belong to."""
     notes = []
     for number in numbers:
-        printed, right = map(_ended, _beside(_numbered(number)))
-        notes.append(piece("note", _numbered(number), printed, right))
+        printed, right = map(_ended, _beside(erratum_of(number)))
+        notes.append(piece("note", erratum_of(number), printed, right))
     return Markup("\n").join(notes)
 
 
@@ -156,22 +156,8 @@ def errata_entries(numbers: Iterable[int] | None = None) -> Markup:
     InvalidValueError
         If there is no erratum of such a number.
     """
-    chosen = [_numbered(number) for number in (errata_by_number() if numbers is None else numbers)]
+    chosen = [erratum_of(number) for number in (errata_by_number() if numbers is None else numbers)]
     return Markup("\n").join(piece("entry", erratum, *_beside(erratum)) for erratum in chosen)
-
-
-def _numbered(number: int) -> Erratum:
-    if number not in errata_by_number():
-        raise InvalidValueError(
-            f"there is no erratum {number}; they are numbered from 1 to {len(errata_by_number())}"
-        )
-    return errata_by_number()[number]
-
-
-@cache
-def errata_by_number() -> Mapping[int, Erratum]:
-    """List the errata, computed once."""
-    return {erratum.number: erratum for erratum in errata()}
 
 
 def _beside(erratum: Erratum) -> tuple[Markup, Markup]:
