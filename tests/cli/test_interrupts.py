@@ -136,7 +136,6 @@ def test_a_signal_during_the_figures_leaves_the_data(number, monkeypatch, capsys
 
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
 def test_a_signal_during_a_file_leaves_nothing_of_it(number, monkeypatch, capsys):
-
     monkeypatch.setattr(files, "_place", before_it(files._place, come(number)))
     assert main(["sdf", "leg-b", "--out", "a/b/leg.sdf"]) == 128 + number
     assert inside() == []
