@@ -105,8 +105,8 @@ if TYPE_CHECKING:
     from drake_leg.robot.robots import SCARA as SCARA
     from drake_leg.robot.toml_reader import load_robot as load_robot
     from drake_leg.runs.named import run as run
-    from drake_leg.scene.images import still as still
-    from drake_leg.scene.replay import replay as replay
+    from drake_leg.scene.media import replay as replay
+    from drake_leg.scene.media import still as still
     from drake_leg.simulation.recording import Recording as Recording
     from drake_leg.simulation.run import simulate as simulate
     from drake_leg.singularity.doctor import examine_posture as examine_posture
@@ -161,11 +161,11 @@ _HOMES = {
     "load_robot": ("drake_leg.robot.toml_reader", "load_robot"),
     "movable": ("drake_leg.kinematics.of_robot", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),
-    "replay": ("drake_leg.scene.replay", "replay"),
+    "replay": ("drake_leg.scene.media", "replay"),
     "report": ("drake_leg.lab.shown", "report"),
     "run": ("drake_leg.runs.named", "run"),
     "simulate": ("drake_leg.simulation.run", "simulate"),
-    "still": ("drake_leg.scene.images", "still"),
+    "still": ("drake_leg.scene.media", "still"),
 }
 
 __version__: str

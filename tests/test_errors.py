@@ -41,7 +41,7 @@ from drake_leg.runs.leg import run as run_leg
 from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
 from drake_leg.runs.pendulum import run as run_pendulum
-from drake_leg.scene import artists, images
+from drake_leg.scene import artists, media
 from drake_leg.scene.artists import NoRenderingError
 from drake_leg.scene.scene import OtherRobotError
 from drake_leg.scene.server import RefusedError, ServerError
@@ -131,12 +131,12 @@ def limit(monkeypatch, tmp_path):
 
 def no_rendering(monkeypatch, tmp_path):
     monkeypatch.setattr(artists, "rendering_fault", lambda: "there is no VTK here")
-    images.require_video(tmp_path / "a.gif")
+    media.require_video(tmp_path / "a.gif")
 
 
 def no_encoder(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "av", None)
-    images.require_video(tmp_path / "a.mp4")
+    media.require_video(tmp_path / "a.mp4")
 
 
 def unreadable(monkeypatch, tmp_path):

@@ -50,7 +50,7 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
 
 
 def _replay(chosen: argparse.Namespace) -> int:
-    from drake_leg.scene.replay import check_show, write_show
+    from drake_leg.scene.media import check_show, write_show
     from drake_leg.scene.scene import as_view
 
     view = as_view(chosen.view)

@@ -55,7 +55,7 @@ def add_view(parser: argparse.ArgumentParser, what: str) -> None:
 
 def remark_if_sketched() -> None:
     """Print why matplotlib drew the pictures instead of VTK, if it did."""
-    from drake_leg.scene.images import sketching
+    from drake_leg.scene.media import sketching
 
     sentence = sketching()
     if sentence is not None:
@@ -84,7 +84,7 @@ class Shows:
     def check(self) -> None:
         """Refuse files that cannot be written, before work is done for them."""
         for option, path in self._files().items():
-            from drake_leg.scene.replay import check_show  # not needed without these options
+            from drake_leg.scene.media import check_show
 
             if path.suffix.lower() not in ENDINGS[option]:
                 endings = " or ".join(ENDINGS[option])
@@ -111,7 +111,7 @@ class Shows:
             self._write_stills(motion, folder, pictures)
         for option, path in self._files().items():
             with pictures.trying(f"the {option} {path}"), place_given_by(f"--{option}"):
-                from drake_leg.scene.replay import write_show
+                from drake_leg.scene.media import write_show
 
                 write_show(
                     path,
@@ -130,7 +130,7 @@ class Shows:
 
         for view in VIEWS.values():
             with pictures.trying(f"the still {view.name}"), folder.more() as scratch:
-                from drake_leg.scene.images import write_stills
+                from drake_leg.scene.media import write_stills
 
                 write_stills(scratch, motion(), views=[view])
 

@@ -73,7 +73,7 @@ def _view(chosen: argparse.Namespace) -> int:
 
 
 def _still(chosen: argparse.Namespace) -> int:
-    from drake_leg.scene.images import still
+    from drake_leg.scene.media import still
     from drake_leg.scene.scene import as_view
 
     robot = robot_source(chosen.robot).robot()

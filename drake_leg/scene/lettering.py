@@ -20,8 +20,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from drake_leg.colours import Colour
 from drake_leg.kinematics.khalil import Array
-from drake_leg.scene.parts import triad_lengths
-from drake_leg.scene.scene import Scene, View
+from drake_leg.scene.scene import Scene, View, triad_lengths
 
 Pixels = NDArray[np.uint8]  # (height, width, 3), red, green, blue
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from threading import Lock
@@ -17,17 +17,79 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydrake.geometry import Box, HalfSpace, Rgba, Role, SceneGraph, SceneGraphInspector, Sphere
+from pydrake.geometry import (
+    Box,
+    CalcObb,
+    Cylinder,
+    HalfSpace,
+    Rgba,
+    Role,
+    SceneGraph,
+    SceneGraphInspector,
+    Shape,
+    Sphere,
+)
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Diagram, System
 
+from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, finite_vectors
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robot import Robot, link_colour, place_name
-from drake_leg.scene.parts import Part, rod, size_of
+
+LEAST_SIZE = 1e-3  # [m], of a scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One solid, fixed on one of the shown frames."""
+
+    path: str  # "solid", "triad/x": unique among the frame's parts
+    frame: int  # 0: the world
+    shape: Shape
+    X_FP: Array = field(default_factory=lambda: np.eye(4))  # (4, 4) pose on the frame [-, m]
+    colour: Colour
+    opacity: float = 1.0
+
+    def corners(self) -> Array:
+        """Corners of the box around it, on its frame, (8, 3) [m]; none of a half-space."""
+        signs = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
+        return self._on_box(signs)
+
+    def ends(self) -> Array:
+        """Where the axes of that box end, (6, 3) [m]; of a ball its centre, (1, 3)."""
+        ends = np.concatenate([np.eye(3), -np.eye(3)])
+        return self._on_box(np.zeros((1, 3)) if isinstance(self.shape, Sphere) else ends)
+
+    def _on_box(self, shares: Array) -> Array:
+        """Points of the box around it, -1 ... 1 along each of its axes, on its frame [m]."""
+        box = CalcObb(self.shape)
+        if box is None:
+            return np.zeros((0, 3))
+        X_FB = self.X_FP @ box.pose().GetAsMatrix4()
+        return np.asarray(shares * box.half_width() @ X_FB[:3, :3].T + X_FB[:3, 3])
+
+
+def size_of(points: Array) -> float:
+    """Greatest edge of the box around points (n, 3), at least ``LEAST_SIZE`` [m]."""
+    return max(float(np.ptp(points, axis=0).max()), LEAST_SIZE)
+
+
+def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
+    """Make a cylinder from one point of a frame F to another; return it and its pose X_FC."""
+    way = end - start
+    length = float(np.linalg.norm(way))
+    z = way / length
+    x = np.cross(np.eye(3)[int(np.abs(z).argmin())], z)
+    x /= np.linalg.norm(x)
+    X = np.eye(4)
+    X[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    X[:3, 3] = (start + end) / 2.0
+    return Cylinder(radius, length), X
+
 
 PALE = (0.72, 0.73, 0.76)
 BASE_SIZE, ROD_RADIUS = 0.07, 0.009  # of the scene's size

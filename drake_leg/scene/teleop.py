@@ -21,24 +21,19 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.driven_foot import DrivenFoot, Step
-from drake_leg.scene.live import (
-    AXES,
-    Command,
-    Entry,
-    Feed,
-    Trace,
-    action_of,
-    live_data,
-    millimetres,
-    numbers_of,
-    tab_of,
-)
-from drake_leg.scene.parts import TRACE
-from drake_leg.scene.scene import VIEWS, Scene, at_rest, scene_of
-from drake_leg.scene.server import Server
+from drake_leg.scene.scene import TRACE, VIEWS, Scene, at_rest, scene_of
+from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, tab_of
 from drake_leg.scene.shown_plant import ShownPlant, shown
 from drake_leg.scene.viewer import slider_range
-from drake_leg.scene.web_page import drake_path, pose_rows, web_page
+from drake_leg.scene.web_page import (
+    AXES,
+    Entry,
+    drake_path,
+    live_data,
+    millimetres,
+    pose_rows,
+    web_page,
+)
 from drake_leg.singularity.stroke import motion_in_words
 
 PERIOD = 1.0 / 30.0  # [s] of a step

@@ -15,21 +15,10 @@ from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
-from drake_leg.scene.live import (
-    AXES,
-    Command,
-    Feed,
-    Trace,
-    action_of,
-    live_data,
-    millimetres,
-    numbers_of,
-)
-from drake_leg.scene.parts import TRACE
-from drake_leg.scene.scene import Scene, View, as_view, at_rest, scene_of
-from drake_leg.scene.server import Server, open_browser
+from drake_leg.scene.scene import TRACE, Scene, View, as_view, at_rest, scene_of
+from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, open_browser
 from drake_leg.scene.shown_plant import Coordinate, Showable, ShownPlant, shown
-from drake_leg.scene.web_page import pose_rows, web_page
+from drake_leg.scene.web_page import AXES, live_data, millimetres, pose_rows, web_page
 
 PERIOD = 1.0 / 30.0  # [s], between readings of the sliders
 ROOM = 0.25  # around the posture, of its size

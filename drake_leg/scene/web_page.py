@@ -19,10 +19,24 @@ from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.lettering import PLACEMENT
-from drake_leg.scene.parts import triad_lengths
-from drake_leg.scene.scene import MARGIN, VIEWS, Scene, View
+from drake_leg.scene.scene import (
+    BLUE,
+    GREEN,
+    MARGIN,
+    RED,
+    TRACE,
+    TRACE_RADIUS,
+    VIEWS,
+    Scene,
+    View,
+    triad_lengths,
+)
+from drake_leg.scene.server import MOST_PIECES
 
 ROOT = "robot"  # Meshcat puts it under /drake
+
+Entry = tuple[str, tuple[Colour, ...]]  # of a legend: words, and the colours of what they name
+AXES: tuple[Entry, ...] = (("x", (RED,)), ("y", (GREEN,)), ("z", (BLUE,)))
 
 
 class MeshcatError(DrakeLegError):
@@ -206,3 +220,22 @@ def _quiet() -> Iterator[None]:
         yield
     finally:
         logger.setLevel(level)
+
+
+def live_data(scene: Scene, first: View, session: str) -> dict[str, Any]:
+    """Collect the data that the scripts of all live pages need.
+
+    Parameters
+    ----------
+    first : View
+        From where it is seen first.
+    session : str
+        Of the feed that the page follows.
+    """
+    pen = {"most": MOST_PIECES, "radius": TRACE_RADIUS * scene.size, "colour": TRACE}
+    return {**stage_data(scene, first), "pen": pen, "session": session}
+
+
+def millimetres(point: Array) -> list[float]:
+    """Write a point [m] as pages show it."""
+    return [round(1e3 * float(part), 2) + 0.0 for part in point]

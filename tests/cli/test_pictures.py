@@ -15,8 +15,7 @@ from drake_leg.robot.robots import hexabot_leg
 from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.runs import outcome
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.scene.images import Still
-from drake_leg.scene.replay import Replay
+from drake_leg.scene.media import Replay, Still
 from drake_leg.simulation.recording import read_csv
 
 DATA = {LIST, "recording.csv", "summary.json"}
@@ -190,14 +189,14 @@ def no_figures(monkeypatch):
 @pytest.mark.parametrize(
     ("words", "function", "said"),
     [
-        (["--replay", "a.html"], "drake_leg.scene.replay.replay", "the replay a.html"),
-        (["--video", "a.gif"], "drake_leg.scene.images.write_video", "the video a.gif"),
+        (["--replay", "a.html"], "drake_leg.scene.media.replay", "the replay a.html"),
+        (["--video", "a.gif"], "drake_leg.scene.media.write_video", "the video a.gif"),
     ],
 )
 def test_a_page_or_a_video_that_fails_costs_itself(
     no_figures, words, function, said, monkeypatch, capsys
 ):
-    monkeypatch.setattr("drake_leg.scene.images.require_video", lambda target: None)
+    monkeypatch.setattr("drake_leg.scene.media.require_video", lambda target: None)
     monkeypatch.setattr(function, broken(BROKEN))
     status, _, err = told(capsys, "run", "leg-b", "--out", "out", "--duration", "0.2", *words)
     assert status == 1
@@ -214,8 +213,8 @@ def test_each_still_fails_alone(no_figures, monkeypatch, capsys):
             raise BROKEN
         return Still(b"a picture")
 
-    monkeypatch.setattr("drake_leg.scene.images.still", still)
-    monkeypatch.setattr("drake_leg.scene.images.rendering_fault", lambda: None)
+    monkeypatch.setattr("drake_leg.scene.media.still", still)
+    monkeypatch.setattr("drake_leg.scene.media.rendering_fault", lambda: None)
     status, _, err = told(capsys, "run", "leg-b", "--out", "out", "--duration", "0.2", "--stills")
     assert status == 1
     assert err[0].startswith("drake-leg: the still front was not made (ValueError: ")
@@ -224,9 +223,9 @@ def test_each_still_fails_alone(no_figures, monkeypatch, capsys):
 
 
 def test_a_video_that_fails_after_a_replay_leaves_the_replay(no_figures, monkeypatch, capsys):
-    monkeypatch.setattr("drake_leg.scene.images.require_video", lambda target: None)
-    monkeypatch.setattr("drake_leg.scene.images._encode_gif", broken(BROKEN))
-    monkeypatch.setattr("drake_leg.scene.replay.replay", lambda *_, **__: Replay("a", "a page"))
+    monkeypatch.setattr("drake_leg.scene.media.require_video", lambda target: None)
+    monkeypatch.setattr("drake_leg.scene.media._encode_gif", broken(BROKEN))
+    monkeypatch.setattr("drake_leg.scene.media.replay", lambda *_, **__: Replay("a", "a page"))
     words = ("--replay", "a.html", "--video", "a.gif")
     status, out, err = told(capsys, "run", "leg-b", "--out", "out", "--duration", "0.2", *words)
     assert status == 1
@@ -240,7 +239,7 @@ def test_what_came_to_a_replays_place_meanwhile_stays(no_figures, monkeypatch, c
         Path("a.html").write_text("mine")
         return Replay("a", "a page")
 
-    monkeypatch.setattr("drake_leg.scene.replay.replay", replay)
+    monkeypatch.setattr("drake_leg.scene.media.replay", replay)
     words = ("leg-b", "--out", "out", "--duration", "0.2", "--replay", "a.html")
     status, _, err = told(capsys, "run", *words)
     assert status == 1
@@ -299,7 +298,7 @@ def test_each_map_of_the_doctor_fails_alone(monkeypatch, capsys):
     [
         (
             ["view", "leg-b", "--still", "a.png"],
-            "drake_leg.scene.images.still",
+            "drake_leg.scene.media.still",
             "the still a.png",
         ),
         (
@@ -314,7 +313,7 @@ def test_each_map_of_the_doctor_fails_alone(monkeypatch, capsys):
         ),
         (
             ["replay", "leg", "--out", "a.html"],
-            "drake_leg.scene.replay.replay",
+            "drake_leg.scene.media.replay",
             "the replay a.html",
         ),
     ],

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.scene import images
+from drake_leg.scene import media
 from drake_leg.simulation.recording import read_csv
 
 
@@ -97,7 +97,7 @@ def test_a_robot_called_like_a_block_is_one_sentence(here, capsys, tmp_path_fact
 
 
 def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkeypatch):
-    monkeypatch.setattr(images, "rendering_fault", lambda: "to be quick")
+    monkeypatch.setattr(media, "rendering_fault", lambda: "to be quick")
     words = ("leg-b", "--out", "out", "--duration", "0.2", "--replay", "leg.html", "--stills")
     status, out, err = run(capsys, *words)
     assert status == 0
@@ -142,9 +142,9 @@ def test_figures_without_pillow_are_refused_before_the_run(here, capsys, monkeyp
 
 def test_a_video_is_asked_of_what_can_write_it(no_figures, here, capsys, monkeypatch):
     written = []
-    monkeypatch.setattr("drake_leg.scene.replay.check_show", lambda path, overwrite: None)
+    monkeypatch.setattr("drake_leg.scene.media.check_show", lambda path, overwrite: None)
     monkeypatch.setattr(
-        "drake_leg.scene.replay.write_show",
+        "drake_leg.scene.media.write_show",
         lambda path, motion, title, note, overwrite: written.append(
             (path.name, motion.duration, title, note)
         ),

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from drake_leg.cli import main
-from drake_leg.scene import images
+from drake_leg.scene import media
 from drake_leg.scene.server import Server
 from drake_leg.scene.teleop import drive_robot
 from drake_leg.scene.viewer import view_served
@@ -193,7 +193,7 @@ def test_a_missing_browser_is_said_and_the_robot_is_shown_all_the_same(monkeypat
 
 def test_a_still_is_written_once(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(images, "rendering_fault", lambda: "to be quick")
+    monkeypatch.setattr(media, "rendering_fault", lambda: "to be quick")
     words = ("view", "leg-b", "--still", "leg.png", "--from", "right")
     status, out, err = run(capsys, *words)
     assert (status, out) == (0, "wrote leg.png\n")
@@ -210,6 +210,6 @@ def test_a_still_is_written_once(tmp_path, monkeypatch, capsys):
 
 def test_a_rendered_still_needs_no_words(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(images, "rendering_fault", lambda: None)
-    monkeypatch.setattr(images, "still", lambda robot, q, view: images.Still(b"a picture"))
+    monkeypatch.setattr(media, "rendering_fault", lambda: None)
+    monkeypatch.setattr(media, "still", lambda robot, q, view: media.Still(b"a picture"))
     assert run(capsys, "view", "leg-b", "--still", "leg.png") == (0, "wrote leg.png\n", "")

@@ -20,8 +20,7 @@ from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robots import LEG_B
-from drake_leg.scene.images import still, write_video
-from drake_leg.scene.replay import replay
+from drake_leg.scene.media import replay, still, write_video
 from drake_leg.scene.scene import PlantMotion, at_rest, scene_of
 from drake_leg.scene.shown_plant import SOLID_OPACITY, shown
 from drake_leg.scene.viewer import joint_sliders
@@ -167,7 +166,7 @@ def test_meshes_and_all_other_shapes_are_shown(tmp_path, monkeypatch):
     )
     assert np.ptp(pixels(still(plant))) > 100.0
     assert len(replay(plant, at_rest(plant)).html) > 1e6
-    monkeypatch.setattr("drake_leg.scene.images.rendering_fault", lambda: "no light")
+    monkeypatch.setattr("drake_leg.scene.media.rendering_fault", lambda: "no light")
     assert np.ptp(pixels(still(plant))) > 100.0
 
 
@@ -243,7 +242,7 @@ def test_both_can_be_stilled(walker, view):
 
 
 def test_both_can_be_drawn_where_nothing_can_be_rendered(walker, monkeypatch):
-    monkeypatch.setattr("drake_leg.scene.images.rendering_fault", lambda: "no light")
+    monkeypatch.setattr("drake_leg.scene.media.rendering_fault", lambda: "no light")
     for picture in (still(walker[0]), still(PENDULUM, [0.5])):
         assert np.ptp(pixels(picture)) > 100.0
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
-from drake_leg.scene.replay import replay
+from drake_leg.scene.media import replay
 from drake_leg.scene.scene import at_rest
 
 pytestmark = pytest.mark.slow

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from drake_leg.scene.replay import replay
+from drake_leg.scene.media import replay
 from drake_leg.scene.scene import MARGIN
 
 pytestmark = pytest.mark.slow

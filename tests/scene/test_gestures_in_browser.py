@@ -4,7 +4,7 @@ from html import escape
 
 import pytest
 
-from drake_leg.scene.replay import replay
+from drake_leg.scene.media import replay
 
 pytestmark = pytest.mark.slow
 

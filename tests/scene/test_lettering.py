@@ -8,8 +8,7 @@ from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.scene import lettering
 from drake_leg.scene.artists import Sketcher
 from drake_leg.scene.lettering import DARK, PLACEMENT, AxisNames, Words, reduced, width_of, write_on
-from drake_leg.scene.parts import triad_tips
-from drake_leg.scene.scene import VIEWS, PlantMotion, at_rest, scene_of
+from drake_leg.scene.scene import VIEWS, PlantMotion, at_rest, scene_of, triad_tips
 from drake_leg.scene.shown_plant import shown
 
 POSTURES = (

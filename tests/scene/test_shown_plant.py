@@ -7,9 +7,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robot import LINK_COLOURS, Brick, Link, Robot, Row, Segment, Solid
 from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA, SCARA_HEIGHT
-from drake_leg.scene.parts import LEAST_SIZE, size_of
 from drake_leg.scene.scene import PlantMotion, at_rest, scene_of
-from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.shown_plant import LEAST_SIZE, shown, size_of
 
 
 def sizes(shape):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drake_leg.scene.replay import replay
+from drake_leg.scene.media import replay
 
 pytestmark = pytest.mark.slow
 

@@ -31,9 +31,8 @@ from drake_leg.pictures.svg import ALL
 from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
-from drake_leg.scene.images import still
 from drake_leg.scene.lettering import DARK, LIGHT
-from drake_leg.scene.replay import replay
+from drake_leg.scene.media import replay, still
 from drake_leg.scene.scene import motion_of
 
 HALF_TURN = (0.0, math.pi)  # [rad], the pendulum's angles without damping
