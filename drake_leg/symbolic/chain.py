@@ -11,6 +11,8 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
+from itertools import accumulate
 
 import numpy as np
 import sympy as sp
@@ -165,8 +167,8 @@ def indirect_jacobian(chain: SymbolicChain) -> sp.Matrix:
     return sp.Matrix.hstack(sp.zeros(6, 0), *columns)
 
 
-def evaluator(chain: SymbolicChain, expression: sp.Matrix) -> Function:
-    """Compile a matrix to a NumPy function of q (m,), with the table's lengths and angles.
+def evaluator(chain: SymbolicChain, expression: sp.Matrix | Sequence[sp.Matrix]) -> Function:
+    """Compile a matrix, or several alike, to a NumPy function of q (m,), with the table's numbers.
 
     The function raises ``InvalidValueError`` if q is not m finite numbers.
     """
@@ -187,15 +189,38 @@ def evaluate(matrix: sp.Matrix, values: Mapping[str, float]) -> Array:
 
 
 def foot_function(rows: Sequence[Row]) -> Function:
-    """Derive a chain's foot: a function of q (m,) [rad or m] returning X_BF (4, 4) [-, m]."""
+    """Derive a chain's foot: a function of q (m,) [rad or m] returning X_BF (4, 4) [-, m].
+
+    Its rows are multiplied as numbers: as formulas their product grows exponentially.
+    """
     chain = symbolic_chain(rows)
-    return evaluator(chain, base_transforms(chain)[-1])
+    transforms = evaluator(chain, list(map(row_transform, chain.rows)))
+    return lambda q: reduce(np.matmul, transforms(q))
 
 
 def jacobian_function(rows: Sequence[Row]) -> Function:
     """Derive a chain's Jacobian by the indirect method, as a function of q (m,) [rad or m].
 
-    It returns Jv_BF (6, m), rotation first, and shares no formula with ``kinematics.khalil``.
+    It returns Jv_BF (6, m), rotation first, and shares no formula with ``kinematics.khalil``. A
+    joint's position is in one row only, so that ``dX_BF/dqi`` is the product of the rows with that
+    row's derivative in its place.
     """
     chain = symbolic_chain(rows)
-    return evaluator(chain, indirect_jacobian(chain))
+    X = list(map(row_transform, chain.rows))
+    moving = [index for index, row in enumerate(chain.rows) if row.joint != "fixed"]
+    dX = [X[index].diff(position) for index, position in zip(moving, chain.q, strict=True)]
+    matrices = evaluator(chain, X + dX)
+
+    def jacobian(q: ArrayLike) -> Array:
+        values, derivatives = np.split(matrices(q), [len(X)])
+        before = [np.eye(4), *accumulate(values, np.matmul)]
+        after = [np.eye(4), *accumulate(values[::-1], lambda product, row: row @ product)][::-1]
+        R_FB = before[-1][:3, :3].T
+        columns = np.zeros((6, len(moving)))
+        for column, (index, derivative) in enumerate(zip(moving, derivatives, strict=True)):
+            dX_BF = before[index] @ derivative @ after[index + 1]
+            spin = dX_BF[:3, :3] @ R_FB
+            columns[:, column] = spin[2, 1], spin[0, 2], spin[1, 0], *dX_BF[:3, 3]
+        return columns
+
+    return jacobian

@@ -2,6 +2,7 @@
 
 import json
 import re
+import time
 from pathlib import Path
 
 import pytest
@@ -61,7 +62,12 @@ def chain_of(joints, path):
     return str(path)
 
 
-def test_what_is_not_compared_in_time_is_said_and_the_status_is_3(tmp_path, capsys):
+def test_what_is_not_compared_in_time_is_said_and_the_status_is_3(tmp_path, capsys, monkeypatch):
+    def for_ever(rows):
+        while True:
+            time.sleep(0.001)
+
+    monkeypatch.setattr("drake_leg.symbolic.chain.jacobian_function", for_ever)
     many = chain_of(16, tmp_path / "many.toml")
     status, out = checked(capsys, many, "--samples", "2", "--budget", "2")
     assert status == 3
@@ -76,12 +82,12 @@ def test_what_is_not_compared_in_time_is_said_and_the_status_is_3(tmp_path, caps
 
 
 @pytest.mark.slow
-def test_two_hundred_joints_are_proved_as_far_as_they_can_be(tmp_path, capsys):
+def test_two_hundred_joints_are_proved(tmp_path, capsys):
     many = chain_of(200, tmp_path / "many.toml")
-    status, out = checked(capsys, many, "--samples", "1", "--budget", "30")
-    assert status == 3
-    assert "Jacobian   chain - differences" in out
-    assert "proved in part" in out
+    status, out = checked(capsys, many, "--samples", "1", "--budget", "100")
+    assert status == 0
+    assert "Jacobian   SymPy - differences" in out
+    assert out.endswith("proved: none is above 1e-12\n")
 
 
 def test_nothing_compared_proves_nothing(capsys):

@@ -3,6 +3,7 @@
 import json
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from drake_leg.models.proof import TOLERANCE, DrakeWitness, difference_jacobian,
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA
+from drake_leg.symbolic import chain
+from drake_leg.symbolic.chain import row_transform, symbolic_chain
 
 
 def bare(*rows, **mechanics):
@@ -157,13 +160,62 @@ def test_what_the_budget_does_not_reach_is_missing_and_said(monkeypatch):
     assert proof.as_json()["complete"] is False
 
 
-def test_formulas_that_are_nested_too_deeply_are_missing(monkeypatch):
-    def nested(rows):
-        raise RecursionError
+ODD = (
+    Row(joint="prismatic", d=0.1, alpha=0.3, r=-0.2, theta=1.1),
+    Row(joint="fixed", d=-0.4, alpha=-2.0, r=0.05, theta=math.pi / 3),
+    Row(joint="revolute", d=0.2, alpha=math.pi / 4, theta=-0.7),
+    Row(joint="revolute", d=0.3, r=0.1),
+    Row(joint="fixed", d=0.1, alpha=math.pi / 2, r=0.2),
+)
 
-    monkeypatch.setattr("drake_leg.symbolic.chain.foot_function", nested)
-    (missing,) = prove(LEG_B, samples=2).missing
-    assert "beyond SymPy" in missing.why
+
+@pytest.mark.parametrize("broken", ["chain", "SymPy"])
+@pytest.mark.parametrize("index", range(len(ODD)))
+@pytest.mark.parametrize("field", ["d", "alpha", "r", "theta"])
+def test_one_slip_in_one_row_of_one_witness_is_found_and_named(broken, index, field, monkeypatch):
+    row = ODD[index]
+    slip = replace(row, **{field: getattr(row, field) + 1e-9})
+    rows = (*ODD[:index], slip, *ODD[index + 1 :])
+    if broken == "SymPy":
+        monkeypatch.setattr(chain, "symbolic_chain", lambda _, real=symbolic_chain: real(rows))
+    else:
+        monkeypatch.setattr(khalil, "foot_pose", lambda _, q, real=khalil.foot_pose: real(rows, q))
+    proof = prove(bare(*ODD), samples=4)
+    assert not proof.holds
+    wrong = [c for c in proof.comparisons if not c.agrees and c.quantity == "foot"]
+    assert [broken in (c.first, c.second) for c in wrong] == [True, True]
+
+
+@pytest.mark.parametrize("method", ["foot_function", "jacobian_function"])
+def test_a_wrong_formula_of_a_row_is_found(method, monkeypatch):
+    def turned_backwards(row):
+        return row_transform(replace(row, theta=-row.theta))
+
+    honest = getattr(chain, method)
+
+    def dishonest(rows):
+        with monkeypatch.context() as patch:
+            patch.setattr(chain, "row_transform", turned_backwards)
+            return honest(rows)
+
+    monkeypatch.setattr(chain, method, dishonest)
+    proof = prove(LEG_B, samples=4)
+    wrong = {c.quantity for c in proof.comparisons if not c.agrees}
+    assert wrong == {"foot" if method == "foot_function" else "Jacobian"}
+    assert all("SymPy" in (c.first, c.second) for c in proof.comparisons if not c.agrees)
+
+
+@pytest.mark.parametrize(("joints", "seconds"), [(20, 5.0), (30, 15.0)])
+def test_long_chains_are_proved_soon(joints, seconds, rng):
+    rows = [
+        Row(joint="revolute", d=d, alpha=alpha, r=r, theta=theta)
+        for d, r, alpha, theta in rng.uniform(-0.3, 0.3, (joints, 4))
+    ]
+    start = time.process_time()
+    proof = prove(bare(*rows))
+    assert time.process_time() - start < seconds
+    assert proof.holds
+    assert proof.complete
 
 
 def test_a_budget_that_is_over_at_once_proves_nothing():
