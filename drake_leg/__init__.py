@@ -61,6 +61,8 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 - ``frames_drawing``: a robot with its frames, lengths and forces.
 - ``still``: a robot, or any plant, in 3D, as a picture.
 - ``replay``: a recorded motion in 3D, as a page that plays it.
+- ``write_video``: the same as an MP4 or GIF.
+- ``view``: a robot, or any plant, in the browser, with a slider for every joint.
 
 **The two reports**
 
@@ -107,6 +109,8 @@ if TYPE_CHECKING:
     from drake_leg.runs.named import run as run
     from drake_leg.scene.media import replay as replay
     from drake_leg.scene.media import still as still
+    from drake_leg.scene.media import write_video as write_video
+    from drake_leg.scene.viewer import view as view
     from drake_leg.simulation.recording import Recording as Recording
     from drake_leg.simulation.run import simulate as simulate
     from drake_leg.singularity.doctor import examine_posture as examine_posture
@@ -166,6 +170,8 @@ _HOMES = {
     "run": ("drake_leg.runs.named", "run"),
     "simulate": ("drake_leg.simulation.run", "simulate"),
     "still": ("drake_leg.scene.media", "still"),
+    "view": ("drake_leg.scene.viewer", "view"),
+    "write_video": ("drake_leg.scene.media", "write_video"),
 }
 
 __version__: str

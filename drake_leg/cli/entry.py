@@ -60,6 +60,8 @@ class _Parser(argparse.ArgumentParser):
     """Prints errors in one sentence, without the usage."""
 
     def error(self, message: str) -> NoReturn:
+        if re.fullmatch(r"unrecognized arguments:( -?[\d.]+,?)+", message):
+            message += ": put commas and no blanks between numbers, as in --q 90,-50,-90"
         self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
 
 

@@ -128,11 +128,13 @@ class Shows:
     ) -> None:
         from drake_leg.scene.scene import VIEWS
 
-        for view in VIEWS.values():
-            with pictures.trying(f"the still {view.name}"), folder.more() as scratch:
-                from drake_leg.scene.media import write_stills
+        for view in VIEWS:
+            with pictures.trying(f"the still {view}"), folder.more() as scratch:
+                from drake_leg.scene.media import still
 
-                write_stills(scratch, motion(), views=[view])
+                shown, start = motion().shown, motion().q[0]
+                png = still(shown, start, view=view, motion=motion()).png
+                (scratch / f"still_{view}.png").write_bytes(png)
 
     def _files(self) -> dict[str, Path]:
         given = {"replay": self.replay, "video": self.video}

@@ -44,7 +44,7 @@ from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.plots.style import STYLE
 from drake_leg.scene.lettering import LIGHT, Paper, Pixels
-from drake_leg.scene.scene import MARGIN, Scene, View
+from drake_leg.scene.scene import Scene, View
 from drake_leg.scene.shown_plant import Part
 
 EDGE = 0.06  # of the picture's width: room around what a scene holds, for what is thick
@@ -205,8 +205,7 @@ class Sketcher:
     def _pixels(self, seen: Array, view: View) -> Array:
         framing = self._framing(view)
         aspect = self.width / self.height
-        half = MARGIN * max(framing.half_height, framing.half_width / aspect)
-        scale = self.height / (2.0 * half)
+        scale = self.height / (2.0 * framing.half_height(aspect))
         away = (seen - framing.target @ view.axes)[:, :2] * [scale, -scale]
         return np.asarray(away + np.array([self.width, self.height]) / 2.0)
 

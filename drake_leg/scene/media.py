@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from html import escape
@@ -16,7 +16,6 @@ from PIL import Image
 
 from drake_leg.errors import InvalidValueError, require_import, require_pillow
 from drake_leg.files import check_file, whole_file, write_text
-from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.artists import (
     REMEDY,
     Renderer,
@@ -26,7 +25,6 @@ from drake_leg.scene.artists import (
 )
 from drake_leg.scene.lettering import LIGHT, AxisNames, Paper, Pixels, Words, reduced, write_on
 from drake_leg.scene.scene import (
-    VIEWS,
     PlantMotion,
     Record,
     Scene,
@@ -95,10 +93,11 @@ def still(
         Positions [rad or m]; by default the plant's default ones.
     view : {"3d", "right", "front", "top"}
         Where it is seen from.
-    motion : Recording, VectorLog, or (time, q), optional
-        Whose trace is shown, and whose room; as ``replay`` takes it.
+    motion : RunResult, Recording, VectorLog, or (time, q), optional
+        A motion whose trace is drawn and whose whole extent is in the picture; as ``replay`` takes
+        it.
     paper : Paper
-        ``LIGHT`` or ``DARK``.
+        ``LIGHT`` or ``DARK``, of ``drake_leg.scene.lettering``.
 
     Returns
     -------
@@ -108,7 +107,7 @@ def still(
     Raises
     ------
     InvalidValueError
-        If ``q`` does not have n finite numbers, or there is no such view.
+        If there is nothing to show, ``q`` does not have n finite numbers, or there is no such view.
 
     Examples
     --------
@@ -119,6 +118,10 @@ def still(
     b'PNG'
     """
     seen_from, posture = as_view(view), at_rest(what, q)
+    if not isinstance(paper, Paper):
+        raise InvalidValueError(
+            f"there is no paper {paper!r}", advice="take LIGHT or DARK of drake_leg.scene.lettering"
+        )
     scene = scene_of(posture if motion is None else motion_of(what, motion))
     able: type[Renderer] | type[Sketcher] = Renderer if rendering_fault() is None else Sketcher
     artist = able(scene, width=SMOOTHING * WIDTH, height=SMOOTHING * HEIGHT, paper=paper)
@@ -133,50 +136,17 @@ def still(
     return Still(buffer.getvalue())
 
 
-def write_stills(
-    folder: Path, motion: PlantMotion, *, views: Iterable[View] = tuple(VIEWS.values())
-) -> list[Path]:
-    """Write pictures of a motion's beginning: ``still_3d.png``, ``still_right.png`` and so on.
-
-    Parameters
-    ----------
-    folder : Path
-        Existing, to be written into.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
-    """
-    paths = []
-    for view in views:
-        path = folder / f"still_{view.name}.png"
-        path.write_bytes(still(motion.shown, motion.q[0], view=view, motion=motion).png)
-        paths.append(path)
-    return paths
-
-
 def sketching() -> str | None:
     """Say why pictures are drawn by matplotlib; None where VTK renders them."""
     fault = rendering_fault()
-    if fault is None:
-        return None
-    return (
+    return fault and (
         f"OpenGL is missing or broken ({fault}), so matplotlib drew the robot, in parallel "
         f"projection; to have it rendered, {REMEDY}"
     )
 
 
 def require_video(target: Path) -> None:
-    """Refuse to go on where this video cannot be made.
-
-    Raises
-    ------
-    BrokenPackageError
-        If Pillow cannot be imported, or PyAV for an MP4.
-    NoRenderingError
-        If nothing can be rendered here.
-    """
+    """Refuse to make a video without Pillow, without PyAV for an MP4, or without OpenGL."""
     require_pillow()
     if target.suffix.lower() == ".mp4":
         require_import(
@@ -197,39 +167,49 @@ def write_video(
     overwrite: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> int:
-    """Render a motion in real time, MP4 at 30 frames a second, GIF at 20; count its frames.
+    """Write a recorded motion as a video in real time, without a display.
+
+    An MP4 has 30 frames a second, and needs the extra ``video``; a GIF has 20.
 
     Parameters
     ----------
-    target : Path
-        Ends in ``.mp4`` or ``.gif``.
-    what : Robot, MultibodyPlant, Diagram, Path, str or ShownPlant
-        What moved, as ``shown`` takes it.
-    record : PlantMotion, Recording, VectorLog, or (time, q)
-        How it moved, as ``motion_of`` takes it.
-    view : View or str
-        From where: ``3d``, ``right``, ``front`` or ``top``.
+    target : Path or str
+        A name that ends in ``.mp4`` or ``.gif``.
+    what : Robot, MultibodyPlant, Diagram, Path or str
+        What moved: a robot, or any plant, as ``still`` takes it.
+    record : RunResult, Recording, VectorLog, or (time, q)
+        How it moved, as ``replay`` takes it.
+    view : {"3d", "right", "front", "top"}
+        Where it is seen from.
     overwrite : bool
-        Whether a file that is there may be replaced.
+        Whether a file that exists may be replaced.
     progress : callable, optional
-        Called with the time rendered [s].
+        Called with the time rendered so far [s].
+
+    Returns
+    -------
+    int
+        Number of frames.
 
     Raises
     ------
     InvalidValueError
-        If the motion is longer than ``LONGEST``.
+        If the record is not a motion of this robot, or is longer than 600 s.
     BrokenPackageError
         If Pillow cannot be imported, or PyAV for an MP4.
     NoRenderingError
-        If nothing can be rendered here.
+        If OpenGL is missing or broken.
     OutputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> from drake_leg import LEG_B, run, write_video
+    >>> step = run("leg-b", duration=0.2)
+    >>> write_video("step.gif", LEG_B, step, view="right")
+    5
     """
-    path, motion, seen_from = Path(target), motion_of(what, record), as_view(view)
-    if motion.duration > LONGEST:
-        raise InvalidValueError(
-            f"the motion is {motion.duration:g} s long; a video is at most {LONGEST:g} s"
-        )
+    path, motion, seen_from = Path(target), _short(what, record, "video"), as_view(view)
     with whole_file(path, endings=VIDEOS, overwrite=overwrite) as scratch:
         require_video(path)
         gif = path.suffix.lower() == ".gif"
@@ -238,6 +218,16 @@ def write_video(
         images = _images(frames, scene_of(motion), seen_from, progress, share)
         (_encode_gif if gif else _encode_mp4)(scratch, images)
     return len(frames.time)
+
+
+def _short(what: Showable, record: Record, kind: str) -> PlantMotion:
+    """Read a motion, and refuse one that is too long."""
+    motion = motion_of(what, record)
+    if motion.duration > LONGEST:
+        raise InvalidValueError(
+            f"the motion is {motion.duration:g} s long; a {kind} is at most {LONGEST:g} s"
+        )
+    return motion
 
 
 def _images(
@@ -333,10 +323,10 @@ def replay(
     ----------
     what : Robot, MultibodyPlant, Diagram, Path or str
         What moved: a robot, or any plant, as ``still`` takes it.
-    record : Recording, VectorLog, or (time, q)
-        How it moved: a recording with the columns ``time`` and ``q1`` ... ``qn``, or ``q`` for a
-        single joint; the log of a ``VectorLogSink`` on the plant's state; or times (rows,) [s] and
-        positions (rows, n) [rad or m].
+    record : RunResult, Recording, VectorLog, or (time, q)
+        How it moved: what ``run`` returned; a recording with the columns ``time`` and ``q1`` ...
+        ``qn``, or ``q`` for a single joint; the log of a ``VectorLogSink`` on the plant's state; or
+        times (rows,) [s], which rise, and positions (rows, n) [rad or m].
     title : str, optional
         By default the robot's.
     note : str, optional
@@ -352,7 +342,7 @@ def replay(
     Raises
     ------
     InvalidValueError
-        If the recording is not of this robot, or longer than 600 s.
+        If the record is not a motion of this robot, or is longer than 600 s.
     MeshcatError
         If Meshcat finds no free port.
 
@@ -360,49 +350,29 @@ def replay(
     --------
     >>> from drake_leg import LEG_B, replay, run
     >>> step = run("leg-b", duration=0.2)
-    >>> page = replay(LEG_B, step.recording)
+    >>> page = replay(LEG_B, step)
     >>> page.html.startswith("<!DOCTYPE html>")
     True
     """
-    motion, first = motion_of(what, record), as_view(view)
-    if motion.duration > LONGEST:
-        raise InvalidValueError(
-            f"the motion is {motion.duration:g} s long; a replay is at most {LONGEST:g} s"
-        )
+    motion, first = _short(what, record, "replay"), as_view(view)
     rate = math.ceil(motion.duration * RATE) / motion.duration if motion.duration else RATE
     frames = motion.sampled(rate)
     scene = scene_of(motion)
     heading = title or motion.shown.title
+    poses = pose_rows(frames.poses()[:, 1:]).astype("<f4")  # little-endian single floats
     data = {
         **stage_data(scene, first),
         "rate": rate,
         "duration": frames.duration,
-        "poses": _packed(frames.poses()[:, 1:]),
+        "poses": base64.b64encode(poses.tobytes()).decode("ascii"),
     }
-    page = web_page(
-        scene,
-        "replay.html",
-        title=f"{heading}: replay",
-        data=data,
-        heading=heading,
-        note=note,
-    )
+    title = f"{heading}: replay"
+    page = web_page(scene, "replay.html", title=title, data=data, heading=heading, note=note)
     return Replay(heading, page)
 
 
 def check_show(target: Path, *, overwrite: bool) -> None:
-    """Check that a page or video can be made, before any work is done for it.
-
-    Raises
-    ------
-    BrokenPackageError
-        If it is a video and Pillow cannot be imported, or an MP4 and PyAV cannot.
-    NoRenderingError
-        If it is a video and nothing can be rendered here.
-    OutputError
-        If the name ends otherwise, the file exists and may not be replaced, or nothing can be made
-        in its folder.
-    """
+    """Check that a page (``.html``) or a video can be made, before any work is done for it."""
     check_file(target, endings=(".html", *VIDEOS), overwrite=overwrite)
     if target.suffix.lower() in VIDEOS:
         require_video(target)
@@ -418,30 +388,9 @@ def write_show(
     overwrite: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> None:
-    """Write a motion as a page that replays it (``.html``), or as video (``.mp4``, ``.gif``).
-
-    Parameters
-    ----------
-    title, note : str, optional
-        Of a page, as ``replay`` has them.
-    view : View or str
-        From where a video sees it, or a page first; a page has all views.
-    progress : callable, optional
-        Called with the time of a video that is done [s].
-
-    Raises
-    ------
-    DrakeLegError
-        As ``replay`` and ``write_video`` do, or if the file cannot be written.
-    """
+    """Write a motion as a page that replays it (``.html``), or as a video (``.mp4``, ``.gif``)."""
     if target.suffix.lower() in VIDEOS:
-        shown = motion.shown
-        write_video(target, shown, motion, view=view, overwrite=overwrite, progress=progress)
-        return
-    page = replay(motion.shown, motion, title=title, note=note, view=view)
-    page.write(target, overwrite=overwrite)
-
-
-def _packed(X_WF: Array) -> str:
-    """Write poses as 7 little-endian single floats each, in base64."""
-    return base64.b64encode(pose_rows(X_WF).astype("<f4").tobytes()).decode("ascii")
+        write_video(target, motion.shown, motion, view=view, overwrite=overwrite, progress=progress)
+    else:
+        page = replay(motion.shown, motion, title=title, note=note, view=view)
+        page.write(target, overwrite=overwrite)

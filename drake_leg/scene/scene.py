@@ -6,43 +6,59 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Self, TypeAlias
+from typing import Protocol, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.geometry import Box
+from pydrake.math import RigidTransform
 from pydrake.systems.primitives import VectorLog
 from scipy.spatial import ConvexHull
 
 from drake_leg.colours import PURPLE, rgb
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.khalil import Array
-from drake_leg.scene.shown_plant import Part, Showable, ShownPlant, rod, shown, size_of
-from drake_leg.simulation.recording import Recording
+from drake_leg.kinematics.khalil import Array, one_vector
+from drake_leg.scene.shown_plant import (
+    Part,
+    Showable,
+    ShownPlant,
+    numeric,
+    rod,
+    shortened,
+    shown,
+    size_of,
+)
+from drake_leg.simulation.recording import Recording, without_sign_jumps
 from drake_leg.units import ANGLE_UNITS, LENGTH_UNITS, TIME_UNITS
 
 RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
 LINE = (0.66, 0.67, 0.70)
 TRACE = rgb(PURPLE)
 
-
 # Of the scene's size:
 TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
 TRACE_RADIUS, TRACE_SPACING = 0.011, 1.0 / 60.0
 FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
 
+NATURAL, FLAT = math.radians(30.0), math.radians(5.0)  # fields of view, lower to upper edge
+MARGIN = 1.18  # the picture is wider than what it shows by this factor
+LARGEST_MISS = 1e-6  # [m], between a recorded tip and the robot's
+MOST_POSTURES = 400  # of a motion that determine the size of its scene
 SLACK = 1e-9  # of a square of the floor: a point on its edge needs no other square
-
 WORLD_TRIAD = 1.5  # of the others: length of the world's axes
 DASH = 3  # pieces of a trace from one dash to the next; the last of them is the gap
 MOST_PIECES = 5000  # of a trace before those that lie on others are left out
 
 
-def placed(x: float, y: float, z: float) -> Array:
-    """Make a pure translation, (4, 4)."""
-    X = np.eye(4)
-    X[:3, 3] = x, y, z
-    return X
+class _HasRecording(Protocol):
+    @property
+    def recording(self) -> Recording: ...
+
+
+# A plant's motion: what a run returned, a recording, Drake's log, or time (rows,) and q (rows, q).
+Record: TypeAlias = (
+    "PlantMotion | _HasRecording | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
+)
 
 
 def triad_lengths(frames: int, size: float) -> list[float]:
@@ -89,18 +105,8 @@ def trace_parts(paths: Sequence[Array], size: float) -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def floor_parts(points: Array, square: float | None = None) -> tuple[Part, ...]:
-    """Draw a grid just under points; its squares measure 1, 2 or 5 times a power of ten.
-
-    Parameters
-    ----------
-    square : float, optional
-        Edge of its squares; by default as ``floor_square`` has it [m].
-    """
-    size = size_of(points)
-    square = floor_square(size) if square is None else square
-    line = FLOOR_LINE * size
-    corners = floor_corners(points, square)
+def floor_parts(corners: Array, square: float, line: float) -> tuple[Part, ...]:
+    """Draw a grid between corners, as ``floor_corners`` finds them, of lines of a thickness [m]."""
     height = float(corners[0, 2])
     low, high = np.round(corners[:, :2] / square)
     middle, length = (low + high) * square / 2.0, (high - low) * square + line
@@ -109,23 +115,22 @@ def floor_parts(points: Array, square: float | None = None) -> tuple[Part, ...]:
         bar = Box(length[0], line, line) if axis == 0 else Box(line, length[1], line)
         for number, multiple in enumerate(np.arange(low[1 - axis], high[1 - axis] + 1.0)):
             x, y = (middle[0], multiple * square) if axis == 0 else (multiple * square, middle[1])
-            pose, path = placed(x, y, height), f"floor/{'xy'[axis]}{number}"
+            pose = RigidTransform([x, y, height]).GetAsMatrix4()
+            path = f"floor/{'xy'[axis]}{number}"
             parts.append(Part(path=path, frame=0, shape=bar, X_FP=pose, colour=LINE))
     return tuple(parts)
 
 
-def floor_corners(points: Array, square: float | None = None) -> Array:
+def floor_corners(points: Array, square: float) -> Array:
     """Opposite corners of the floor under points, (2, 3) [m]: least x and y, greatest x and y."""
-    size = size_of(points)
-    square = floor_square(size) if square is None else square
-    height = float(points[:, 2].min()) - FLOOR_GAP * size
+    height = float(points[:, 2].min()) - FLOOR_GAP * size_of(points)
     low = square * np.floor(points[:, :2].min(axis=0) / square + SLACK)
     high = square * np.ceil(points[:, :2].max(axis=0) / square - SLACK)
     return np.array([[*low, height], [*high, height]])
 
 
 def floor_square(size: float) -> float:
-    """Edge of the floor's squares under a scene of a size [m]."""
+    """Edge of the floor's squares under a scene of a size [m]: 1, 2 or 5 times a power of ten."""
     wanted = size / FLOOR_SQUARES
     power = 10.0 ** math.floor(math.log10(wanted))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1.0 + 1e-9))
@@ -145,16 +150,6 @@ def _pieces(path: Array, spacing: float) -> Iterator[tuple[Array, Array]]:
         if not kept or apart.min() > 0.6 * spacing:
             kept.append(index)
             yield points[index], points[index + 1]
-
-
-NATURAL, FLAT = math.radians(30.0), math.radians(5.0)  # fields of view, lower to upper edge
-MARGIN = 1.18  # the picture is wider than what it shows by this factor
-LARGEST_MISS = 1e-6  # [m], between a recorded tip and the robot's
-MOST_POSTURES = 400  # of a motion that determine the size of its scene
-
-# A plant's motion: as it was recorded, as Drake logged it, or as time (rows,) and q (rows, q).
-Record: TypeAlias = "PlantMotion | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
-_FROM_ABOVE = (0.0, -1e-4, 1.0)  # the little that leaves y up in the picture
 
 
 class OtherRobotError(InvalidValueError):
@@ -184,7 +179,7 @@ class OtherRobotError(InvalidValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class PlantMotion:
-    """A plant's positions over time; what lies between two rows is interpolated linearly."""
+    """A plant's positions over time, interpolated linearly between two rows."""
 
     shown: ShownPlant
     time: Array  # (rows,) [s], rising
@@ -192,15 +187,22 @@ class PlantMotion:
 
     def __post_init__(self) -> None:
         name, positions = self.shown.name, self.shown.plant.num_positions()
-        if self.q.shape != (len(self.time), positions) or not len(self.time):
+        if self.time.ndim != 1 or self.q.shape != (self.time.size, positions) or not self.time.size:
+            count = self.time.size if self.time.ndim == 1 else f"an array {self.time.shape} of"
             raise InvalidValueError(
-                f"a motion of {name!r} has {len(self.time)} times and joint positions "
+                f"a motion of {name!r} has {count} times and joint positions "
                 f"of shape {self.q.shape}; there must be one row of {positions} at each time"
             )
         if not (np.isfinite(self.time).all() and np.isfinite(self.q).all()):
             raise InvalidValueError(f"a motion of {name!r} has a value that is not finite")
-        if (np.diff(self.time) < 0.0).any():
-            raise InvalidValueError(f"the times of a motion of {name!r} fall somewhere")
+        falls = np.flatnonzero(np.diff(self.time) <= 0.0)
+        if len(falls):
+            before, after = self.time[falls[0] : falls[0] + 2].tolist()
+            raise InvalidValueError(
+                f"the times of a motion of {name!r} must rise, but row {falls[0] + 2} is at "
+                f"{after:g} s, after one at {before:g} s",
+                advice="sort the rows by time, and leave out those that repeat one",
+            )
 
     @property
     def duration(self) -> float:
@@ -208,16 +210,12 @@ class PlantMotion:
         return float(self.time[-1] - self.time[0])
 
     def sampled(self, rate: float) -> Self:
-        """Return the motion at equal distances of time, ``floor(duration * rate) + 1`` rows.
-
-        Parameters
-        ----------
-        rate : float
-            Rows a second [1/s].
-        """
+        """Return the motion at equal distances of time, ``floor(duration * rate) + 1`` rows."""
         count = int(np.floor(self.duration * rate + 1e-9)) + 1
         time = self.time[0] + np.arange(count) / rate
-        even = self._with_even_quaternions()
+        even = np.array(self.q)
+        for start in self.shown.quaternions:
+            even[:, start : start + 4] = without_sign_jumps(even[:, start : start + 4])
         q = np.column_stack([np.interp(time, self.time, column) for column in even.T])
         return replace(self, time=time, q=q)
 
@@ -229,62 +227,39 @@ class PlantMotion:
         """Paths of the points that leave a trace, (k, rows, 3) [m]."""
         return np.moveaxis(self.shown.traced(self.poses()), -2, 0)
 
-    def _with_even_quaternions(self) -> Array:
-        """Positions whose quaternions do not jump to their negatives, the same rotation."""
-        q = np.array(self.q)
-        for start in self.shown.quaternions:
-            turn = q[:, start : start + 4]
-            flips = np.sign((turn[1:] * turn[:-1]).sum(axis=1))
-            turn[1:] *= np.cumprod(np.where(flips < 0.0, -1.0, 1.0))[:, np.newaxis]
-        return q
-
 
 def at_rest(what: Showable, q: ArrayLike | None = None) -> PlantMotion:
-    """Make the motion of a plant at rest: one row, at time 0.
-
-    Parameters
-    ----------
-    q : (q,) array_like, optional
-        Joint positions [rad or m]; by default the plant's.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` has not as many finite numbers as the plant has positions.
-    """
+    """Make the motion of a plant at rest: one row, at time 0; by default at its own positions."""
     plant = shown(what)
-    posture = plant.positions(q)
+    posture = one_vector("q", plant.positions(q), plant.plant.num_positions())
     return PlantMotion(shown=plant, time=np.zeros(1), q=posture.reshape(1, -1))
 
 
 def motion_of(what: Showable, record: Record) -> PlantMotion:
     """Read a plant's motion from a recording or a log.
 
-    Parameters
-    ----------
-    record : PlantMotion, Recording, VectorLog, or (time, q)
-        A recording has ``time`` and ``q1``, ``q2`` and so on, or ``q`` where there is one joint, in
-        the units of their headers, or in SI where these name none. Where the tip was recorded too,
-        in ``x``, ``y``, ``z``, it proves that the robot is the right one. A log has the plant's
-        state or its positions in each column.
-
-    Raises
-    ------
-    InvalidValueError
-        If there is no column ``time``, or a value or a unit makes no sense.
-    OtherRobotError
-        If the number of joint positions is another, or the recorded tip is not where this robot
-        has it.
+    A recording has ``time`` and ``q1``, ``q2`` and so on, or ``q`` where there is one joint, in the
+    units of their headers, or in SI where these name none. Where the tip was recorded too, in
+    ``x``, ``y``, ``z``, it proves that the robot is the right one. A log has the plant's state or
+    its positions in each column; it repeats a time where the simulation was initialized again.
     """
     if isinstance(record, PlantMotion):
         return record
     plant = shown(what)
-    if isinstance(record, Recording):
-        return _recorded(plant, record)
+    recording = getattr(record, "recording", record)
+    if isinstance(recording, Recording):
+        return _recorded(plant, recording)
     if isinstance(record, VectorLog):
-        positions = record.data()[: plant.plant.num_positions()]
-        return PlantMotion(shown=plant, time=np.array(record.sample_times()), q=positions.T)
-    time, q = (np.asarray(values, dtype=np.float64) for values in record)
+        positions, time = record.data()[: plant.plant.num_positions()], record.sample_times()
+        last = np.append(np.diff(time) != 0.0, True)  # of rows at the same time
+        return PlantMotion(shown=plant, time=time[last], q=positions.T[last])
+    if not isinstance(record, tuple | list) or len(record) != 2:
+        raise InvalidValueError(
+            f"{shortened(record)} is not the record of a motion",
+            advice="give what run(...) returned, a Recording, the log of a VectorLogSink, or "
+            "(time, q), such as (result.time, result.scopes['joint positions']) of a simulation",
+        )
+    time, q = (numeric(name, part) for name, part in zip(("time", "q"), record, strict=True))
     return PlantMotion(shown=plant, time=time, q=q)
 
 
@@ -341,28 +316,23 @@ class View:
         return np.column_stack([right, np.cross(back, right), back])
 
 
+# Seen from the top, the little off the vertical leaves y up in the picture.
 VIEWS = {
     view.name: view
     for view in (
         View(name="3d", label="3D", towards=(0.62, -0.66, 0.42), field=NATURAL),
         View(name="right", label="Right", origin="from the right", towards=(1.0, 0.0, 0.0)),
         View(name="front", label="Front", origin="from the front", towards=(0.0, -1.0, 0.0)),
-        View(name="top", label="Top", origin="from the top", towards=_FROM_ABOVE),
+        View(name="top", label="Top", origin="from the top", towards=(0.0, -1e-4, 1.0)),
     )
 }
 
 
 def as_view(view: View | str) -> View:
-    """Return a view by its name; a View is returned as it is.
-
-    Raises
-    ------
-    InvalidValueError
-        If there is no such view.
-    """
+    """Return a view by its name; a View is returned as it is."""
     if isinstance(view, View):
         return view
-    if view not in VIEWS:
+    if not isinstance(view, str) or view not in VIEWS:
         raise InvalidValueError(f"there is no view {view!r}; the views are {', '.join(VIEWS)}")
     return VIEWS[view]
 
@@ -373,20 +343,17 @@ class Framing:
 
     view: View
     target: Array  # (3,) p_WT: middle of the box [m]
-    half_width: float  # [m]
-    half_height: float  # [m]
-    half_depth: float  # [m]
+    half: Array  # (3,) half of its width, height and depth [m]
+
+    def half_height(self, aspect: float) -> float:
+        """Half the height of a picture of an aspect (width by height) that holds it [m]."""
+        width, height, _ = self.half
+        return MARGIN * float(max(height, width / aspect))
 
     def distance(self, aspect: float) -> float:
-        """Distance from the target at which a camera sees the whole box [m].
-
-        Parameters
-        ----------
-        aspect : float
-            Width of the picture, of its height.
-        """
+        """Distance from the target at which a camera sees the whole box [m]."""
         slope = math.tan(self.view.field / 2.0)
-        return self.half_depth + MARGIN * max(self.half_height, self.half_width / aspect) / slope
+        return float(self.half[2]) + self.half_height(aspect) / slope
 
     def camera(self, aspect: float) -> Array:
         """Place of the camera, p_WC (3,) [m], for a picture of an aspect (width by height)."""
@@ -397,14 +364,7 @@ def frame(view: View, points: Array) -> Framing:
     """Find the smallest box along a view's axes that holds all points (n, 3) [m]."""
     seen = points @ view.axes
     low, high = seen.min(axis=0), seen.max(axis=0)
-    width, height, depth = ((high - low) / 2.0).tolist()
-    return Framing(
-        view=view,
-        target=view.axes @ ((low + high) / 2.0),
-        half_width=width,
-        half_height=height,
-        half_depth=depth,
-    )
+    return Framing(view=view, target=view.axes @ ((low + high) / 2.0), half=(high - low) / 2.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -443,12 +403,8 @@ class Scene:
 def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = None) -> Scene:
     """Make a scene that contains a whole motion, of one row or many.
 
-    Parameters
-    ----------
-    room : float
-        How much larger than the motion the scene is on every side, of its size.
-    around : (n, 3) ndarray, optional
-        More points that the scene must hold, on the same floor [m].
+    It is larger than the motion on every side by ``room``, of its size, and holds also the points
+    ``around``, (n, 3) [m], on the same floor.
     """
     few = np.unique(np.linspace(0, len(motion.time) - 1, MOST_POSTURES).astype(int))
     plant, poses = motion.shown, motion.poses()
@@ -459,17 +415,18 @@ def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = N
     points = np.concatenate([points, [low, high]]) if room else points
     square = floor_square(size_of(points))
     points = points if around is None else np.concatenate([points, around])
+    floor = floor_corners(points, square)
     parts = (
         *plant.parts(size),
         *triad_parts(len(plant.frames), size),
         *trace_parts(list(np.moveaxis(plant.traced(poses), -2, 0)), size),
-        *floor_parts(points, square),
+        *floor_parts(floor, square, FLOOR_LINE * size_of(points)),
     )
     return Scene(
         shown=plant,
         parts=parts,
         points=points,
-        floor=floor_corners(points, square),
+        floor=floor,
         floor_square=square,
         size=size,
     )

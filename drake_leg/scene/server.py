@@ -272,9 +272,12 @@ class Server:
     """
 
     def __init__(self, host: str = LOCALHOST, port: int | None = None) -> None:
-        if port is not None and not _SMALLEST_PORT <= port <= _LARGEST_PORT:
+        if port is not None and (
+            not isinstance(port, int) or not _SMALLEST_PORT <= port <= _LARGEST_PORT
+        ):
+            whole = "" if isinstance(port, int) else "a whole number "
             raise InvalidValueError(
-                f"the port is {port}; it must be in {_SMALLEST_PORT} ... {_LARGEST_PORT}"
+                f"the port is {port!r}; it must be {whole}in {_SMALLEST_PORT} ... {_LARGEST_PORT}"
             )
         addresses = _addresses(host)
         self._listeners = _listen(host, addresses, port)
@@ -530,7 +533,7 @@ def _addresses(host: str) -> list[Address]:
                 for family, _, _, _, address in socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)
             ]
         )
-    except (OSError, ValueError):
+    except (OSError, TypeError, ValueError):
         raise ServerError(
             repr(host), None, "no machine of this name is known", OTHER_HOST
         ) from None

@@ -6,12 +6,14 @@ another SDF, a body with six legs.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from textwrap import shorten
 from threading import Lock
 from typing import TypeAlias
 
@@ -29,6 +31,7 @@ from pydrake.geometry import (
     Shape,
     Sphere,
 )
+from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, ModelInstanceIndex, RigidBody
@@ -41,6 +44,16 @@ from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robot import Robot, link_colour, place_name
 
 LEAST_SIZE = 1e-3  # [m], of a scene
+PALE = (0.72, 0.73, 0.76)
+BASE_SIZE, ROD_RADIUS = 0.07, 0.009  # of the scene's size
+GROUND = 3.0  # of the scene's size, from which on a shape of the world is a ground
+SOLID_OPACITY = 0.45  # so that the frames inside can be seen
+TABLE_FRAME = re.compile(r"frame_(\d+)")  # a frame of a Khalil table
+LANGUAGES = {"<sdf": "sdf", "<robot": "urdf", "<mujoco": "xml"}  # of a model, and its file's ending
+TO_BE_SHOWN = (
+    "give a Robot, such as LEG_B or what load_robot returns, a MultibodyPlant, a Diagram with one, "
+    "the path of an SDF, URDF or MuJoCo file, or its text"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,21 +95,23 @@ def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
     """Make a cylinder from one point of a frame F to another; return it and its pose X_FC."""
     way = end - start
     length = float(np.linalg.norm(way))
-    z = way / length
-    x = np.cross(np.eye(3)[int(np.abs(z).argmin())], z)
-    x /= np.linalg.norm(x)
-    X = np.eye(4)
-    X[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    X[:3, 3] = (start + end) / 2.0
-    return Cylinder(radius, length), X
+    X_FC = RigidTransform(RotationMatrix.MakeFromOneVector(way, 2), (start + end) / 2.0)
+    return Cylinder(radius, length), X_FC.GetAsMatrix4()
 
 
-PALE = (0.72, 0.73, 0.76)
-BASE_SIZE, ROD_RADIUS = 0.07, 0.009  # of the scene's size
-GROUND = 3.0  # of the scene's size, from which on a shape of the world is a ground
-SOLID_OPACITY = 0.45  # so that the frames inside can be seen
-TABLE_FRAME = re.compile(r"frame_(\d+)")  # a frame of a Khalil table
-LANGUAGES = {"<sdf": "sdf", "<robot": "urdf", "<mujoco": "xml"}  # of a model, and its file's ending
+def shortened(value: object) -> str:
+    """Write any value in a sentence, whatever its length."""
+    return shorten(repr(value), 60, placeholder=" ...")
+
+
+def numeric(what: str, values: ArrayLike) -> Array:
+    """Read an array of numbers; ``what`` names it in the error's sentence."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidValueError(
+            f"{what} is {shortened(values)}; it must be an array of numbers"
+        ) from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,7 +149,7 @@ class ShownPlant:
     Parameters
     ----------
     plant : MultibodyPlant
-        Finalised.
+        Finalized.
     inspector : SceneGraphInspector, optional
         Of the SceneGraph that has the plant's shapes; without it, bodies are thin rods.
     title : str, optional
@@ -142,12 +157,7 @@ class ShownPlant:
     trace : sequence of str
         Names of frames or bodies whose origins leave a trace; by default the ends of all bodies
         that carry no others: their frame ``NAME_end`` or the last of the table, or the end of their
-        shapes, whichever is farthest out, or the centre of mass.
-
-    Raises
-    ------
-    InvalidValueError
-        If the plant is not finalised, or a frame of ``trace`` is missing.
+        shapes, whichever is farthest out, or the center of mass.
     """
 
     def __init__(
@@ -191,16 +201,10 @@ class ShownPlant:
         return parts[::4]
 
     def positions(self, q: ArrayLike | None) -> Array:
-        """Check joint positions, (q,); None stands for the plant's default ones.
-
-        Raises
-        ------
-        InvalidValueError
-            If there is another number of them, or one is not finite.
-        """
+        """Check joint positions, (..., q); None stands for the plant's default ones."""
         if q is None:
             return self.default
-        return finite_vectors("q", q, self.plant.num_positions())
+        return finite_vectors("q", numeric("q", q), self.plant.num_positions())
 
     def poses(self, q: ArrayLike) -> Array:
         """Poses of the shown frames in the world, X_WF (..., n, 4, 4), of positions (..., q)."""
@@ -256,12 +260,7 @@ class ShownPlant:
     def parts(self, size: float) -> tuple[Part, ...]:
         """Shapes, thin rods where shapes are missing, and a block for a base without a shape.
 
-        A ground that is much larger than the scene is left out: there is a floor.
-
-        Parameters
-        ----------
-        size : float
-            Of the scene [m].
+        A ground much larger than the scene, whose size is given [m], is left out: there is a floor.
         """
         parts: list[Part] = []
         for body in self._bodies:
@@ -458,21 +457,7 @@ Showable: TypeAlias = ShownPlant | Robot | MultibodyPlant | Diagram | Path | str
 
 
 def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()) -> ShownPlant:
-    """Prepare a robot, a plant, a diagram or a model to be shown.
-
-    Parameters
-    ----------
-    what : Robot, MultibodyPlant, Diagram, Path, str or ShownPlant
-        A robot; a plant alone, whose bodies are then thin rods; a diagram with one plant, whose
-        SceneGraph has the shapes; a model file; the text of an SDF, URDF or MuJoCo model.
-    title, trace
-        As ``ShownPlant`` has them.
-
-    Raises
-    ------
-    InvalidValueError
-        If a diagram has no plant or several, or Drake refuses the model.
-    """
+    """Prepare a robot, a plant, a diagram or a model to be shown, as ``still`` takes it."""
     if isinstance(what, ShownPlant):
         return what
     if isinstance(what, Robot):
@@ -485,11 +470,11 @@ def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()
             raise InvalidValueError(
                 f"the diagram has {len(plants)} plants; pass one with one plant, or a plant alone"
             )
-        inspectors = [graph.model_inspector() for graph in _systems(what, SceneGraph)]
-        return ShownPlant(
-            plants[0], inspectors[0] if inspectors else None, title=title, trace=trace
-        )
-    return _parsed(what, title, trace)
+        graph = next(_systems(what, SceneGraph), None)
+        return ShownPlant(plants[0], graph and graph.model_inspector(), title=title, trace=trace)
+    if isinstance(what, Path | str):
+        return _parsed(what, title, trace)
+    raise InvalidValueError(f"{shortened(what)} cannot be shown", advice=TO_BE_SHOWN)
 
 
 @lru_cache(maxsize=32)
@@ -498,20 +483,24 @@ def _shown_robot(robot: Robot, title: str | None, trace: tuple[str, ...]) -> Sho
 
 
 def _parsed(model: Path | str, title: str | None, trace: Sequence[str]) -> ShownPlant:
+    is_text = isinstance(model, str) and "<" in model
+    if not is_text and not os.path.isfile(model):  # noqa: PTH113 - a name of any length
+        raise InvalidValueError(
+            f"there is no model file {shortened(str(model))}", advice=TO_BE_SHOWN
+        )
     plant, graph = MultibodyPlant(time_step=0.0), SceneGraph()
     plant.RegisterAsSourceForSceneGraph(graph)
     parser = Parser(plant)
     try:
-        if isinstance(model, Path) or "<" not in model:
-            parser.AddModels(str(model))
-        else:
-            kinds = [kind for tag, kind in LANGUAGES.items() if tag in model]
+        if is_text:
+            kinds = [kind for tag, kind in LANGUAGES.items() if tag in str(model)]
             parser.AddModelsFromString(model, kinds[0] if kinds else "sdf")
+        else:
+            parser.AddModels(str(model))
         plant.Finalize()
     except RuntimeError as error:
-        raise InvalidValueError(
-            f"Drake refuses the model: {' '.join(str(error).split())}"
-        ) from None
+        reason = " ".join(str(error).split()).removeprefix("error: ")
+        raise InvalidValueError(f"Drake refuses the model: {reason}") from None
     return ShownPlant(plant, graph.model_inspector(), title=title, trace=trace)
 
 
@@ -530,16 +519,13 @@ def _label(body: RigidBody) -> str:
 
 
 def _coordinates_of(plant: MultibodyPlant) -> tuple[Coordinate, ...]:
+    lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
     found: dict[int, Coordinate] = {}
     for joint in map(plant.get_joint, plant.GetJointIndices()):
-        count, lower, upper = (
-            joint.num_positions(),
-            joint.position_lower_limits(),
-            joint.position_upper_limits(),
-        )
-        for index in range(count):
-            suffix = joint.position_suffix(index)
-            found[joint.position_start() + index] = Coordinate(
+        count, start = joint.num_positions(), joint.position_start()
+        for index in range(start, start + count):
+            suffix = joint.position_suffix(index - start)
+            found[index] = Coordinate(
                 name=joint.name() if count == 1 else f"{joint.name()} {suffix}",
                 turns=suffix.startswith("q"),
                 lower=float(lower[index]),
@@ -559,9 +545,8 @@ def _name_of(plant: MultibodyPlant) -> str:
 
 
 def _colour_of(inspector: SceneGraphInspector, geometry: object, other: Rgba) -> Rgba:
-    properties = inspector.GetIllustrationProperties(geometry)
-    if properties is None:
-        properties = inspector.GetPerceptionProperties(geometry)
+    of_illustration = inspector.GetIllustrationProperties(geometry)
+    properties = of_illustration or inspector.GetPerceptionProperties(geometry)
     if properties is None or not properties.HasProperty("phong", "diffuse"):
         return other
     return properties.GetProperty("phong", "diffuse")

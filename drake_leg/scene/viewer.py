@@ -151,7 +151,7 @@ def view(
 ) -> Array:
     """Open a robot, or any plant, in the browser, with a slider for every joint.
 
-    It returns when the page is ended with Escape, or after Ctrl-C.
+    It returns when the page is closed with Escape or its Quit button, or after Ctrl-C.
 
     Parameters
     ----------
@@ -176,17 +176,19 @@ def view(
     Raises
     ------
     InvalidValueError
-        If ``q`` does not have n finite numbers, there is no such view, or no browser can be
-        opened and nothing else was to be done with the address.
+        If there is nothing to show, ``q`` does not have n finite numbers, there is no such view, or
+        no browser can be opened and ``announce`` is not given.
     ServerError
         If it cannot listen there.
 
     Examples
     --------
-    >>> from drake_leg.robot.robots import LEG_B
-    >>> q = view(LEG_B, [1.57, -0.87, -1.57], announce=print)  # doctest: +SKIP
+    >>> from math import radians
+    >>> from drake_leg import LEG_B, view
+    >>> q = view(LEG_B, [radians(90), radians(-50), radians(-90)], announce=print)  # doctest: +SKIP
     http://localhost:7000
     """
+    motion, first = at_rest(what, q), as_view(view)
     with Server(host, port) as server:
         if announce is not None:
             announce(server.url)
@@ -195,7 +197,7 @@ def view(
                 "no browser can be opened here",
                 advice="pass `announce=print` and open the address elsewhere",
             )
-        return view_served(what, q, server, view=view)
+        return view_served(motion.shown, motion.q[0], server, view=first)
 
 
 def view_served(
@@ -209,12 +211,8 @@ def view_served(
 ) -> Array:
     """Show a plant as ``view`` does, on a server that listens already.
 
-    Parameters
-    ----------
-    once : bool
-        Whether to end when the sliders have been read once.
-    wait : callable
-        Called with the time until the sliders are read again [s].
+    With ``once`` it ends when the sliders have been read once. ``wait`` is called with the time
+    until they are read again [s].
     """
     plant, first = shown(what), as_view(view)
     posture = plant.positions(q).copy()

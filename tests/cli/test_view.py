@@ -41,6 +41,17 @@ def test_every_robot_of_the_reports_is_shown_in_its_posture(name, left, capsys):
     assert f"left at --q {left}" in out
 
 
+@pytest.mark.parametrize("command", ["view", "teleop"])
+@pytest.mark.parametrize("typed", [["90", "-50", "-90"], ["90,", "-50,", "-90"], ["90 -50 -90"]])
+def test_blanks_between_numbers_are_refused_with_a_hint(command, typed, capsys):
+    try:
+        status = main([command, "leg-b", "--once", "--q", *typed])
+    except SystemExit as end:
+        status = end.code
+    assert status == 2
+    assert "put commas and no blanks between" in capsys.readouterr().err
+
+
 def test_a_robot_from_a_file_starts_inside_its_limits(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("turn.toml").write_text(TURN, encoding="utf-8")

@@ -170,8 +170,11 @@ def test_meshes_and_all_other_shapes_are_shown(tmp_path, monkeypatch):
     assert np.ptp(pixels(still(plant))) > 100.0
 
 
-@pytest.mark.parametrize("model", ["<sdf>nothing</sdf>", "nowhere.sdf"])
-def test_what_drake_cannot_read_is_refused_in_a_sentence(model):
+@pytest.mark.parametrize("model", ["<sdf>nothing</sdf>", "broken.sdf", "text.txt"])
+def test_what_drake_cannot_read_is_refused_in_a_sentence(model, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("broken.sdf", "text.txt"):
+        (tmp_path / name).write_text("<sdf")
     with pytest.raises(InvalidValueError, match="Drake refuses the model"):
         shown(model)
 

@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from drake_leg.scene.scene import (
     PlantMotion,
     as_view,
     at_rest,
+    floor_corners,
     floor_parts,
     floor_square,
     frame,
@@ -97,7 +99,10 @@ def test_a_recording_of_another_robot_is_refused():
     ("time", "q", "said"),
     [
         (TIME, Q[:, :2], "one row of 3"),
-        (TIME[::-1], Q, "fall somewhere"),
+        (TIME[::-1], Q, "must rise, but row 2 is at 1.5 s, after one at 3 s: sort the rows"),
+        (TIME[[0, 1, 1]], Q, "must rise, but row 3 is at 1.5 s, after one at 1.5 s"),
+        (np.zeros((3, 1)), Q, r"has an array \(3, 1\) of times"),
+        (np.array(1.0), Q, r"has an array \(\) of times"),
         (TIME, Q * np.nan, "not finite"),
         (TIME[:0], Q[:0], "0 times"),
     ],
@@ -105,6 +110,23 @@ def test_a_recording_of_another_robot_is_refused():
 def test_what_is_no_motion_is_refused(time, q, said):
     with pytest.raises(InvalidValueError, match=said):
         PlantMotion(shown=shown(LEG_B), time=time, q=q)
+
+
+@pytest.mark.parametrize("record", [3, None, "leg", {}, (TIME,), (TIME, Q, Q), np.zeros((3, 3))])
+def test_what_is_no_record_is_refused_with_what_is(record):
+    with pytest.raises(InvalidValueError, match="is not the record of a motion: give what run"):
+        motion_of(LEG_B, record)
+
+
+@pytest.mark.parametrize("record", [("a", Q), (TIME, [[1.0, 2.0], [3.0]]), (TIME, None)])
+def test_times_and_positions_are_numbers(record):
+    with pytest.raises(InvalidValueError, match=r"(time|q) is .*must be|joint positions of shape"):
+        motion_of(LEG_B, record)
+
+
+def test_the_result_of_a_run_is_a_record():
+    result = SimpleNamespace(recording=recording())
+    np.testing.assert_array_equal(motion_of(LEG_B, result).q, Q)
 
 
 @pytest.mark.parametrize("view", VIEWS.values(), ids=str)
@@ -134,9 +156,10 @@ def test_every_point_is_inside_the_picture(view, aspect, rng):
     assert max(slopes[:, 1].max(), slopes[:, 0].max() / aspect) > 0.7
 
 
-def test_another_view_is_refused():
-    with pytest.raises(InvalidValueError, match="no view 'left'; the views are 3d, right"):
-        as_view("left")
+@pytest.mark.parametrize("view", ["left", 3, None, ["3d"]])
+def test_another_view_is_refused(view):
+    with pytest.raises(InvalidValueError, match=r"no view .*; the views are 3d, right"):
+        as_view(view)
 
 
 @pytest.mark.parametrize(
@@ -227,7 +250,7 @@ def test_the_floors_squares_are_1_2_or_5(size, square):
 
 def test_the_floor_lies_under_everything():
     points = np.array([[-0.1, 0.0, -0.14], [0.1, 0.25, 0.0]])
-    parts = floor_parts(points)
+    parts = floor_parts(floor_corners(points, 0.05), 0.05, 1e-3)
     heights = {round(float(part.X_FP[2, 3]), 12) for part in parts}
     assert len(heights) == 1
     assert heights.pop() < -0.14

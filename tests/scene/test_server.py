@@ -32,6 +32,12 @@ def test_a_taken_port_is_one_sentence():
             Server(port=first.port)
 
 
+@pytest.mark.parametrize("port", ["a", 7000.5])
+def test_a_port_is_a_whole_number(port):
+    with pytest.raises(DrakeLegError, match="it must be a whole number in 1024"):
+        Server(port=port)
+
+
 @pytest.mark.parametrize("port", [80, 0, -1, 65536])
 def test_what_is_no_port_is_refused(port):
     with pytest.raises(DrakeLegError, match=f"the port is {port}; it must be in 1024"):
@@ -45,6 +51,7 @@ def test_what_is_no_port_is_refused(port):
         ("203.0.113.7", "it is not an address of this machine"),
         ("a\0b", "no machine of this name is known"),
         ("x" * 300, "no machine of this name is known"),
+        (3, "no machine of this name is known"),
     ],
 )
 def test_a_host_that_is_not_this_machine_is_refused(host, said):

@@ -1,9 +1,12 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 from pydrake.geometry import Box, Cylinder, Role, SceneGraph, Sphere
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robot import LINK_COLOURS, Brick, Link, Robot, Row, Segment, Solid
 from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA, SCARA_HEIGHT
@@ -138,3 +141,26 @@ def test_a_scene_holds_its_motion():
     wide = scene_of(motion, room=0.5)
     gained = np.ptp(wide.points, axis=0) - np.ptp(scene.points, axis=0)
     np.testing.assert_allclose(gained, scene.size)
+
+
+@pytest.mark.parametrize("what", [None, 3, Robot, ["leg-b"], np.zeros(3)])
+def test_what_cannot_be_shown_is_refused_with_what_can(what):
+    with pytest.raises(InvalidValueError, match="cannot be shown: give a Robot, such as LEG_B"):
+        shown(what)
+
+
+@pytest.mark.parametrize("what", ["leg-b", "", "nowhere.sdf", Path("nowhere.urdf"), "x" * 9999])
+def test_a_model_file_that_is_not_there_is_named(what):
+    with pytest.raises(InvalidValueError, match=r"no model file '.*': give a Robot, such as LEG_B"):
+        shown(what)
+
+
+@pytest.mark.parametrize("q", ["a", [[1.0], [1.0, 2.0]], {}])
+def test_positions_are_numbers(q):
+    with pytest.raises(InvalidValueError, match=r"q is .*; it must be an array of numbers"):
+        at_rest(LEG_B, q)
+
+
+def test_a_plant_rests_in_one_posture():
+    with pytest.raises(InvalidValueError, match="must be one vector of 3"):
+        at_rest(LEG_B, np.zeros((2, 3)))
