@@ -196,7 +196,7 @@ def prove(
 
 def _testimonies(robot: Robot) -> list[_Testimony]:
     """List every witness's foot and Jacobian, the quickest first."""
-    from drake_leg.symbolic.chain import foot_function, jacobian_function
+    from drake_leg.symbolic.derivation import foot_function, jacobian_function
 
     rows = robot.rows
     drake = cache(lambda: DrakeWitness(robot))

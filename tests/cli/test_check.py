@@ -67,7 +67,7 @@ def test_what_is_not_compared_in_time_is_said_and_the_status_is_3(tmp_path, caps
         while True:
             time.sleep(0.001)
 
-    monkeypatch.setattr("drake_leg.symbolic.chain.jacobian_function", for_ever)
+    monkeypatch.setattr("drake_leg.symbolic.derivation.jacobian_function", for_ever)
     many = chain_of(16, tmp_path / "many.toml")
     status, out = checked(capsys, many, "--samples", "2", "--budget", "2")
     assert status == 3

@@ -16,8 +16,8 @@ from drake_leg.models.proof import TOLERANCE, DrakeWitness, difference_jacobian,
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA
-from drake_leg.symbolic import chain
-from drake_leg.symbolic.chain import row_transform, symbolic_chain
+from drake_leg.symbolic import derivation
+from drake_leg.symbolic.derivation import row_transform, symbolic_chain
 
 
 def bare(*rows, **mechanics):
@@ -146,7 +146,7 @@ def test_what_the_budget_does_not_reach_is_missing_and_said(monkeypatch):
         while True:
             time.sleep(0.001)
 
-    monkeypatch.setattr("drake_leg.symbolic.chain.jacobian_function", for_ever)
+    monkeypatch.setattr("drake_leg.symbolic.derivation.jacobian_function", for_ever)
     stages = []
     proof = prove(LEG_B, samples=2, budget=3.0, progress=stages.append)
     assert proof.holds
@@ -177,7 +177,7 @@ def test_one_slip_in_one_row_of_one_witness_is_found_and_named(broken, index, fi
     slip = replace(row, **{field: getattr(row, field) + 1e-9})
     rows = (*ODD[:index], slip, *ODD[index + 1 :])
     if broken == "SymPy":
-        monkeypatch.setattr(chain, "symbolic_chain", lambda _, real=symbolic_chain: real(rows))
+        monkeypatch.setattr(derivation, "symbolic_chain", lambda _, real=symbolic_chain: real(rows))
     else:
         monkeypatch.setattr(khalil, "foot_pose", lambda _, q, real=khalil.foot_pose: real(rows, q))
     proof = prove(bare(*ODD), samples=4)
@@ -191,14 +191,14 @@ def test_a_wrong_formula_of_a_row_is_found(method, monkeypatch):
     def turned_backwards(row):
         return row_transform(replace(row, theta=-row.theta))
 
-    honest = getattr(chain, method)
+    honest = getattr(derivation, method)
 
     def dishonest(rows):
         with monkeypatch.context() as patch:
-            patch.setattr(chain, "row_transform", turned_backwards)
+            patch.setattr(derivation, "row_transform", turned_backwards)
             return honest(rows)
 
-    monkeypatch.setattr(chain, method, dishonest)
+    monkeypatch.setattr(derivation, method, dishonest)
     proof = prove(LEG_B, samples=4)
     wrong = {c.quantity for c in proof.comparisons if not c.agrees}
     assert wrong == {"foot" if method == "foot_function" else "Jacobian"}

@@ -1,21 +1,162 @@
+import math
+import time
+
 import numpy as np
 import pytest
 import sympy as sp
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil, leg, scara
-from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
-from drake_leg.symbolic.chain import evaluator
-from drake_leg.symbolic.derivation import Derivation
+from drake_leg.robot.robot import Row
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA
+from drake_leg.symbolic.derivation import (
+    Derivation,
+    SymbolicRow,
+    base_transforms,
+    direct_jacobian,
+    evaluator,
+    foot_function,
+    indirect_jacobian,
+    jacobian_function,
+    row_transform,
+    symbolic_chain,
+)
 
-ROBOTS = {"leg-a": LEG_A, "leg-b": LEG_B, "scara": SCARA}
+PUMA_560 = (
+    Row(joint="revolute"),
+    Row(joint="revolute", alpha=-math.pi / 2, r=0.2435),
+    Row(joint="revolute", d=0.4318, r=-0.0934),
+    Row(joint="revolute", d=-0.0203, alpha=math.pi / 2, r=0.4331),
+    Row(joint="revolute", alpha=-math.pi / 2),
+    Row(joint="revolute", alpha=math.pi / 2),
+)
+ODD = (
+    Row(joint="prismatic", d=0.1, alpha=0.3, r=-0.2, theta=1.1),
+    Row(joint="fixed", d=-0.4, alpha=-2.0, r=0.05, theta=math.pi / 3),
+    Row(joint="revolute", alpha=math.pi / 4, theta=-0.7),
+    Row(joint="prismatic", d=0.25, theta=-math.pi / 2),
+    Row(joint="revolute", d=0.3, r=0.1),
+    Row(joint="fixed", alpha=math.pi, r=0.2),
+)
+CHAINS = {robot.name: robot.rows for robot in ROBOTS} | {"puma 560": PUMA_560, "odd": ODD}
+
+
+def joint_positions(rows, rng):
+    return rng.uniform(-3.0, 3.0, len(khalil.moving_rows(rows)))
+
+
+@pytest.mark.parametrize("rows", CHAINS.values(), ids=CHAINS)
+def test_any_chains_foot_and_jacobian_are_the_numeric_ones(rng, rows):
+    foot, jacobian = foot_function(rows), jacobian_function(rows)
+    for _ in range(5):
+        q = joint_positions(rows, rng)
+        np.testing.assert_allclose(foot(q), khalil.foot_pose(rows, q), atol=1e-14)
+        np.testing.assert_allclose(jacobian(q), khalil.jacobian(rows, q), atol=1e-14)
+
+
+@pytest.mark.parametrize("rows", CHAINS.values(), ids=CHAINS)
+def test_the_two_methods_agree(rng, rows):
+    chain = symbolic_chain(rows)
+    difference = evaluator(chain, direct_jacobian(chain) - indirect_jacobian(chain))
+    assert np.abs(difference(joint_positions(rows, rng))).max() < 1e-14
+
+
+@pytest.mark.parametrize("rows", CHAINS.values(), ids=CHAINS)
+def test_every_frame_and_the_foot_are_the_numeric_ones(rng, rows):
+    chain, q = symbolic_chain(rows), joint_positions(rows, rng)
+    for X_BC, right in zip(base_transforms(chain), khalil.base_transforms(rows, q), strict=True):
+        np.testing.assert_allclose(evaluator(chain, X_BC)(q), right, atol=1e-14)
+    foot = evaluator(chain, base_transforms(chain)[-1][:3, 3])(q)
+    np.testing.assert_allclose(foot[:, 0], khalil.foot_pose(rows, q)[:3, 3], atol=1e-14)
+
+
+def test_six_axes_take_well_under_five_seconds():
+    start = time.perf_counter()
+    foot_function(PUMA_560)
+    jacobian_function(PUMA_560)
+    assert time.perf_counter() - start < 5.0
+
+
+def test_a_row_is_its_four_motions():
+    d, alpha, r, theta = sp.symbols("d alpha r theta", real=True)
+    row = SymbolicRow(joint="fixed", d=d, alpha=alpha, r=r, theta=theta)
+    about_x = sp.diag(sp.rot_axis1(-alpha), 1)
+    along_x = sp.eye(4) + sp.Matrix(4, 4, lambda i, j: d if (i, j) == (0, 3) else 0)
+    about_z = sp.diag(sp.rot_axis3(-theta), 1)
+    along_z = sp.eye(4) + sp.Matrix(4, 4, lambda i, j: r if (i, j) == (2, 3) else 0)
+    motions = about_x * along_x * about_z * along_z
+    assert (row_transform(row) - motions).expand() == sp.zeros(4)
+
+
+@pytest.mark.parametrize(
+    ("robot", "lengths"),
+    [
+        (LEG_A, {"l1": 0.05, "l2": 0.1, "l3": 0.1}),
+        (LEG_B, {"l1": 0.05, "l2": 0.1, "l3": 0.1}),
+        (SCARA, {"h": 0.4524, "l1": 0.22, "l2": 0.24}),
+        (PENDULUM, {"l1": 0.2}),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_the_reports_lengths_have_the_reports_names(robot, lengths):
+    chain = symbolic_chain(robot.rows)
+    assert {symbol.name: value for symbol, value in chain.values.items()} == lengths
+    assert [symbol.name for symbol in chain.q] == [
+        f"q{number}" for number in range(1, len(robot.moving) + 1)
+    ]
+
+
+def test_angles_are_exact_fractions_of_pi_or_symbols():
+    chain = symbolic_chain(ODD)
+    assert [row.alpha for row in chain.rows[2:]] == [sp.pi / 4, 0, 0, sp.pi]
+    assert chain.rows[1].theta == sp.pi / 3
+    assert chain.rows[3].theta == -sp.pi / 2
+    names = {symbol.name: value for symbol, value in chain.values.items()}
+    assert names["alpha1"] == 0.3
+    assert names["theta3"] == -0.7
+    assert chain.rows[2].theta == chain.q[1] + sp.Symbol("theta3", real=True)
+
+
+def test_nearly_a_fraction_of_pi_is_not_taken_for_one():
+    nearly = math.pi / 2 + 1e-14
+    chain = symbolic_chain([Row(joint="revolute", alpha=nearly)])
+    assert list(chain.values.values()) == [nearly]
+
+
+def test_a_negative_length_is_minus_a_positive_symbol():
+    chain = symbolic_chain([Row(joint="prismatic", d=-0.4, r=-0.1)])
+    l1, h = sp.Symbol("l1", positive=True), sp.Symbol("h", positive=True)
+    assert chain.rows[0].d == -l1
+    assert chain.rows[0].r == chain.q[0] - h
+    assert chain.values == {h: 0.1, l1: 0.4}
+
+
+def test_several_lengths_along_z_are_numbered():
+    names = {symbol.name for symbol in symbolic_chain(PUMA_560).values}
+    assert names == {"l1", "l2", "h1", "h2", "h3"}
+
+
+def test_a_chain_without_joints_has_a_foot_and_no_columns():
+    rows = [Row(joint="fixed", d=1.0)]
+    assert foot_function(rows)([])[0, 3] == 1.0
+    assert jacobian_function(rows)([]).size == 0
+
+
+@pytest.mark.parametrize("q", [[0.0, 0.0], [[0.0, 0.0, 0.0]], [0.0, math.nan, 0.0], 1.0])
+def test_wrong_joint_positions_are_refused(q):
+    with pytest.raises(InvalidValueError):
+        foot_function(LEG_A.rows)(q)
+
+
+NAMED = {"leg-a": LEG_A, "leg-b": LEG_B, "scara": SCARA}
 Q1, Q2, Q3 = sp.symbols("q1:4", real=True)
 L1, L2, L3 = sp.symbols("l1:4", positive=True)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", NAMED)
 def test_direct_minus_indirect_is_exactly_zero(derived, name):
     difference = derived(name).difference
-    assert difference.shape == (6, len(ROBOTS[name].moving))
+    assert difference.shape == (6, len(NAMED[name].moving))
     assert difference == sp.zeros(*difference.shape)
 
 
@@ -29,9 +170,9 @@ def test_the_scaras_determinant_is_factored(derived):
     assert derived("scara").determinant == L1 * L2 * sp.sin(Q2)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", NAMED)
 def test_the_short_transforms_are_the_chains(rng, derived, name):
-    robot, derivation = ROBOTS[name], derived(name)
+    robot, derivation = NAMED[name], derived(name)
     q = rng.uniform(-3.0, 3.0, len(robot.moving))
     right = khalil.base_transforms(robot.rows, q)
     before = np.eye(4)

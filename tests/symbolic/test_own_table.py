@@ -9,8 +9,7 @@ from drake_leg.kinematics import khalil
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import SCARA
 from drake_leg.robot.toml_reader import load_robot
-from drake_leg.symbolic.chain import evaluator
-from drake_leg.symbolic.derivation import Derivation
+from drake_leg.symbolic.derivation import Derivation, evaluator
 from drake_leg.symbolic.equations import own_pieces
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"

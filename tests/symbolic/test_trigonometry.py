@@ -5,7 +5,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_leg.symbolic.notation import normal_form, pythagoras, tidy
+from drake_leg.symbolic.derivation import normal_form, pythagoras, tidy
 
 A, B, C = sp.symbols("q1:4", real=True)
 L1, L2 = sp.symbols("l1 l2", positive=True)

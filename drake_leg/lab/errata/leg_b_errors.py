@@ -34,8 +34,8 @@ from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.options import LegBOptions
 from drake_leg.singularity.rank import examine
-from drake_leg.symbolic.chain import evaluate
-from drake_leg.symbolic.notation import text
+from drake_leg.symbolic.derivation import evaluate
+from drake_leg.symbolic.equations import text
 
 GEOMETRY = LegGeometry.from_robot(LEG_B)
 GAIN = 10.0  # "a constant factor of 10"

@@ -19,8 +19,8 @@ from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.lab.errata.erratum import MM
 from drake_leg.robot.robots import SCARA
 from drake_leg.symbolic.catalogue import derived
-from drake_leg.symbolic.chain import evaluate
-from drake_leg.symbolic.notation import text
+from drake_leg.symbolic.derivation import evaluate
+from drake_leg.symbolic.equations import text
 
 NEIGHBOURS = ("T01", "T12", "T23", "T34")
 TH1, TH2, TH3, R = sp.symbols("θ1 θ2 θ3 R", real=True)

@@ -17,7 +17,13 @@ from drake_leg.lab.grader.claims import NAMES, Claim
 from drake_leg.lab.grader.printed import METRES, Finding, Printed
 from drake_leg.lab.grader.tables import Cell
 from drake_leg.robot.robot import Robot
-from drake_leg.symbolic.chain import SymbolicChain, direct_jacobian, row_transform, symbolic_chain
+from drake_leg.symbolic.derivation import (
+    SymbolicChain,
+    direct_jacobian,
+    row_transform,
+    symbolic_chain,
+    tidy,
+)
 from drake_leg.symbolic.formulas import (
     DEGREE,
     FUNCTIONS,
@@ -32,7 +38,6 @@ from drake_leg.symbolic.formulas import (
     substitute,
     written,
 )
-from drake_leg.symbolic.notation import tidy
 from drake_leg.symbolic.parser import parse_formula
 from drake_leg.symbolic.spelling import ANGLE_LETTERS, is_joint_variable, plain, quoted, spelled_as
 

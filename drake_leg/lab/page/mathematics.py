@@ -34,9 +34,8 @@ from drake_leg.singularity.families import LegFamilies
 from drake_leg.singularity.rank import examine
 from drake_leg.singularity.stroke import closed_stroke, greatest_amplitude
 from drake_leg.symbolic.catalogue import derived
-from drake_leg.symbolic.chain import evaluate
-from drake_leg.symbolic.equations import general_transform, matrices
-from drake_leg.symbolic.notation import html
+from drake_leg.symbolic.derivation import evaluate
+from drake_leg.symbolic.equations import general_transform, html, matrices
 
 POSTURES = 1000  # at which the two Jacobians are compared
 TRANSFORM, CONTRIBUTION = re.compile(r"T(\d)(\d)"), re.compile(r"V(\d)")

@@ -29,8 +29,8 @@ from drake_leg.lab.errata.printed import (
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.symbolic.chain import evaluate
-from drake_leg.symbolic.notation import text
+from drake_leg.symbolic.derivation import evaluate
+from drake_leg.symbolic.equations import text
 from drake_leg.units import STANDARD_GRAVITY
 
 SCARA_PRINTED, SCARA_RIGHT = scara_matrices().printed, scara_matrices().right

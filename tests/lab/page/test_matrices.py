@@ -13,7 +13,7 @@ from drake_leg.lab.page import mathematics
 from drake_leg.lab.page.contents import SUBJECTS, chapters
 from drake_leg.lab.page.mathematics import comparisons, methods
 from drake_leg.symbolic.catalogue import derived, derived_equations
-from drake_leg.symbolic.notation import html
+from drake_leg.symbolic.equations import html
 
 NAMES = ("leg-a", "leg-b", "scara")
 
