@@ -6,6 +6,7 @@ import ast
 import doctest
 import inspect
 import json
+import math
 import re
 import subprocess
 import sys
@@ -228,6 +229,33 @@ def test_the_name_of_a_robot_is_not_shown(name, tmp_path):
     arguments = {"replay": ("leg-b", 3), "write_video": (tmp_path / "a.gif", "leg-b", 3)}
     with pytest.raises(InvalidValueError, match=r"no model file 'leg-b': give a Robot, .*LEG_B"):
         getattr(drake_leg, name)(*arguments.get(name, ("leg-b",)))
+
+
+WRONG_ARGUMENTS = [
+    ("derive", (15,), {}, "the equation wanted is 15, which is not a text: write .* such as '15'"),
+    ("derive", (["1.5"],), {}, r"the equation wanted is \['1.5'\], which is not a text"),
+    ("derive", ("frame 2",), {}, "no equation 'frame 2'; did you mean 'frame 2 in frame 1'"),
+    ("derive", ("jacobin by both",), {}, "did you mean 'Jacobian by both methods'"),
+    ("derive", ("9.9",), {}, "there are 'frame 1 in frame 0', 'frame 2 in frame 1'"),
+    ("derive", (), {"budget": "x"}, "the budget is 'x'; it must be a number"),
+    ("derive", (), {"budget": -1.0}, "the budget is -1.0 s; it must be a positive number"),
+    ("prove", (), {"samples": "3"}, "samples is '3'; it must be a whole number, 1 to 10000"),
+    ("prove", (), {"samples": 2.5}, "samples is 2.5; it must be a whole number"),
+    ("prove", (), {"samples": True}, "samples is True; it must be a whole number"),
+    ("prove", (), {"samples": 0}, "samples is 0; it must be a whole number, 1 to"),
+    ("prove", (), {"seed": None}, "the seed is None; it must be a whole number, at least 0"),
+    ("prove", (), {"budget": None}, "the budget is None; it must be a number"),
+    ("build_plant", (), {"gravity": "9.81"}, "gravity is '9.81'; it must be a number"),
+    ("build_plant", (), {"gravity": [0, 0, -9.81]}, "gravity is .*; it must be a number"),
+    ("build_plant", (), {"gravity": -9.81}, "gravity is -9.81 m/s.2; it must be zero or positive"),
+    ("build_plant", (), {"gravity": math.nan}, "gravity is nan m/s.2; it must be zero or positive"),
+]
+
+
+@pytest.mark.parametrize(("name", "arguments", "settings", "sentence"), WRONG_ARGUMENTS)
+def test_a_wrong_argument_is_refused_in_a_sentence(name, arguments, settings, sentence):
+    with pytest.raises(InvalidValueError, match=sentence):
+        load(name)(drake_leg.PENDULUM, *arguments, **settings)
 
 
 def test_the_block_says_what_it_takes():

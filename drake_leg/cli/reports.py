@@ -11,7 +11,7 @@ import textwrap
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
+from drake_leg.cli.inputs import robot_source
 from drake_leg.cli.showing import remark_if_sketched
 from drake_leg.cli.terminal import (
     BAD_INPUT,
@@ -30,7 +30,6 @@ from drake_leg.symbolic.catalogue import (
     SUBJECTS,
     DerivedRobot,
     derived_equations,
-    require_subject,
 )
 
 if TYPE_CHECKING:
@@ -68,9 +67,7 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
 def _derive(chosen: argparse.Namespace) -> int:
     import_module("drake_leg.symbolic.equations")  # loads SymPy before the time is limited
     budget = TimeBudget(budget_of(chosen))
-    own = chosen.name not in SUBJECTS and (
-        chosen.name in ROBOT_NAMES or chosen.name.lower().endswith(".toml")
-    )
+    own = chosen.name not in SUBJECTS
     with ProgressBar(sys.stderr, f"derivation of {chosen.name}", budget.seconds, "s") as bar:
         return (_own if own else _reports)(chosen, budget, bar)
 
@@ -78,7 +75,6 @@ def _derive(chosen: argparse.Namespace) -> int:
 def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
     """Derive a report's equations, all or none."""
     bar.turn_to("its equations")
-    require_subject(chosen.name)
     try:
         equations = budget.spend(lambda: derived_equations(chosen.name))
     except TimeBudgetError as error:

@@ -237,19 +237,7 @@ def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
         yield f"  {missing.quantity:<10} {missing.witness:<20} {as_options(missing.why)}"
     if proof.worst is not None:
         yield f"the greatest of all: {_where(robot, proof.worst)}"
-    yield _verdict(proof)
-
-
-def _verdict(proof: Proof) -> str:
-    from drake_leg.models.proof import TOLERANCE
-
-    if not proof.comparisons:
-        return "NOT proved: nothing was compared within the budget"
-    if not proof.holds:
-        return f"NOT proved: at least one is above {TOLERANCE:g}"
-    if not proof.complete:
-        return f"proved in part: none of these is above {TOLERANCE:g}"
-    return f"proved: none is above {TOLERANCE:g}"
+    yield proof.verdict
 
 
 def _where(robot: Robot, comparison: Comparison) -> str:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache, partial
 from itertools import combinations
+from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +26,7 @@ from drake_leg.kinematics.feet import greatest_reach, random_configurations
 from drake_leg.kinematics.khalil import Array
 from drake_leg.models.plant import build_plant
 from drake_leg.progress import BUDGET, TimeBudget
-from drake_leg.robot.robot import Robot, Row, frame_name, require_robot
+from drake_leg.robot.robot import Robot, Row, frame_name, html_table, require_robot
 from drake_leg.units import require_positive
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
@@ -105,6 +106,30 @@ class Proof:
             default=None,
         )
 
+    @property
+    def verdict(self) -> str:
+        """The result in one sentence."""
+        if not self.comparisons:
+            return "NOT proved: nothing was compared within the budget"
+        if not self.holds:
+            return f"NOT proved: at least one is above {TOLERANCE:g}"
+        if not self.complete:
+            return f"proved in part: none of these is above {TOLERANCE:g}"
+        return f"proved: none is above {TOLERANCE:g}"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (c.quantity, c.first, c.second, f"{c.difference:.1e}", "yes" if c.agrees else "NO")
+            for c in self.comparisons
+        ]
+        rows += [(m.quantity, m.witness, "", m.why, "not compared") for m in self.missing]
+        headings = ("quantity", "by", "and by", "greatest difference", "agree")
+        title = (
+            f"{self.robot}: {self.verdict} ({self.samples} random configurations, lengths "
+            f"relative to {self.size:.6g} m)"
+        )
+        return html_table(headings, rows, title=title)
+
     def as_json(self) -> dict[str, Any]:
         """Return everything by name; units in the names."""
         return {
@@ -159,7 +184,8 @@ def prove(
     Raises
     ------
     InvalidValueError
-        If there is no sample, the seed is negative, or the budget is not positive.
+        If samples or the seed is not a whole number within its bounds, or the budget is not
+        positive.
 
     Examples
     --------
@@ -171,10 +197,8 @@ def prove(
     True
     """
     require_robot(robot)
-    if not 1 <= samples <= MOST_SAMPLES:
-        raise InvalidValueError(f"samples is {samples}; it must be 1 to {MOST_SAMPLES}")
-    if seed < 0:
-        raise InvalidValueError(f"the seed is {seed}; it must not be negative")
+    _require_whole("samples", samples, 1, MOST_SAMPLES)
+    _require_whole("the seed", seed, 0)
     require_positive("the budget", budget, "s")
     q = random_configurations(robot, samples, np.random.default_rng(seed))
     found, missing = _compute(_testimonies(robot), q, TimeBudget(budget), progress)
@@ -192,6 +216,14 @@ def prove(
         ),
         missing=tuple(missing),
     )
+
+
+def _require_whole(what: str, value: int, least: int, most: float = math.inf) -> None:
+    """Refuse what is not an integer between two bounds."""
+    whole = isinstance(value, Integral) and not isinstance(value, bool)
+    if not (whole and least <= value <= most):
+        span = f"{least} to {most}" if math.isfinite(most) else f"at least {least}"
+        raise InvalidValueError(f"{what} is {value!r}; it must be a whole number, {span}")
 
 
 def _testimonies(robot: Robot) -> list[_Testimony]:

@@ -5,6 +5,7 @@ SymPy is imported when something is derived.
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -14,6 +15,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.robot.robot import Robot, require_robot
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
+from drake_leg.units import require_positive
 
 if TYPE_CHECKING:
     from drake_leg.symbolic.derivation import Derivation
@@ -49,14 +51,28 @@ class Equations:
         InvalidValueError
             If there is no equation with one of them.
         """
+        _require_texts(wanted)
         for name in wanted:
             if not any(name in (one.label, one.title) for one in self.all):
-                known = dict.fromkeys(one.label or one.title for one in self.all)
                 raise InvalidValueError(
-                    f"{self.robot.name} has no equation {name!r}; there are {', '.join(known)}"
+                    f"{self.robot.name} has no equation {name!r}; {self._advice(name)}"
                 )
         found = tuple(e for name in wanted for e in self.all if name in (e.label, e.title))
         return Equations(self.robot, found, self.report)
+
+    def _advice(self, name: str) -> str:
+        """Name the number or title that is meant, or all of them."""
+        labels = list(dict.fromkeys(one.label for one in self.all if one.label))
+        titles = list(dict.fromkeys(one.title for one in self.all))
+        short = {title.lower(): title for title in titles}
+        near = [title for title in titles if name and title.lower().startswith(name.lower())]
+        near += [short[n] for n in difflib.get_close_matches(name.lower(), short, n=1)]
+        if near:
+            return f"did you mean {near[0]!r}?"
+        return f"there are {', '.join([*labels, *map(repr, titles)])}"
+
+    def _repr_markdown_(self) -> str:
+        return "\n\n".join(f"{one.title}:\n\n{self._latex(one)}" for one in self.all)
 
     def _repr_latex_(self) -> str:
         return "\n".join(self._latex(one) for one in self.all)
@@ -65,6 +81,16 @@ class Equations:
         number = f"{self.report} {equation.label}".strip()
         tag = rf" \tag{{{number}}}" if equation.label else ""
         return f"$${equation.latex()}{tag}$$"
+
+
+def _require_texts(wanted: tuple[str, ...]) -> None:
+    """Refuse what is no number or title of an equation, as text."""
+    for name in wanted:
+        if not isinstance(name, str):
+            raise InvalidValueError(
+                f"the equation wanted is {name!r}, which is not a text",
+                advice="write its number or title, such as '15' or 'determinant, factored'",
+            )
 
 
 def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
@@ -91,7 +117,7 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     Raises
     ------
     InvalidValueError
-        If there is no such equation.
+        If there is no such equation, or the budget is not positive.
     TimeBudgetError
         If the derivation takes longer.
 
@@ -103,6 +129,8 @@ def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     │J│ = l₂⋅l₃⋅s₃⋅(c₂⋅l₂ + c₂₃⋅l₃ + l₁)
     """
     require_robot(robot)
+    _require_texts(wanted)
+    require_positive("the budget", budget, "s")
     # SymPy is loaded before the time is limited.
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import own_pieces

@@ -68,6 +68,12 @@ def test_equations_have_the_reports_numbers(robot, wanted, numbers):
         assert (r"\tag" in formula) == bool(number)
 
 
+def test_equations_have_their_titles_in_a_notebook():
+    shown = derive(SCARA, "1.5", "determinant, factored")._repr_markdown_().split("\n\n")
+    assert shown[::2] == ["Jacobian:", "determinant, factored:"]
+    assert shown[1::2] == derive(SCARA, "1.5", "determinant, factored")._repr_latex_().split("\n")
+
+
 def test_a_robot_of_ones_own_has_no_equations_of_the_reports():
     with pytest.raises(InvalidValueError, match="pendulum has no equation '1'"):
         derive(PENDULUM, "1")

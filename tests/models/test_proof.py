@@ -115,6 +115,18 @@ def test_the_proof_as_json_has_the_greatest_differences():
     assert len(content["comparisons"][0]["q_rad_or_m"]) == 4
 
 
+def test_a_proof_shows_itself_in_a_notebook(monkeypatch):
+    html = prove(LEG_B, samples=2)._repr_html_()
+    assert "leg_b: proved: none is above 1e-12 (2 random configurations" in html
+    assert html.count("<td>yes</td>") == 9
+    monkeypatch.setattr(DrakeWitness, "foot", lambda self, q: np.full((4, 4), np.nan))
+    html = prove(LEG_B, samples=2)._repr_html_()
+    assert "NOT proved" in html
+    assert html.count("<td>NO</td>") == 2
+    html = prove(LEG_B, samples=2, budget=1e-9)._repr_html_()
+    assert html.count("<td>not compared</td>") == 7
+
+
 def test_configurations_stay_within_the_limits(rng):
     robot = bare(Row(joint="prismatic", r=0.5), Row(joint="revolute", d=0.25), lower=0.1, upper=0.2)
     q = random_configurations(robot, 200, rng)
