@@ -1,11 +1,11 @@
-"""Velocity kinematics of any chain, by one walk from the base to the foot.
+"""Velocity kinematics of any chain, in one posture at a time.
 
 A redundant robot takes the smallest of all rates that move the foot as commanded (Moore and
 Penrose): ``qdot = J^T y`` with ``J J^T y = v``. Its accelerations are the derivative of that,
 
 ``qddot = J^+ (a - dJ/dt qdot) + (1 - J^+ J) (dJ/dt)^T y``.
 
-The walk takes plain floats, for use inside a simulation; ``khalil`` does the same for batches.
+A posture is evaluated in plain floats, for use inside a simulation.
 """
 
 from __future__ import annotations
@@ -13,14 +13,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import NamedTuple, Self
+from functools import cached_property, lru_cache, partial
+from typing import Self
 
 import numpy as np
+from scipy.linalg.lapack import dgeqrf, dgesdd, dgetrf
 
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics import khalil
-from drake_leg.kinematics.khalil import Array, chain_length
+from drake_leg.kinematics.khalil import (
+    Array,
+    Frame,
+    Link,
+    Vector,
+    chain_frames,
+    chain_length,
+    joint_columns,
+    links_of,
+)
 from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable
 from drake_leg.robot.robot import Row
 
@@ -28,113 +38,92 @@ SAMPLES = 256  # random postures in which a chain's freedoms are measured
 LEAST_LEVER = 1e-3  # of the chain's length: a shorter lever does not count as moving the foot
 RANK_TOLERANCE = 1e-9  # of the greatest singular value
 
-Vector = tuple[float, float, float]
-ZERO: Vector = (0.0, 0.0, 0.0)
+
+def foot_frame(rows: Sequence[Row], q: Floats) -> Frame:
+    """Axes and position of the foot in one posture, in the base frame."""
+    return chain_frames(links_of(rows), (q, math.cos, math.sin))[-1]
 
 
-class Sweep(NamedTuple):
-    """A chain in a posture, in the base frame."""
-
-    turning: tuple[bool, ...]  # of every moving row: revolute, not prismatic
-    axes: tuple[Vector, ...]  # z of every moving row
-    origins: tuple[Vector, ...]  # of every moving row [m]
-    foot: Vector  # [m]
-    rotation: tuple[Vector, Vector, Vector]  # x, y, z of the last frame
-
-
-def sweep(rows: Sequence[Row], q: Floats) -> Sweep:
-    """Walk from the base to the foot of a table of which n rows move, at q (n,) [rad or m]."""
-    x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    o = ZERO
-    turning, axes, origins = [], [], []
-    positions = iter(q)
-    for row in rows:
-        theta, r = row.theta, row.r
-        if row.joint == "revolute":
-            theta += next(positions)
-        elif row.joint == "prismatic":
-            r += next(positions)
-        c, s = math.cos(theta), math.sin(theta)
-        ca, sa = math.cos(row.alpha), math.sin(row.alpha)
-        bent = _sum(ca, y, sa, z)
-        z = _sum(-sa, y, ca, z)
-        o = _sum(1.0, _sum(1.0, o, row.d, x), r, z)
-        x, y = _sum(c, x, s, bent), _sum(-s, x, c, bent)
-        if row.joint != "fixed":
-            turning.append(row.joint == "revolute")
-            axes.append(z)
-            origins.append(o)
-    return Sweep(tuple(turning), tuple(axes), tuple(origins), o, (x, y, z))
-
-
-def foot_jacobian(here: Sweep) -> Array:
-    """Jacobian of the foot: ``[z; z x OF]`` of a revolute joint, ``[0; z]`` of a prismatic one.
-
-    Rows 0-2 are angular, rows 3-5 translational, (6, n), as those of ``khalil.jacobian``.
-    """
-    columns = [
-        (*z, *_cross(z, _sum(1.0, here.foot, -1.0, o))) if turns else (*ZERO, *z)
-        for turns, z, o in zip(here.turning, here.axes, here.origins, strict=True)
-    ]
-    return np.array(columns, dtype=np.float64).T
-
-
-def foot_jacobian_rate(here: Sweep, qdot: Floats) -> Array:
+def foot_jacobian_rate(links: Sequence[Link], frames: Sequence[Frame], qdot: Floats) -> Array:
     """Derivative of the Jacobian in time, (6, n), while the joints move.
 
     An axis turns with the body before it, ``dz/dt = w x z``, and an origin moves with it.
     """
-    w, v, before = ZERO, ZERO, ZERO
+    wx, wy, wz = vx, vy, vz = bx, by, bz = 0.0, 0.0, 0.0
+    rates = iter(qdot)
     moved = []
-    for turns, z, o, rate in zip(here.turning, here.axes, here.origins, qdot, strict=True):
-        v = _sum(1.0, v, 1.0, _cross(w, _sum(1.0, o, -1.0, before)))
-        z_dot = _cross(w, z)
-        if turns:
-            w = _sum(1.0, w, rate, z)
+    for link, (_, _, (zx, zy, zz), (ox, oy, oz)) in zip(links, frames, strict=True):
+        if link.joint == "fixed":
+            continue
+        ax, ay, az = ox - bx, oy - by, oz - bz
+        vx, vy, vz = vx + (wy * az - wz * ay), vy + (wz * ax - wx * az), vz + (wx * ay - wy * ax)
+        z_dot = wy * zz - wz * zy, wz * zx - wx * zz, wx * zy - wy * zx
+        rate = next(rates)
+        if link.joint == "revolute":
+            wx, wy, wz = wx + rate * zx, wy + rate * zy, wz + rate * zz
         else:
-            v = _sum(1.0, v, rate, z)
-        moved.append((z_dot, v))
-        before = o
-    v_foot = _sum(1.0, v, 1.0, _cross(w, _sum(1.0, here.foot, -1.0, before)))
+            vx, vy, vz = vx + rate * zx, vy + rate * zy, vz + rate * zz
+        bx, by, bz = ox, oy, oz
+        moved.append((link.joint, (zx, zy, zz), (ox, oy, oz), z_dot, (vx, vy, vz)))
+    fx, fy, fz = frames[-1][3]
+    ax, ay, az = fx - bx, fy - by, fz - bz
+    vx, vy, vz = vx + (wy * az - wz * ay), vy + (wz * ax - wx * az), vz + (wx * ay - wy * ax)
     columns = []
-    for turns, z, o, (z_dot, v_o) in zip(here.turning, here.axes, here.origins, moved, strict=True):
-        if turns:
-            arm = _cross(z_dot, _sum(1.0, here.foot, -1.0, o))
-            swing = _cross(z, _sum(1.0, v_foot, -1.0, v_o))
-            columns.append((*z_dot, *_sum(1.0, arm, 1.0, swing)))
+    for joint, z, (ox, oy, oz), z_dot, (ux, uy, uz) in moved:
+        if joint == "revolute":
+            arm = _cross(z_dot, (fx - ox, fy - oy, fz - oz))
+            swing = _cross(z, (vx - ux, vy - uy, vz - uz))
+            columns.append((*z_dot, arm[0] + swing[0], arm[1] + swing[1], arm[2] + swing[2]))
         else:
-            columns.append((*ZERO, *z_dot))
-    return np.array(columns, dtype=np.float64).T
+            columns.append((0.0, 0.0, 0.0, *z_dot))
+    return np.array(columns).T
 
 
-def twist_between(here: Sweep, goal: Sweep) -> Array:
+def twist_between(here: Frame, goal: Frame) -> Array:
     """Twist from one pose of the foot to another, rotation first, (6,); exact to first order."""
-    turning = ZERO
-    for axis, there in zip(here.rotation, goal.rotation, strict=True):
-        turning = _sum(1.0, turning, 0.5, _cross(axis, there))
-    return np.array([*turning, *_sum(1.0, goal.foot, -1.0, here.foot)])
-
-
-def _sum(a: float, u: Vector, b: float, v: Vector) -> Vector:
-    return a * u[0] + b * v[0], a * u[1] + b * v[1], a * u[2] + b * v[2]
+    turns = [_cross(axis, there) for axis, there in zip(here[:3], goal[:3], strict=True)]
+    turning = (0.5 * sum(parts) for parts in zip(*turns, strict=True))
+    return np.array([*turning, *(b - a for a, b in zip(here[3], goal[3], strict=True))])
 
 
 def _cross(u: Vector, v: Vector) -> Vector:
     return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
 
 
-class _Posture(NamedTuple):
-    """A chain in one posture, with J and the SVD of J after its rows are scaled to lengths."""
+class _Posture:
+    """A chain in one posture: J, and what follows from it, computed once and only if needed."""
 
-    here: Sweep
-    J: Array  # (m, n), not scaled
-    U: Array  # (m, m)
-    sigma: Array  # (m,), descending
-    Vt: Array  # (m, n)
+    def __init__(self, chain: MovableChain, q: tuple[float, ...]) -> None:
+        self.frames = chain_frames(chain.links, (q, math.cos, math.sin))
+        self.J: Array = chain.twists.T @ np.array(joint_columns(chain.links, self.frames)).T
+        self._lengths = chain.lengths
+
+    @cached_property
+    def svd(self) -> tuple[Array, Array, Array]:
+        """U (m, m), sigma (m,), Vt (m, n) of J, its rows scaled to lengths."""
+        U, sigma, Vt, _ = dgesdd(self._lengths[:, np.newaxis] * self.J, full_matrices=0)
+        return U, sigma, Vt
+
+    @cached_property
+    def sigma_min(self) -> float:
+        """Smallest singular value of J, its rows scaled to lengths."""
+        _, sigma, _, _ = dgesdd(self._lengths[:, np.newaxis] * self.J, compute_uv=0)
+        return float(sigma[-1])
+
+    @cached_property
+    def determinant(self) -> float:
+        """Det J by its LU factors, or ``sqrt(det(J J^T))`` by the QR factors of J^T."""
+        if self.J.shape[0] < self.J.shape[1]:
+            factors, *_ = dgeqrf(self.J.T)
+            return abs(float(factors.diagonal().prod()))
+        factors, pivots, _ = dgetrf(self.J)
+        swaps = sum(row != pivot for row, pivot in enumerate(pivots.tolist()))
+        return (-1.0) ** swaps * float(factors.diagonal().prod())
 
     def solve(self, v: Array) -> Array:
-        """Smallest rates that produce velocities v, (n,)."""
-        solution: Array = self.Vt.T @ ((self.U.T @ v) / self.sigma)
+        """Smallest rates that produce velocities v, scaled to lengths, (n,)."""
+        U, sigma, Vt = self.svd
+        solution: Array = Vt.T @ ((U.T @ v) / sigma)
         return solution
 
 
@@ -153,22 +142,22 @@ class MovableChain(Movable):
     """
 
     def __init__(self, rows: tuple[Row, ...], twists: Array, *, varies: bool = False) -> None:
-        self.rows = rows
+        self.rows, self.links = rows, links_of(rows)
         self.twists = twists
         self.varies = varies
         self.turning = tuple(row.joint == "revolute" for row in rows if row.joint != "fixed")
         self.length = chain_length(rows)
         turns, moves = np.linalg.norm(twists[:3], axis=0), np.linalg.norm(twists[3:], axis=0)
-        self._row_lengths = self.length * turns + moves
-        self.row_lengths = tuple(self._row_lengths.tolist())
+        self.lengths = self.length * turns + moves
+        self.row_lengths = tuple(self.lengths.tolist())
         sampled = determinants(twists.T @ sampled_jacobians(rows))
         self.determinant_scale = float(np.abs(sampled).max())
         # Rates, accelerations and determinant are computed one after another in the same posture.
-        self._posture_at = lru_cache(maxsize=4)(self._decomposed)
+        self._posture_at = lru_cache(maxsize=4)(partial(_Posture, self))
 
     def foot(self, q: Floats) -> Array:
         """Position of the foot in the base frame, by the chain of transforms."""
-        return np.array(self._posture_at(tuple(q)).here.foot)
+        return np.array(self._posture_at(tuple(q)).frames[-1][3])
 
     def jacobian(self, q: Floats) -> Array:
         """J, (m, n)."""
@@ -181,11 +170,15 @@ class MovableChain(Movable):
 
     def determinant(self, q: Floats) -> float:
         """Det J or, of a redundant chain, Yoshikawa's ``sqrt(det(J J^T))``."""
-        return float(determinants(self.jacobian(q)))
+        return self._posture_at(tuple(q)).determinant
+
+    def sigma_min(self, q: Floats) -> float:
+        """Smallest singular value of J, its rows scaled to lengths [m]."""
+        return self._posture_at(tuple(q)).sigma_min
 
     def rates(self, q: Floats, v: Floats) -> Floats:
         """Smallest rates that produce v."""
-        qdot: list[float] = self._regular(q).solve(self._row_lengths * np.asarray(v)).tolist()
+        qdot: list[float] = self._regular(q).solve(self.lengths * np.asarray(v)).tolist()
         return qdot
 
     def accelerations(
@@ -198,12 +191,13 @@ class MovableChain(Movable):
     ) -> Floats:
         """Derivative of the smallest rates."""
         at = self._regular(q)
-        moved = self._row_lengths[:, np.newaxis] * self._rate(at, qdot if w is None else w)
-        qddot = at.solve(self._row_lengths * np.asarray(a) - moved @ np.asarray(qdot))
+        moved = self.lengths[:, np.newaxis] * self._rate(at, qdot if w is None else w)
+        qddot = at.solve(self.lengths * np.asarray(a) - moved @ np.asarray(qdot))
         if self.is_redundant:
-            y = at.U @ ((at.Vt @ np.asarray(qdot)) / at.sigma)
+            U, sigma, Vt = at.svd
+            y = U @ ((Vt @ np.asarray(qdot)) / sigma)
             swing = moved.T @ y
-            qddot = qddot + swing - at.Vt.T @ (at.Vt @ swing)
+            qddot = qddot + swing - Vt.T @ (Vt @ swing)
         found: list[float] = qddot.tolist()
         return found
 
@@ -213,22 +207,16 @@ class MovableChain(Movable):
             return self
         return type(self)(self.rows, tangent_twists(self.rows, q), varies=True)
 
-    def _decomposed(self, q: tuple[float, ...]) -> _Posture:
-        here = sweep(self.rows, q)
-        J = self.twists.T @ foot_jacobian(here)
-        return _Posture(
-            here, J, *np.linalg.svd(self._row_lengths[:, np.newaxis] * J, full_matrices=False)
-        )
-
     def _regular(self, q: Floats) -> _Posture:
         found = self._posture_at(tuple(q))
-        if not found.sigma[-1] > SINGULAR_BELOW * found.sigma[0]:
-            raise SingularConfigurationError(q=q, sigma_min=float(found.sigma[-1]))
+        _, sigma, _ = found.svd
+        if not sigma[-1] > SINGULAR_BELOW * sigma[0]:
+            raise SingularConfigurationError(q=q, sigma_min=float(sigma[-1]))
         return found
 
     def _rate(self, at: _Posture, w: Floats) -> Array:
         """``dJ/dt`` with the joints moving at rates w, (m, n)."""
-        rate: Array = self.twists.T @ foot_jacobian_rate(at.here, w)
+        rate: Array = self.twists.T @ foot_jacobian_rate(self.links, at.frames, w)
         return rate
 
 

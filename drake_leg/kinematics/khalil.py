@@ -4,22 +4,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.robot import Row
+from drake_leg.robot.robot import JointType, Row
 from drake_leg.units import AT_LIMIT
 
 Array = NDArray[np.float64]
+
+Vector = tuple[Any, Any, Any]  # x, y, z, floats or arrays of a batch
+Frame = tuple[Vector, Vector, Vector, Vector]  # x, y and z axis, and origin
 
 # The components of a vector or of a batch of vectors, with the matching cos and sin.
 Components = tuple[Sequence[Any], Callable[[Any], Any], Callable[[Any], Any]]
 
 BLOCK = 4096  # vectors evaluated at a time
 FLAT = 4e-16  # of the longest side squared: rounding of a flat triangle's sides
+
+
+def real_numbers(what: str, values: ArrayLike) -> Array:
+    """Values as a float64 array of any shape.
+
+    Raises
+    ------
+    InvalidValueError
+        If they are not real numbers, in rows of the same length.
+    """
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidValueError(f"{what} is {values!r}; it must be real numbers") from None
 
 
 def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
@@ -32,7 +49,7 @@ def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
     InvalidValueError
         If the last axis is not ``size`` long, or a value is not finite.
     """
-    array = np.asarray(values, dtype=np.float64)
+    array = real_numbers(what, values)
     if array.ndim == 0 or array.shape[-1] != size:
         raise InvalidValueError(
             f"{what} has shape {array.shape}; its last axis must be {size} long"
@@ -56,10 +73,14 @@ def split(what: str, values: ArrayLike, size: int) -> Components:
 
     The components are ``size`` floats, or ``size`` arrays of the batch's shape.
     """
-    array = finite_vectors(what, values, size)
-    if array.ndim == 1:
-        return array.tolist(), math.cos, math.sin
-    return [array[..., i] for i in range(size)], np.cos, np.sin
+    return components(finite_vectors(what, values, size))
+
+
+def components(vectors: Array) -> Components:
+    """Components of finite vectors (..., n), with the matching cosine and sine."""
+    if vectors.ndim == 1:
+        return vectors.tolist(), math.cos, math.sin
+    return [vectors[..., i] for i in range(vectors.shape[-1])], np.cos, np.sin
 
 
 def assemble(entries: Any) -> Array:  # noqa: ANN401 - nested tuples of floats or of arrays
@@ -128,13 +149,13 @@ def in_blocks(
     ``function(block)`` of (k, n) vectors returns one (k, *shape) array for each of the shapes; the
     results are (..., *shape).
     """
-    flat = vectors.reshape(-1, vectors.shape[-1])
+    batch = vectors.shape[:-1]
+    flat = vectors.reshape(math.prod(batch), vectors.shape[-1])
     results = [np.empty((len(flat), *shape)) for shape in shapes]
     for start in range(0, len(flat), BLOCK):
         block = slice(start, start + BLOCK)
         for result, part in zip(results, function(flat[block]), strict=True):
             result[block] = part
-    batch = vectors.shape[:-1]
     return tuple(
         result.reshape(*batch, *shape) for result, shape in zip(results, shapes, strict=True)
     )
@@ -191,6 +212,74 @@ def row_transform_rate(row: Row, q: ArrayLike = 0.0) -> Array:
     return rate
 
 
+class Link(NamedTuple):
+    """A row of a table, its angles as cosines and sines."""
+
+    joint: JointType
+    d: float  # [m]
+    ca: float  # of alpha
+    sa: float
+    theta: float  # [rad], with the position of a revolute joint added
+    r: float  # [m], with the position of a prismatic joint added
+    c: float  # of theta
+    s: float
+
+
+def links_of(rows: Sequence[Row]) -> tuple[Link, ...]:
+    """Compute what does not depend on the joint positions."""
+    return tuple(
+        Link(
+            row.joint,
+            row.d,
+            math.cos(row.alpha),
+            math.sin(row.alpha),
+            row.theta,
+            row.r,
+            math.cos(row.theta),
+            math.sin(row.theta),
+        )
+        for row in rows
+    )
+
+
+def chain_frames(links: Sequence[Link], q: Components) -> list[Frame]:
+    """Walk from the base to the foot: the frame of every row, in the base frame."""
+    positions, cos, sin = q
+    xx, xy, xz = 1.0, 0.0, 0.0
+    yx, yy, yz = 0.0, 1.0, 0.0
+    zx, zy, zz = 0.0, 0.0, 1.0
+    ox, oy, oz = 0.0, 0.0, 0.0
+    frames: list[Frame] = []
+    following = iter(positions)
+    for joint, d, ca, sa, theta, r, c, s in links:
+        if joint == "revolute":
+            angle = theta + next(following)
+            c, s = cos(angle), sin(angle)
+        elif joint == "prismatic":
+            r = r + next(following)
+        bx, by, bz = ca * yx + sa * zx, ca * yy + sa * zy, ca * yz + sa * zz
+        zx, zy, zz = ca * zx - sa * yx, ca * zy - sa * yy, ca * zz - sa * yz
+        ox, oy, oz = ox + d * xx + r * zx, oy + d * xy + r * zy, oz + d * xz + r * zz
+        xx, yx = c * xx + s * bx, c * bx - s * xx
+        xy, yy = c * xy + s * by, c * by - s * xy
+        xz, yz = c * xz + s * bz, c * bz - s * xz
+        frames.append(((xx, xy, xz), (yx, yy, yz), (zx, zy, zz), (ox, oy, oz)))
+    return frames
+
+
+def joint_columns(links: Sequence[Link], frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
+    """The columns of the Jacobian, six components each, rotation first."""
+    fx, fy, fz = frames[-1][3]
+    columns: list[tuple[Any, ...]] = []
+    for link, (_, _, (zx, zy, zz), (ox, oy, oz)) in zip(links, frames, strict=True):
+        if link.joint == "revolute":
+            ax, ay, az = fx - ox, fy - oy, fz - oz
+            columns.append((zx, zy, zz, zy * az - zz * ay, zz * ax - zx * az, zx * ay - zy * ax))
+        elif link.joint == "prismatic":
+            columns.append((0.0, 0.0, 0.0, zx, zy, zz))
+    return columns
+
+
 def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
     """Transforms from every row's frame to the base, (..., n, 4, 4); the last one is the foot's.
 
@@ -202,20 +291,23 @@ def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
     InvalidValueError
         If ``q`` does not end in m, or is not finite.
     """
-    moving = moving_rows(rows)
-    positions = finite_vectors("q", q, len(moving))
-    X_B = np.empty((*positions.shape[:-1], len(rows), 4, 4))
-    X_BC = np.eye(4)
-    for index, row in enumerate(rows):
-        value = positions[..., moving.index(index)] if index in moving else np.zeros(())
-        X_BC = X_BC @ row_transform(row, value)
-        X_B[..., index, :, :] = X_BC
-    return X_B
+    links = links_of(rows)
+
+    def transforms(block: Array) -> tuple[Array]:
+        return (_poses(chain_frames(links, components(block)), block.shape[:-1]),)
+
+    return _of_postures(transforms, rows, q, (len(links), 4, 4))
 
 
 def foot_pose(rows: Sequence[Row], q: ArrayLike) -> Array:
     """Pose X_BF of the last frame in the base, (..., 4, 4), as the last of ``base_transforms``."""
-    return base_transforms(rows, q)[..., -1, :, :]
+    links = links_of(rows)
+
+    def pose(block: Array) -> tuple[Array]:
+        frames = chain_frames(links, components(block))
+        return (_poses(frames[-1:], block.shape[:-1])[..., 0, :, :],)
+
+    return _of_postures(pose, rows, q, (4, 4))
 
 
 def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
@@ -234,18 +326,19 @@ def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
     InvalidValueError
         If ``q`` (..., m) does not end in m, or is not finite.
     """
-    X_B = base_transforms(rows, q)
-    p_BF = X_B[..., -1, :3, 3]
-    moving = moving_rows(rows)
-    Jv_BF = np.zeros((*X_B.shape[:-3], 6, len(moving)))
-    for column, index in enumerate(moving):
-        z_B = X_B[..., index, :3, 2]
-        if rows[index].joint == "revolute":
-            Jv_BF[..., :3, column] = z_B
-            Jv_BF[..., 3:, column] = np.cross(z_B, p_BF - X_B[..., index, :3, 3])
-        else:
-            Jv_BF[..., 3:, column] = z_B
-    return Jv_BF
+    links = links_of(rows)
+
+    def columns(block: Array) -> tuple[Array]:
+        found = joint_columns(links, chain_frames(links, components(block)))
+        if block.ndim == 1:
+            return (np.array(found).reshape(-1, 6).T,)
+        Jv_BF = np.empty((*block.shape[:-1], 6, block.shape[-1]))
+        for number, column in enumerate(found):
+            for part, entry in enumerate(column):
+                Jv_BF[..., part, number] = entry
+        return (Jv_BF,)
+
+    return _of_postures(columns, rows, q, (6, len(moving_rows(rows))))
 
 
 def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
@@ -255,17 +348,50 @@ def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
     ``jacobian`` and so checks it; the shape is the same.
     """
     moving = moving_rows(rows)
-    positions = finite_vectors("q", q, len(moving))
-    R_FB = np.swapaxes(foot_pose(rows, positions)[..., :3, :3], -1, -2)
-    Jv_BF = np.empty((*positions.shape[:-1], 6, len(moving)))
-    for column, index in enumerate(moving):
-        rate = np.eye(4)
-        for i, row in enumerate(rows):
-            value = positions[..., moving.index(i)] if i in moving else np.zeros(())
-            rate = rate @ (row_transform_rate if i == index else row_transform)(row, value)
-        spin = rate[..., :3, :3] @ R_FB
-        Jv_BF[..., 0, column] = spin[..., 2, 1]
-        Jv_BF[..., 1, column] = spin[..., 0, 2]
-        Jv_BF[..., 2, column] = spin[..., 1, 0]
-        Jv_BF[..., 3:, column] = rate[..., :3, 3]
-    return Jv_BF
+
+    def product(block: Array, differentiated: int | None) -> Array:
+        X = np.eye(4)
+        for index, row in enumerate(rows):
+            value = block[..., moving.index(index)] if index in moving else np.zeros(())
+            X = X @ (row_transform_rate if index == differentiated else row_transform)(row, value)
+        return X
+
+    def columns(block: Array) -> tuple[Array]:
+        R_FB = np.swapaxes(product(block, None)[..., :3, :3], -1, -2)
+        Jv_BF = np.empty((*block.shape[:-1], 6, len(moving)))
+        for column, index in enumerate(moving):
+            rate = product(block, index)
+            spin = rate[..., :3, :3] @ R_FB
+            Jv_BF[..., 0, column] = spin[..., 2, 1]
+            Jv_BF[..., 1, column] = spin[..., 0, 2]
+            Jv_BF[..., 2, column] = spin[..., 1, 0]
+            Jv_BF[..., 3:, column] = rate[..., :3, 3]
+        return (Jv_BF,)
+
+    return _of_postures(columns, rows, q, (6, len(moving)))
+
+
+def _of_postures(
+    function: Callable[[Array], tuple[Array]],
+    rows: Sequence[Row],
+    q: ArrayLike,
+    shape: tuple[int, ...],
+) -> Array:
+    """Evaluate a function of one posture (m,), or of a batch (..., m) block by block."""
+    positions = finite_vectors("q", q, len(moving_rows(rows)))
+    if positions.ndim == 1:
+        return function(positions)[0]
+    return in_blocks(function, positions, shape)[0]
+
+
+def _poses(frames: Sequence[Frame], batch: tuple[int, ...]) -> Array:
+    """Transforms to the base from frames, (*batch, n, 4, 4)."""
+    if not batch:
+        return np.array([(*zip(*frame, strict=True), (0.0, 0.0, 0.0, 1.0)) for frame in frames])
+    X = np.zeros((*batch, len(frames), 4, 4))
+    X[..., 3, 3] = 1.0
+    for index, frame in enumerate(frames):
+        for column, axis in enumerate(frame):
+            for part, entry in enumerate(axis):
+                X[..., index, part, column] = entry
+    return X

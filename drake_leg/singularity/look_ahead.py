@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -31,6 +31,10 @@ class Braked(NamedTuple):
 
     share: float  # 0 ... 1
     obstacle: str  # in words; empty if nothing is in the way
+
+    def __deepcopy__(self, _memo: object) -> Self:
+        """Return itself, as it cannot change: Drake copies abstract states at every step."""
+        return self
 
 
 def room(robot: Movable, sigma_min: float) -> float:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
-from drake_leg.kinematics.chain import RANK_TOLERANCE, MovableChain, Sweep, sweep, twist_between
-from drake_leg.kinematics.khalil import Array, chain_length, moving_rows, one_vector
+from drake_leg.kinematics.chain import RANK_TOLERANCE, MovableChain, foot_frame, twist_between
+from drake_leg.kinematics.khalil import Array, Frame, chain_length, moving_rows, one_vector
 from drake_leg.kinematics.movable import TRANSLATION, Movable
 from drake_leg.kinematics.of_robot import joints_in_words
 from drake_leg.robot.robot import Robot, Row
@@ -176,7 +176,7 @@ def chain_stroke(
     d = unit(direction)
     posture = one_vector("q", q, len(moving_rows(rows)))
     moved = moved or MovableChain(tuple(rows), TRANSLATION)
-    start = sweep(rows, posture.tolist())
+    x, y, z, foot = foot_frame(rows, posture.tolist())
     size = chain_length(rows)
     longest = max(size, farthest or 0.0) / CHAIN_STEPS
     farthest = FARTHEST * size if farthest is None else farthest
@@ -185,7 +185,7 @@ def chain_stroke(
     way, step = 0.0, longest
     sign = np.sign(moved.determinant(posture.tolist()))
     while way < farthest:
-        goal = start._replace(foot=tuple(start.foot + (way + step) * d))
+        goal: Frame = (x, y, z, tuple(foot + (way + step) * d))
         closed = _closed(rows, moved, posture, goal, step * d)
         if closed is not None and np.sign(moved.determinant(closed.tolist())) != sign:
             closed = None
@@ -213,12 +213,12 @@ def _room(
     return np.minimum(low, q - slack), np.maximum(high, q + slack)
 
 
-def _closed(rows: Sequence[Row], moved: Movable, q: Array, goal: Sweep, way: Array) -> Array | None:
+def _closed(rows: Sequence[Row], moved: Movable, q: Array, goal: Frame, way: Array) -> Array | None:
     """Bring the foot to the goal by Newton's method; None where that fails or jumps."""
     try:
         posture = _ahead(moved, q, moved.command(way)) if moved.is_redundant else q.copy()
         for _ in range(12):
-            miss = moved.twists.T @ twist_between(sweep(rows, posture.tolist()), goal)
+            miss = moved.twists.T @ twist_between(foot_frame(rows, posture.tolist()), goal)
             if float(np.abs(miss).max()) < 1e-14:
                 break
             change = np.array(moved.rates(posture.tolist(), miss.tolist()))
@@ -227,7 +227,7 @@ def _closed(rows: Sequence[Row], moved: Movable, q: Array, goal: Sweep, way: Arr
             posture = posture + change
     except SingularConfigurationError:
         return None
-    translation = twist_between(sweep(rows, posture.tolist()), goal)[3:]
+    translation = twist_between(foot_frame(rows, posture.tolist()), goal)[3:]
     enough = max(1e-6 * float(np.linalg.norm(way)), ROUNDING * chain_length(rows))
     return posture if float(np.abs(translation).max()) < enough else None
 

@@ -1,6 +1,8 @@
 """One formula for one configuration and for a million."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -65,6 +67,39 @@ def test_a_batch_of_many_blocks_is_its_parts(rng):
     for place in (0, BLOCK - 1, BLOCK, 2 * BLOCK, -1):
         J = leg.foot_jacobian(LEG, q)[place]
         np.testing.assert_allclose(J, leg.foot_jacobian(LEG, q[place]), rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [khalil.base_transforms, khalil.foot_pose, khalil.jacobian],
+    ids=lambda f: f.__name__,
+)
+def test_blocks_of_a_chain_are_the_whole_to_the_last_bit(rng, monkeypatch, function):
+    q = rng.uniform(-4.0, 4.0, (3 * BLOCK + 5, 4))
+    blocks = function(SCARA.rows, q)
+    monkeypatch.setattr(khalil, "BLOCK", len(q))
+    np.testing.assert_array_equal(blocks, function(SCARA.rows, q))
+
+
+def test_many_postures_of_a_chain_take_little_more_memory_than_their_result():
+    """A million poses are 128 MB; without blocks their evaluation took 1.3 GB."""
+    script = (
+        "import resource\n"
+        "import numpy as np\n"
+        "from drake_leg.kinematics.khalil import foot_pose\n"
+        "from drake_leg.robot.robots import SCARA\n"
+        "foot_pose(SCARA.rows, np.zeros((5000, 4)))\n"
+        "q = np.zeros((1_000_000, 4))\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "X_BF = foot_pose(SCARA.rows, q)\n"
+        "after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "print((after - before) * 1024 / X_BF.nbytes)\n"
+    )
+    shown = subprocess.run(
+        [sys.executable, "-c", script], check=True, capture_output=True, text=True
+    ).stdout
+    unit = 1024 if sys.platform == "darwin" else 1  # macOS counts bytes, Linux kilobytes
+    assert float(shown) / unit < 1.5
 
 
 def test_vectors_come_back_as_float64():
