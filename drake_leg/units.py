@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -335,6 +335,32 @@ def require_number(what: str, value: object) -> None:
     """Refuse what is not a real number."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise InvalidValueError(f"{what} is {value!r}; it must be a number")
+
+
+def require_finite(what: str, value: float) -> None:
+    """Refuse what is not a finite number."""
+    require_number(what, value)
+    if not math.isfinite(value):
+        raise InvalidValueError(f"{what} is {value!r}; it must be a finite number")
+
+
+def require_three(what: str, values: Iterable[float]) -> None:
+    """Refuse what is not three finite numbers."""
+    parts = tuple(values) if isinstance(values, Iterable) else ()
+    try:
+        for part in parts:
+            require_finite(what, part)
+    except InvalidValueError:
+        parts = ()
+    if len(parts) != 3:
+        raise InvalidValueError(f"{what} is {values!r}; it must be three finite numbers")
+
+
+def require_kind(what: str, value: object, *kinds: type) -> None:
+    """Refuse what is an instance of none of these classes."""
+    if not isinstance(value, kinds):
+        names = " or ".join(kind.__name__ for kind in kinds).replace("NoneType", "None")
+        raise InvalidValueError(f"{what} is {value!r}; it must be a {names}")
 
 
 def require_positive(what: str, value: float, unit: str) -> None:

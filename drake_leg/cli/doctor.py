@@ -93,6 +93,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
         motion["direction"] = numbers("--direction", chosen.direction, 3)
     if chosen.frequency is not None:
         motion["frequency"] = numbers("--frequency", chosen.frequency, 1)[0]
+        motion.setdefault("direction", (1.0, 0.0, 0.0))
     with at_work(f"doctor of {chosen.robot}", "the posture"):
         diagnosis = examine_posture(robot, q, **motion, **place)
     if chosen.json:

@@ -118,7 +118,8 @@ class _Posture:
             return abs(float(factors.diagonal().prod()))
         factors, pivots, _ = dgetrf(self.J)
         swaps = sum(row != pivot for row, pivot in enumerate(pivots.tolist()))
-        return (-1.0) ** swaps * float(factors.diagonal().prod())
+        product = float(factors.diagonal().prod())
+        return -product if swaps % 2 else product
 
     def solve(self, v: Array) -> Array:
         """Smallest rates that produce velocities v, scaled to lengths, (n,)."""

@@ -25,10 +25,10 @@ from drake_leg.kinematics.khalil import (
     within_turns,
 )
 from drake_leg.kinematics.leg import LegGeometry, branches
-from drake_leg.kinematics.of_robot import geometry_of, joints_in_words
+from drake_leg.kinematics.of_robot import geometry_of, joint_positions, joints_in_words
 from drake_leg.kinematics.scara import ScaraGeometry, branch_angles
-from drake_leg.robot.robot import Robot, Row, Segment
-from drake_leg.units import AT_LIMIT, beyond
+from drake_leg.robot.robot import Robot, Row, Segment, require_robot
+from drake_leg.units import AT_LIMIT, beyond, require_angle
 
 STARTS = 400  # random postures
 STEPS, POLISHING = 80, 12  # of the damped, then of the undamped search
@@ -335,6 +335,14 @@ def feet(
     InvalidValueError
         If a yaw or an orientation is given to a robot that cannot choose it, or a SCARA has none.
     """
+    require_robot(robot)
+    foot = one_vector("the foot", foot, 3).tolist()
+    if q is not None:
+        q = joint_positions("q", robot, q, least=min(3, len(robot.moving)))
+    if yaw is not None:
+        require_angle("the yaw", yaw)
+    if rpy is not None:
+        rpy = one_vector("rpy", rpy, 3).tolist()
     geometry = geometry_of(robot)
     if isinstance(geometry, ScaraGeometry):
         return _scara_feet(robot, geometry, foot, q, yaw, rpy)

@@ -12,7 +12,13 @@ from numpy.typing import ArrayLike
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.movable import Floats
-from drake_leg.units import MOST, require_non_negative, require_positive
+from drake_leg.units import (
+    MOST,
+    require_non_negative,
+    require_number,
+    require_positive,
+    require_three,
+)
 
 UP = np.array([0.0, 0.0, 1.0])
 UP.setflags(write=False)
@@ -63,12 +69,10 @@ class SineStep:
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)  # d, unit vector
 
     def __post_init__(self) -> None:
+        require_number("the amplitude", self.amplitude)
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
-        if len(self.direction) != 3:
-            raise InvalidValueError(
-                f"the direction is {self.direction!r}; it must have three components"
-            )
+        require_three("the direction", self.direction)
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
 
@@ -170,6 +174,7 @@ class EllipticStep(SineStep):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        require_number("the lift", self.lift)
         require_non_negative("the size of the lift", abs(self.lift), "m")
         if self.direction[2] != 0.0:
             raise InvalidValueError(
@@ -222,7 +227,8 @@ class Push:
     lasting: float  # [s]
 
     def __post_init__(self) -> None:
-        if len(self.force) != 3 or not all(abs(part) <= MOST for part in self.force):
+        require_three("the push", self.force)
+        if not all(abs(part) <= MOST for part in self.force):
             raise InvalidValueError(
                 f"the push is {list(self.force)}; it must be three finite numbers in N, as 0,0,0.1"
             )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import MovableChain, freedoms, tangent_twists
-from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.khalil import Array, one_vector, real_numbers
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
@@ -25,14 +25,14 @@ def geometry_of(robot: Robot) -> LegGeometry | ScaraGeometry | PendulumModel | N
     return PendulumModel.from_robot(robot) if is_pendulum(robot) else None
 
 
-def movable(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = None) -> Movable:
+def movable(robot: Robot, q0: Sequence[float] | None = None, task: str | None = None) -> Movable:
     """Choose how a robot's foot is moved: in closed form for the hexabot's leg, else numerically.
 
     Parameters
     ----------
     q0 : (n,) sequence of float, optional
         Initial posture [rad or m], on which the foot's motions may depend. All 0 by default.
-    keep : {"position", "pose"}, optional
+    task : {"position", "pose"}, optional
         Whether only the foot's translation is commanded, or its rotation, too. By default the
         pose, if there are enough joints for it and they can rotate the foot; else the position.
 
@@ -58,22 +58,18 @@ def movable(robot: Robot, q0: Sequence[float] | None = None, keep: str | None = 
     True
     """
     require_robot(robot)
-    if keep is not None and keep not in TASKS:
-        raise InvalidValueError(f"the task is {keep!r}; it must be {' or '.join(TASKS)}")
-    q0 = [0.0] * len(robot.moving) if q0 is None else q0
-    if len(q0) != len(robot.moving):
-        raise InvalidValueError(
-            f"q0 has {len(q0)} numbers; {robot.name} has {len(robot.moving)} joint positions"
-        )
-    if is_hexabot_leg(robot) and keep != "pose":
+    if task is not None and task not in TASKS:
+        raise InvalidValueError(f"the task is {task!r}; it must be {' or '.join(TASKS)}")
+    posture = [0.0] * len(robot.moving) if q0 is None else joint_positions("q0", robot, q0)
+    if is_hexabot_leg(robot) and task != "pose":
         return MovableLeg(LegGeometry.from_robot(robot))
-    span = _constant_span(robot, keep)
+    span = _constant_span(robot, task)
     if span is not None:
         return MovableChain(robot.rows, span)
-    return MovableChain(robot.rows, tangent_twists(robot.rows, q0), varies=True)
+    return MovableChain(robot.rows, tangent_twists(robot.rows, posture), varies=True)
 
 
-def _constant_span(robot: Robot, keep: str | None) -> Array | None:
+def _constant_span(robot: Robot, task: str | None) -> Array | None:
     """Choose the twists that are commanded in every posture; None if they vary."""
     position, pose = freedoms(robot.rows)
     if position.rank == 0:
@@ -83,17 +79,39 @@ def _constant_span(robot: Robot, keep: str | None) -> Array | None:
         )
     if (
         pose.span is not None
-        and keep != "position"
-        and (keep == "pose" or pose.rank > position.rank)
+        and task != "position"
+        and (task == "pose" or pose.rank > position.rank)
     ):
         return pose.span
-    if keep == "pose":
+    if task == "pose":
         raise InvalidValueError(
             f"{robot.name!r} cannot hold its foot's orientation with its "
             f"{joints_in_words(robot)} while the foot moves",
             advice="choose `task='position'`",
         )
     return position.span
+
+
+def joint_positions(
+    what: str, robot: Robot, q: Sequence[float], *, least: int | None = None
+) -> list[float]:
+    """Check joint positions [rad or m]: one for each joint that moves, or ``least`` at least.
+
+    Raises
+    ------
+    InvalidValueError
+        If they are not that many finite numbers.
+    """
+    values, count = real_numbers(what, q), len(robot.moving)
+    if values.ndim != 1:
+        found = f"has shape {values.shape}" if values.ndim else f"is {q!r}"
+        raise InvalidValueError(f"{what} {found}; it must be {count} joint positions")
+    if not (least or count) <= len(values) <= count:
+        raise InvalidValueError(
+            f"{what} has {len(values)} numbers; {robot.name} has {count} joint positions"
+        )
+    positions: list[float] = one_vector(what, values, len(values)).tolist()
+    return positions
 
 
 def joints_in_words(robot: Robot) -> str:

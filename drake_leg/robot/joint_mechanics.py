@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from types import NoneType
 from typing import Literal, Self
 
 from drake_leg.errors import InvalidValueError
@@ -11,6 +12,7 @@ from drake_leg.units import (
     DAMPING_UNITS,
     SPRING_UNITS,
     require_angle,
+    require_kind,
     require_non_negative,
     require_number,
     require_positive,
@@ -101,6 +103,11 @@ class JointMechanics:
         require_non_negative("the damping", self.damping, "N*m*s/rad")
         require_non_negative("the spring stiffness", self.spring_stiffness, "N*m/rad")
         require_angle("the spring's equilibrium position", self.equilibrium_position)
+        require_kind("whether the joint is actuated", self.actuated, bool)
+        for name in ("position_target", "velocity_target"):
+            require_kind(f"the {name}", getattr(self, name), StateTarget, NoneType)
+        for name in ("lower_stop", "upper_stop"):
+            require_kind(f"the {name}", getattr(self, name), HardStop, NoneType)
         self._check_limits()
         for name in ("lower", "upper"):
             if getattr(self, f"{name}_stop") is not None and getattr(self, name) is None:

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
+from types import NoneType
 from typing import Literal
 
 from drake_leg.colours import (
@@ -23,7 +24,13 @@ from drake_leg.colours import (
 )
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.units import LEAST, require_positive
+from drake_leg.units import (
+    LEAST,
+    require_finite,
+    require_kind,
+    require_positive,
+    require_three,
+)
 
 JointType = Literal["revolute", "prismatic", "fixed"]
 
@@ -63,9 +70,7 @@ class Row:
                 f"a row's joint is {self.joint!r}; it must be revolute, prismatic or fixed"
             )
         for name in ("d", "alpha", "r", "theta"):
-            value = getattr(self, name)
-            if not math.isfinite(value):
-                raise InvalidValueError(f"a row's {name} is {value!r}; it must be a finite number")
+            require_finite(f"a row's {name}", getattr(self, name))
 
     @property
     def sigma(self) -> int | None:
@@ -121,7 +126,10 @@ class Solid:
     colour: Colour
 
     def __post_init__(self) -> None:
+        require_kind("the shape of a solid", self.shape, Brick, Cylinder, Sphere)
         require_positive("the density", self.density, "kg/m^3")
+        require_three("the centre of a solid", self.centre)
+        require_three("the colour of a solid", self.colour)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,8 +147,8 @@ class Inertial:
 
     def __post_init__(self) -> None:
         require_positive("the mass", self.mass, "kg")
-        if not all(map(math.isfinite, (*self.centre, *self.moments, *self.products))):
-            raise InvalidValueError(f"{self} has a value that is not finite")
+        for name in ("centre", "moments", "products"):
+            require_three(f"the field {name} of an inertial", getattr(self, name))
         small, middle, great = self.principal_moments()
         total = small + middle + great
         margin = _MOMENT_MARGIN * total if any(self.products) else -_MOMENT_ROUNDING * total
@@ -182,6 +190,11 @@ class Link:
     inertial: Inertial | None = None
     end: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m], p_LE: end of the link in its frame
 
+    def __post_init__(self) -> None:
+        require_kind("the solid of a link", self.solid, Solid, NoneType)
+        require_kind("the inertial of a link", self.inertial, Inertial, NoneType)
+        require_three("the end of a link", self.end)
+
     @property
     def centre_of_mass(self) -> tuple[float, float, float]:
         """Centre of mass in the link's frame, p_LC [m]; the origin where there is no mass."""
@@ -199,6 +212,9 @@ class Segment:
     mechanics: JointMechanics = NO_MECHANICS
 
     def __post_init__(self) -> None:
+        require_kind("the row of a segment", self.row, Row)
+        require_kind("the link of a segment", self.link, Link, NoneType)
+        require_kind("the mechanics of a segment", self.mechanics, JointMechanics)
         if (self.joint is None) != (self.link is None):
             raise InvalidValueError(
                 f"a row has joint {self.joint!r} and link {self.link!r}; it must have both or none"
@@ -277,6 +293,10 @@ class Robot:
         require_name("the robot's name", self.name)
         require_line("the robot's title", self.title)
         require_line("the robot's source", self.source)
+        require_kind("the segments of a robot", self.segments, tuple, list)
+        object.__setattr__(self, "segments", tuple(self.segments))
+        for index, segment in enumerate(self.segments, start=1):
+            require_kind(f"segment {index} of a robot", segment, Segment)
         for index, segment in enumerate(self.segments, start=1):
             if segment.link is not None and segment.joint is not None:
                 require_name(f"the link of row {index}", segment.link.name)
@@ -412,6 +432,7 @@ def require_name(what: str, name: str) -> None:
 
     Allowed are letters, digits, _ and -, beginning with a letter or _.
     """
+    require_kind(what, name, str)
     if not name:
         raise InvalidValueError(f"{what} is empty; it must be a name")
     if "::" in name:
@@ -429,6 +450,7 @@ def require_name(what: str, name: str) -> None:
 
 def require_line(what: str, text: str) -> None:
     """Refuse text that is not printable on one line."""
+    require_kind(what, text, str)
     if not text.isprintable():
         raise InvalidValueError(f"{what} is {text!r}; it must be printable text on one line")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from drake_leg.files import read_text
 from drake_leg.robot.joint_mechanics import PRIORITIES, HardStop, JointMechanics, StateTarget
@@ -25,7 +25,7 @@ from drake_leg.robot.robot import (
     volume,
 )
 from drake_leg.robot.toml_keys import Keys, parse_document
-from drake_leg.units import AngleUnit, JointUnits, in_radians, joint_units
+from drake_leg.units import AngleUnit, JointUnits, in_radians, joint_units, require_kind
 
 # Of each shape: its class, and its dimensions in the order in which they are written.
 SHAPES: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
@@ -328,6 +328,7 @@ def load_robot(path: Path | str) -> Robot:
     ...     load_robot(path) == LEG_B
     True
     """
+    require_kind("the path of a robot file", path, str, PurePath)
     return read_robot(read_text(Path(path)), str(path))
 
 

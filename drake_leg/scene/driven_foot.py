@@ -70,7 +70,7 @@ class DrivenFoot:
     rate = GREATEST_RATE  # [rad/s or m/s] of a joint
 
     def __init__(self, robot: Robot, keep: str | None = None) -> None:
-        self.robot, self.moved = robot, movable(robot, keep=keep)
+        self.robot, self.moved = robot, movable(robot, task=keep)
         self.stop, self.slow = STOP * self.moved.length, SLOW * self.moved.length  # sigma_min [m]
         self._whole = WholeFoot(self.moved)
         diagram = build(self.moved)

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import freedoms
 from drake_leg.kinematics.euler import euler_angles
 from drake_leg.kinematics.feet import Feet, Solution, feet, lift_limits, limits_of
-from drake_leg.kinematics.khalil import chain_length, foot_pose, jacobian, one_vector
+from drake_leg.kinematics.khalil import chain_length, foot_pose, jacobian
 from drake_leg.kinematics.movable import Movable
-from drake_leg.kinematics.of_robot import geometry_of, movable
+from drake_leg.kinematics.of_robot import geometry_of, joint_positions, movable
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.robot.robot import Robot, Segment, require_robot
 from drake_leg.singularity.families import Families, Nearness, families_of
@@ -25,6 +26,7 @@ from drake_leg.singularity.stroke import (
     chain_stroke,
     closed_stroke,
     greatest_amplitude,
+    unit,
 )
 from drake_leg.units import beyond, require_positive
 
@@ -125,8 +127,8 @@ def examine_posture(
     robot: Robot,
     q: Sequence[float],
     *,
-    direction: Sequence[float] = (1.0, 0.0, 0.0),
-    frequency: float = 1.0,
+    direction: Sequence[float] | None = None,
+    frequency: float | None = None,
     foot: Sequence[float] | None = None,
     yaw: float | None = None,
     rpy: Sequence[float] | None = None,
@@ -139,10 +141,10 @@ def examine_posture(
         A leg, the SCARA, or any chain.
     q : (n,) sequence of float
         Joint positions [rad or m]; the SCARA's lift may be left out.
-    direction : (3,) sequence of float
-        Of the stroke, in the base frame.
-    frequency : float
-        Of the sine whose greatest amplitude is computed [rad/s].
+    direction : (3,) sequence of float, optional
+        Of the stroke, in the base frame; x by default.
+    frequency : float, optional
+        Of the sine along the direction whose greatest amplitude is computed [rad/s]; 1 by default.
     foot : (3,) sequence of float, optional
         Point for the inverse kinematics [m].
     yaw, rpy : float and (3,) sequence of float, optional
@@ -157,7 +159,8 @@ def examine_posture(
     Raises
     ------
     InvalidValueError
-        If the number of joint positions is wrong, or a value is invalid.
+        If the number of joint positions is wrong, a value is invalid, or what goes with another
+        argument is given without it.
 
     Examples
     --------
@@ -171,20 +174,33 @@ def examine_posture(
     (0.1882, 'stretch')
     """
     require_robot(robot)
+    if frequency is not None and direction is None:
+        raise InvalidValueError(
+            f"the frequency is {frequency!r} rad/s, of a sine along no direction",
+            advice="give `direction`, too",
+        )
+    for name, value in (("yaw", yaw), ("rpy", rpy)):
+        if value is not None and foot is None:
+            raise InvalidValueError(f"{name} goes with a point", advice="give `foot`, too")
+    frequency = 1.0 if frequency is None else frequency
     require_positive("the frequency", frequency, "rad/s")
-    families = families_of(geometry_of(robot))
+    way = (1.0, 0.0, 0.0) if direction is None else direction
+    unit(way)  # refuses what is no direction, also where there is no stroke
+    geometry = geometry_of(robot)
+    least = 3 if isinstance(geometry, ScaraGeometry) else None
+    q = joint_positions("q", robot, q, least=least)
+    families = families_of(geometry)
     lifted = _lifted(robot, q)
     X_BF = foot_pose(robot.rows, lifted)
     size = chain_length(robot.rows)
-    one_vector("q", q, len(q))
     J = families.translation_jacobian(q) if families else jacobian(robot.rows, lifted)[3:]
     rank = examine(J, ROUNDING * size)
     most = freedoms(robot.rows)[0].rank
     moved = movable(robot, lifted) if most else None
     forward = backward = None
     if _is_regular(moved, lifted, ROUNDING * size):
-        forward = _limited(robot, families, q, direction, moved)
-        backward = _limited(robot, families, q, [-value for value in direction], moved)
+        forward = _limited(robot, families, q, way, moved)
+        backward = _limited(robot, families, q, [-value for value in way], moved)
     x, y, z = X_BF[:3, 3].tolist()
     yaw_there, pitch, roll = euler_angles("ZYX", X_BF[:3, :3]).tolist()
     many = len(robot.moving) > 3

@@ -130,5 +130,5 @@ def test_an_ellipse_without_lift_is_the_straight_step():
 
 
 def test_a_direction_has_three_components():
-    with pytest.raises(InvalidValueError, match="three components"):
+    with pytest.raises(InvalidValueError, match="three finite numbers"):
         SineStep(direction=(1.0, 0.0))

@@ -129,7 +129,7 @@ def test_what_turns_on_its_way_goes_straight_where_it_can():
 @pytest.mark.parametrize("robot", [LEG_A, PLANAR_2, FIVE, CYLINDER], ids=lambda robot: robot.name)
 def test_a_pose_that_cannot_be_kept_is_refused(robot):
     with pytest.raises(InvalidValueError, match="choose `task='position'`"):
-        movable(robot, keep="pose")
+        movable(robot, task="pose")
 
 
 def test_a_foot_that_nothing_moves_is_refused():
