@@ -6,7 +6,6 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,8 +27,6 @@ if TYPE_CHECKING:
     from drake_leg.kinematics.feet import Feet
     from drake_leg.pictures.plots.singularity_maps import Maps
     from drake_leg.singularity.doctor import Diagnosis
-    from drake_leg.singularity.rank import LostTwist
-    from drake_leg.singularity.stroke import Stroke
 
 
 def configure_doctor(parser: argparse.ArgumentParser) -> None:
@@ -167,115 +164,12 @@ def _write_maps(folder: ResultsFolder, maps: Maps, diagnosis: Diagnosis) -> Pict
 
 
 def _lines(diagnosis: Diagnosis) -> list[str]:
-    lines = [*_pose_lines(diagnosis), *_rank_lines(diagnosis)]
-    for place, near in enumerate(diagnosis.nearness):
-        nearest = "   (nearest)" if place == 0 and len(diagnosis.nearness) > 1 else ""
-        lines.append(f"{near.family:<15} {near.meaning}{nearest}")
-    lines += [f"lost direction  {_vector(row)}" for row in diagnosis.rank.lost_directions]
-    lines += [f"lost twist      {_twist(twist)}" for twist in _lost(diagnosis)]
-    lines += [f"outside limits  {outside.sentence}" for outside in diagnosis.outside]
-    lines += _stroke_lines(diagnosis)
+    lines = [f"{name:<15} {words}" for name, words in diagnosis.entries]
     return lines if diagnosis.feet is None else [*lines, *_feet_lines(diagnosis.feet)]
 
 
-def _pose_lines(diagnosis: Diagnosis) -> list[str]:
-    x, y, z = diagnosis.position
-    height = "not given, as the lift is not" if z is None else _rounded(z)
-    roll, pitch, yaw = (_rounded(math.degrees(angle)) for angle in diagnosis.orientation)
-    return [
-        f"foot            ({_rounded(x)}, {_rounded(y)}, {height}) m",
-        f"orientation     roll {roll}, pitch {pitch}, yaw {yaw} deg, about the base's x, y, z",
-    ]
-
-
-def _rounded(value: float) -> str:
-    return f"{round(value, 12) + 0.0:.9g}"
-
-
-def _rank_lines(diagnosis: Diagnosis) -> list[str]:
-    rank, whole = diagnosis.rank, diagnosis.whole
-    most = ""
-    if rank.rank == diagnosis.most_rank < rank.full_rank:
-        most = ", and no posture of this table has more"
-    of = "" if whole is None else f" of {diagnosis.moved}"
-    lines = [f"rank            {rank.rank} of {rank.full_rank}{of}{most}"]
-    if whole is not None:
-        lines.append(f"                {whole.rank} of {whole.full_rank} of the whole Jacobian")
-    return [
-        *lines,
-        f"sigma_min       {rank.sigma_min:.6g} m",
-        f"manipulability  {rank.manipulability:.6g}",
-    ]
-
-
-def _lost(diagnosis: Diagnosis) -> tuple[LostTwist, ...]:
-    return () if diagnosis.whole is None else diagnosis.whole.lost
-
-
-def _twist(twist: LostTwist) -> str:
-    parts = []
-    if twist.turning is not None:
-        parts.append(f"held in place, the foot cannot turn about {_vector(twist.turning)}")
-    if twist.moving is not None:
-        parts.append(f"its orientation held, it cannot move along {_vector(twist.moving)}")
-    return "; ".join(parts)
-
-
-def _vector(values: Iterable[float]) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in values) + ")"
-
-
-def _stroke_lines(diagnosis: Diagnosis) -> list[str]:
-    if diagnosis.forward is None or diagnosis.backward is None:
-        held = ", the foot's orientation held" if diagnosis.holds_orientation else ""
-        return [f"stroke          none: the posture is singular already{held}"]
-    lines = [
-        f"stroke forward  {_stroke(diagnosis.forward)}",
-        f"stroke backward {_stroke(diagnosis.backward)}",
-    ]
-    if diagnosis.whole is not None:
-        held = "held" if diagnosis.holds_orientation else "left free"
-        lines.append(f"                with the foot's orientation {held}")
-    if diagnosis.forward.length > 0.0:
-        lines.append(f"amplitude       {_amplitude(diagnosis.greatest_amplitude)}")
-    return lines
-
-
-def _stroke(stroke: Stroke) -> str:
-    if stroke.joint is not None:
-        if stroke.length == 0.0:
-            return f"none: joint {stroke.joint} is at its limit, or outside"
-        return f"{stroke.length:.9g} m, where joint {stroke.joint} reaches its limit"
-    if stroke.length == 0.0:
-        return "none: the foot cannot go straight along it"
-    if math.isinf(stroke.length):
-        return "without end"
-    family = f", where it meets the {stroke.family} family" if stroke.family else ""
-    return f"{stroke.length:.9g} m{family}"
-
-
-def _amplitude(greatest: float | None) -> str:
-    if greatest is None or math.isinf(greatest):
-        return "any: nothing is in the way"
-    return f"below {greatest:.6g} m/s stays inside"
-
-
 def _feet_lines(found: Feet) -> list[str]:
-    lines = [f"inverse         {as_options(found.heading)}"]
-    for solution in found.solutions:
-        where = "out of reach"
-        if solution.q is not None:
-            where = _shown(solution.q, found.units)
-            where += "" if solution.within_limits else "   (outside the joints' limits)"
-        lines.append(f"{solution.name}: {where}")
-    return lines
+    from drake_leg.singularity.doctor import feet_entries
 
-
-def _shown(q: Sequence[float], units: Sequence[str]) -> str:
-    """Write joint positions as --q takes them, and their units."""
-    if all(unit == "deg" for unit in units):
-        return ", ".join(f"{math.degrees(value):.6f}" for value in q) + " deg"
-    return ", ".join(
-        f"{math.degrees(value) if unit == 'deg' else value:.6f} {unit}"
-        for value, unit in zip(q, units, strict=True)
-    )
+    (name, heading), *solutions = feet_entries(found)
+    return [f"{name:<15} {as_options(heading)}", *(f"{way}: {where}" for way, where in solutions)]

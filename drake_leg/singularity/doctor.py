@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from drake_leg.kinematics.khalil import chain_length, foot_pose, jacobian
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.of_robot import geometry_of, joint_positions, movable
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.robot.robot import Robot, Segment, require_robot
+from drake_leg.robot.robot import Robot, Segment, html_table, require_robot
 from drake_leg.singularity.families import Families, Nearness, families_of
 from drake_leg.singularity.rank import LostTwist, RankReport, WholeRank, examine, examine_whole
 from drake_leg.singularity.stroke import (
@@ -78,6 +78,30 @@ class Diagnosis:
         """Joint positions that put the foot at the requested point; None without one."""
         return None if self.feet is None else self.feet.solutions
 
+    @property
+    def entries(self) -> list[tuple[str, str]]:
+        """Its results in words, each with its name, which is empty where the last one goes on."""
+        lost = () if self.whole is None else self.whole.lost
+        return [
+            *_pose_entries(self),
+            *_rank_entries(self),
+            *((near.family, near.meaning + self._mark(near)) for near in self.nearness),
+            *(("lost direction", _vector(row)) for row in self.rank.lost_directions),
+            *(("lost twist", _twist(twist)) for twist in lost),
+            *(("outside limits", outside.sentence) for outside in self.outside),
+            *_stroke_entries(self),
+        ]
+
+    def _mark(self, near: Nearness) -> str:
+        several = len(self.nearness) > 1
+        return "   (nearest)" if several and near is self.nearness[0] else ""
+
+    def _repr_html_(self) -> str:
+        feet = [] if self.feet is None else feet_entries(self.feet)
+        return html_table(
+            ("result", "value"), [*self.entries, *feet], title="Examination of a posture"
+        )
+
     def as_json(self) -> dict[str, Any]:
         """Return the numbers under the command line's keys, with angles in degrees."""
         lost = self.rank.lost_directions
@@ -121,6 +145,18 @@ def feet_json(found: Feet | None) -> dict[str, Any]:
             for s in solutions
         ],
     }
+
+
+def feet_entries(found: Feet) -> list[tuple[str, str]]:
+    """The inverse kinematics in words, each solution with its name."""
+    entries = [("inverse", found.heading)]
+    for solution in found.solutions:
+        where = "out of reach"
+        if solution.q is not None:
+            where = _shown(solution.q, found.units)
+            where += "" if solution.within_limits else "   (outside the joints' limits)"
+        entries.append((solution.name, where))
+    return entries
 
 
 def examine_posture(
@@ -310,3 +346,91 @@ def _whole_json(whole: WholeRank) -> dict[str, Any]:
         "sigma_min": whole.sigma_min,
         "lost_twists": [listed(twist) for twist in whole.lost],
     }
+
+
+def _pose_entries(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    x, y, z = diagnosis.position
+    height = "not given, as the lift is not" if z is None else _rounded(z)
+    roll, pitch, yaw = (_rounded(math.degrees(angle)) for angle in diagnosis.orientation)
+    return [
+        ("foot", f"({_rounded(x)}, {_rounded(y)}, {height}) m"),
+        ("orientation", f"roll {roll}, pitch {pitch}, yaw {yaw} deg, about the base's x, y, z"),
+    ]
+
+
+def _rounded(value: float) -> str:
+    return f"{round(value, 12) + 0.0:.9g}"
+
+
+def _rank_entries(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    rank, whole = diagnosis.rank, diagnosis.whole
+    most = ""
+    if rank.rank == diagnosis.most_rank < rank.full_rank:
+        most = ", and no posture of this table has more"
+    of = "" if whole is None else f" of {diagnosis.moved}"
+    entries = [("rank", f"{rank.rank} of {rank.full_rank}{of}{most}")]
+    if whole is not None:
+        entries.append(("", f"{whole.rank} of {whole.full_rank} of the whole Jacobian"))
+    return [
+        *entries,
+        ("sigma_min", f"{rank.sigma_min:.6g} m"),
+        ("manipulability", f"{rank.manipulability:.6g}"),
+    ]
+
+
+def _twist(twist: LostTwist) -> str:
+    parts = []
+    if twist.turning is not None:
+        parts.append(f"held in place, the foot cannot turn about {_vector(twist.turning)}")
+    if twist.moving is not None:
+        parts.append(f"its orientation held, it cannot move along {_vector(twist.moving)}")
+    return "; ".join(parts)
+
+
+def _vector(values: Iterable[float]) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in values) + ")"
+
+
+def _stroke_entries(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    if diagnosis.forward is None or diagnosis.backward is None:
+        held = ", the foot's orientation held" if diagnosis.holds_orientation else ""
+        return [("stroke", f"none: the posture is singular already{held}")]
+    entries = [
+        ("stroke forward", _stroke(diagnosis.forward)),
+        ("stroke backward", _stroke(diagnosis.backward)),
+    ]
+    if diagnosis.whole is not None:
+        held = "held" if diagnosis.holds_orientation else "left free"
+        entries.append(("", f"with the foot's orientation {held}"))
+    if diagnosis.forward.length > 0.0:
+        entries.append(("amplitude", _amplitude(diagnosis.greatest_amplitude)))
+    return entries
+
+
+def _stroke(stroke: Stroke) -> str:
+    if stroke.joint is not None:
+        if stroke.length == 0.0:
+            return f"none: joint {stroke.joint} is at its limit, or outside"
+        return f"{stroke.length:.9g} m, where joint {stroke.joint} reaches its limit"
+    if stroke.length == 0.0:
+        return "none: the foot cannot go straight along it"
+    if math.isinf(stroke.length):
+        return "without end"
+    family = f", where it meets the {stroke.family} family" if stroke.family else ""
+    return f"{stroke.length:.9g} m{family}"
+
+
+def _amplitude(greatest: float | None) -> str:
+    if greatest is None or math.isinf(greatest):
+        return "any: nothing is in the way"
+    return f"below {greatest:.6g} m/s stays inside"
+
+
+def _shown(q: Sequence[float], units: Sequence[str]) -> str:
+    """Write joint positions as the command line takes them, and their units."""
+    if all(unit == "deg" for unit in units):
+        return ", ".join(f"{math.degrees(value):.6f}" for value in q) + " deg"
+    return ", ".join(
+        f"{math.degrees(value) if unit == 'deg' else value:.6f} {unit}"
+        for value, unit in zip(q, units, strict=True)
+    )

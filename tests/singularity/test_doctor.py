@@ -265,3 +265,14 @@ def test_bad_input_is_one_sentence(capsys, words, said):
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+def test_a_notebook_shows_what_the_command_prints():
+    posture = [math.radians(angle) for angle in (90.0, 0.0, 0.0)]
+    found = examine_posture(LEG_B, posture, foot=[0.1, 0.1, 0.0])
+    html = found._repr_html_()
+    assert html.count("<tr>") == 1 + len(found.entries) + 1 + 4  # the heading and four solutions
+    assert "<td>rank</td><td>2 of 3</td>" in html
+    assert "<td>lost direction</td><td>(0, 1, 0)</td>" in html
+    assert "none: the posture is singular already" in html
+    assert "<td>foot behind the hip, q3 negative</td>" in html
