@@ -10,8 +10,14 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.models.sdf import package_text, sdf_text
-from drake_leg.models.thigh import FILE, LEG_FILE, thigh_leg_text, thigh_text
+from drake_leg.models.sdf import (
+    LEG_FILE,
+    THIGH_FILE,
+    package_text,
+    sdf_text,
+    thigh_leg_text,
+    thigh_text,
+)
 from drake_leg.robot.robot import Robot, Segment, require_robot
 from drake_leg.robot.robots import LEG_B, ROBOTS
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative
@@ -20,7 +26,7 @@ from drake_leg.units import STANDARD_GRAVITY, require_non_negative
 def generated_files() -> dict[str, str]:
     """Generate all files of the folder ``sdf``: file name to text."""
     files = {f"{robot.name}.sdf": sdf_text(robot) for robot in ROBOTS}
-    thighs = {FILE: thigh_text(), LEG_FILE: thigh_leg_text(LEG_B)}
+    thighs = {THIGH_FILE: thigh_text(), LEG_FILE: thigh_leg_text(LEG_B)}
     return {"package.xml": package_text(), **files, **thighs}
 
 

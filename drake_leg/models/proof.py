@@ -70,11 +70,6 @@ class Missing:
     witness: str  # chain, SymPy, Drake or differences
     why: str
 
-    @property
-    def sentence(self) -> str:
-        """The missing quantity, and the reason."""
-        return f"the {self.quantity} by {self.witness} is {self.why}"
-
 
 @dataclass(frozen=True, kw_only=True)
 class Proof:

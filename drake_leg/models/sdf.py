@@ -1,4 +1,4 @@
-"""Writes a robot as SDF, as in the folder ``sdf``, for Drake and Gazebo.
+"""Writes a robot as SDF, as in the folder ``sdf``, for Drake and Gazebo; or as a leg of thighs.
 
 Every link's frame is the DH frame of its row. There are also the frames ``frame_0`` ...
 ``frame_n`` of the table, and for every link ``NAME_base``, ``NAME_cog`` and ``NAME_end``.
@@ -10,10 +10,12 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import (
@@ -31,10 +33,12 @@ from drake_leg.robot.robot import (
     mass_properties,
     place_name,
 )
+from drake_leg.robot.robots import LEG_B
 from drake_leg.units import LEAST
 
 PACKAGE = "drake_leg"
 CENTRED = (0.0, 0.0, 0.0)
+Vector = tuple[float, float, float]
 STEEP = 0.99  # sine of the pitch beyond which roll, pitch, yaw lose digits
 
 
@@ -58,8 +62,7 @@ def sdf_text(robot: Robot, *, origin: str = "drake_leg.robot.robots") -> str:
         _add_link(model, segment.link, segment.row, before, index)
         _add_joint(model, segment, parent)
         parent = before = segment.link.name
-    ET.indent(sdf)
-    return '<?xml version="1.0"?>\n' + ET.tostring(sdf, encoding="unicode") + "\n"
+    return _document(sdf)
 
 
 def package_text() -> str:
@@ -73,8 +76,12 @@ def package_text() -> str:
     ):
         ET.SubElement(package, tag).text = text
     ET.SubElement(package, "maintainer", email="drake-leg@example.org").text = "drake-leg"
-    ET.indent(package)
-    return '<?xml version="1.0"?>\n' + ET.tostring(package, encoding="unicode") + "\n"
+    return _document(package)
+
+
+def _document(root: ET.Element) -> str:
+    ET.indent(root)
+    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
 def _number(value: float) -> str:
@@ -242,3 +249,210 @@ def _add_limits(axis: ET.Element, mechanics: JointMechanics) -> None:
     for tag, value in limits.items():
         if value is not None:
             _add_text(limit, tag, _number(value))
+
+
+# --- the thigh subsystem of report B, figure 5 -----------------------------------------------
+
+ENDS_TOGETHER = 1e-12  # [m], how far a link's end may be from the next row's beginning
+THIGH_FILE = "thigh.sdf"
+LEG_FILE = "hexabot_leg_of_thighs.sdf"
+NOWHERE = "0 0 0 0 0 0"
+
+_ORIGINAL = "femur"  # of leg B: the thigh without any setting
+_EXPERIMENTAL = "http://sdformat.org/schemas/experimental"
+
+
+class _Setting(NamedTuple):
+    """An element of the thigh that a leg may set: its children, or all of a frame."""
+
+    tag: str
+    element_id: str
+    children: Sequence[ET.Element]
+    attached_to: str = ""  # of a frame
+
+
+def thigh_text() -> str:
+    """Write the thigh as an SDF 1.9 document of its own, without joints.
+
+    Its model ``thigh`` has the link ``link`` and the frames ``base``, ``cog``, ``end``, ``solid``.
+    """
+    sdf = ET.Element("sdf", version="1.9")
+    about = f"Thigh subsystem (Report B, figure 5): the {_ORIGINAL} of {LEG_B.title}."
+    sdf.append(ET.Comment(f" {about} Generated from drake_leg.robot.robots. "))
+    model = ET.SubElement(sdf, "model", name="thigh")
+    inertial, visual, cog, end, solid = _settings(LEG_B)[_ORIGINAL]
+    link = ET.SubElement(model, "link", name="link")
+    link.extend(inertial.children)
+    brick = ET.SubElement(link, "visual", name="brick")
+    ET.SubElement(brick, "pose", relative_to="solid").text = NOWHERE
+    brick.extend(visual.children)
+    ET.SubElement(model, "frame", name="base", attached_to="link")
+    for frame in (cog, end, solid):
+        placed = {"name": frame.element_id, "attached_to": frame.attached_to}
+        ET.SubElement(model, "frame", placed).extend(frame.children)
+    return _document(sdf)
+
+
+def thigh_leg_text(robot: Robot) -> str:
+    """Write a leg as an SDF 1.9 document that includes the thigh once for every joint.
+
+    Joints, base, foot and the table's frames are named as in the robot's own document; the links
+    are the nested models ``coxa``, ``femur``, ``tibia``. The parser must know ``package.xml``,
+    because Drake looks for a bare file name in the working directory.
+
+    Raises
+    ------
+    InvalidValueError
+        If a link is not a brick, or does not end where the next row begins.
+    """
+    ET.register_namespace("experimental", _EXPERIMENTAL)
+    sdf = ET.Element("sdf", version="1.9")
+    sdf.append(ET.Comment(f" A leg that includes {THIGH_FILE} once for every joint. Generated. "))
+    model = ET.SubElement(sdf, "model", name=LEG_FILE.removesuffix(".sdf"))
+    settings = _settings(robot)
+    own_places = {place_name(link, place) for link in settings for place in PLACES}
+    for element in _robot_model(robot):
+        name = element.get("name", "")
+        if element.tag == "link" and name in settings:
+            model.append(_include(element, settings))
+        elif name not in own_places:
+            model.append(_connected(element, settings))
+    return _document(sdf)
+
+
+def _settings(robot: Robot) -> dict[str, tuple[_Setting, ...]]:
+    """For every thigh of a robot: its inertial, its brick, its frames cog, end and solid."""
+    model = _robot_model(robot)
+    found = {}
+    for index, segment in enumerate(robot.segments, start=1):
+        if segment.row.joint != "fixed":
+            link, offsets = _thigh_of(robot, segment, robot.segments[index:])
+            turn = _end_turn(model, index + 1, robot.segments[index:])
+            found[link.name] = _thigh_settings(model, link.name, offsets, turn)
+    return found
+
+
+def _thigh_of(
+    robot: Robot, segment: Segment, after: Sequence[Segment]
+) -> tuple[Link, tuple[Vector, Vector, Vector]]:
+    """Find a thigh's link, and its offsets: base to cog, cog to end, cog to solid [m]."""
+    link = segment.link
+    if link is None or link.solid is None or not isinstance(link.solid.shape, Brick):
+        name = link.name if link else segment.joint
+        raise InvalidValueError(
+            f"the link {name!r} of {robot.name!r} is not a brick; only a leg of bricks is made "
+            "of thighs"
+        )
+    cog, end = link.centre_of_mass, link.end
+    start = tuple(row_transform(after[0].row)[:3, 3].tolist()) if after else (end[0], 0.0, 0.0)
+    if math.dist(start, end) > ENDS_TOGETHER:
+        raise InvalidValueError(
+            f"the link {link.name!r} of {robot.name!r} ends at {end} m and the next row "
+            f"begins at {start} m in its frame; a thigh must end where the next one begins"
+        )
+    return link, (cog, _between(cog, end), _between(cog, link.solid.centre))
+
+
+def _between(start: Vector, end: Vector) -> Vector:
+    return (end[0] - start[0], end[1] - start[1], end[2] - start[2])
+
+
+def _thigh_settings(
+    model: ET.Element, name: str, offsets: Sequence[Vector], end_turn: ET.Element
+) -> tuple[_Setting, ...]:
+    inertial = _child(model, f"link[@name='{name}']/inertial")
+    if inertial.find("pose") is None:
+        inertial.insert(0, _pose(NOWHERE))
+    visual = _child(model, f"link[@name='{name}']/visual")
+    cog, end, solid = map(_numbers, offsets)
+    turn = " ".join((end_turn.text or NOWHERE).split()[3:])
+    written = {key: end_turn.attrib[key] for key in ("rotation_format",) if key in end_turn.attrib}
+    return (
+        _Setting("link", "link", [inertial]),
+        _Setting("visual", "link::brick", [_child(visual, "geometry"), _child(visual, "material")]),
+        _Setting("frame", "cog", [_pose(f"{cog} 0 0 0")], "base"),
+        _Setting("frame", "end", [_pose(f"{end} {turn}", **written)], "cog"),
+        _Setting("frame", "solid", [_pose(f"{solid} 0 0 0")], "cog"),
+    )
+
+
+def _end_turn(model: ET.Element, index: int, after: Sequence[Segment]) -> ET.Element:
+    """Pose of the row after a link's, which has the rotation of the link's end."""
+    if not after:
+        return _pose(NOWHERE)
+    link = after[0].link
+    path = f"link[@name='{link.name}']" if link else f"frame[@name='{frame_name(index)}']"
+    return _child(model, f"{path}/pose")
+
+
+def _include(link: ET.Element, settings: dict[str, tuple[_Setting, ...]]) -> ET.Element:
+    name, pose = link.get("name", ""), _child(link, "pose")
+    before = pose.get("relative_to", "")
+    include = ET.Element("include")
+    ET.SubElement(include, "uri").text = f"package://{PACKAGE}/{THIGH_FILE}"
+    ET.SubElement(include, "name").text = name
+    ET.SubElement(include, "placement_frame").text = "base"
+    include.append(_placed(pose, before, settings))
+    original = _settings(LEG_B)[_ORIGINAL]
+    mask = ET.Element(f"{{{_EXPERIMENTAL}}}params")
+    for mine, theirs in zip(settings[name], original, strict=True):
+        different = [
+            child
+            for child, other in zip(mine.children, theirs.children, strict=True)
+            if ET.tostring(child) != ET.tostring(other)
+        ]
+        if different:
+            ET.SubElement(mask, mine.tag, _action(mine)).extend(different)
+    if len(mask):
+        include.append(mask)
+    return include
+
+
+def _action(setting: _Setting) -> dict[str, str]:
+    """Modify what is inside a link or visual; replace a frame, so that any rotation may be set."""
+    element_id = setting.element_id
+    if not setting.attached_to:
+        return {"element_id": element_id, "action": "modify"}
+    frame = {"name": element_id, "attached_to": setting.attached_to}
+    return {"element_id": element_id, "action": "replace", **frame}
+
+
+def _connected(element: ET.Element, settings: dict[str, tuple[_Setting, ...]]) -> ET.Element:
+    """Connect a link, frame or joint to the frames of the thighs instead of their links."""
+    pose = element.find("pose")
+    carrier = element.get("attached_to", pose.get("relative_to", "") if pose is not None else "")
+    if pose is not None and carrier in settings:
+        element.remove(pose)
+        element.insert(0, _placed(pose, carrier, settings))
+    if element.get("attached_to") in settings:
+        element.set("attached_to", f"{carrier}::base")
+    for tag, place in (("parent", "end"), ("child", "base")):
+        body = element.find(tag)
+        if body is not None and body.text in settings:
+            body.text = f"{body.text}::{place}"
+    return element
+
+
+def _placed(
+    pose: ET.Element, carrier: str, settings: dict[str, tuple[_Setting, ...]]
+) -> ET.Element:
+    """Place an element at the end of the thigh that carries it; leave others in place."""
+    if carrier not in settings:
+        return pose
+    return _pose(NOWHERE, relative_to=f"{carrier}::end")
+
+
+def _robot_model(robot: Robot) -> ET.Element:
+    return _child(ET.fromstring(sdf_text(robot)), "model")
+
+
+def _child(element: ET.Element, path: str) -> ET.Element:
+    found = element.find(path)
+    assert found is not None, path
+    return found
+
+
+def _pose(text: str, **attributes: str) -> ET.Element:
+    pose = ET.Element("pose", attributes)
+    pose.text = text
+    return pose

@@ -164,9 +164,8 @@ def test_what_the_budget_does_not_reach_is_missing_and_said(monkeypatch):
     assert proof.holds
     assert not proof.complete
     (missing,) = proof.missing
-    assert missing.sentence == (
-        "the Jacobian by SymPy is not done within 3 s: give it more with `budget`"
-    )
+    assert (missing.quantity, missing.witness) == ("Jacobian", "SymPy")
+    assert missing.why == "not done within 3 s: give it more with `budget`"
     assert len(proof.comparisons) == 6
     assert stages[-1] == "Jacobian by SymPy"
     assert proof.as_json()["complete"] is False

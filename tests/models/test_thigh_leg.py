@@ -13,11 +13,12 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.khalil import row_transform
 from drake_leg.kinematics.leg import LegGeometry, foot_position
 from drake_leg.models.plant import build_plant, sdf_folder, thigh_leg
-from drake_leg.models.thigh import thigh_leg_text, thigh_text
+from drake_leg.models.sdf import thigh_leg_text, thigh_text
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Inertial, Row, Segment
+from drake_leg.robot.robot import Brick, Inertial, Link, Robot, Row, Segment, Solid
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA, hexabot_leg
 from drake_leg.units import STANDARD_GRAVITY
 
@@ -55,6 +56,28 @@ LEGS = pytest.mark.parametrize(
     ],
     ids=["B", "A", "lengths", "spring", "inertial", "no foot", "quaternion", "turned", "frame"],
 )
+
+
+def bar(name, length, end=None):
+    solid = Solid(
+        shape=Brick(length=length, width=0.01, height=0.01),
+        density=1000.0,
+        centre=(length / 2, 0.0, 0.0),
+        colour=(0.5, 0.5, 0.5),
+    )
+    return Link(name=name, solid=solid, end=end or (length, 0.0, 0.0))
+
+
+def two_bars(second_row, *, end=None):
+    return Robot(
+        name="arm",
+        title="An arm",
+        source="a test",
+        segments=(
+            Segment(row=Row(joint="revolute"), joint="one", link=bar("first", 0.2, end)),
+            Segment(row=second_row, joint="two", link=bar("second", 0.1)),
+        ),
+    )
 
 
 def from_file():
@@ -161,6 +184,33 @@ def test_every_thigh_is_an_instance_with_its_four_frames(rng):
     )
 
 
+OFFSET = Row(joint="revolute", d=0.2, alpha=math.pi / 2, r=0.05, theta=0.3)
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [
+        LEG_A,
+        LEG_B,
+        hexabot_leg("B", l1=0.03, l2=0.07, l3=0.11),
+        two_bars(OFFSET, end=(0.2, -0.05, 0.0)),
+        two_bars(Row(joint="revolute", d=0.2)),
+    ],
+)
+def test_a_thighs_end_is_the_next_row_of_the_table_and_its_cog_is_the_bricks(robot):
+    plant = thigh_leg(robot)
+    context = plant.CreateDefaultContext()
+    rows = [*robot.rows[1:], Row(joint="fixed", d=0.1)]  # the end of a last link without a foot
+    for segment, row in zip(robot.moving, rows, strict=False):
+        name = f"hexabot_leg_of_thighs::{segment.link.name}"
+        instance = plant.GetModelInstanceByName(name)
+        base, cog, end = (plant.GetFrameByName(frame, instance) for frame in ("base", "cog", "end"))
+        X = plant.CalcRelativeTransform(context, base, end).GetAsMatrix4()
+        np.testing.assert_allclose(X, row_transform(row), atol=1e-15)
+        p = plant.CalcRelativeTransform(context, base, cog).translation()
+        np.testing.assert_allclose(p, segment.link.solid.centre, atol=1e-15)
+
+
 def test_the_file_sets_only_what_differs_from_the_femur():
     includes = ET.fromstring(thigh_leg_text(LEG_B)).findall("model/include")
     assert [include.findtext("uri") for include in includes] == [
@@ -213,7 +263,11 @@ def test_the_thigh_stands_alone():
 
 
 def test_bad_input_is_refused():
-    with pytest.raises(InvalidValueError, match="is not a brick"):
+    with pytest.raises(InvalidValueError, match="'quill' of 'scara' is not a brick"):
         thigh_leg(SCARA)
+    with pytest.raises(InvalidValueError, match=r"'first' of 'arm' ends at .* next row begins at"):
+        thigh_leg(two_bars(Row(joint="revolute", d=0.25)))
+    with pytest.raises(InvalidValueError, match="'femur' of 'leg_b' is not a brick"):
+        thigh_leg(changed(LEG_B, 1, link=Link(name="femur")))
     with pytest.raises(InvalidValueError, match=r"gravity is -1\.0"):
         thigh_leg(LEG_B, gravity=-1.0)
