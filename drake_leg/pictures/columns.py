@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import NamedTuple
 
+import numpy as np
+
+from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.svg import Picture
 
-# In crossings. A loop's lane is below the blocks where that costs nothing.
-ABOVE_A_BLOCK = 0.15
-DISORDER = 0.01  # of blocks against the order in which the diagram lists them
+CROSSING = 100  # what a crossing costs
+ABOVE_A_BLOCK = 15  # a loop's lane: it is below the blocks where that costs nothing
+DISORDER = 1  # of blocks against the order in which the diagram lists them
 SWEEPS = 8
-T = TypeVar("T")
-_Found = tuple[float, list[list[int]], list[list[int]], list[list[int]]]
+_Found = tuple[int, list[list[int]], list[list[int]], list[list[int]]]
 
 
 @dataclass(frozen=True)
@@ -217,57 +219,176 @@ def order_of(picture: Picture, columns: Columns) -> Order:
     return Order(members=members, inputs=inputs, outputs=outputs)
 
 
+class _Hook(NamedTuple):
+    """One end of a chord, which is a net's way through a channel from its source to a target."""
+
+    end: End
+    other: End
+    net: int
+
+    @property
+    def turns_back(self) -> bool:
+        """Whether both ends of the chord are on one side of the channel."""
+        return self.end.left == self.other.left
+
+
 class _Search:
-    """A search for a better order; changes ``order`` in place."""
+    """A search for a better order, which it changes in place.
+
+    When two neighbors change places, only crossings of their own chords come or go. So all places
+    of an item are rated at once, by adding up what it gains by passing the others.
+    """
 
     def __init__(self, picture: Picture, columns: Columns, order: Order) -> None:
         self.columns, self.order = columns, order
         self.loose = [s.block >= 0 and picture.blocks[s.block].loose for s in columns.spots]
         self.channels = columns.channels
+        self.hooks: dict[tuple[int, bool], list[_Hook]] = {}  # by spot and side
+        for track in columns.tracks:
+            source, *targets = track.ends
+            for target in targets:
+                for end, other in ((source, target), (target, source)):
+                    hook = _Hook(end, other, track.net)
+                    self.hooks.setdefault((end.spot, end.left), []).append(hook)
+        self.place: dict[int, int] = {}  # of a spot in its column
+        self.port_place: dict[End, int] = {}  # of a port on its side
+        self.visits = 0
+        self.last_visit = [-1] * len(order.members)
+        self.last_change = [0] * len(order.members)
+        for column in range(len(order.members)):
+            self._changed(column)
 
-    def cost(self, column: int) -> float:
-        """Return the part of the cost that depends on one column's order."""
-        crossings = sum(self._crossings(channel) for channel in (column, column + 1))
-        return crossings + self._disorder(column)
+    def _changed(self, column: int) -> None:
+        """Note where everything in a column is now."""
+        self.last_change[column] = self.visits
+        for place, spot in enumerate(self.order.members[column]):
+            self.place[spot] = place
+            for left in (False, True):
+                ports = self.order.ports(End(spot, left, 0))
+                self.port_place |= {End(spot, left, port): at for at, port in enumerate(ports)}
 
-    def total(self) -> float:
+    def total(self) -> int:
         """Return the whole cost."""
-        crossings = sum(map(self._crossings, range(len(self.channels))))
-        return crossings + sum(map(self._disorder, range(len(self.order.members))))
+        cost = CROSSING * sum(map(self._crossings, range(len(self.channels))))
+        for column, members in enumerate(self.order.members):
+            cost += int(np.triu(self._penalties(members), 1).sum())
+            for ports in self._loose_ports(column):
+                cost += int(np.triu(_disorder(ports), 1).sum())
+        return cost
 
     def improved(self) -> _Found:
         """Improve the order until the cost stops falling; return cost and order, copied."""
-        better = True
-        while better:
-            better = False
-            for column, members in enumerate(self.order.members):
-                better |= self._improve(members, column)
-                for spot in members:
-                    if self.loose[spot]:
-                        better |= self._improve(self.order.inputs[spot], column)
-                        better |= self._improve(self.order.outputs[spot], column)
+        while any([self._improve_column(column) for column in range(len(self.order.members))]):
+            pass
         order = self.order
         copies = [
             [list(row) for row in rows] for rows in (order.members, order.inputs, order.outputs)
         ]
         return self.total(), copies[0], copies[1], copies[2]
 
-    def _improve(self, row: list[int], column: int) -> bool:
-        """Try every element of a row at every place."""
+    def _improve_column(self, column: int) -> bool:
+        """Improve a column, unless nothing changed there since that was last in vain."""
+        if self.last_visit[column] > max(self.last_change[max(column - 1, 0) : column + 2]):
+            return False
+        self.visits += 1
+        self.last_visit[column] = self.visits
+        members = self.order.members[column]
+        sides = [
+            [hook for spot in members for hook in self.hooks.get((spot, left), ())]
+            for left in (False, True)
+        ]
+        better = self._improve(column, members, self._penalties(members), sides, _spot_of)
+        for spot in members:
+            if self.loose[spot]:
+                for left in (False, True):
+                    ports = self.order.ports(End(spot, left, 0))
+                    hooks = self.hooks.get((spot, left), [])
+                    better |= self._improve(column, ports, _disorder(ports), [hooks], _port_of)
+        return better
+
+    def _improve(
+        self,
+        column: int,
+        row: list[int],
+        penalties: Array,
+        sides: Sequence[Sequence[_Hook]],
+        item_of: Callable[[End], int],
+    ) -> bool:
+        """Move every item of a row to its best place.
+
+        ``penalties[i, j]`` is the cost of item i above item j, besides their crossings.
+        """
+        if len(row) < 2:
+            return False
+        items = list(row)
+        index = {item: place for place, item in enumerate(items)}
+        costs = penalties.T - penalties  # of item i passing item j, downwards
+        for hooks in sides:
+            costs = costs + CROSSING * self._crossed(hooks, index, item_of)
+        turning = [hooks for hooks in sides if any(hook.turns_back for hook in hooks)]
         improved = False
-        best = self.cost(column)
-        for item in list(row):
+        for item in items:
             here = row.index(item)
-            at = here
-            for place in range(len(row)):
+            others = [index[other] for other in row if other != item]
+            passing = costs[index[item], others]
+            for hooks in turning:
+                found = self._crossed_by_turns(item, hooks, item_of)
+                passing = passing + [CROSSING * found.get(items[other], 0) for other in others]
+            at_place = np.concatenate([[0], np.cumsum(passing)])
+            best = int(np.argmin(at_place))
+            if at_place[best] < at_place[here]:
                 row.remove(item)
-                row.insert(place, item)
-                cost = self.cost(column)
-                if cost < best - 1e-9:
-                    best, at, improved = cost, place, True
-            row.remove(item)
-            row.insert(at, item)
+                row.insert(best, item)
+                self._changed(column)
+                improved = True
         return improved
+
+    def _crossed(
+        self, hooks: Sequence[_Hook], index: dict[int, int], item_of: Callable[[End], int]
+    ) -> Array:
+        """Count crossings that come less those that go as item i passes item j, downwards.
+
+        Chords that turn back do not count here.
+        """
+        straight = [hook for hook in hooks if not hook.turns_back]
+        items = np.array([index[item_of(hook.end)] for hook in straight], dtype=int)
+        far = np.array([self._position(hook.other) for hook in straight])
+        nets = np.array([hook.net for hook in straight])
+        come = np.sign(far[np.newaxis, :] - far[:, np.newaxis])
+        come[nets[np.newaxis, :] == nets[:, np.newaxis]] = 0.0
+        count = len(index)
+        pairs = (items[:, np.newaxis] * count + items[np.newaxis, :]).ravel()
+        return np.bincount(pairs, come.ravel(), minlength=count * count).reshape(count, count)
+
+    def _crossed_by_turns(
+        self, item: int, hooks: Sequence[_Hook], item_of: Callable[[End], int]
+    ) -> dict[int, int]:
+        """Count the same for one item that passes each other one, of chords that turn back."""
+        turning = [hook for hook in hooks if hook.turns_back]
+        found: dict[int, int] = {}
+        for hook in hooks:
+            if item_of(hook.end) != item:
+                continue
+            for other in hooks if hook.turns_back else turning:
+                passed = item_of(other.end)
+                if passed != item and other.net != hook.net:
+                    found[passed] = found.get(passed, 0) + self._comes(hook, other)
+        return found
+
+    def _comes(self, hook: _Hook, passed: _Hook) -> int:
+        """Tell whether a crossing comes (1) or goes (-1) as a hook passes another, downwards."""
+        mine, theirs = (self._around(end, hook, passed) for end in (hook.other, passed.other))
+        return -1 if mine < theirs else 1
+
+    def _around(self, end: End, hook: _Hook, passed: _Hook) -> tuple[float, ...]:
+        """Place of an end on the way around the channel, downwards from two hooks that meet."""
+        if end.left != hook.end.left:
+            return 1.0, -self._position(end)
+        if end.spot == hook.end.spot:
+            below = self.port_place[end] > self.port_place[hook.end]
+            return (-1.0,) if below else (3.0,)
+        at, here = (self._position(one) for one in (end, passed.end))
+        return (0.0 if at > here else 2.0), at
 
     def sweep(self, *, rightward: bool) -> None:
         """Sort every column by the mean place of its neighbours in the previous column."""
@@ -280,64 +401,63 @@ class _Search:
                 (means.get(spot, float(place)), place, spot) for place, spot in enumerate(members)
             ]
             members[:] = [spot for _, _, spot in sorted(keyed)]
+            self._changed(column)
 
     def _means(self, channel: int, *, near_is_right: bool) -> dict[int, float]:
         places: dict[int, list[float]] = {}
-        position = self._positions(channel)
         for track in self.channels[channel]:
-            far = [position[end] for end in track.ends if end.left == near_is_right]
+            far = [self._position(end) for end in track.ends if end.left == near_is_right]
             for end in track.ends:
                 if end.left != near_is_right:
                     places.setdefault(end.spot, []).extend(far)
         return {spot: sum(found) / len(found) for spot, found in places.items() if found}
 
-    def _positions(self, channel: int) -> dict[End, float]:
-        """Vertical position of each end of a channel, counted from the top."""
-        position: dict[End, float] = {}
-        for left in (True, False):
-            ends = [e for track in self.channels[channel] for e in track.ends if e.left == left]
-            column = channel - 1 if left else channel
-            if not ends:
-                continue
-            places = {spot: place for place, spot in enumerate(self.order.members[column])}
-            for end in ends:
-                ports = self.order.ports(end)
-                position[end] = places[end.spot] + (ports.index(end.port) + 1) / (len(ports) + 1)
-        return position
+    def _position(self, end: End) -> float:
+        """Vertical position of an end, counted from the top of its column."""
+        return self.place[end.spot] + (self.port_place[end] + 1) / (len(self.order.ports(end)) + 1)
 
-    def _crossings(self, channel: int) -> float:
+    def _crossings(self, channel: int) -> int:
         """Count crossings: pairs of chords whose ends alternate around the channel."""
-        position = self._positions(channel)
-        # Down the left side, then up the right one.
-        around = {end: at if end.left else 1e6 - at for end, at in position.items()}
         chords = [
-            (*sorted((around[track.ends[0]], around[end])), track.net)
+            (*sorted(map(self._around_channel, (track.ends[0], end))), track.net)
             for track in self.channels[channel]
             for end in track.ends[1:]
         ]
-        return sum(
-            a[2] != b[2] and (a[0] < b[0] < a[1] < b[1] or b[0] < a[0] < b[1] < a[1])
-            for a, b in _pairs(chords)
-        )
+        if not chords:
+            return 0
+        first, last, net = (np.array(part) for part in zip(*chords, strict=True))
+        begins = (first[:, np.newaxis] < first) & (first < last[:, np.newaxis])
+        alternate = begins & (last[:, np.newaxis] < last) & (net[:, np.newaxis] != net)
+        return int(alternate.sum())
 
-    def _disorder(self, column: int) -> float:
-        """Penalise loops above blocks, and blocks and ports out of order."""
-        spots = self.columns.spots
-        row = self.order.members[column]
-        cost = 0.0
-        for upper, lower in _pairs(row):
-            if spots[lower].block >= 0:
-                if spots[upper].backward:
-                    cost += ABOVE_A_BLOCK
-                elif spots[upper].block > spots[lower].block:
-                    cost += DISORDER
-        for spot in row:
-            for ports in (self.order.inputs[spot], self.order.outputs[spot]):
-                cost += DISORDER * sum(a > b for a, b in _pairs(ports))
-        return cost
+    def _around_channel(self, end: End) -> float:
+        """Place of an end on the way down the left side and up the right one."""
+        at = self._position(end)
+        return at if end.left else 1e6 - at
+
+    def _loose_ports(self, column: int) -> list[list[int]]:
+        loose = [spot for spot in self.order.members[column] if self.loose[spot]]
+        return [ports[spot] for ports in (self.order.inputs, self.order.outputs) for spot in loose]
+
+    def _penalties(self, members: Sequence[int]) -> Array:
+        """Cost of each spot above each other one: loops above blocks, blocks out of order."""
+        spots = [self.columns.spots[spot] for spot in members]
+        block = np.array([spot.block for spot in spots])
+        backward = np.array([spot.backward for spot in spots])
+        out_of_order = DISORDER * (block[:, np.newaxis] > block)
+        cost = np.where(backward[:, np.newaxis], ABOVE_A_BLOCK, out_of_order)
+        return cost * (block >= 0)
 
 
-def _pairs(items: list[T]) -> Iterator[tuple[T, T]]:
-    for place, first in enumerate(items):
-        for second in items[place + 1 :]:
-            yield first, second
+def _disorder(ports: Sequence[int]) -> Array:
+    """Cost of each port above each other one."""
+    order = np.array(ports, dtype=int)
+    return DISORDER * (order[:, np.newaxis] > order)
+
+
+def _spot_of(end: End) -> int:
+    return end.spot
+
+
+def _port_of(end: End) -> int:
+    return end.port
