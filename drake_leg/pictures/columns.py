@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,6 +15,9 @@ CROSSING = 100  # what a crossing costs
 ABOVE_A_BLOCK = 15  # a loop's lane: it is below the blocks where that costs nothing
 DISORDER = 1  # of blocks against the order in which the diagram lists them
 SWEEPS = 8
+MOST_TRIED = 5000  # spots at all places of their columns; larger pictures are less tidy
+MANY = 2000  # spots, from which on loops are cut where the diagram's order tells
+ACROSS = 1e6  # more than there are places in a column
 _Found = tuple[int, list[list[int]], list[list[int]], list[list[int]]]
 
 
@@ -28,8 +31,7 @@ class Spot:
     backward: bool = False  # a lane that is passed from right to left
 
 
-@dataclass(frozen=True)
-class End:
+class End(NamedTuple):
     """Where a net meets a channel between two columns."""
 
     spot: int
@@ -70,7 +72,15 @@ def columns_of(picture: Picture) -> Columns:
     that no wire crosses a block. After Sugiyama, Tagawa and Toda, "Methods for visual understanding
     of hierarchical system structures", 1981, with nets instead of single edges.
     """
-    column = _layers(picture)
+    columns = _columns(picture, _forward_edges(picture))
+    if len(columns.spots) < MANY:
+        return columns
+    listed = {(net.source[0], target) for net in picture.nets for target, _ in net.targets}
+    return _columns(picture, sorted(edge for edge in listed if edge[0] < edge[1]))
+
+
+def _columns(picture: Picture, forward: Sequence[tuple[int, int]]) -> Columns:
+    column = _layers(picture, forward)
     spots = [Spot(column=c, block=block) for block, c in enumerate(column)]
     tracks: list[Track] = []
     for index, net in enumerate(picture.nets):
@@ -81,9 +91,8 @@ def columns_of(picture: Picture) -> Columns:
     return Columns(tuple(spots), tuple(map(tuple, members)), tuple(tracks))
 
 
-def _layers(picture: Picture) -> list[int]:
+def _layers(picture: Picture, forward: Sequence[tuple[int, int]]) -> list[int]:
     """Longest paths from the sources; then sources move right, to where they are needed."""
-    forward = _forward_edges(picture)
     count = len(picture.blocks)
     after: list[list[int]] = [[] for _ in range(count)]
     before: list[list[int]] = [[] for _ in range(count)]
@@ -188,10 +197,6 @@ class Order:
     inputs: list[list[int]]  # ports of every spot, from the top
     outputs: list[list[int]]
 
-    def ports(self, end: End) -> list[int]:
-        """The ports on an end's side of its spot."""
-        return self.outputs[end.spot] if end.left else self.inputs[end.spot]
-
 
 def order_of(picture: Picture, columns: Columns) -> Order:
     """Order blocks, lanes and loose ports so that few wires cross.
@@ -213,10 +218,33 @@ def order_of(picture: Picture, columns: Columns) -> Order:
     search = _Search(picture, columns, order)
     best = search.improved()
     for sweep in range(SWEEPS):
+        if search.tried >= MOST_TRIED:
+            break
         search.sweep(rightward=sweep % 2 == 0)
         best = min(best, search.improved(), key=lambda found: found[0])
     _, members, inputs, outputs = best
     return Order(members=members, inputs=inputs, outputs=outputs)
+
+
+def sifted(passing: Array, more: Callable[[int, Sequence[int]], Array] | None = None) -> list[int]:
+    """Move every item of a row once to its best place; return the new order.
+
+    ``passing[i, j]`` is the cost of item i passing item j, from above to below. ``more`` returns
+    what it costs an item besides to pass each one, in the order of now.
+    """
+    order = list(range(len(passing)))
+    for item in range(len(passing)):
+        here = order.index(item)
+        others = order[:here] + order[here + 1 :]
+        costs = passing[item] + more(item, order) if more else passing[item]
+        at_place = np.concatenate([[0], np.cumsum(costs[others])])
+        best = int(np.argmin(at_place))
+        if at_place[best] < at_place[here]:
+            order = [*others[:best], item, *others[best:]]
+    return order
+
+
+_Item = int | End  # a spot of a column, or a port of a side
 
 
 class _Hook(NamedTuple):
@@ -230,6 +258,49 @@ class _Hook(NamedTuple):
     def turns_back(self) -> bool:
         """Whether both ends of the chord are on one side of the channel."""
         return self.end.left == self.other.left
+
+
+class _Turning:
+    """The hooks at one side of a channel, some of whose chords turn back.
+
+    Places on the way around the channel count from the top of this side downwards.
+    """
+
+    def __init__(self, hooks: Sequence[_Hook], items: Sequence[int]) -> None:
+        self.hooks, self.item = hooks, np.array(items)
+        self.net = np.array([hook.net for hook in hooks])
+        self.turns_back = np.array([hook.turns_back for hook in hooks])
+        self.spot = np.array([hook.end.spot for hook in hooks])
+        self.other_spot = np.array([hook.other.spot for hook in hooks])
+
+    def note(self, position: Callable[[End], float]) -> None:
+        """Note where all ends are now."""
+        self.at = np.array([position(hook.end) for hook in self.hooks])
+        other = np.array([position(hook.other) for hook in self.hooks])
+        self.other = np.where(self.turns_back, other, ACROSS - other)
+
+    def crossed(self, item: int, count: int) -> Array:
+        """Count crossings that come less those that go as an item passes each of ``count``.
+
+        Of two chords one or both turn back. They cross if, on the way around from where their ends
+        meet, the chord that passes is the first to end.
+        """
+        mine = np.flatnonzero(self.item == item)[:, np.newaxis]
+        among = self.turns_back | self.turns_back[mine].any()
+        passed = np.flatnonzero(among & (self.item != item))
+        meet = self.at[passed]
+
+        def around(hooks: Array) -> Array:
+            above = self.turns_back[hooks] & (self.other[hooks] < meet)
+            return self.other[hooks] + 2 * ACROSS * above
+
+        beside = np.where(self.other[passed] > self.at[mine], -1.0, 3 * ACROSS)
+        own = self.turns_back[passed] & (self.other_spot[passed] == self.spot[mine])
+        crosses = around(mine) < np.where(own, beside, around(passed))
+        differ = self.net[passed] != self.net[mine]
+        counts = differ & (self.turns_back[passed] | self.turns_back[mine])
+        come = np.where(counts, np.where(crosses, -1, 1), 0).sum(axis=0)
+        return np.bincount(self.item[passed], come, minlength=count)
 
 
 class _Search:
@@ -250,22 +321,26 @@ class _Search:
                 for end, other in ((source, target), (target, source)):
                     hook = _Hook(end, other, track.net)
                     self.hooks.setdefault((end.spot, end.left), []).append(hook)
-        self.place: dict[int, int] = {}  # of a spot in its column
-        self.port_place: dict[End, int] = {}  # of a port on its side
-        self.visits = 0
+        self.place: dict[_Item, float] = {}  # of a spot in its column, of a port on its side
+        for members in order.members:
+            self._note(members)
+            for spot in members:
+                for left in (False, True):
+                    self._note(self._sides_ports(spot, left))
+        self.visits = self.tried = 0
         self.last_visit = [-1] * len(order.members)
         self.last_change = [0] * len(order.members)
-        for column in range(len(order.members)):
-            self._changed(column)
 
-    def _changed(self, column: int) -> None:
-        """Note where everything in a column is now."""
-        self.last_change[column] = self.visits
-        for place, spot in enumerate(self.order.members[column]):
-            self.place[spot] = place
-            for left in (False, True):
-                ports = self.order.ports(End(spot, left, 0))
-                self.port_place |= {End(spot, left, port): at for at, port in enumerate(ports)}
+    def _note(self, items: Sequence[_Item]) -> None:
+        """Note where the items of a row are: spots by their places, ports between two places."""
+        count = len(items) + 1
+        for place, item in enumerate(items):
+            self.place[item] = place if isinstance(item, int) else (place + 1) / count
+
+    def _sides_ports(self, spot: int, left: bool) -> list[End]:
+        """Return the ports on one side of a spot, from the top."""
+        ports = (self.order.outputs if left else self.order.inputs)[spot]
+        return [End(spot, left, port) for port in ports]
 
     def total(self) -> int:
         """Return the whole cost."""
@@ -278,9 +353,12 @@ class _Search:
 
     def improved(self) -> _Found:
         """Improve the order until the cost stops falling; return cost and order, copied."""
-        while any([self._improve_column(column) for column in range(len(self.order.members))]):
-            pass
         order = self.order
+        better = True
+        while better and self.tried < MOST_TRIED:
+            better = False
+            for column in range(len(order.members)):
+                better |= self._improve_column(column)
         copies = [
             [list(row) for row in rows] for rows in (order.members, order.inputs, order.outputs)
         ]
@@ -293,58 +371,66 @@ class _Search:
         self.visits += 1
         self.last_visit[column] = self.visits
         members = self.order.members[column]
+        self.tried += len(members)
         sides = [
             [hook for spot in members for hook in self.hooks.get((spot, left), ())]
             for left in (False, True)
         ]
-        better = self._improve(column, members, self._penalties(members), sides, _spot_of)
+        better = self._improve(members, members, self._penalties(members), sides, _spot_of)
         for spot in members:
             if self.loose[spot]:
-                for left in (False, True):
-                    ports = self.order.ports(End(spot, left, 0))
+                for left, ports in (
+                    (False, self.order.inputs[spot]),
+                    (True, self.order.outputs[spot]),
+                ):
                     hooks = self.hooks.get((spot, left), [])
-                    better |= self._improve(column, ports, _disorder(ports), [hooks], _port_of)
+                    ends = self._sides_ports(spot, left)
+                    better |= self._improve(ports, ends, _disorder(ports), [hooks], _itself)
+        if better:
+            self.last_change[column] = self.visits
         return better
 
     def _improve(
         self,
-        column: int,
         row: list[int],
+        named: Sequence[_Item],
         penalties: Array,
         sides: Sequence[Sequence[_Hook]],
-        item_of: Callable[[End], int],
+        item_of: Callable[[End], _Item],
     ) -> bool:
-        """Move every item of a row to its best place.
+        """Move every item of a row to its best place; ``named`` are its spots or ports.
 
         ``penalties[i, j]`` is the cost of item i above item j, besides their crossings.
         """
         if len(row) < 2:
             return False
-        items = list(row)
-        index = {item: place for place, item in enumerate(items)}
+        numbers, items = list(row), list(named)
+        index = {item: number for number, item in enumerate(items)}
         costs = penalties.T - penalties  # of item i passing item j, downwards
         for hooks in sides:
             costs = costs + CROSSING * self._crossed(hooks, index, item_of)
-        turning = [hooks for hooks in sides if any(hook.turns_back for hook in hooks)]
-        improved = False
-        for item in items:
-            here = row.index(item)
-            others = [index[other] for other in row if other != item]
-            passing = costs[index[item], others]
-            for hooks in turning:
-                found = self._crossed_by_turns(item, hooks, item_of)
-                passing = passing + [CROSSING * found.get(items[other], 0) for other in others]
-            at_place = np.concatenate([[0], np.cumsum(passing)])
-            best = int(np.argmin(at_place))
-            if at_place[best] < at_place[here]:
-                row.remove(item)
-                row.insert(best, item)
-                self._changed(column)
-                improved = True
-        return improved
+        turning = [
+            _Turning(hooks, [index[item_of(hook.end)] for hook in hooks])
+            for hooks in sides
+            if any(hook.turns_back for hook in hooks)
+        ]
+        noted: list[int] = []
+
+        def by_turns(item: int, order: Sequence[int]) -> Array:
+            if noted != order:
+                noted[:] = order
+                self._note([items[other] for other in order])
+                for hooks in turning:
+                    hooks.note(self._position)
+            return CROSSING * sum(hooks.crossed(item, len(items)) for hooks in turning)
+
+        order = sifted(costs, by_turns if turning else None)
+        row[:] = [numbers[item] for item in order]
+        self._note([items[item] for item in order])
+        return row != numbers
 
     def _crossed(
-        self, hooks: Sequence[_Hook], index: dict[int, int], item_of: Callable[[End], int]
+        self, hooks: Sequence[_Hook], index: Mapping[_Item, int], item_of: Callable[[End], _Item]
     ) -> Array:
         """Count crossings that come less those that go as item i passes item j, downwards.
 
@@ -360,36 +446,6 @@ class _Search:
         pairs = (items[:, np.newaxis] * count + items[np.newaxis, :]).ravel()
         return np.bincount(pairs, come.ravel(), minlength=count * count).reshape(count, count)
 
-    def _crossed_by_turns(
-        self, item: int, hooks: Sequence[_Hook], item_of: Callable[[End], int]
-    ) -> dict[int, int]:
-        """Count the same for one item that passes each other one, of chords that turn back."""
-        turning = [hook for hook in hooks if hook.turns_back]
-        found: dict[int, int] = {}
-        for hook in hooks:
-            if item_of(hook.end) != item:
-                continue
-            for other in hooks if hook.turns_back else turning:
-                passed = item_of(other.end)
-                if passed != item and other.net != hook.net:
-                    found[passed] = found.get(passed, 0) + self._comes(hook, other)
-        return found
-
-    def _comes(self, hook: _Hook, passed: _Hook) -> int:
-        """Tell whether a crossing comes (1) or goes (-1) as a hook passes another, downwards."""
-        mine, theirs = (self._around(end, hook, passed) for end in (hook.other, passed.other))
-        return -1 if mine < theirs else 1
-
-    def _around(self, end: End, hook: _Hook, passed: _Hook) -> tuple[float, ...]:
-        """Place of an end on the way around the channel, downwards from two hooks that meet."""
-        if end.left != hook.end.left:
-            return 1.0, -self._position(end)
-        if end.spot == hook.end.spot:
-            below = self.port_place[end] > self.port_place[hook.end]
-            return (-1.0,) if below else (3.0,)
-        at, here = (self._position(one) for one in (end, passed.end))
-        return (0.0 if at > here else 2.0), at
-
     def sweep(self, *, rightward: bool) -> None:
         """Sort every column by the mean place of its neighbours in the previous column."""
         columns = list(range(len(self.order.members)))
@@ -401,7 +457,8 @@ class _Search:
                 (means.get(spot, float(place)), place, spot) for place, spot in enumerate(members)
             ]
             members[:] = [spot for _, _, spot in sorted(keyed)]
-            self._changed(column)
+            self._note(members)
+            self.last_change[column] = self.visits
 
     def _means(self, channel: int, *, near_is_right: bool) -> dict[int, float]:
         places: dict[int, list[float]] = {}
@@ -414,7 +471,7 @@ class _Search:
 
     def _position(self, end: End) -> float:
         """Vertical position of an end, counted from the top of its column."""
-        return self.place[end.spot] + (self.port_place[end] + 1) / (len(self.order.ports(end)) + 1)
+        return self.place[end.spot] + self.place[end]
 
     def _crossings(self, channel: int) -> int:
         """Count crossings: pairs of chords whose ends alternate around the channel."""
@@ -433,7 +490,7 @@ class _Search:
     def _around_channel(self, end: End) -> float:
         """Place of an end on the way down the left side and up the right one."""
         at = self._position(end)
-        return at if end.left else 1e6 - at
+        return at if end.left else ACROSS - at
 
     def _loose_ports(self, column: int) -> list[list[int]]:
         loose = [spot for spot in self.order.members[column] if self.loose[spot]]
@@ -455,9 +512,9 @@ def _disorder(ports: Sequence[int]) -> Array:
     return DISORDER * (order[:, np.newaxis] > order)
 
 
-def _spot_of(end: End) -> int:
+def _spot_of(end: End) -> _Item:
     return end.spot
 
 
-def _port_of(end: End) -> int:
-    return end.port
+def _itself(end: End) -> _Item:
+    return end

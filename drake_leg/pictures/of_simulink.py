@@ -70,7 +70,7 @@ _INSIDE = {
     TO_SIGNAL: ("PS", "S"),
 }
 _SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
-MOST_BLOCKS = 300  # in one picture; more take minutes to lay out and cannot be read
+MOST_BLOCKS = 300  # in one picture; more cannot be read
 
 
 def signal_block(

@@ -7,12 +7,15 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from drake_leg.pictures.columns import End, Track
+import numpy as np
+
+from drake_leg.kinematics.khalil import Array
+from drake_leg.pictures.columns import End, Track, sifted
 from drake_leg.pictures.svg import Point
 
 RADIUS = 5.0  # [px], of a corner
 NEAR = 6.0  # [px], lines nearer than this seem to be one
-OF_OVERLAP = 1000.0  # in crossings
+OF_OVERLAP = 1000  # in crossings
 
 
 def simplified(points: Sequence[Point]) -> tuple[Point, ...]:
@@ -133,50 +136,61 @@ def lanes_of(trunks: Sequence[Trunk]) -> tuple[dict[int, int], list[tuple[Trunk,
     Lanes, by net, are counted from the left; straight nets have none. Of a pair, the first would
     lie on the second whichever way they are ordered.
     """
-    bent = sorted((t for t in trunks if not t.straight), key=lambda t: t.track.net)
-    order = _ordered(bent)
-    lanes: dict[int, int] = {}
+    bent = sorted(
+        (t for t in trunks if not t.straight),
+        key=lambda t: (-max(t.left, default=t.low), t.track.net),
+    )
+    if not bent:
+        return {}, []
+    low, high = (np.array(ends) for ends in zip(*((t.low, t.high) for t in bent), strict=True))
+    crossings, overlaps = _costs(bent, low, high)
+    order = _ordered(crossings + OF_OVERLAP * overlaps)
+    beside = low[:, np.newaxis] < high + 2 * NEAR
+    beside &= beside.T
+    lane = np.zeros(len(bent), dtype=int)
     for place, trunk in enumerate(order):
-        taken = [
-            lanes[other.track.net]
-            for other in order[:place]
-            if trunk.low < other.high + 2 * NEAR and other.low < trunk.high + 2 * NEAR
-        ]
-        lanes[trunk.track.net] = max(taken, default=-1) + 1
-    pairs = [(a, b) for place, a in enumerate(order) for b in order[place + 1 :]]
-    return lanes, [(a, b) for a, b in pairs if _overlaps(a, b)]
-
-
-def _ordered(trunks: list[Trunk]) -> list[Trunk]:
-    """Try every line at every place until nothing gets better."""
-    order = sorted(trunks, key=lambda t: (-max(t.left, default=t.low), t.track.net))
-    cost = _cost(order)
-    better = True
-    while better:
-        better = False
-        for trunk in list(order):
-            for place in range(len(order)):
-                trial = [other for other in order if other is not trunk]
-                trial.insert(place, trunk)
-                trial_cost = _cost(trial)
-                if trial_cost < cost - 1e-9:
-                    order, cost, better = trial, trial_cost, True
-    return order
-
-
-def _cost(order: Sequence[Trunk]) -> float:
-    return sum(
-        _crossings(a, b) + OF_OVERLAP * _overlaps(a, b)
-        for place, a in enumerate(order)
-        for b in order[place + 1 :]
+        taken = lane[order[:place]][beside[trunk, order[:place]]]
+        lane[trunk] = taken.max(initial=-1) + 1
+    pairs = np.argwhere(np.triu(overlaps[np.ix_(order, order)], 1))
+    return (
+        {bent[trunk].track.net: int(lane[trunk]) for trunk in order},
+        [(bent[order[a]], bent[order[b]]) for a, b in pairs],
     )
 
 
-def _crossings(a: Trunk, b: Trunk) -> int:
-    """Count crossings where ``a`` is left of ``b``."""
-    return sum(a.low < y < a.high for y in b.left) + sum(b.low < y < b.high for y in a.right)
+def _ordered(costs: Array) -> list[int]:
+    """Try every line at every place until nothing gets better.
+
+    ``costs[a, b]`` is the cost of line a left of line b.
+    """
+    order = list(range(len(costs)))
+    while True:
+        ordered = costs[np.ix_(order, order)]
+        places = sifted(ordered.T - ordered)
+        order = [order[place] for place in places]
+        if places == sorted(places):
+            return order
 
 
-def _overlaps(a: Trunk, b: Trunk) -> bool:
-    """Tell whether ``a``, left of ``b``, leaves to the right where ``b`` comes from the left."""
-    return any(abs(out - into) < NEAR for out in a.right for into in b.left)
+def _costs(trunks: Sequence[Trunk], low: Array, high: Array) -> tuple[Array, Array]:
+    """Count crossings of each line, left of each other one; tell where it would lie on it.
+
+    It would where it leaves to the right at a height at which the other comes from the left.
+    """
+    of_left, left = _ends([trunk.left for trunk in trunks])
+    of_right, right = _ends([trunk.right for trunk in trunks])
+    count = len(trunks)
+    crossings = np.zeros((count, count), dtype=int)
+    overlaps = np.zeros((count, count), dtype=bool)
+    for trunk, y in zip(of_left, left, strict=True):
+        crossings[:, trunk] += (low < y) & (y < high)
+    for trunk, y in zip(of_right, right, strict=True):
+        crossings[trunk] += (low < y) & (y < high)
+        overlaps[trunk, of_left[np.abs(y - left) < NEAR]] = True
+    return crossings, overlaps
+
+
+def _ends(heights: Sequence[Sequence[float]]) -> tuple[Array, Array]:
+    """Number the line of every end, and give the end's height."""
+    lines = [number for number, of_line in enumerate(heights) for _ in of_line]
+    return np.array(lines, dtype=int), np.array([y for of_line in heights for y in of_line])

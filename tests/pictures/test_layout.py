@@ -1,9 +1,11 @@
 """Any picture, also one that nobody would draw, is laid out cleanly."""
 
+from time import process_time
+
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.pictures.columns import columns_of
+from drake_leg.pictures.columns import _Search, columns_of, order_of
 from drake_leg.pictures.layout import ROW, lay_out, lay_out_parts
 from drake_leg.pictures.routing import length
 from drake_leg.pictures.svg import DrawnBlock, Net, Picture
@@ -182,3 +184,48 @@ def test_blocks_without_wires_stand_in_rows(require_clean):
     require_clean(layout)
     assert layout.boxes[1].x > layout.boxes[0].x
     assert layout.boxes[1].y == layout.boxes[0].y
+
+
+def chance_wiring(rng, count, *, loops):
+    """Blocks of two inputs, each wired to any block, or to any earlier one."""
+    targets = {}
+    for block in range(0 if loops else 1, count):
+        for port in (0, 1):
+            source = int(rng.integers(count if loops else block))
+            targets.setdefault(source, []).append((block, port))
+    blocks = tuple(
+        DrawnBlock(name=f"b{block}", inputs=("", ""), outputs=("",)) for block in range(count)
+    )
+    nets = tuple(Net(source=(s, 0), targets=tuple(ends)) for s, ends in sorted(targets.items()))
+    return Picture(title="chance", blocks=blocks, nets=nets)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_block_has_a_better_place(rng, seed):
+    picture = chance_picture(type(rng)(type(rng.bit_generator)(seed)))
+    columns = columns_of(picture)
+    order = order_of(picture, columns)
+    best = _Search(picture, columns, order).total()
+    for row in (*order.members, *(order.inputs[s] for s in loose_spots(picture, columns))):
+        for item in list(row):
+            here = row.index(item)
+            for place in range(len(row)):
+                row.remove(item)
+                row.insert(place, item)
+                assert _Search(picture, columns, order).total() >= best
+            row.remove(item)
+            row.insert(here, item)
+
+
+def loose_spots(picture, columns):
+    spots = enumerate(columns.spots)
+    return [n for n, spot in spots if spot.block >= 0 and picture.blocks[spot.block].loose]
+
+
+@pytest.mark.parametrize("loops", [False, True])
+def test_hundreds_of_blocks_take_seconds(rng, loops):
+    picture = chance_wiring(rng, 300, loops=loops)
+    start = process_time()
+    layout = lay_out(picture)
+    assert process_time() - start < 10.0  # 1.5 s and 4 s on a machine that does nothing else
+    assert len(layout.boxes) == 300
