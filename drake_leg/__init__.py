@@ -91,9 +91,9 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.mechanism import add_scope as add_scope
     from drake_leg.diagrams.pendulum import PendulumConfig as PendulumConfig
     from drake_leg.diagrams.scara import ScaraConfig as ScaraConfig
+    from drake_leg.kinematics.chain import movable as movable
     from drake_leg.kinematics.motions import EllipticStep as EllipticStep
     from drake_leg.kinematics.motions import SineStep as SineStep
-    from drake_leg.kinematics.of_robot import movable as movable
     from drake_leg.lab.shown import errata as errata
     from drake_leg.lab.shown import report as report
     from drake_leg.models.plant import build_plant as build_plant
@@ -163,7 +163,7 @@ _HOMES = {
     "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.pictures.plots.free_body", "free_body"),
     "load_robot": ("drake_leg.robot.toml_reader", "load_robot"),
-    "movable": ("drake_leg.kinematics.of_robot", "movable"),
+    "movable": ("drake_leg.kinematics.chain", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),
     "replay": ("drake_leg.scene.media", "replay"),
     "report": ("drake_leg.lab.shown", "report"),

@@ -65,3 +65,20 @@ def rest_depth(stop, load):
     roots = np.roots([-2.0, 3.0, 0.0, 0.0, -load / (k * w)])
     real = roots[np.abs(roots.imag) < 1e-9].real
     return float(w * real[(real >= 0.0) & (real <= 1.0)].min())
+
+
+def foot_rotation(leg, q):
+    """Rotation R_BF of the foot frame in the base frame, (..., 3, 3).
+
+    ``R_BF = Rz(q1) Rx(s pi/2) Rz(q2 + q3)`` (report A, eq. 8; report B, 2.4).
+    """
+    (q1, q2, q3), cos, sin = split("q", q, 3)
+    c1, s1, c23, s23 = cos(q1), sin(q1), cos(q2 + q3), sin(q2 + q3)
+    s = leg.sign
+    return assemble(
+        (
+            (c1 * c23, -c1 * s23, s * s1),
+            (s1 * c23, -s1 * s23, -s * c1),
+            (s * s23, s * c23, 0.0),
+        )
+    )

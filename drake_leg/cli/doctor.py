@@ -72,7 +72,7 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
-    from drake_leg.kinematics.of_robot import geometry_of
+    from drake_leg.kinematics.chain import geometry_of
     from drake_leg.kinematics.scara import ScaraGeometry
     from drake_leg.singularity.doctor import examine_posture
 

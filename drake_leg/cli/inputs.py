@@ -12,9 +12,9 @@ from pathlib import Path
 from drake_leg.cli.terminal import numbers
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
+from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot, Segment
 from drake_leg.robot.robots import ROBOTS
-from drake_leg.robot.state_targets import starting_posture
 from drake_leg.robot.toml_keys import Document, parse_document
 from drake_leg.robot.toml_reader import read_robot
 from drake_leg.robot.toml_writer import robot_toml

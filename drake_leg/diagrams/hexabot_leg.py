@@ -43,10 +43,10 @@ from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.diagrams.wiring import built
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.khalil import Array, foot_pose
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
-from drake_leg.kinematics.of_robot import movable
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import LEG_B, LEG_B_POSTURE
 from drake_leg.singularity.stroke import require_direction

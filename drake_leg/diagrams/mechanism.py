@@ -24,8 +24,8 @@ from drake_leg.diagrams.disturbance import (
 from drake_leg.diagrams.wiring import all_blocks, plant_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
+from drake_leg.robot.joint_mechanics import initial_state
 from drake_leg.robot.robot import Robot
-from drake_leg.robot.state_targets import initial_state
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.joint_stops import JointStops

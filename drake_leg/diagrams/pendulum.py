@@ -18,9 +18,9 @@ from drake_leg.diagrams.mechanism import add_scope, add_stops
 from drake_leg.diagrams.wiring import built, plant_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
+from drake_leg.robot.joint_mechanics import initial_state
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import PENDULUM
-from drake_leg.robot.state_targets import initial_state
 from drake_leg.systems.energy_sensor import EnergySensor
 from drake_leg.units import STANDARD_GRAVITY, require_angle
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.chain import LEAST_LEVER
+from drake_leg.kinematics.chain import LEAST_LEVER, geometry_of, joint_positions, joints_in_words
 from drake_leg.kinematics.euler import euler_rotation
 from drake_leg.kinematics.khalil import (
     Array,
@@ -25,7 +25,6 @@ from drake_leg.kinematics.khalil import (
     within_turns,
 )
 from drake_leg.kinematics.leg import LegGeometry, branches
-from drake_leg.kinematics.of_robot import geometry_of, joint_positions, joints_in_words
 from drake_leg.kinematics.scara import ScaraGeometry, branch_angles
 from drake_leg.robot.robot import Robot, Row, Segment, require_robot
 from drake_leg.units import AT_LIMIT, beyond, require_angle

@@ -39,7 +39,7 @@ class Movable(ABC):
     row_lengths: tuple[float, ...] = (1.0, 1.0, 1.0)  # that scale the rows of J to lengths [m/unit]
     length: float  # of the stretched arm [m]
     determinant_scale: float  # roughly the greatest determinant, in its unit
-    geometry: object = None  # for closed forms, as of_robot.geometry_of returns it
+    geometry: object = None  # for closed forms, as chain.geometry_of returns it
     is_exact: bool = True  # whether the rates are undefined where J is singular
     varies: bool = False  # whether the twists depend on the posture
 

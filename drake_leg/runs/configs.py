@@ -16,13 +16,17 @@ from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.pendulum import PendulumConfig
 from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
+from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.motions import Push
 from drake_leg.kinematics.movable import SINGULAR_BELOW
-from drake_leg.kinematics.of_robot import movable
-from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
+from drake_leg.robot.joint_mechanics import (
+    JointMechanics,
+    StateTarget,
+    initial_state,
+    starting_posture,
+)
 from drake_leg.robot.robot import Robot, Segment
 from drake_leg.robot.robots import hexabot_leg, pendulum, scara
-from drake_leg.robot.state_targets import initial_state, starting_posture
 from drake_leg.runs.options import (
     EllipseOptions,
     LegOptions,

@@ -22,8 +22,8 @@ from drake_leg.singularity.forecast import (
     encounter_at,
     forecast_path,
     forecast_step,
+    loses_turning,
 )
-from drake_leg.singularity.rank import loses_turning
 
 SETTLED = 40.0  # time constants of a correction after which an error is gone
 SINGULAR = 1e-9  # of the greatest singular value: a smaller one is zero

@@ -10,11 +10,11 @@ from pydrake.systems.framework import Diagram
 
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import start_on_motion
+from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.euler import rotation_matrices
 from drake_leg.kinematics.khalil import Array, foot_pose, jacobian
 from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
 from drake_leg.kinematics.movable import Movable, smallest_singular_value
-from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.configs import leg_of, require_regular_start, straight_config
 from drake_leg.runs.options import LegBOptions, LegOptions, StepOptions, StraightOptions

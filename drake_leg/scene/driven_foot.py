@@ -11,9 +11,9 @@ from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
 from drake_leg.diagrams.driven_foot import BRAKE, COMMAND, JOINTS, WholeFoot, build
 from drake_leg.errors import SingularConfigurationError
+from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.khalil import Array, one_vector
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.of_robot import movable
 from drake_leg.robot.robot import Robot
 from drake_leg.singularity.families import singular_words
 from drake_leg.singularity.look_ahead import GREATEST_RATE, SLOW, STOP, LookAhead, room

@@ -279,7 +279,7 @@ Families = LegFamilies | ScaraFamilies
 
 
 def families_of(geometry: object) -> Families | None:
-    """Named families of a geometry from ``of_robot.geometry_of``; None if it has none."""
+    """Named families of a geometry from ``chain.geometry_of``; None if it has none."""
     match geometry:
         case LegGeometry():
             return LegFamilies(geometry)

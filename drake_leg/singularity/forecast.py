@@ -13,7 +13,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import MovableChain
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.kinematics.movable import Movable
+from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.singularity.families import (
     Approach,
     Families,
@@ -23,8 +23,7 @@ from drake_leg.singularity.families import (
     families_of,
     line,
 )
-from drake_leg.singularity.rank import loses_turning, lost_direction
-from drake_leg.singularity.stroke import approaches_on_line, chain_stroke
+from drake_leg.singularity.stroke import approaches_on_line, chain_stroke, signed
 from drake_leg.units import joint_entries
 
 GRAZE = 1e-6  # of the arm's length: passing nearer than this to an edge is grazing it
@@ -33,6 +32,9 @@ GRAZE = 1e-6  # of the arm's length: passing nearer than this to an edge is graz
 BACK = (0.0, 1e-15, 1e-14, 1e-13, 1e-12, 1e-9)
 SAME_POSTURE = 1e-3  # [rad]
 PER_PERIOD = 720  # points of a curved path over a period
+# Part of the greatest singular value of the foot's translation: while the smallest one is greater,
+# the foot can move in all directions.
+STILL_MOVES = 1e-3
 MOST_POINTS = 200_000  # of a curved path
 HALVINGS = 50  # of the interval in which the greatest amplitude of a curved path lies
 
@@ -127,6 +129,38 @@ def encounter_at(
         greatest_amplitude=greatest_amplitude,
         turning=robot.turning,
     )
+
+
+def loses_turning(robot: Movable, q: Floats) -> bool:
+    """Whether a singular posture loses only a rotation: the foot still moves in all directions."""
+    _, sigma, moved = _translations(robot, q)
+    return bool(robot.keeps_orientation and sigma[moved - 1] > STILL_MOVES * sigma[0])
+
+
+def lost_direction(robot: Movable, q: Floats) -> tuple[float, float, float]:
+    """Direction in which the foot of a singular posture moves least.
+
+    Returns
+    -------
+    (3,) tuple of float
+        Unit vector in the base frame, its first nonzero component positive: of a translation or,
+        if only a rotation is lost, of its axis.
+    """
+    U, _, moved = _translations(robot, q)
+    lost = U[:, moved - 1]
+    if loses_turning(robot, q):
+        U, _, _ = np.linalg.svd(robot.jacobian_in_lengths(q))
+        lost = robot.twists[:3] @ U[:, -1]
+        lost = lost / np.linalg.norm(lost)
+    x, y, z = signed(lost, 1e-9).tolist()
+    return x, y, z
+
+
+def _translations(robot: Movable, q: Floats) -> tuple[Array, Array, int]:
+    """Directions, singular values and dimension of the foot's translation."""
+    moved = int(np.linalg.matrix_rank(robot.twists[3:]))
+    U, sigma, _ = np.linalg.svd(robot.twists[3:] @ robot.jacobian_in_lengths(q))
+    return U, sigma, moved
 
 
 def _listed(values: Sequence[float], digits: int) -> str:

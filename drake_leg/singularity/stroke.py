@@ -11,10 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
-from drake_leg.kinematics.chain import RANK_TOLERANCE, MovableChain, foot_frame, twist_between
+from drake_leg.kinematics.chain import (
+    RANK_TOLERANCE,
+    MovableChain,
+    foot_frame,
+    joints_in_words,
+    twist_between,
+)
 from drake_leg.kinematics.khalil import Array, Frame, chain_length, moving_rows, one_vector
 from drake_leg.kinematics.movable import TRANSLATION, Movable
-from drake_leg.kinematics.of_robot import joints_in_words
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.singularity.families import (
     Approach,
@@ -123,6 +128,13 @@ def unit(direction: ArrayLike) -> Array:
     scaled = d / greatest
     one: Array = scaled / np.linalg.norm(scaled)
     return one
+
+
+def signed(vector: Array, rounding: float) -> Array:
+    """Flip a vector if its first nonzero component is negative."""
+    cleaned = np.where(np.abs(vector) < rounding, 0.0, vector)
+    flipped: Array = np.sign(cleaned[np.flatnonzero(cleaned)[0]]) * cleaned + 0.0
+    return flipped
 
 
 class ChainStroke(NamedTuple):

@@ -5,8 +5,8 @@ from pydrake.systems.analysis import Simulator
 
 from drake_leg.diagrams.driven_foot import BRAKE, COMMAND, INVERSE, JOINTS, WholeFoot, build
 from drake_leg.errors import SingularConfigurationError
+from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.leg import LegGeometry, foot_position
-from drake_leg.kinematics.of_robot import movable
 from drake_leg.robot.robots import LEG_B
 
 Q = np.radians([90.0, -50.0, -90.0])

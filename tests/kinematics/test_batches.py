@@ -18,7 +18,7 @@ ARM = scara.ScaraGeometry.from_robot(SCARA)
 
 OF_ANGLES = {
     "leg foot": (lambda q: leg.foot_position(LEG, q), 3, (3,)),
-    "leg rotation": (lambda q: leg.foot_rotation(LEG, q), 3, (3, 3)),
+    "leg rotation": (lambda q: witnesses.foot_rotation(LEG, q), 3, (3, 3)),
     "leg Jacobian": (lambda q: leg.foot_jacobian(LEG, q), 3, (3, 3)),
     "leg determinant": (lambda q: leg.determinant(LEG, q), 3, ()),
     "leg bias": (lambda q: leg.jacobian_rate_bias(LEG, q, q[..., ::-1]), 3, (3,)),

@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydrake.multibody.tree import JacobianWrtVariable
 from scipy.spatial.transform import Rotation
+from witnesses import foot_rotation
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics import khalil
@@ -18,7 +19,6 @@ from drake_leg.kinematics.leg import (
     foot_and_jacobian,
     foot_jacobian,
     foot_position,
-    foot_rotation,
     foot_rotation_angles,
     jacobian_rate_bias,
 )

@@ -5,8 +5,8 @@ import pytest
 from chains import PLANAR_2, POSTURES, PUMA, SEVEN, SIX
 
 from drake_leg.errors import SingularConfigurationError
+from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.khalil import jacobian
-from drake_leg.kinematics.of_robot import movable
 from drake_leg.singularity.inverse import Inverse
 
 TASKS = [

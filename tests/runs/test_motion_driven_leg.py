@@ -9,9 +9,9 @@ from witnesses import jacobian_rate_bias
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.diagrams.mechanism import MOTION, start_on_motion
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
-from drake_leg.kinematics.of_robot import movable
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.ellipse import run as run_ellipse
 from drake_leg.runs.leg import run as run_leg

@@ -7,9 +7,9 @@ import pytest
 from chains import PLANAR_3, PLANAR_4, chain_of, slide, textbook_arm
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.of_robot import movable
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.singularity.families import LegFamilies, ScaraFamilies

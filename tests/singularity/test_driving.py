@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import SingularConfigurationError
+from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.of_robot import movable
 from drake_leg.robot.robots import LEG_B
 from drake_leg.singularity.look_ahead import SLOW, STOP, braked, room
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg
-from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.singularity.doctor import examine_posture
 from drake_leg.singularity.families import families_of, singular_words

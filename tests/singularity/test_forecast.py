@@ -8,16 +8,19 @@ import pytest
 from chains import PUMA, SEVEN
 from scipy.optimize import brentq
 
-from drake_leg.kinematics.chain import MovableChain
+from drake_leg.kinematics.chain import MovableChain, movable
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, determinant, foot_position
 from drake_leg.kinematics.motions import EllipticStep, SineStep
 from drake_leg.kinematics.movable import TRANSLATION
-from drake_leg.kinematics.of_robot import movable
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
-from drake_leg.singularity.forecast import forecast_path, forecast_step
-from drake_leg.singularity.rank import loses_turning, lost_direction
+from drake_leg.singularity.forecast import (
+    forecast_path,
+    forecast_step,
+    loses_turning,
+    lost_direction,
+)
 
 LEG = LegGeometry.from_robot(LEG_B)
 ARM = MovableLeg(LEG)

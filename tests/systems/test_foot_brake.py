@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from drake_leg.kinematics.of_robot import movable
+from drake_leg.kinematics.chain import movable
 from drake_leg.robot.robots import LEG_B
 from drake_leg.singularity.look_ahead import braked
 from drake_leg.systems.foot_brake import FootBrake

@@ -22,7 +22,7 @@ from drake_leg.lab.errata.erratum import (
 )
 from drake_leg.robot.robots import LEG_A
 from drake_leg.runs.options import EllipseOptions, LegAOptions
-from drake_leg.singularity.rank import examine
+from drake_leg.singularity.doctor import examine
 
 GEOMETRY = LegGeometry.from_robot(LEG_A)
 

@@ -20,7 +20,7 @@ from drake_leg.lab.errata.erratum import MM, Effects, Values, angles, classic, f
 from drake_leg.lab.errata.printed import angle_values, rotation_defect, scara_matrices, shown
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.runs.options import ScaraOptions
-from drake_leg.singularity.rank import examine
+from drake_leg.singularity.doctor import examine
 
 GEOMETRY = ScaraGeometry.from_robot(SCARA)
 

@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from drake_leg.colours import PURPLE
+from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.khalil import Array, base_transforms, chain_length
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch, direction, polar

@@ -8,8 +8,8 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
+from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.pictures.plots import foot_plots, pendulum_plots
 from drake_leg.pictures.plots.foot_plots import sine_frequency, stroboscope

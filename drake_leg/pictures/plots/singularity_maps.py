@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from drake_leg.colours import BLUE, PURPLE, VERMILLION
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import scara
+from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.khalil import Array, finite_vectors
 from drake_leg.kinematics.leg import (
     BRANCHES,
@@ -29,7 +30,6 @@ from drake_leg.kinematics.leg import (
     foot_position,
 )
 from drake_leg.kinematics.movable import smallest_singular_value
-from drake_leg.kinematics.of_robot import geometry_of
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position, task_jacobian, tool_position
 from drake_leg.pictures.plots.style import INK, LEGEND_BELOW, STYLE, TITLE, legend_above, new_figure
 from drake_leg.robot.robot import Robot
