@@ -23,7 +23,7 @@ from drake_leg.cli.terminal import (
     fail,
     remark,
 )
-from drake_leg.errors import TimeBudgetError, require_matplotlib
+from drake_leg.errors import InvalidValueError, TimeBudgetError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.progress import ProgressBar, TimeBudget
 from drake_leg.symbolic.catalogue import (
@@ -33,7 +33,7 @@ from drake_leg.symbolic.catalogue import (
 )
 
 if TYPE_CHECKING:
-    from drake_leg.lab.errata.erratum import Erratum
+    from drake_leg.lab.errata.catalogue import Erratum
     from drake_leg.symbolic.equations import Equation
 
 SHORTHAND = "c1 = cos(q1), s1 = sin(q1), c23 = cos(q2 + q3) and so on"
@@ -150,18 +150,28 @@ def configure_errata(parser: argparse.ArgumentParser) -> None:
         "List the reports' errors: what is printed, what is right, and what the error "
         "does, in numbers computed now."
     )
+    parser.add_argument(
+        "numbers", nargs="*", metavar="NUMBER", help="number of an erratum (default: all of them)"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(command=_errata)
 
 
 def _errata(chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.errata.catalogue import errata
+    from drake_leg.lab.shown import errata
 
+    words = [word for word in chosen.numbers if not word.isdecimal()]
+    if words:
+        raise InvalidValueError(
+            f"{words[0]!r} is not the number of an erratum",
+            advice="write one as in drake-leg errata 5, or leave it out for all of them",
+        )
+    found = errata(*map(int, chosen.numbers))
     if chosen.json:
-        found = [dataclasses.asdict(erratum) for erratum in errata()]
-        print(json.dumps(found, indent=2, ensure_ascii=False))
+        fields = [dataclasses.asdict(erratum) for erratum in found]
+        print(json.dumps(fields, indent=2, ensure_ascii=False))
     else:
-        print("\n\n".join(_paragraph(erratum) for erratum in errata()))
+        print("\n\n".join(_paragraph(erratum) for erratum in found))
     return 0
 
 

@@ -27,7 +27,7 @@ from drake_leg.robot.robot import Robot
 from drake_leg.robot.toml_writer import robot_toml
 
 if TYPE_CHECKING:
-    from drake_leg.lab.grader.printed import Finding
+    from drake_leg.lab.grader.tables import Finding
     from drake_leg.models.proof import Comparison, Proof
 
 SAMPLES, SEED = 32, 0  # of a proof
@@ -50,8 +50,7 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
 
 
 def _sdf(chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
-    from drake_leg.lab.grader.tables import table_of_document
+    from drake_leg.lab.grader.tables import lint_sizes, lint_table, table_of_document
     from drake_leg.models.sdf import sdf_text
 
     if chosen.out is None:
@@ -117,8 +116,7 @@ def _check(chosen: argparse.Namespace) -> int:
 
 
 def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
-    from drake_leg.lab.grader.tables import table_of_document
+    from drake_leg.lab.grader.tables import lint_sizes, lint_table, table_of_document
     from drake_leg.models.proof import prove
 
     findings = lint_table(table_of_document(source.document()))
@@ -156,7 +154,7 @@ def _check_table(path: Path, chosen: argparse.Namespace) -> int:
         "means nothing to a printed table alone, which is only read for slips",
     )
     from drake_leg.lab.grader.printed import read_printed
-    from drake_leg.lab.grader.table_linter import lint_table
+    from drake_leg.lab.grader.tables import lint_table
 
     table = read_printed(path).table
     if table is None:
@@ -206,7 +204,7 @@ def _summary(findings: Sequence[Finding], praise: str) -> str:
 
 def _counts(findings: Sequence[Finding]) -> tuple[int, int]:
     """Count what is wrong and what is not understood."""
-    from drake_leg.lab.grader.printed import errors, not_understood
+    from drake_leg.lab.grader.tables import errors, not_understood
 
     return len(errors(findings)), len(not_understood(findings))
 

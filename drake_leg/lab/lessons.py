@@ -59,7 +59,7 @@ def check(
     sentence is shown if the answer is right after that.
     """
     if answer is None:
-        print("Put your answer in the place of None, and run both cells again.")
+        print("Replace None with your answer, and run both cells again.")
         return
     fault = _fault(answer, count)
     if fault:
@@ -76,15 +76,7 @@ def check(
 def graded(
     robot: Robot, matrices: Mapping[str, sp.Matrix], symbols: Mapping[str, float]
 ) -> list[str]:
-    """Grade printed matrices, in mm; return one sentence per error.
-
-    Parameters
-    ----------
-    matrices : mapping of str to sympy.Matrix
-        By name: "T12" is the pose of frame 2 in frame 1.
-    symbols : mapping of str to float
-        The lengths in them [mm].
-    """
+    """Grade printed matrices by name, with their lengths [mm]; return one sentence per error."""
     printed = Printed(
         origin="the notebook",
         lengths="mm",
@@ -99,12 +91,7 @@ def graded(
 def live_model(diagram: Diagram, robot: Robot, *, duration: float = 20.0) -> LiveModel:
     """Prepare a diagram, in its initial state, for the comparison with a Simulink model.
 
-    Parameters
-    ----------
-    diagram : Diagram
-        A diagram in which the robot's joints follow a motion.
-    duration : float
-        How long it would be simulated [s].
+    The robot's joints follow a motion in it, which would be simulated for ``duration`` [s].
     """
     root = diagram.CreateDefaultContext()
     start_on_motion(diagram, root)

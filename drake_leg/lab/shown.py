@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 
 from drake_leg.errors import PictureError
 from drake_leg.files import ResultsFolder
-from drake_leg.lab.errata.catalogue import errata_by_number, erratum_of
-from drake_leg.lab.errata.erratum import Erratum
+from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
 
 
 @dataclass(frozen=True)
@@ -29,11 +27,9 @@ class Errata:
         return self.chosen[index]
 
     def _repr_html_(self) -> str:
-        from drake_leg.lab.page.pieces import errata_entries
+        from drake_leg.lab.page.pieces import errata_in_notebook
 
-        style = (files("drake_leg.lab") / "shown.css").read_text(encoding="utf-8")
-        entries = errata_entries(erratum.number for erratum in self.chosen)
-        return f'<style>\n{style}</style>\n<div class="drake-leg-shown">{entries}</div>'
+        return errata_in_notebook(erratum.number for erratum in self.chosen)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +70,7 @@ def errata(*numbers: int) -> Errata:
     >>> first.source
     'Report A'
     """
-    return Errata(tuple(map(erratum_of, numbers or sorted(errata_by_number()))))
+    return Errata(tuple(map(erratum_of, numbers or texts_by_number())))
 
 
 def report(

@@ -39,8 +39,21 @@ def test_json_has_every_field(capsys):
     assert {"source", "where", "printed", "right", "effect"} < set(printed[0])
 
 
-def test_a_stray_word_is_refused(capsys):
-    with pytest.raises(SystemExit) as stop:
-        main(["errata", "all"])
-    assert stop.value.code == 2
-    assert "unrecognized arguments: all" in capsys.readouterr().err
+def test_only_the_errata_asked_for_are_listed(capsys):
+    assert main(["errata", "5", "17", "--json"]) == 0
+    assert [erratum["number"] for erratum in json.loads(capsys.readouterr().out)] == [5, 17]
+    assert main(["errata", "5"]) == 0
+    assert capsys.readouterr().out.startswith(" 5  Report A, section 1.3\n")
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("0", "there is no erratum 0; they are numbered from 1 to 38"),
+        ("99", "there is no erratum 99; they are numbered from 1 to 38"),
+        ("all", "'all' is not the number of an erratum"),
+    ],
+)
+def test_an_unknown_number_is_refused_with_the_range(capsys, word, said):
+    assert main(["errata", word]) == 2
+    assert said in capsys.readouterr().err

@@ -14,7 +14,7 @@ def is_two(answer):
 
 @pytest.mark.parametrize(
     ("answer", "said"),
-    [(None, "Put your answer"), (2, "Right.\n"), (3, "Not yet. One and one.\n")],
+    [(None, "Replace None with your answer"), (2, "Right.\n"), (3, "Not yet. One and one.\n")],
 )
 def test_an_answer_is_missing_right_or_wrong(capsys, answer, said):
     check(answer, is_two, "One and one.")

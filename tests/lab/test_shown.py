@@ -88,6 +88,12 @@ def test_what_there_is_not_is_said():
         derive(LEG_B, "99")
 
 
+def test_one_erratum_shows_itself_too():
+    (first,) = errata(1)
+    assert read(first).cells == read(errata(1)).cells
+    assert first._repr_html_() == errata(1)._repr_html_()
+
+
 def test_errata_are_whole_and_wrong_entries_are_marked():
     reader = read(errata(18, 19))
     assert "wrong" in reader.classes

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.lab.grader.table_linter import lint_table
-from drake_leg.lab.grader.tables import table_of_document
+from drake_leg.lab.grader.tables import lint_table, table_of_document
 from drake_leg.models.proof import prove
 from drake_leg.robot.robot import Row
 from drake_leg.robot.toml_keys import parse_document

@@ -16,12 +16,12 @@ import sympy as sp
 
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.scara import ScaraGeometry
-from drake_leg.lab.errata.erratum import MM
 from drake_leg.robot.robots import SCARA
 from drake_leg.symbolic.catalogue import derived
 from drake_leg.symbolic.derivation import evaluate
 from drake_leg.symbolic.equations import text
 
+MM = 1000.0  # [mm/m]
 NEIGHBOURS = ("T01", "T12", "T23", "T34")
 TH1, TH2, TH3, R = sp.symbols("θ1 θ2 θ3 R", real=True)
 SIGMA1, SIGMA2 = sp.symbols("σ1 σ2", real=True)

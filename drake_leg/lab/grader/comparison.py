@@ -1,10 +1,10 @@
-"""Compares formulas with the robot's chain at random postures and, for symbols, random lengths."""
+"""Compares printed formulas with the robot at random postures and, for symbols, random lengths."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property
@@ -12,12 +12,15 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
-from drake_leg.kinematics.khalil import Array, moving_rows, table_length
-from drake_leg.lab.grader.claims import FIRST_LENGTH, Claim
-from drake_leg.lab.grader.definitions import Reader
-from drake_leg.lab.grader.tables import Binding, Cell, cell_values, same
-from drake_leg.robot.robot import JointType, Robot, Row
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.khalil import Array, table_length
+from drake_leg.lab.grader.claims import Chain, Claim, chain_of, claim_of, right_values, scales
+from drake_leg.lab.grader.definitions import Binding, Cell, Reader, cell_values, same
+from drake_leg.lab.grader.printed import Format, Printed, PrintedMatrix
+from drake_leg.lab.grader.tables import Finding, unreadable
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import (
     Evaluator,
     Path,
@@ -28,164 +31,7 @@ from drake_leg.symbolic.formulas import (
     replace_at,
 )
 
-
-@dataclass(frozen=True, kw_only=True)
-class Chain:
-    """A Khalil table of n rows, of which m move, at N samples."""
-
-    joints: tuple[JointType, ...]  # of the rows
-    d: Array  # (N, n), in any unit of lengths
-    alpha: Array  # (N, n) [rad]
-    r: Array  # (N, n), without the position of a sliding joint
-    theta: Array  # (N, n) [rad], without the position of a turning joint
-    q: Array  # (N, m) [rad or the unit of lengths]
-
-    @property
-    def moving(self) -> list[int]:
-        """The rows that move, counted from 0."""
-        return [index for index, joint in enumerate(self.joints) if joint != "fixed"]
-
-    def positions(self, joint: JointType) -> Array:
-        """Spread the positions of turning or of sliding joints over the rows, (N, n)."""
-        spread = np.zeros_like(self.theta)
-        for column, index in enumerate(self.moving):
-            if self.joints[index] == joint:
-                spread[:, index] = self.q[:, column]
-        return spread
-
-    def about_x(self) -> Array:
-        """Every row's turn and shift about x, (N, n, 4, 4)."""
-        X = np.broadcast_to(np.eye(4), (*self.alpha.shape, 4, 4)).copy()
-        X[..., 1, 1] = X[..., 2, 2] = np.cos(self.alpha)
-        X[..., 2, 1] = np.sin(self.alpha)
-        X[..., 1, 2] = -X[..., 2, 1]
-        X[..., 0, 3] = self.d
-        return X
-
-    def about_z(self) -> Array:
-        """Every row's turn and shift about z, with the joint's position, (N, n, 4, 4)."""
-        theta = self.theta + self.positions("revolute")
-        X = np.broadcast_to(np.eye(4), (*theta.shape, 4, 4)).copy()
-        X[..., 0, 0] = X[..., 1, 1] = np.cos(theta)
-        X[..., 1, 0] = np.sin(theta)
-        X[..., 0, 1] = -X[..., 1, 0]
-        X[..., 2, 3] = self.r + self.positions("prismatic")
-        return X
-
-    def steps(self) -> Array:
-        """Transforms from every row's frame to the frame before it, (N, n, 4, 4).
-
-        ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``.
-        """
-        return self.about_x() @ self.about_z()
-
-    def frames(self) -> Array:
-        """Poses of the frames 0 to n in the base, (N, n + 1, 4, 4)."""
-        return running_products(self.steps())
-
-    def jacobian(self) -> Array:
-        """Jacobian of the last frame by the direct method, rotation first, (N, 6, m)."""
-        X_B = self.frames()
-        return twists(self, X_B[:, 1:], X_B[:, -1, :3, 3])
-
-
-def chain_of(rows: Sequence[Row], q: Array, metres: float) -> Chain:
-    """Write a robot's table once for every sample of its joint positions.
-
-    Parameters
-    ----------
-    q : (N, m) ndarray
-        Joint positions [rad or m].
-    metres : float
-        [m] of the chain's unit of lengths.
-    """
-
-    def column(name: str, unit: float) -> Array:
-        return np.tile([getattr(row, name) / unit for row in rows], (len(q), 1))
-
-    sliding = [rows[index].joint == "prismatic" for index in moving_rows(rows)]
-    return Chain(
-        joints=tuple(row.joint for row in rows),
-        d=column("d", metres),
-        alpha=column("alpha", 1.0),
-        r=column("r", metres),
-        theta=column("theta", 1.0),
-        q=q / np.where(sliding, metres, 1.0),
-    )
-
-
-def running_products(steps: Array) -> Array:
-    """Multiply transforms from the left: 1, X1, X1 X2, ..., (N, n + 1, 4, 4)."""
-    products = [np.broadcast_to(np.eye(4), (*steps.shape[:1], 4, 4))]
-    for index in range(steps.shape[1]):
-        products.append(products[-1] @ steps[:, index])
-    return np.stack(products, axis=1)
-
-
-def twists(chain: Chain, axes: Array, point: Array) -> Array:
-    """Twist at a point per unit of each joint's rate: ``[z; z x OP]``, or ``[0; z]``.
-
-    Parameters
-    ----------
-    axes : (N, n, 4, 4) ndarray
-        For every row, the frame about or along whose z axis it moves.
-    point : (N, 3) ndarray
-        P, in the base frame.
-
-    Returns
-    -------
-    (N, 6, m) ndarray
-        Rotation first; a sliding joint turns nothing.
-    """
-    columns = []
-    for index in chain.moving:
-        z, p = axes[:, index, :3, 2], axes[:, index, :3, 3]
-        turns = chain.joints[index] == "revolute"
-        halves = (z, np.cross(z, point - p)) if turns else (np.zeros_like(z), z)
-        columns.append(np.concatenate(halves, axis=-1))
-    return np.stack(columns, axis=-1)
-
-
-def right_values(claim: Claim, chain: Chain) -> Array:
-    """Evaluate what is claimed at N samples, (N, r, c), in the chain's unit of lengths."""
-    if claim.is_pose:
-        return claimed_part(claim, between(chain.frames(), *claim.frames))
-    return claimed_part(claim, chain.jacobian())
-
-
-def between(X_B: Array, first: int, last: int) -> Array:
-    """Pose of one frame in another, (N, 4, 4), of the poses of all frames in the base."""
-    relative: Array = np.linalg.inv(X_B[:, first]) @ X_B[:, last]
-    return relative
-
-
-def claimed_part(claim: Claim, whole: Array) -> Array:
-    """Extract what is claimed, (N, r, c), from a pose or a (6, m) Jacobian, rotation first."""
-    if claim.kind == "position":
-        return whole[:, : max(claim.shape), 3].reshape(-1, *claim.shape)
-    if claim.is_pose:
-        return whole[:, : claim.shape[0], : claim.shape[1]]
-    Jv_BF = whole[:, list(claim.rows)]
-    if claim.kind == "jacobian":
-        return Jv_BF[..., : claim.shape[1]]
-    determinants: Array = np.linalg.det(Jv_BF[..., : len(claim.rows)])
-    return determinants[:, np.newaxis, np.newaxis]
-
-
-def scales(claim: Claim, length: float) -> Array:
-    """Scale of the entries of a claim, (r, c): 1 in a rotation, or a power of a length."""
-    scale = np.ones(claim.shape)
-    if claim.kind == "transform":
-        scale[:3, 3] = length
-    elif claim.kind == "position":
-        scale[:] = length
-    elif claim.kind == "jacobian":
-        scale[[row >= FIRST_LENGTH for row in claim.rows]] = length
-    else:
-        scale[:] = length ** sum(row >= FIRST_LENGTH for row in claim.rows)
-    return scale
-
-
+TOLERANCE = 1e-6  # of 1, or of the robot's size: a print's numbers are rounded
 COUNT = 8  # postures; two formulas that agree on all of them are the same
 MOST_READINGS = 64  # of an entry's numbers as lengths
 _LEAST, _MOST = 0.6, 1.6  # times its own value: how long a length is drawn
@@ -193,6 +39,10 @@ FEWEST_DIGITS = 3  # of a rounded number; 0.5 and 1.2 are exact
 _MOST_DECIMALS = 20  # rounded numbers in one entry
 _NEXT = 1e-3  # of half a unit: a number this near to the next one is not cut off
 _ALIKE = 1e-3  # of the largest: changes that differ by less count as the same
+
+Place = tuple[int, int]  # row and column, from 0
+Mask = NDArray[np.bool_]  # which entries of a matrix belong to a part of it
+_EVERY = slice(None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,31 +62,18 @@ class Samples:
 
 
 class Sampler:
-    """Draws random postures and lengths; the same lengths always get the same values.
-
-    Parameters
-    ----------
-    reader : Reader
-        Of the print: its symbols, units and the joints' formulas, all of which must have a value.
-    """
+    """Draws random postures and lengths; the same lengths always get the same values."""
 
     def __init__(self, robot: Robot, reader: Reader, rng: np.random.Generator) -> None:
         self._reader = reader
         self.metres = 1.0 / reader.units["m"]
-        self._draw_postures(robot, rng)
-        self.lengths = cell_values(robot, self.metres)
-        self._factors = {cell: rng.uniform(_LEAST, _MOST, COUNT) for cell in self.lengths}
-        self._drawn: dict[tuple[frozenset[str], frozenset[Any]], Samples] = {}
-
-    def _draw_postures(self, robot: Robot, rng: np.random.Generator) -> None:
-        """Draw the print's variables at random and follow them to the joints."""
-        values: dict[str, Any] = {**self._reader.units, **self._reader.symbols}
+        values: dict[str, Any] = {**reader.units, **reader.symbols}
         joints: dict[str, Any] = {}  # q4 where the print writes another variable's formula for it
         variables: list[str] = []
         for index, segment in enumerate(robot.moving):
             turning = segment.row.joint == "revolute"
             greatest = math.pi if turning else table_length(robot.rows) / self.metres
-            formula = self._reader.joint(index)
+            formula = reader.joint(index)
             for name in sorted(names_in(formula) - set(values)):
                 values[name] = rng.uniform(-greatest, greatest, COUNT)
                 variables.append(name)
@@ -246,6 +83,9 @@ class Sampler:
         self.q = np.stack(list(joints.values()), axis=-1) * units  # (N, m) [rad or m]
         chain = chain_of(robot.rows, self.q, self.metres)
         self.as_it_is = Samples(values={**joints, **values}, chain=chain)
+        self.lengths = cell_values(robot, self.metres)
+        self._factors = {cell: rng.uniform(_LEAST, _MOST, COUNT) for cell in self.lengths}
+        self._drawn: dict[tuple[frozenset[str], frozenset[Any]], Samples] = {}
 
     def posture(self, index: int) -> str:
         """Say the print's variables at one posture: angles in rad, lengths as printed."""
@@ -274,21 +114,16 @@ class Sampler:
         for name, cells in binding.items():
             if cells & set(factors):
                 values[name] = values[name] * factors[min(cells & set(factors))]
-        chain = self._chain(values, factors)
-        joints = {f"q{i + 1}": chain.q[:, i] for i in self._reader.joints}
-        own = set(joints) - set(self.variables)
-        return Samples(values=values | {name: joints[name] for name in own}, chain=chain)
-
-    def _chain(self, values: Mapping[str, Any], factors: Mapping[Cell, Array]) -> Chain:
-        """Put lengths into the table, and evaluate the joints' formulas with them."""
         chain = self.as_it_is.chain
-        columns = {name: getattr(chain, name).copy() for name in ("d", "alpha", "r", "theta")}
+        columns = {name: getattr(chain, name).copy() for name in ("d", "alpha", "r", "theta", "q")}
         for (row, column), factor in factors.items():
             columns[column][:, row] *= factor
-        q = chain.q.copy()
-        for index, formula in self._reader.joints.items():
-            q[:, index] = evaluate(formula, values)
-        return replace(chain, q=q, **columns)
+        joints = self._reader.joints
+        for index, formula in joints.items():
+            columns["q"][:, index] = evaluate(formula, values)
+        own = {f"q{index + 1}": columns["q"][:, index] for index in joints}
+        values |= {name: q for name, q in own.items() if name not in self.variables}
+        return Samples(values=values, chain=replace(chain, **columns))
 
 
 class Meaning:
@@ -313,7 +148,7 @@ class Target:
     """An entry of a meaning, and how far from it a formula is still right."""
 
     meaning: Meaning
-    place: tuple[int, int]  # row and column, from 0
+    place: Place
     margin: float
 
 
@@ -332,30 +167,25 @@ class Comparison:
 
         Numbers that stand for lengths are right as numbers.
         """
-        return self.agrees_in_number(formula, target) and (
-            self._agrees_in_symbols(formula, target)
-            or any(
-                self._agrees_in_symbols(other, target)
-                for other in itertools.islice(self._with_symbols(formula), MOST_READINGS)
-            )
+        return self.agrees_in_number(formula, target) and any(
+            _agrees(other, target, self.sampler.varied(self.binding, names_in(other)))
+            for other in itertools.islice(self._readings(formula), 1 + MOST_READINGS)
         )
 
     def agrees_in_number(self, formula: sp.Expr, target: Target) -> bool:
         """Whether a formula is right for the lengths as they are."""
         return _agrees(formula, target, self.sampler.as_it_is)
 
-    def _agrees_in_symbols(self, formula: sp.Expr, target: Target) -> bool:
-        samples = self.sampler.varied(self.binding, names_in(formula))
-        return _agrees(formula, target, samples)
-
-    def _with_symbols(self, formula: sp.Expr) -> Iterator[sp.Expr]:
-        """Read the numbers of a formula that has symbols, too, as lengths in all ways."""
-        choices: list[list[tuple[Path, str | None]]] = []
+    def _readings(self, formula: sp.Expr) -> Iterator[sp.Expr]:
+        """List a formula; if it has symbols, with its numbers as lengths in all ways, too."""
+        yield formula
         if not any(name in self.binding for name in names_in(formula)):
             return
+        values = self.sampler.as_it_is.values
+        choices: list[list[tuple[Path, str | None]]] = []
         for path, part in parts(formula):
             value = number_of(part)
-            equal = [n for n in self.binding if value and same(self._length(n), value)]
+            equal = [n for n in self.binding if value and same(float(values[n]), value)]
             if equal:
                 choices.append([(path, None), *((path, name) for name in equal)])
         for chosen in itertools.islice(itertools.product(*choices), 1, None):
@@ -364,9 +194,6 @@ class Comparison:
                 if name is not None:
                     other = replace_at(other, path, sp.Symbol(name))
             yield other
-
-    def _length(self, name: str) -> float:
-        return float(self.sampler.as_it_is.values[name])
 
 
 def _agrees(formula: sp.Expr, target: Target, samples: Samples) -> bool:
@@ -384,19 +211,9 @@ def agrees_within_digits(
 ) -> bool:
     """Whether a formula is right, its decimals being rounded or cut off after their last digit.
 
-    Parameters
-    ----------
-    right : (N,) ndarray
-        What is right at N postures.
-    margin : float
-        How far from it counts as equal whatever the digits.
-    values_of : callable
-        Evaluates a formula at the postures.
-
-    Returns
-    -------
-    bool
-        False for a formula without decimals.
+    ``right`` (N,) is what is right at N postures, ``margin`` how far from it counts as equal
+    whatever the digits, and ``values_of`` evaluates a formula there. A formula without decimals is
+    not right.
     """
     halves = dict(_decimals(formula))
     if not 0 < len(halves) <= _MOST_DECIMALS:
@@ -413,16 +230,9 @@ def agrees_within_digits(
 def _explain(slopes: Array, differences: Array, margin: float, below: float) -> bool:
     """Whether every number, moved by its half unit at most, can bring about the differences.
 
-    Parameters
-    ----------
-    slopes : (N, n) ndarray
-        What half a unit of each of n numbers changes at N postures.
-    differences : (N,) ndarray
-        What is right, less what is printed.
-    margin : float
-        How much else they may be, towards smaller numbers.
-    below : float
-        The same towards greater ones.
+    ``slopes`` (N, n) is what half a unit of each of n numbers changes at N postures, and
+    ``differences`` (N,) what is right less what is printed. They may be ``margin`` more towards
+    smaller numbers, and ``below`` towards greater ones.
     """
     spread = np.abs(slopes).sum(axis=-1)
     if not np.all(np.isfinite(spread)) or not np.all(np.abs(differences) <= spread + margin):
@@ -449,3 +259,125 @@ def _moved(formula: sp.Expr, changes: Mapping[Path, float]) -> sp.Expr:
     for path, change in changes.items():
         formula = replace_at(formula, path, sp.Float(float(value_at[path]) + change))
     return formula
+
+
+# --- matrices --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """An entry as printed, and either its formula or what prevents it from being graded."""
+
+    text: str
+    formula: sp.Expr | None = None
+    unread: str = ""  # why it cannot be read
+    strangers: tuple[str, ...] = ()  # its symbols without a value
+
+
+@dataclass(frozen=True, kw_only=True)
+class Matrix:
+    """A printed matrix, and what is right for the robot, in the print's unit of lengths."""
+
+    claim: Claim
+    robot: Robot
+    variables: tuple[str, ...]  # names of the joints' positions
+    unit: str  # of the print's lengths: mm, cm or m
+    units: Mapping[str, float]  # all units of lengths, in the print's
+    format: Format  # of the print: the words of advice
+    caption: str
+    shape: tuple[int, int]  # as printed
+    spelling: str  # examples of the print's notation
+    margin: Array  # (r, c), how far from what is right counts as right
+    entries: Mapping[Place, Entry]
+
+    def right(self, chain: Chain) -> Array:
+        """Evaluate what is right, (N, r, c)."""
+        return right_values(self.claim, chain)
+
+    @cached_property
+    def meaning(self) -> Meaning:
+        """What is right, at samples."""
+        return Meaning(self.right)
+
+    @property
+    def formulas(self) -> dict[Place, sp.Expr]:
+        """The entries that can be graded."""
+        return {p: entry.formula for p, entry in self.entries.items() if entry.formula is not None}
+
+    def part(self, *index: int | slice) -> Mask:
+        """Choose entries of the matrix; all without an index."""
+        inside = np.zeros(self.claim.shape, dtype=bool)
+        inside[index] = True
+        return inside
+
+    @property
+    def lines(self) -> list[tuple[str, Mask]]:
+        """Name every column, then every row."""
+        rows, columns = self.claim.shape
+        named = [(f"column {j + 1}", self.part(_EVERY, j)) for j in range(columns)]
+        return named + [(f"row {i + 1}", self.part(i)) for i in range(rows)]
+
+    def with_halves_exchanged(self) -> Matrix:
+        """Exchange a Jacobian's rows (w; v) for (v; w), or the other way round."""
+        rows = self.claim.rows
+        half = len(rows) // 2
+        claim = replace(self.claim, rows=rows[half:] + rows[:half])
+        return replace(self, claim=claim, margin=np.roll(self.margin, half, axis=0))
+
+    def target(self, place: Place) -> Target:
+        """Return the right value of an entry."""
+        return Target(self.meaning, place, float(self.margin[place]))
+
+    def wrong(self, comparison: Comparison) -> list[Place]:
+        """Find the entries that can be read and are not right; none in one of another shape."""
+        if self.shape != self.claim.shape:
+            return []
+        formulas = self.formulas.items()
+        return [p for p, formula in formulas if not comparison.agrees(formula, self.target(p))]
+
+
+def read_matrix(
+    matrix: PrintedMatrix, robot: Robot, printed: Printed, reader: Reader, known: set[str]
+) -> Matrix | Finding:
+    """Read a matrix, or say why its name or a definition is not understood.
+
+    ``known`` are the symbols that have a value.
+    """
+    try:
+        claim = claim_of(matrix.name, matrix.rows, matrix.shape, robot, printed.format.rows)
+        own = reader.definitions(matrix.where)
+    except InvalidValueError as error:
+        return unreadable(matrix.name, error, matrix.name)
+    cells = [cell for row in matrix.entries for cell in row]
+    return Matrix(
+        claim=claim,
+        robot=robot,
+        variables=tuple(_variable(reader, index) for index in range(len(robot.moving))),
+        unit=printed.unit,
+        units=reader.units,
+        format=printed.format,
+        caption=matrix.caption,
+        shape=matrix.shape,
+        spelling=" ".join([*cells, *matrix.where.values(), *printed.where.values()]),
+        margin=TOLERANCE * scales(claim, table_length(robot.rows) / printed.metres),
+        entries={
+            (i, j): _read_entry(text.strip(), reader, own, known)
+            for i, row in enumerate(matrix.entries)
+            for j, text in enumerate(row)
+        },
+    )
+
+
+def _read_entry(text: str, reader: Reader, own: Mapping[str, sp.Expr], known: set[str]) -> Entry:
+    try:
+        formula = reader.formula(text, own)
+    except InvalidValueError as error:
+        return Entry(text=text, unread=str(error))
+    strangers = tuple(sorted(names_in(formula) - known))
+    return Entry(text=text, formula=None if strangers else formula, strangers=strangers)
+
+
+def _variable(reader: Reader, index: int) -> str:
+    """Name a joint's position: as in its formula, if that has one symbol of its own."""
+    own = names_in(reader.joint(index)) - set(reader.symbols)
+    return own.pop() if len(own) == 1 else f"q{index + 1}"

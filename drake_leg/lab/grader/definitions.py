@@ -1,29 +1,21 @@
-"""Reads a print's definitions and formulas, and derives the right entries in its notation."""
+"""Reads a print's formulas and definitions, and finds what its symbols can stand for."""
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
+from typing import NamedTuple
 
-import numpy as np
 import sympy as sp
-from sympy.printing.str import StrPrinter
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.khalil import Array
-from drake_leg.lab.grader.claims import NAMES, Claim
-from drake_leg.lab.grader.printed import METRES, Finding, Printed
-from drake_leg.lab.grader.tables import Cell
+from drake_leg.lab.grader.matrix_text import NAMES
+from drake_leg.lab.grader.printed import METRES, Printed
+from drake_leg.lab.grader.tables import Finding, repaired
 from drake_leg.robot.robot import Robot
-from drake_leg.symbolic.derivation import (
-    SymbolicChain,
-    direct_jacobian,
-    row_transform,
-    symbolic_chain,
-    tidy,
-)
 from drake_leg.symbolic.formulas import (
     DEGREE,
     FUNCTIONS,
@@ -39,159 +31,7 @@ from drake_leg.symbolic.formulas import (
     written,
 )
 from drake_leg.symbolic.parser import parse_formula
-from drake_leg.symbolic.spelling import ANGLE_LETTERS, is_joint_variable, plain, quoted, spelled_as
-
-Names = Mapping[Cell, str]  # cells of the table to the names that the print has for them
-
-
-class RightForms:
-    """Writes right entries for one print."""
-
-    def __init__(self, robot: Robot, printed: Printed, reader: Reader, names: Names) -> None:
-        self._chain = symbolic_chain(robot.rows)
-        self._metres = printed.metres
-        self._symbols = printed.symbols
-        self._names = _named_symbols(self._chain, names)
-        spelling = " ".join(printed.joints.values())
-        self._joints = {
-            self._chain.q[index]: _evaluated(formula, spelling)
-            for index, formula in reader.joints.items()
-        }
-
-    def text(self, claim: Claim, row: int, column: int, spelling: str) -> str:
-        """Write the right entry of a row and column, from 0.
-
-        ``spelling`` is all of the matrix's text: angles and lengths are named as there.
-        """
-        entry = tidy(_matrix(claim, self._chain)[row, column])
-        names = " ".join(self._symbols) if claim.kind == "determinant" else spelling
-        entry = entry.subs(self._lengths(names)).subs(self._joints)
-        text = _Decimals().doprint(entry.replace(_is_decimal, lambda number: sp.Float(number)))
-        return spelled_as(spelling, text)
-
-    def _lengths(self, spelling: str) -> dict[sp.Symbol, sp.Expr]:
-        """Write the table's lengths with the print's names, or as numbers."""
-        spelled = re.sub(r"[_{}\\]", "", spelling.casefold())
-        named = any(plain(name) in spelled for name in self._symbols)
-        return {
-            symbol: sp.Symbol(self._names[symbol], positive=True)
-            if named and symbol in self._names
-            else self._number(symbol.name, value)
-            for symbol, value in self._chain.values.items()
-        }
-
-    def _number(self, name: str, value: float) -> sp.Expr:
-        if name.startswith(("alpha", "theta")):
-            return sp.Float(value)
-        number = Fraction(value / self._metres).limit_denominator(10**6)
-        return sp.Rational(number.numerator, number.denominator)
-
-
-def _named_symbols(chain: SymbolicChain, names: Names) -> dict[sp.Symbol, str]:
-    """Find a print's names of a chain's symbols, as far as it has any."""
-    return {
-        symbol: names[Cell(index, column)]
-        for index, row in enumerate(chain.rows)
-        for column in ("d", "alpha", "r", "theta")
-        for symbol in getattr(row, column).free_symbols & set(chain.values)
-        if Cell(index, column) in names
-    }
-
-
-class _Decimals(StrPrinter):  # type: ignore[misc] # SymPy has no types
-    """Writes 112.4 and not 112.400000000000."""
-
-    def _print_Float(self, expr: sp.Float) -> str:
-        return f"{float(expr):.10g}"
-
-
-def _is_decimal(expression: sp.Basic) -> bool:
-    """Whether an expression is a fraction that is written with a decimal point."""
-    return bool(expression.is_Rational and expression.q not in (1, 2))
-
-
-def _matrix(claim: Claim, chain: SymbolicChain) -> sp.Matrix:
-    """Derive all entries of a claim, in the chain's symbols."""
-    if claim.is_pose:
-        pose = _pose(chain, *claim.frames)
-        if claim.kind != "position":
-            return pose
-        return pose[:, 3].T if claim.shape[0] == 1 else pose[:, 3]
-    if claim.kind == "jacobian":
-        return _jacobian_part(chain, claim.rows, claim.shape[1])
-    square = _jacobian_part(chain, claim.rows, len(claim.rows))
-    return sp.Matrix([[square.applyfunc(tidy).det()]])
-
-
-def _jacobian_part(chain: SymbolicChain, rows: Sequence[int], columns: int) -> sp.Matrix:
-    return direct_jacobian(chain).extract(list(rows), list(range(columns)))
-
-
-def _pose(chain: SymbolicChain, first: int, last: int) -> sp.Matrix:
-    """Derive the pose of one frame in another, of a later one in an earlier or the inverse."""
-    if first > last:
-        there = _pose(chain, last, first)
-        R, p = there[:3, :3].T, there[:3, 3]
-        return sp.Matrix([[R, -R * p], [sp.zeros(1, 3), sp.ones(1, 1)]])
-    product = sp.eye(4)
-    for row in chain.rows[first:last]:
-        product = product * row_transform(row)
-    return product
-
-
-def _evaluated(part: sp.Expr, spelling: str) -> sp.Expr:
-    """Evaluate a formula as it was printed, its symbols written as in the print."""
-    if part.is_Float:
-        return sp.Rational(repr(float(part)))
-    if part == DEGREE:
-        return sp.pi / 180
-    if part.is_Symbol:
-        found = re.search(rf"\b{part.name}\b", spelling, re.IGNORECASE)
-        return sp.Symbol(found[0] if found else part.name, real=True)
-    if part.is_Atom:
-        return part
-    return part.func(*(_evaluated(argument, spelling) for argument in part.args))
-
-
-def determinant_factors(
-    robot: Robot, rows: Sequence[int], printed: Printed, names: Names, spelling: str
-) -> list[tuple[str, Callable[[Mapping[str, Array]], Array]]]:
-    """Factor the determinant of some rows, and as many columns, of the Jacobian.
-
-    Every factor that depends on a joint: where it is zero, as text, and its values at named
-    variables q1, ... Where a factor is zero, the robot is singular.
-    """
-    chain = symbolic_chain(robot.rows)
-    square = _jacobian_part(chain, rows, len(rows))
-    determinant = tidy(square.applyfunc(tidy).det())
-    found = [f for f in sp.Mul.make_args(determinant) if f.free_symbols & set(chain.q)]
-    found.sort(key=sp.count_ops)
-    named = _named_symbols(chain, names)
-    lengths = {
-        symbol: sp.Symbol(named[symbol])
-        if symbol in named
-        else sp.Float(f"{value / printed.metres:.9g}")
-        for symbol, value in chain.values.items()
-    }
-    return [(spelled_as(spelling, _zeros_text(f.subs(lengths))), _values(f, chain)) for f in found]
-
-
-def _zeros_text(factor: sp.Expr) -> str:
-    """Say where a factor is zero."""
-    text = f"{factor.args[0]} = kπ" if factor.func is sp.sin else f"{factor} = 0"
-    return re.sub(r"\d+\.\d+", lambda found: f"{float(found[0]):.9g}", text)
-
-
-def _values(factor: sp.Expr, chain: SymbolicChain) -> Callable[[Mapping[str, Array]], Array]:
-    variables = [f"q{index + 1}" for index in range(len(chain.q))]
-    function = sp.lambdify(chain.q, factor.subs(chain.values), "numpy")
-
-    def values(named: Mapping[str, Array]) -> Array:
-        zero = np.zeros_like(next(iter(named.values())))
-        return np.asarray(function(*(named.get(name, zero) for name in variables)))
-
-    return values
-
+from drake_leg.symbolic.spelling import ANGLE_LETTERS, is_joint_variable, plain, quoted
 
 # Names that people give to a result: Δ, J11, P4, T, x04. Other symbols may be lengths.
 _RESULT = re.compile(r"(?:[jptxyz]|delta|det\w*)_?\(?[\d, ]*\)?")
@@ -201,8 +41,7 @@ class Reader:
     """Reads a print's formulas.
 
     Its symbols and definitions are checked at once: a name that means something already, two
-    meanings of one name, a definition that is no formula, and a joint that the robot has not are
-    refused with ``InvalidValueError``.
+    meanings of one name, a definition that is not a formula, and an unknown joint are refused.
     """
 
     def __init__(self, printed: Printed, robot: Robot) -> None:
@@ -240,19 +79,10 @@ class Reader:
         *,
         names: Collection[str] = (),
     ) -> sp.Expr:
-        """Read a formula and put all definitions in.
+        """Read a formula of q1, q2, ..., other symbols and numbers, and put all definitions in.
 
-        Parameters
-        ----------
-        own : mapping, optional
-            Definitions that hold for this formula alone.
-        names : collection of str
-            Symbols in it besides the print's own.
-
-        Returns
-        -------
-        Expr
-            Of joints' variables q1, q2, ..., other symbols and numbers.
+        ``own`` are definitions that hold for this formula alone, ``names`` symbols in it besides
+        the print's own.
         """
         definitions = {**self._definitions, **(own or {})}
         formula = self._parse(text, {*self._names, *definitions, *names})
@@ -279,9 +109,7 @@ class Reader:
     def _in_radians(self, angle: sp.Expr) -> sp.Expr:
         """Turn what is added to joints' angles from degrees into radians."""
         if angle.is_Add or is_negative(angle):
-            for path, part in inside(angle):
-                angle = replace_at(angle, path, self._in_radians(part))
-            return angle
+            return _of_terms(angle, self._in_radians)
         return angle if self.turns(angle) else product(angle, DEGREE)
 
     def _parse(self, text: str, names: Collection[str], *, weak: bool = True) -> sp.Expr:
@@ -319,7 +147,8 @@ def _require_one_meaning(said: Iterable[tuple[str, float | str]], origin: str) -
         other, known = first.setdefault(plain(name), (name, value))
         if _number_or_text(known) == _number_or_text(value):
             continue
-        values = f"is given as {_said(known)} and as {_said(value)}"
+        one, two = (v if isinstance(v, str) else f"{v:g}" for v in (known, value))
+        values = f"is given as {one} and as {two}"
         if other == name:
             raise InvalidValueError(f"{origin}: {quoted(name)} {values}; define it once")
         raise InvalidValueError(
@@ -333,10 +162,6 @@ def _number_or_text(value: float | str) -> float | str:
         return float(value)
     except ValueError:
         return value
-
-
-def _said(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:g}"
 
 
 def _joint_index(name: str, robot: Robot, origin: str) -> int:
@@ -363,9 +188,14 @@ def _terms_with_degrees(part: sp.Expr) -> sp.Expr:
         return product(part, DEGREE)
     if not (part.is_Add or is_negative(part)):
         return changed(part, _with_degrees)
-    for path, term in inside(part):
-        part = replace_at(part, path, _terms_with_degrees(term))
-    return part
+    return _of_terms(part, _terms_with_degrees)
+
+
+def _of_terms(formula: sp.Expr, change: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
+    """Change the terms of a sum, or what has a sign."""
+    for path, part in inside(formula):
+        formula = replace_at(formula, path, change(part))
+    return formula
 
 
 def with_lengths_as_symbols(printed: Printed, robot: Robot) -> Printed:
@@ -405,9 +235,9 @@ def unused_definitions(printed: Printed) -> Iterator[Finding]:
         others = [text for other, text in printed.where.items() if other != name]
         if not any(_uses(text, spelled, names) for text in (*_texts(printed), *others)):
             yield Finding(
-                place=name,
-                fault=f"{quoted(name)} is defined and used nowhere",
-                remedy=f"name it as what it is: {NAMES}, singular, or leave it out",
+                name,
+                f"{quoted(name)} is defined and used nowhere",
+                f"name it as what it is: {NAMES}, singular, or leave it out",
                 understood=False,
                 kind="unused definition",
             )
@@ -447,3 +277,203 @@ def _plain_or_as_it_is(text: str) -> str:
         return plain(text)
     except InvalidValueError:
         return text
+
+
+# --- what the symbols of lengths stand for ---------------------------------------------------
+
+MOST = 48  # readings that are compared
+MOST_TRIED = 1000  # ways to give symbols to lengths, of which two symbols must not share one
+_NEAR = 1e-6  # of a length: how far its declared value may be rounded
+
+
+class Cell(NamedTuple):
+    """A cell of the robot's table that is not zero."""
+
+    row: int  # from 0
+    column: str  # d, alpha, r or theta
+
+    def __str__(self) -> str:
+        """Write it as column and row: d2."""
+        return f"{self.column}{self.row + 1}"
+
+
+Names = Mapping[Cell, str]  # cells of the table to the names that the print has for them
+Binding = Mapping[str, frozenset[Cell]]  # symbol to the cells that it stands for
+_Rule = Callable[[Sequence[Cell], int], Cell | None]  # finds the cell of a number
+
+
+def cell_values(robot: Robot, metres: float) -> dict[Cell, float]:
+    """List the cells of a table that are not zero [rad, or the print's unit of so many metres]."""
+    units = {"d": metres, "r": metres, "alpha": 1.0, "theta": 1.0}
+    return {
+        Cell(index, column): getattr(row, column) / unit
+        for index, row in enumerate(robot.rows)
+        for column, unit in units.items()
+        if getattr(row, column) != 0.0
+    }
+
+
+def names_of_cells(binding: Binding, spelled: Mapping[str, str]) -> dict[Cell, str]:
+    """Name cells by their first symbols, as ``spelled`` in the print."""
+    return {
+        cell: spelled.get(name, name)
+        for name, cells in reversed(list(binding.items()))
+        for cell in cells
+    }
+
+
+def same(a: float, b: float) -> bool:
+    """Whether two lengths are the same but for their signs and rounding."""
+    return math.isclose(abs(a), abs(b), rel_tol=_NEAR)
+
+
+def bindings(printed: Printed, reader: Reader, values: Mapping[Cell, float]) -> list[Binding]:
+    """List the possible meanings of a print's symbols for lengths, the likeliest first."""
+    known = _said_cells(printed.cells, values, printed.origin)
+    return readings(reader.symbols, values, {**_printed_cells(printed, reader, values), **known})
+
+
+def _said_cells(said: Mapping[str, str], values: Mapping[Cell, float], origin: str) -> Binding:
+    """Read what a file says under ``cells``: symbol to ``d2`` or ``d3 d4``."""
+    known = {str(cell): cell for cell in values}
+    binding = {}
+    for name, text in said.items():
+        words = re.findall(r"[^\s,]+", text)
+        if not words or any(word not in known for word in words):
+            raise InvalidValueError(
+                f"{origin}: cells: {name} is {text!r}; the robot has {', '.join(known)}"
+            )
+        binding[plain(name)] = frozenset(known[word] for word in words)
+    return binding
+
+
+def _printed_cells(printed: Printed, reader: Reader, values: Mapping[Cell, float]) -> Binding:
+    """Find symbols that are alone in a cell of a printed table where their value is the robot's."""
+    rows = repaired(printed.table).rows if printed.table else ()
+    found: dict[str, set[Cell]] = {}
+    for cell, value in values.items():
+        text = rows[cell.row].cells.get(cell.column, "") if cell.row < len(rows) else ""
+        name = _plain_or_as_it_is(text).lstrip("-+ ")
+        if name in reader.symbols and same(reader.symbols[name], value):
+            found.setdefault(name, set()).add(cell)
+    return {name: frozenset(cells) for name, cells in found.items()}
+
+
+def readings(
+    symbols: Mapping[str, float], values: Mapping[Cell, float], known: Binding
+) -> list[Binding]:
+    """List what the declared symbols can stand for, the likeliest first, at most ``MOST``.
+
+    A symbol without a cell is a mere number; of the ``known`` ones it is said, or written into a
+    table.
+    """
+    return _distinct(itertools.islice(_all_readings(symbols, values, known), MOST))
+
+
+def _distinct(bindings: Iterable[Binding]) -> list[Binding]:
+    return list({frozenset(binding.items()): binding for binding in bindings}.values())
+
+
+def _all_readings(
+    symbols: Mapping[str, float], values: Mapping[Cell, float], known: Binding
+) -> Iterator[Binding]:
+    rest = {name: value for name, value in symbols.items() if name not in known and value}
+    for indexed in _indexed_readings(rest, values):
+        by_number = {**known, **indexed}
+        for free in _free_readings(rest, values, by_number):
+            yield from _shared_readings({**by_number, **free}, symbols, values)
+
+
+def _indexed_readings(
+    symbols: Mapping[str, float], values: Mapping[Cell, float]
+) -> Iterator[Binding]:
+    """Bind L1, L2, ... by their numbers: each letter by the rules that fit most of its symbols."""
+    families: dict[str, dict[str, int]] = {}
+    for name in symbols:
+        numbered = re.fullmatch(r"([a-z]+?)_?(\d+)", name)
+        if numbered:
+            families.setdefault(numbered[1], {})[name] = int(numbered[2])
+    choices = [_family_readings(*family, symbols, values) for family in families.items()]
+    for chosen in itertools.product(*choices):
+        yield {name: cells for binding in chosen for name, cells in binding.items()}
+
+
+def _family_readings(
+    letter: str,
+    family: Mapping[str, int],
+    symbols: Mapping[str, float],
+    values: Mapping[Cell, float],
+) -> list[Binding]:
+    def read(columns: Sequence[str], rule: _Rule) -> Binding:
+        cells = [cell for cell in values if cell.column in columns]
+        placed = {name: rule(cells, number) for name, number in family.items()}
+        return {
+            name: frozenset([cell])
+            for name, cell in placed.items()
+            if cell and same(symbols[name], values[cell])
+        }
+
+    found = list(itertools.starmap(read, itertools.product(_COLUMNS, _RULES)))
+    most = max(map(len, found))
+    as_named = read((letter,), _in_row)
+    if len(as_named) == most:
+        return [as_named]
+    return _distinct(binding for binding in found if len(binding) == most)
+
+
+def _at(cells: Sequence[Cell], number: int) -> Cell | None:
+    return cells[number - 1] if 0 < number <= len(cells) else None
+
+
+def _in_row(cells: Sequence[Cell], number: int) -> Cell | None:
+    return next((cell for cell in cells if cell.row == number - 1), None)
+
+
+_COLUMNS = (("d",), ("r",), ("d", "r"), ("alpha",), ("theta",))
+# L1 is the first length, or that of row 1; classic tables have it in the row after; L0 the first.
+_RULES: tuple[_Rule, ...] = (
+    _at,
+    _in_row,
+    lambda cells, number: _in_row(cells, number + 1),
+    lambda cells, number: _at(cells, number + 1),
+)
+
+
+def _free_readings(
+    symbols: Mapping[str, float], values: Mapping[Cell, float], bound: Binding
+) -> Iterator[Binding]:
+    """Bind symbols that have no number, or one that fits no length, by their values."""
+    taken = {cell for cells in bound.values() for cell in cells}
+    loose = {name: value for name, value in symbols.items() if name not in bound}
+    options: dict[str, list[frozenset[Cell]]] = {}
+    for name, value in loose.items():
+        equal = [cell for cell in values if same(values[cell], value)]
+        free = [cell for cell in equal if cell not in taken] or equal
+        rivals = sum(same(other, value) for other in loose.values()) - 1
+        if free:
+            together = [frozenset(free)] if len(free) > 1 and not rivals else []
+            options[name] = [*(frozenset([cell]) for cell in free), *together]
+    first = {name: each[0] for name, each in options.items()}
+    chosen_ones = itertools.islice(itertools.product(*options.values()), MOST_TRIED)
+    apart = [chosen for chosen in chosen_ones if len(set(chosen)) == len(chosen)]
+    yield from (dict(zip(options, chosen, strict=True)) for chosen in apart)
+    if not apart:
+        yield first
+
+
+def _shared_readings(
+    bound: Binding, symbols: Mapping[str, float], values: Mapping[Cell, float]
+) -> Iterator[Binding]:
+    """Let a symbol stand for an equal length, too, that has no symbol of its own."""
+    taken = {cell for cells in bound.values() for cell in cells}
+    names: dict[Cell, list[str | None]] = {}
+    for cell, value in values.items():
+        equal = [name for name in bound if same(symbols[name], value)]
+        if cell not in taken and equal:
+            names[cell] = [None, *equal]
+    for chosen in itertools.product(*names.values()):
+        shared = dict(bound)
+        for cell, name in zip(names, chosen, strict=True):
+            if name is not None:
+                shared[name] = shared[name] | {cell}
+        yield shared

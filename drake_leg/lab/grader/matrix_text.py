@@ -1,16 +1,99 @@
-r"""Splits a matrix pasted as text into entries: LaTeX, MATLAB, Python, Markdown, or plain rows.
+r"""Reads a matrix pasted as text: what its name claims, and its entries.
 
-``\begin{bmatrix} a & b \\ c & d \end{bmatrix}``, ``[a b; c d]``, ``Matrix([[a, b], [c, d]])``,
-``| a | b |``, lines separated by tabs or spaces, and the boxes that SymPy draws.
+A name is T12, ^0T_4, A2, R01, p_04, J_v or \det(J). The entries are in LaTeX, MATLAB, Python or
+Markdown, or in plain rows: ``\begin{bmatrix} a & b \\ c & d \end{bmatrix}``, ``[a b; c d]``,
+``Matrix([[a, b], [c, d]])``, ``| a | b |``, lines separated by tabs or spaces, SymPy's boxes.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.symbolic.spelling import quoted
+from drake_leg.symbolic.spelling import quoted, typed, without_latex
+
+Kind = Literal["transform", "rotation", "position", "jacobian", "determinant"]
+
+NAMES = "T12, T04 and the like, A2, R01, P04, J, Jv, Jw, detJ"
+_KINDS: dict[str, Kind] = {
+    **dict.fromkeys("tha", "transform"),
+    "r": "rotation",
+    "p": "position",
+}
+# One number above and the other below, T_1^2 or T_2^1: prints differ on which is which.
+_EITHER = re.compile(r"([thapr])(?:_(\d)\^|\^(\d)_)(\d)")
+_POSES = (
+    r"\^?(?P<first>\d)_?(?P<letter>[thapr])_?(?P<last>\d)",
+    r"\^(?P<first>\d)_(?P<last>\d)(?P<letter>[thapr])",
+    r"_(?P<last>\d)\^(?P<first>\d)(?P<letter>[thapr])",
+    r"(?P<letter>[thapr])[_^]?(?P<first>\d)(?:[_,/-]|->|→|to)*(?P<last>\d)",
+    r"(?P<letter>[ap])_?(?P<last>[1-9])(?P<first>)",  # A2 is T12, and P4 is P04
+)
+_JACOBIAN = re.compile(
+    r"(?:\^?0)?(?:jacobian|jacobienne|jacobien|jacobi|jac|j)(?:matrix)?_?(?P<rows>v|p|w|omega|o)?"
+    r"_?(?:0\d?)?(?:_?[1-9][x*][1-9])?(?:_?[4-9])?"
+    r"(?:\((?:q|theta)(?:_?\d(?:,(?:q|theta)_?\d)*)?\))?"
+)
+_ROWS: dict[str | None, tuple[str, ...]] = {
+    None: (),
+    **dict.fromkeys(("v", "p"), ("x", "y", "z")),
+    **dict.fromkeys(("w", "omega", "o"), ("wx", "wy", "wz")),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatrixName:
+    """A matrix's name as read."""
+
+    kind: Kind
+    frames: tuple[int, int] = (0, 0)  # pose of the second in the first
+    rows: tuple[str, ...] = ()  # of a Jacobian, where its name says them
+
+
+def read_name(text: str) -> MatrixName:
+    """Read the name of a matrix; refuse one without a meaning.
+
+    ``T12`` is the pose of frame 2 in frame 1, ``T21`` that of frame 1 in frame 2, its inverse.
+    ``T_1^2`` and ``T_2^1`` are both T12. In front, as in ``{}^1T_2`` and ``{}^1_2T``, the upper
+    number is the reference frame.
+    """
+    try:
+        name = without_latex(typed(text[:200]))
+    except InvalidValueError:
+        name = ""
+    name = re.sub(r"[{}]", "", re.sub(r"\s|\{\}|[\[\]]|=$|:$", "", name))
+    if either := _EITHER.fullmatch(name):
+        name = either[1] + "".join(sorted(filter(None, either.groups()[1:])))
+    for pattern in _POSES:
+        if pose := re.fullmatch(pattern, name):
+            last = int(pose["last"])
+            first = int(pose["first"] or (last - 1 if pose["letter"] == "a" else 0))
+            return MatrixName(kind=_KINDS[pose["letter"]], frames=(first, last))
+    determinant = re.fullmatch(r"\|(.+)\||(?:determinant|det)(?:of)?(.*)", name)
+    if determinant:
+        name = determinant[1] or determinant[2] or "j"
+    while name.startswith("(") and name.endswith(")"):
+        name = name[1:-1]
+    jacobian = _JACOBIAN.fullmatch(name)
+    if not jacobian:
+        raise InvalidValueError(
+            f"the matrix {quoted(text)} means nothing here; write one of {NAMES}"
+        )
+    return MatrixName(
+        kind="determinant" if determinant else "jacobian", rows=_ROWS[jacobian["rows"]]
+    )
+
+
+def kind_of_name(text: str) -> Kind | None:
+    """Say what a matrix is, or None where its name means nothing."""
+    try:
+        return read_name(text).kind
+    except InvalidValueError:
+        return None
+
 
 LONGEST = 20_000  # characters
 _OPENING, _CLOSING = "([{", ")]}"
@@ -39,11 +122,7 @@ _TAIL = re.compile(
 
 
 def rows_of_text(text: str, *, column: bool = False) -> list[list[str]]:
-    """Split a matrix into rows of one length; of a ``column`` every line is one entry.
-
-    A matrix that is too long or empty, whose rows differ in length, or that has a factor beside it
-    is refused.
-    """
+    """Split a matrix into rows of one length; of a ``column`` every line is one entry."""
     if len(text) > LONGEST:
         raise InvalidValueError(f"a matrix has {len(text)} characters; write at most {LONGEST}")
     text = _COMMENT.sub("", text)
@@ -66,7 +145,7 @@ def _latex_rows(text: str) -> list[list[str]]:
     found = _ENVIRONMENT.search(text)
     if not found and re.search(r"\\(?:begin|end)\b", text):
         raise InvalidValueError(
-            r"a matrix is not closed; write \begin{bmatrix} before it and \end{bmatrix} behind it"
+            r"a matrix is not closed; write \begin{bmatrix} before it and \end{bmatrix} after it"
         )
     if not found and not ("&" in text and re.search(r"\\\\", text)):
         return []
@@ -96,20 +175,16 @@ def _is_transposed(tail: str) -> bool:
     return transposed
 
 
-def _something_beside(text: str) -> InvalidValueError:
-    if "=" in text:
-        return InvalidValueError(
-            f"{quoted(text, 30)} is on its line, too; write each matrix in a line of its own"
-        )
-    return InvalidValueError(
-        f"{quoted(text, 30)} is beside the matrix; multiply it in, and write the resulting matrix"
-    )
-
-
 def _turned(rows: list[list[str]]) -> list[list[str]]:
-    if len({len(row) for row in rows}) > 1:
-        return rows
-    return [list(cells) for cells in zip(*rows, strict=True)]
+    same_length = len({len(row) for row in rows}) == 1
+    return [list(cells) for cells in zip(*rows, strict=True)] if same_length else rows
+
+
+def _something_beside(text: str) -> InvalidValueError:
+    where = "is beside the matrix; multiply it in, and write the resulting matrix"
+    if "=" in text:
+        where = "is on its line, too; write each matrix in a line of its own"
+    return InvalidValueError(f"{quoted(text, 30)} {where}")
 
 
 def _bracketed_rows(text: str, column: bool) -> list[list[str]]:
@@ -152,7 +227,7 @@ def _rows_of_call(text: str) -> list[list[str]]:
     inside = _inside(text)
     if inside is None:
         raise InvalidValueError(
-            f"{quoted(text)} is no list of rows; write [[a, b], [c, d]] in the brackets"
+            f"{quoted(text)} is not a list of rows; write [[a, b], [c, d]] in the brackets"
         )
     return _rows_inside(inside, column=False)
 
@@ -185,12 +260,12 @@ def _end_of_bracket(text: str, begin: int) -> int | None:
     """Return where the bracket closes that opens at a place; None if none opens there."""
     if text[begin : begin + 1] not in tuple(_OPENING):
         return None
-    for index, _, depth in _depths(text[begin:]):
-        if depth == 0:
-            return begin + index + 1
-    raise InvalidValueError(
-        f"in {quoted(text)} a bracket is not closed; write it behind the last row"
-    )
+    closed = next((index for index, _, depth in _depths(text[begin:]) if depth == 0), None)
+    if closed is None:
+        raise InvalidValueError(
+            f"in {quoted(text)} a bracket is not closed; write it after the last row"
+        )
+    return begin + closed + 1
 
 
 def _inside(text: str) -> str | None:

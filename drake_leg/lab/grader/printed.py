@@ -1,80 +1,41 @@
-"""Reads a print: a table, matrices and singular postures from TOML, CSV or text; and findings."""
+"""Reads a print, a table, matrices and singular postures, from TOML, CSV or text.
+
+In text, ``angles,deg`` and ``lengths,mm`` say the units; two cells of which the second is a number
+give a symbol its value (``L1,50``), otherwise its formula (``sigma1,2*cos(θ2)+1``). Three cells
+that begin with ``joint``, ``cells``, ``caption`` or ``rows`` say something about a joint, a symbol
+or a matrix, and ``singular,θ3 = kπ`` where the determinant is zero. A heading with σ, d, α, r, θ
+begins a table, which an empty line ends. ``T01 = [...]``, in LaTeX, MATLAB or Python, is a matrix,
+``L1 = 50`` a symbol. Every other line is a row of a matrix, its name first. Each line has its own
+delimiter; a line that makes no sense is left out and reported.
+"""
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
-from drake_leg.lab.grader.claims import kind_of_name
-from drake_leg.lab.grader.matrix_text import rows_of_text
-from drake_leg.lab.grader.tables import Table, TableRow
-from drake_leg.lab.grader.text_print import parse_table, parse_text
-from drake_leg.robot.toml_keys import Keys, parse_document, shown
-
-
-@dataclass(frozen=True, kw_only=True)
-class Finding:
-    """One fault of a table or of a printed matrix, or a part of it that cannot be read.
-
-    An error is certainly wrong, a warning probably. Something that is not understood may be right;
-    its remedy says what to write instead.
-    """
-
-    place: str  # row 2, or T12 (3, 2)
-    fault: str
-    remedy: str
-    severity: Literal["error", "warning"] = "error"
-    understood: bool = True  # False: it cannot be read, and may be right
-    kind: str = ""  # of the mistake, in a word or a few: transposed, unit, sign
-    matrix: str = ""  # name as printed; empty where it is of a table
-    entries: tuple[tuple[int, int], ...] = ()  # rows and columns, from 1, that it is about
-
-    def sentence(self) -> str:
-        """Write it as one sentence, without a full stop."""
-        mark = "" if self.severity == "error" else " (a guess)"
-        if not self.understood:
-            mark = " (not understood)"
-        return f"{self.place}{mark}: {self.fault}; {self.remedy}"
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the fields by name."""
-        return asdict(self)
-
-
-def unreadable(place: str, sentence: object, matrix: str = "") -> Finding:
-    """Make a finding of a sentence or an error, "what is not understood; what to write"."""
-    fault, _, remedy = str(sentence).partition("; ")
-    remedy = remedy or "write it another way"
-    return Finding(place=place, fault=fault, remedy=remedy, understood=False, matrix=matrix)
-
-
-def errors(findings: Iterable[Finding]) -> list[Finding]:
-    """Keep the errors that are understood."""
-    return [f for f in findings if f.severity == "error" and f.understood]
-
-
-def not_understood(findings: Iterable[Finding]) -> list[Finding]:
-    """Keep the findings about what cannot be read."""
-    return [finding for finding in findings if not finding.understood]
-
+from drake_leg.lab.grader.matrix_text import kind_of_name, rows_of_text, spaced_cells
+from drake_leg.lab.grader.tables import Finding, Table, TableRow, unreadable
+from drake_leg.robot.toml_keys import Document, Keys, parse_document, shown
+from drake_leg.symbolic.spelling import quoted
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
-_KEYS = (
-    *("title", "angles", "lengths", "symbols", "cells", "where", "joints"),
-    *("table", "matrix", "singular"),
-)
-_TABLE_KEYS = ("frame", "sigma", "d", "alpha", "r", "theta")
+_SETTINGS = ("title", "angles", "lengths")
+_KEYS = (*_SETTINGS, "symbols", "cells", "where", "joints", "table", "matrix", "singular")
+_COLUMNS = ("sigma", "d", "alpha", "r", "theta")
+_TABLE_KEYS = ("frame", *_COLUMNS)
+_MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
 # Joints by their letters, and what stands for a fixed row; Khalil's own sign for that is 2.
 _SIGMAS = dict.fromkeys(("r", "revolute", "rotation", "rotoid"), "0")
 _SIGMAS |= dict.fromkeys(("p", "t", "prismatic", "translation"), "1")
 _SIGMAS |= dict.fromkeys(("2", "f", "fixed", "fixe", "-", "–", "−", "\u223c", r"\sim", "/"), "~")
-_MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,10 +110,7 @@ class Printed:
 
 
 def read_printed(path: Path) -> Printed:
-    """Read a print from TOML, or from CSV or text if its name does not end in .toml.
-
-    Raises ``InvalidValueError`` with file, key and value.
-    """
+    """Read a print from TOML, or from CSV or text if its name does not end in .toml."""
     text, where = read_text(path), str(path)
     if path.suffix.lower() == ".toml":
         return printed_of_document(parse_document(text, where), where)
@@ -169,19 +127,9 @@ def is_print(document: Mapping[str, Any]) -> bool:
 def printed_of_document(
     document: Mapping[str, Any], where: str, unread: Sequence[Finding] = ()
 ) -> Printed:
-    """Read a print from a file's nested tables.
+    """Read a print from a file's nested tables; errors say file, key and value.
 
-    Parameters
-    ----------
-    where : str
-        Name of the file, the beginning of every error's sentence.
-    unread : sequence of Finding
-        What is in the file and makes no sense.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value; also if there is neither a table nor a matrix.
+    ``where`` is the file's name, and ``unread`` what is in it and makes no sense.
     """
     keys = Keys(document, where, _KEYS, {"row": "write a printed table's rows under [[table]]"})
     angles = keys.choice("angles", ("deg", "rad")) if keys.has("angles") else None
@@ -189,34 +137,29 @@ def printed_of_document(
     table = _table(keys, angles, lengths) if keys.has("table") else None
     read = [_matrix(part, f"{where}: matrix {i}") for i, part in _parts(keys, "matrix")]
     unread = (*unread, *(part for part in read if isinstance(part, Finding)))
-    singular = _singular(keys)
+    singular = keys.value("singular", [])
+    singular = [singular] if isinstance(singular, str) else singular
+    if not isinstance(singular, list) or not all(isinstance(text, str) for text in singular):
+        raise keys.error(f'singular is {shown(singular)}; it must be text, as "θ3 = kπ"')
     if table is None and not read and not singular:
         if where.endswith(".toml"):
             raise keys.error("there is neither a [[table]] nor a [[matrix]] in it")
         first = f"; {unread[0].sentence()}" if unread else ""
         raise keys.error(f"there is neither a table nor a matrix, as T12 = [...], in it{first}")
+    numbers, names = _named(keys, "symbols")
     return Printed(
         origin=where,
         angles=angles,
         lengths=lengths,
-        symbols=_symbols(keys),
+        symbols={name: numbers.number(name, "in the file's units") for name in names},
         cells=_formulas(keys, "cells"),
         where=_formulas(keys, "where"),
         joints=_formulas(keys, "joints"),
         table=table,
         matrices=tuple(matrix for matrix in read if isinstance(matrix, PrintedMatrix)),
-        singular=singular,
+        singular=tuple(singular),
         unread=unread,
     )
-
-
-def _singular(keys: Keys) -> tuple[str, ...]:
-    """Read sets of singular postures: one text, or a list of them."""
-    sets = keys.value("singular", [])
-    sets = [sets] if isinstance(sets, str) else sets
-    if not isinstance(sets, list) or not all(isinstance(text, str) for text in sets):
-        raise keys.error(f'singular is {shown(sets)}; it must be text, as "θ3 = kπ"')
-    return tuple(sets)
 
 
 def _parts(keys: Keys, key: str) -> list[tuple[int, object]]:
@@ -226,18 +169,16 @@ def _parts(keys: Keys, key: str) -> list[tuple[int, object]]:
     return list(enumerate(parts, start=1))
 
 
-def _symbols(keys: Keys) -> dict[str, float]:
-    table = keys.value("symbols", {})
-    known = tuple(table) if isinstance(table, dict) else ()
-    numbers = Keys(table, f"{keys.where}: symbols", known)
-    return {name: numbers.number(name, "in the file's units") for name in known}
+def _named(keys: Keys, key: str) -> tuple[Keys, tuple[str, ...]]:
+    """Open a table whose keys are the print's own names."""
+    table = keys.value(key, {})
+    names = tuple(table) if isinstance(table, dict) else ()
+    return Keys(table, f"{keys.where}: {key}", names), names
 
 
 def _formulas(keys: Keys, key: str) -> dict[str, str]:
-    table = keys.value(key, {})
-    known = tuple(table) if isinstance(table, dict) else ()
-    formulas = Keys(table, f"{keys.where}: {key}", known)
-    return {name: formulas.text(name) for name in known}
+    formulas, names = _named(keys, key)
+    return {name: formulas.text(name) for name in names}
 
 
 def _table(keys: Keys, angles: str | None, lengths: str | None) -> Table:
@@ -273,10 +214,10 @@ def _matrix(part: object, where: str) -> PrintedMatrix | Finding:
         except InvalidValueError as error:
             return unreadable(name, error, name)
     if not isinstance(entries, list) or not entries:
-        raise keys.error("entries is no list of rows")
+        raise keys.error("entries is not a list of rows")
     for row in entries:
         if not isinstance(row, list) or not row:
-            raise keys.error(f"the row {shown(row)} is no list of entries")
+            raise keys.error(f"the row {shown(row)} is not a list of entries")
         if len(row) != len(entries[0]):
             fault = f"the row {shown(row)} is not as long as the first one; write all its entries"
             return unreadable(name, fault, name)
@@ -308,3 +249,377 @@ def _entry(keys: Keys, cell: object) -> str:
     if isinstance(cell, bool) or not isinstance(cell, str | int | float):
         raise keys.error(f"the entry {shown(cell)} is neither text nor a number")
     return str(cell)
+
+
+# --- text ------------------------------------------------------------------------------------
+
+_FRAME_WORDS = ("frame", "number", "i", "j", "row", "link", "joint", "n", "#")
+_SPELLINGS = {"α": "alpha", "σ": "sigma", "θ": "theta", "ϑ": "theta"}
+_REMARKS = ("joint", "cells", "caption", "rows")
+_STATEMENT = re.compile(
+    r"\s*(?:\$\$?|\\\[|\\\()?\s*(?P<name>[^=;\t]{1,60}?)\s*+&?\s*+:?=(?P<rest>.*)$"
+)
+_HEADED = re.compile(r"\s*(?P<name>[^=,;\t:]{1,40}?)\s*+:(?!=)(?P<rest>.*)$")  # T12: and its rows
+_BEGINS_ANEW = re.compile(
+    r"\s*(?:title|angles|lengths|joint|cells|caption|rows|singular\w*)\s*[,;\t=:]"
+)
+_OPENING = re.compile(
+    r"\\begin\s*\{[a-z]*(?:matrix|array|tabular)|[\[⎡]|(?:(?<==)|^)\s*\{|"
+    r"\b(?:[A-Za-z]+\.)?(?:Immutable|Mutable)?(?:Dense)?(?:Matrix|matrix|array|sym)\s*\("
+)
+_LAYOUT = re.compile(
+    r"\\(?:begin|end)\s*\{(?:align|aligned|equation|gather|gathered|split|multline|eqnarray|"
+    r"displaymath|math|center|document)(?:ed)?\*?\}|\\(?:nonumber|notag)\b|\\label\{[^{}]*\}"
+)
+_FENCE = re.compile(r"\s*(?:```.*|~~~.*|\$\$|\\\[|\\\])\s*$")
+_EMPHASIS = re.compile(r"^(\s*)(\*\*|__|`)([^*`]{1,40}?)\2(?=\s*[:=]|\s*$)")
+_COMMENT = re.compile(r"(?<=\S)\s*(?<!\\)(?:%|(?<![\w)])//|#(?!\s*[|,;\t])).*$")
+_PROSE = re.compile(r"(?:[^\W\d_]+[-'.,:!?()]* +){2,}[^\W\d_]+[-'.,:!?()]*")
+_EQUATION = re.compile(r"\s*+([^=,;\t|&]{1,40}?)\s*+&?\s*+:?=(.*[^\s;].*)$")
+_SINGULAR = re.compile(
+    r"\s*\$?(?:\\?det\b|\|)[^=]{1,20}=\s*0\s*"
+    r"(?:(?:when|if|iff|for|where|at|si|pour|lorsque|quand)\b|[⇔⟺⇒⟹]|<?=>|\\[a-zA-Z]+)"
+)
+_DETERMINANT = re.compile(r"\s*(\|[^|=]{1,20}\|)\s*[,;=\t]\s*(.+)")
+_SETTING = re.compile(r"(title|angles|lengths)\s*+[,;\t:=](.+)$", re.IGNORECASE)
+_SINGULAR_LINE = re.compile(
+    r"singular(?:ity|ities)?(?: postures?| positions?| configurations?)?\s*[,;\t:=]\s*(.+)$",
+    re.IGNORECASE,
+)
+_JOINING = re.compile(r"^\s*(?:with|where|and|avec|où|et|let)\s+")
+_NAME = re.compile(r"\s*[^\W\d][\w{}\\^]*\s*")
+_RULE = re.compile(r"[\s|:+-]*-[\s|:+-]*$")
+_LONGEST_BLOCK = 60  # lines
+_LONGEST_LINE = 10_000  # characters in which a matrix may begin
+_COMMENTS = ("#", "%", "//")
+
+
+def parse_text(text: str, where: str) -> Document:
+    """Read text into the tables that a TOML file would have.
+
+    Under ``unread`` are the lines that make no sense, each with its place and a sentence. A table's
+    row that does not fit its heading is refused, ``where`` being the file's name.
+    """
+    return _TextReader(where).document(text.splitlines())
+
+
+def parse_table(text: str, where: str) -> list[dict[str, str]]:
+    """Read a pasted table with its heading, column to cell; refuse any line that makes no sense.
+
+    Its columns are separated by bars, commas, semicolons, tabs or spaces.
+    """
+    document = parse_text(text.strip(), f"{where}: table")
+    for place, sentence in document.get("unread", ()):
+        raise InvalidValueError(f"{where}: table, {place}: {sentence}")
+    rows: list[dict[str, str]] = document.get("table", [])
+    if not rows:
+        raise InvalidValueError(f"{where}: table has no heading; write i | σ | d | α | r | θ above")
+    return rows
+
+
+class _TextReader:
+    """Reads a text line by line; a table's heading holds for the lines below it."""
+
+    def __init__(self, where: str) -> None:
+        self._where = where
+        self._content: Document = {}
+        self._heading: list[str] | None = None
+        self._sign = ","  # that separates the table's cells
+        self._matrices: dict[str, list[dict[str, Any]]] = {}
+        self._last = ""  # name of the matrix whose rows are directly above
+
+    def document(self, lines: Sequence[str]) -> Document:
+        """Read a whole text."""
+        lines = [_tidy(line) for line in lines]
+        at = 0
+        while at < len(lines):
+            line, number = lines[at], at + 1
+            if found := _block_begins(line):
+                name, rest = found
+                at = _end_of_block(lines, at, rest)
+                self._add_whole(name, "\n".join([rest, *lines[number:at]]))
+                self._heading = None
+                continue
+            at += 1
+            if _SINGULAR.match(line):
+                self._add_to("singular", line)
+            elif bars := _DETERMINANT.match(line):
+                self._add_whole(bars[1], bars[2])
+            elif not _RULE.match(line):
+                self._read(line, number)
+        return self._content
+
+    def _read(self, line: str, number: int) -> None:
+        bare = line.strip()
+        if self._heading is None and not bare.startswith(_COMMENTS):
+            if setting := _SETTING.match(bare):
+                self._add_pair(setting[1], setting[2].strip(" ,;\t"), number)
+                return
+            if singular := _SINGULAR_LINE.match(bare):
+                self._add_to("singular", singular[1].strip(' "'))
+                return
+            equations = _equations(bare)
+            for name, value in equations:
+                self._add_equation(name, value, number)
+            if equations or _is_prose(bare):
+                return
+        sign = self._sign if self._heading and self._sign in line else _delimiter(line)
+        try:
+            (cells,) = csv.reader([line], delimiter=sign, skipinitialspace=True)
+        except csv.Error as error:
+            self._leave_out(number, f"{error}; write it in several lines")
+            return
+        cells = [cell.strip() for cell in cells]
+        if sign == "|" and len(cells) > 2:  # the bars that begin and end a Markdown line
+            cells = cells[cells[0] == "" : len(cells) - (cells[-1] == "")]
+        self._add_cells(cells, number, sign)
+
+    def _add_cells(self, cells: list[str], number: int, sign: str) -> None:
+        if not any(cells):
+            self._heading = None
+            return
+        if cells[0].startswith(_COMMENTS) and not _is_heading(cells):
+            return
+        if len(cells) == 1:
+            cells = self._spaced(cells[0])
+        first, *others = cells
+        if re.fullmatch("singular(?:ity|ities)?", first.casefold()):
+            self._add_to("singular", ", ".join(others))
+        elif _is_heading(cells):
+            self._heading, self._sign = [_column(cell) for cell in cells], sign
+        elif self._heading is not None:
+            self._add_to("table", self._table_row(self._heading, cells, number))
+        elif len(cells) == 2 and not _has_columns_of_one(first, others[0]):
+            self._add_pair(first, others[0], number)
+        elif len(cells) == 3 and first in _REMARKS:
+            self._add_remark(first, *others)
+        elif others:
+            self._add_row(first, others, number)
+        else:
+            self._leave_out(
+                number,
+                f"{quoted(first)} is alone on its line; a line has a name and what belongs to it, "
+                "separated by =, commas, semicolons or tabs",
+            )
+
+    def _spaced(self, line: str) -> list[str]:
+        """Split a line at its spaces where it is a table's."""
+        words = spaced_cells(line)
+        if self._heading is not None and len(words) == len(self._heading):
+            return words
+        return line.split() if _is_heading(line.split()) else [line]
+
+    def _table_row(self, heading: list[str], cells: list[str], number: int) -> dict[str, str]:
+        if len(cells) != len(heading):
+            raise InvalidValueError(
+                f"{self._where}, line {number}: the table's row has {len(cells)} cells and its "
+                f"heading {len(heading)}; an empty line ends a table"
+            )
+        return {column: cell for column, cell in zip(heading, cells, strict=True) if column}
+
+    def _add_to(self, key: str, value: object) -> None:
+        self._content.setdefault(key, []).append(value)
+
+    def _leave_out(self, number: int, sentence: str) -> None:
+        """Record that a line makes no sense."""
+        self._add_to("unread", (f"line {number}", sentence))
+
+    def _matrix(self, name: str, *, new: bool = False) -> dict[str, Any]:
+        """Return the last matrix of a name; a new one if it has entries and may have none."""
+        known = self._matrices.setdefault(name, [])
+        if not known or (new and "entries" in known[-1]):
+            former = known[-1] if known else {"name": name}
+            known.append({key: value for key, value in former.items() if key != "entries"})
+            self._add_to("matrix", known[-1])
+        return known[-1]
+
+    def _add_whole(self, name: str, text: str) -> None:
+        self._matrix(name, new=True)["entries"] = text
+        self._last = ""
+
+    def _add_row(self, name: str, cells: list[str], number: int) -> None:
+        """Read a row of a matrix; rows apart from others are another's."""
+        if isinstance(self._matrix(name).get("entries"), str):
+            self._leave_out(number, f"{name} is already written above as a whole; write it once")
+            return
+        matrix = self._matrix(name, new=self._last != name)
+        matrix.setdefault("entries", []).append(cells)
+        self._last = name
+
+    def _add_equation(self, name: str, value: str, number: int) -> None:
+        """Read ``name = value``."""
+        matrix = kind_of_name(name) in ("transform", "rotation") and re.search("[TtHhR]", name)
+        if matrix and not _number(value):
+            self._leave_out(
+                number,
+                f"{quoted(name)} is given as {quoted(value, 30)}; write the resulting matrix, in "
+                "brackets",
+            )
+        elif _has_columns_of_one(name, value):
+            self._add_whole(name, value)
+        elif not all(map(_NAME.fullmatch, value.split("=")[:-1])):
+            sentence = f"{quoted(name)} has several signs of equality; write the last"
+            self._leave_out(number, sentence)
+        else:
+            *others, last = value.split("=")
+            for one in (name, *others):
+                self._add_pair(one.strip(), last, number)
+
+    def _add_pair(self, name: str, value: str, line: int) -> None:
+        value = value.strip()
+        if name.casefold() in _SETTINGS:
+            self._content[name.casefold()] = value.strip("\"'")
+            return
+        number = _number(value)
+        key, said = ("where", value) if number is None else ("symbols", number)
+        known = {**self._content.get("symbols", {}), **self._content.get("where", {})}
+        if name in known and known[name] != said:
+            self._leave_out(line, f"{name} already has another value above; write it once")
+        else:
+            self._content.setdefault(key, {})[name] = said
+
+    def _add_remark(self, what: str, name: str, value: str) -> None:
+        if what in ("joint", "cells"):
+            key = "joints" if what == "joint" else "cells"
+            self._content.setdefault(key, {})[name] = value
+        elif what == "caption":
+            self._matrix(name)["caption"] = value
+        else:
+            self._matrix(name)
+            for matrix in self._matrices[name]:
+                matrix["rows"] = value.split()
+
+
+def _tidy(line: str) -> str:
+    """Remove the markup of text, LaTeX or Markdown around a statement."""
+    if _FENCE.match(line):
+        return ""
+    if line.lstrip().startswith(_COMMENTS) or len(line) > _LONGEST_LINE:
+        return line
+    return _EMPHASIS.sub(r"\1\3", _LAYOUT.sub("", _COMMENT.sub("", line)))
+
+
+def _block_begins(line: str) -> tuple[str, str] | None:
+    """Return the name of a matrix that begins on a line, and what follows its last =."""
+    if len(line) > _LONGEST_LINE or line.lstrip().startswith(_COMMENTS):
+        return None
+    found = _STATEMENT.match(line)
+    if not found:
+        found = _HEADED.match(line)
+        if not found or not kind_of_name(found["name"]):
+            return None
+    name, rest = found["name"].strip(), found["rest"].strip()
+    kind = kind_of_name(name)
+    opening = _OPENING.search(rest)
+    if kind == "determinant":
+        return (name, rest) if not rest or re.match(r"[\[⎡]", rest) else None
+    if opening and "=" in rest[: opening.start()]:
+        rest = rest[rest.rindex("=", 0, opening.start()) + 1 :].strip()
+    if kind:
+        begins = opening or not rest or rest == "\\" or rest.startswith("(")
+        return (name, re.sub(r"(?<!\\)\\$", "", rest)) if begins else None
+    several = re.search(
+        r"[,;&]|\]\s*,?\s*\[|\\begin|(?:Matrix|matrix|array|sym)\s*\(|\[[^\]]*$", rest
+    )
+    is_matrix = opening and not rest[: opening.start()].strip() and several
+    return (name, rest) if is_matrix and _is_name(name) else None
+
+
+def _is_name(text: str) -> bool:
+    """Whether a text is short enough for the name of a matrix."""
+    reserved = (*_SETTINGS, *_REMARKS, "singular")
+    return not re.search(r"[,|&]", text) and len(text.split()) < 4 and text not in reserved
+
+
+def _end_of_block(lines: list[str], at: int, rest: str) -> int:
+    """Find the line behind a matrix: where its brackets are closed, or an empty one."""
+    block = rest
+    for end in range(at + 1, min(at + _LONGEST_BLOCK, len(lines) + 1)):
+        latex = block.count(r"\begin") or block.count("⎡")
+        closed = block.count(r"\end") if r"\begin" in block else block.count("⎦")
+        opened = sum(map(block.count, "([{")) - sum(map(block.count, ")]}"))
+        if block.strip() and ((latex and closed >= latex) or (not latex and rest and opened <= 0)):
+            return end
+        if end == len(lines) or _begins_anew(lines[end]):
+            return end
+        is_open = opened > 0 or (latex and closed < latex)
+        if not lines[end].strip() and block.strip() and not is_open:
+            return end
+        block += "\n" + lines[end]
+    return at + 1
+
+
+def _begins_anew(line: str) -> bool:
+    """Whether a line begins another statement."""
+    if _BEGINS_ANEW.match(line):
+        return True
+    found = _STATEMENT.match(line)
+    return found is not None and not found["name"].strip().startswith(("dtype", ")", "]", "[", "&"))
+
+
+def _delimiter(line: str) -> str:
+    """Find the sign that separates a line's cells: of a heading all, otherwise the first."""
+    for sign in "\t|;,":
+        if _is_heading(line.split(sign)):
+            return sign
+    if line.lstrip().startswith("|"):
+        return "|"
+    depth = 0
+    for letter in line:
+        depth += (letter in "([{") - (letter in ")]}")
+        if letter in ",;\t|" and depth <= 0:
+            return letter
+    return ","
+
+
+def _equations(line: str) -> list[tuple[str, str]]:
+    """Read ``L1 = 50, L2 = 100;`` as two; nothing where = is behind a line's first delimiter."""
+    line = re.sub(
+        r"^(?:\$\$?|\\\[|\\\()|(?:\$\$?|\\\]|\\\))[.,;]?$|\\\\$", "", line.strip()
+    ).strip()
+    found = _EQUATION.match(line)
+    if not found or len(line) > _LONGEST_LINE:
+        return []
+    parts = [_EQUATION.match(part) for part in re.split(r"[,;]", line) if part.strip()]
+    if all(parts):
+        return [(_JOINING.sub("", part[1]), part[2].strip(" ;\t")) for part in parts if part]
+    return [(found[1], found[2].strip(" ;\t"))]
+
+
+def _is_prose(line: str) -> bool:
+    """Whether a line is words alone, that claim nothing, and no heading."""
+    if not _PROSE.fullmatch(line) or "singular" in line.casefold():
+        return False
+    return not _is_heading(line.split())
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _has_columns_of_one(name: str, value: str) -> bool:
+    """Whether a row of one entry makes sense: a2 and r01 may be lengths, and p1 with a number."""
+    kind = kind_of_name(name)
+    if kind == "position" and len(re.findall(r"\d", name)) == 1:
+        return _number(value) is None
+    return kind in ("position", "jacobian", "determinant")
+
+
+def _is_heading(cells: Iterable[str]) -> bool:
+    """Whether cells name all columns of a table."""
+    return set(_COLUMNS) <= set(map(_column, cells))
+
+
+def _column(heading: str) -> str:
+    """Recognise a column by the last word of its heading: ``Angle around Z, ϑ`` is theta."""
+    words = re.sub(r"[$\\{}]|\([^()]*\)|\[[^\[\]]*\]", "", heading).casefold()
+    last = re.split(r"[\s,;]+", words.strip(" ,;"))[-1]
+    last = re.sub(r"(?:_[a-z]?(?:-1|\+1)?|[ᵢⱼ])$", "", last)
+    last = re.sub(r"^(.|sigma|alpha|theta)[ijn](?:-1)?$", r"\1", last)  # σj
+    last = _SPELLINGS.get(last, last)
+    if last in _COLUMNS:
+        return last
+    return "frame" if last in _FRAME_WORDS else ""

@@ -10,20 +10,18 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, jacobian, table_length
-from drake_leg.lab.grader.claims import POSITION, task_rows
-from drake_leg.lab.grader.comparison import Sampler
-from drake_leg.lab.grader.definitions import Reader, determinant_factors
-from drake_leg.lab.grader.printed import Finding, Printed, unreadable
-from drake_leg.lab.grader.tables import Binding, names_of_cells
+from drake_leg.lab.grader.claims import POSITION, RightForms, task_rows
+from drake_leg.lab.grader.comparison import Mask, Sampler
+from drake_leg.lab.grader.definitions import Binding, Reader, names_of_cells
+from drake_leg.lab.grader.printed import Printed
+from drake_leg.lab.grader.tables import Finding, unreadable
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.symbolic.formulas import DEGREE, evaluate, names_in, number_of, parts, product
 from drake_leg.symbolic.spelling import (
@@ -139,7 +137,7 @@ def _equations(text: str) -> Iterator[str]:
             if "=" in piece:
                 left = piece.rpartition("=")[0] if " and " not in piece else ""
             elif not left:
-                raise InvalidValueError(f"{quoted(piece.strip())} is no equation")
+                raise InvalidValueError(f"{quoted(piece.strip())} is not an equation")
             yield from _signed(whole.strip(), indices[1] if indices else "")
 
 
@@ -148,7 +146,7 @@ def _signed(equation: str, indices: str) -> Iterator[str]:
     for sign in "+-" if "±" in equation else " ":
         signed = equation.replace("±", sign)
         if re.search(r"(?:q|theta|th)_?\{?i\b", signed) and not indices:
-            raise InvalidValueError("it does not say what i is; write i = 1, 2, 3 behind it")
+            raise InvalidValueError("it does not say what i is; write i = 1, 2, 3 after it")
         for index in re.findall(r"\d", indices) or [""]:
             yield re.sub(r"(q|theta|th)_?\{?i\b\}?", rf"\g<1>{index}", signed)
 
@@ -157,7 +155,7 @@ def _conditions(text: str, reader: Reader) -> Iterator[Condition]:
     for equation in re.split(r"\band\b|&", text):
         sides = equation.replace("≡", "=").split("=")
         if len(sides) != 2:
-            raise InvalidValueError(f"{quoted(equation.strip())} is no equation of two sides")
+            raise InvalidValueError(f"{quoted(equation.strip())} is not an equation with two sides")
         left = reader.formula(sides[0], names=INTEGERS)
         right = reader.formula(_with_period(sides[1]), names=INTEGERS)
         integer = _integer(names_in(left) | names_in(right), reader)
@@ -193,6 +191,8 @@ def _is_bare(side: sp.Expr, integer: str | None) -> bool:
     return max(numbers, default=0.0) >= _LEAST_DEGREES
 
 
+# --- the determinant's zeros -----------------------------------------------------------------
+
 PLACE = "singular"
 STARTS = 150  # random postures from which zeros are looked for
 STEPS = 60  # of Newton's method
@@ -200,8 +200,7 @@ TURNS = range(-2, 3)  # values of k that are tried
 NEAR = 1e-4  # of a function's greatest value: counts as zero
 RARE = 0.03  # share of singular postures that may lie between two sets
 
-Function = Callable[[Mapping[str, Array]], Array]  # of N postures' variables, (N,)
-Mask = NDArray[np.bool_]  # of N postures
+Function = Callable[[Array], Array]  # of N postures (N, v), (N,)
 
 
 def grade_singular_sets(
@@ -252,21 +251,25 @@ class _Arm:
     rows: tuple[int, ...]  # of a square Jacobian
 
     def named(self, points: Array) -> dict[str, Array]:
-        """Name the columns of N postures (N, v)."""
+        """Name the variables of N postures (N, v)."""
         return dict(zip(self.spans, np.moveaxis(points, -1, 0), strict=True))
 
-    def known(self, values: Mapping[str, Array]) -> dict[str, Any]:
-        """Add the units and the symbols' values."""
-        return {**self.reader.units, **self.symbols, **values}
+    def of_named(self, function: Callable[[Mapping[str, Array]], Array], points: Array) -> Array:
+        """Evaluate a function of named variables at N postures, (N,)."""
+        return function(self.named(points))
 
-    def determinant(self, values: Mapping[str, Array]) -> Array:
+    def values(self, formula: sp.Expr, points: Array, **more: float) -> Array:
+        """Evaluate a formula at N postures, (N,)."""
+        known = {**self.reader.units, **self.symbols, **self.named(points), **more}
+        found = np.asarray(evaluate(formula, known), dtype=float)
+        return np.broadcast_to(found, len(points))
+
+    def determinant(self, points: Array) -> Array:
         """Determinant of the square Jacobian, (N,)."""
-        known, positions = self.known(values), []
-        count = len(next(iter(values.values())))
+        positions = []
         for index, segment in enumerate(self.robot.moving):
             unit = 1.0 if segment.row.joint == "revolute" else 1.0 / self.reader.units["m"]
-            position = evaluate(self.reader.joint(index), known)
-            positions.append(np.broadcast_to(position, count) * unit)
+            positions.append(self.values(self.reader.joint(index), points) * unit)
         Jv_BF = jacobian(self.table, np.stack(positions, axis=-1))
         determinant: Array = np.linalg.det(Jv_BF[..., list(self.rows), : len(self.rows)])
         return determinant
@@ -276,24 +279,23 @@ class _Arm:
         integer = {condition.integer: float(k)} if condition.integer else {}
         angle = condition.left.is_Symbol and self.spans.get(condition.left.name) == math.pi
 
-        def apart(values: Mapping[str, Array]) -> Array:
-            known = {**self.known(values), **integer}
-            difference = evaluate(condition.left, known) - evaluate(condition.right, known)
-            if angle:
-                difference = np.angle(np.exp(1j * difference))
-            count = len(next(iter(values.values())))
-            return np.broadcast_to(np.asarray(difference, dtype=float), count)
+        def apart(points: Array) -> Array:
+            left, right = (
+                self.values(side, points, **integer) for side in (condition.left, condition.right)
+            )
+            difference: Array = left - right
+            return np.angle(np.exp(1j * difference)) if angle else difference
 
         return apart
 
     def size(self, function: Function) -> float:
         """Return a function's greatest value at the starts."""
-        sizes = np.abs(function(self.named(self.starts)))
+        sizes = np.abs(function(self.starts))
         return float(np.max(sizes[np.isfinite(sizes)], initial=1e-12))
 
     def is_zero(self, function: Function, points: Array) -> Mask:
         """Whether a function is practically zero at postures."""
-        near: Mask = np.abs(function(self.named(points))) <= NEAR * self.size(function)
+        near: Mask = np.abs(function(points)) <= NEAR * self.size(function)
         return near
 
     def points(self, alternative: Alternative) -> Array:
@@ -318,23 +320,18 @@ class _Arm:
         """Run Newton's method with shortest steps from all starts; keep what converged, (N, v)."""
         x = self.starts.copy()
         scales = np.array([self.size(function) for function in functions])
+        steps = 1e-6 * np.diag(list(self.spans.values()))
 
         def scaled(points: Array) -> Array:
-            named = self.named(points)
-            values = np.stack([function(named) for function in functions], axis=-1) / scales
+            values = np.stack([function(points) for function in functions], axis=-1) / scales
             return np.where(np.isfinite(values), values, 1.0)
-
-        def slope(index: int) -> Array:
-            h = np.zeros(x.shape[1])
-            h[index] = 1e-6 * list(self.spans.values())[index]
-            differences: Array = (scaled(x + h) - scaled(x - h)) / (2.0 * h[index])
-            return differences
 
         for _ in range(STEPS):
             f = scaled(x)
             if np.abs(f).max() <= 1e-12:
                 break
-            G = np.stack([slope(i) for i in range(x.shape[1])], axis=-1)
+            slopes = [(scaled(x + h) - scaled(x - h)) / (2.0 * h.max()) for h in steps]
+            G = np.stack(slopes, axis=-1)
             square = G @ np.swapaxes(G, -1, -2) + 1e-14 * np.eye(len(functions))
             step = (np.swapaxes(G, -1, -2) @ np.linalg.solve(square, f[..., np.newaxis]))[..., 0]
             length = np.linalg.norm(step, axis=-1, keepdims=True)
@@ -345,15 +342,11 @@ class _Arm:
     def regular_point(self, alternative: Alternative) -> Array | None:
         """Find a posture of an alternative at which the determinant is not zero."""
         points = self.points(alternative)
-        sizes = np.abs(self.determinant(self.named(points)))
+        sizes = np.abs(self.determinant(points))
         if sizes.max(initial=0.0) <= NEAR * self.size(self.determinant):
             return None
         point: Array = points[int(np.argmax(sizes))]
         return point
-
-    def strangers(self, alternative: Alternative) -> list[str]:
-        """List the symbols of an alternative that have no value."""
-        return sorted(alternative.names - {*self.spans, *self.symbols, *self.reader.units})
 
 
 def _arm(robot: Robot, reader: Reader, rng: np.random.Generator) -> _Arm:
@@ -421,9 +414,10 @@ class _Words:
     def factors(self) -> list[tuple[str, Function]]:
         """Where the factors of the determinant are zero, and the factors."""
         names = max((names_of_cells(b, self._spelled) for b in self.bindings), key=len)
-        return determinant_factors(
-            self.arm.robot, self.arm.rows, self.printed, names, self._spelling
-        )
+        arm = self.arm
+        forms = RightForms(arm.robot, self.printed, arm.reader, names)
+        found = forms.determinant_factors(arm.rows, self._spelling)
+        return [(said, partial(arm.of_named, factor)) for said, factor in found]
 
     def said(self, alternative: Alternative) -> str:
         """Write an alternative with the print's names of lengths and angles."""
@@ -433,18 +427,18 @@ class _Words:
 
     def posture(self, point: Array) -> str:
         """Say the variables that the determinant depends on."""
-        reader = self.arm.reader
-        joints = [reader.joint(index) for index in range(len(self.arm.rows))]
+        arm = self.arm
+        joints = [arm.reader.joint(index) for index in range(len(arm.rows))]
         moving = {name for formula in joints for name in names_in(formula)}
-        values = zip(self.arm.spans, point.tolist(), strict=True)
-        text = ", ".join(f"{n} = {self._value(n, value)}" for n, value in values if n in moving)
-        return spelled_as(self._spelling, text)
-
-    def _value(self, name: str, value: float) -> str:
-        """Say an angle in degrees, without full turns, or a length."""
-        if self.arm.spans[name] != math.pi:
-            return f"{value:.4g}"
-        return f"{round(math.degrees(math.remainder(value, 2 * math.pi)), 1) + 0.0:g}°"
+        said = []
+        for name, value in zip(arm.spans, point.tolist(), strict=True):
+            text = f"{value:.4g}"
+            if arm.spans[name] == math.pi:  # an angle, in degrees without full turns
+                angle = math.degrees(math.remainder(value, 2 * math.pi))
+                text = f"{round(angle, 1) + 0.0:g}°"
+            if name in moving:
+                said.append(f"{name} = {text}")
+        return spelled_as(self._spelling, ", ".join(said))
 
     def instead(self, alternative: Alternative) -> str:
         """Say where the determinant is zero, or that degrees have a sign."""
@@ -467,51 +461,35 @@ def _grade(
     findings: list[Finding] = []
     outside: dict[str, list[tuple[str, str]]] = {}  # remedy to alternatives and postures
     for alternative, other_arms in zip(alternatives, others, strict=True):
-        if arm.strangers(alternative):
-            findings.append(_with_strangers(alternative, arm, words))
+        strangers = sorted(alternative.names - {*arm.spans, *arm.symbols, *arm.reader.units})
+        said = words.said(alternative)
+        if strangers:
+            fault = f"{said} has {' and '.join(strangers)} in it, without a value"
+            remedy = f"say what it is: {words.printed.format.meaning}"
+            findings.append(Finding(PLACE, fault, remedy, understood=False))
             continue
         point = arm.regular_point(alternative)
         if point is not None:
-            cases = outside.setdefault(words.instead(alternative), [])
-            cases.append((words.said(alternative), words.posture(point)))
+            outside.setdefault(words.instead(alternative), []).append((said, words.posture(point)))
+            continue
+        if not len(arm.points(alternative)):
+            fault = f"no posture was found at which {said}"
+        elif any(other.regular_point(alternative) is None for other in other_arms):
+            continue
         else:
-            findings += _doubtful(alternative, other_arms, arm, words)
+            values = ", ".join(f"{n} = {v:g}" for n, v in words.printed.symbols.items())
+            fault = f"{said} is singular for {values} only"
+        findings.append(Finding(PLACE, fault, words.instead(alternative)))
     return findings + [_not_singular(*remedy_and_cases) for remedy_and_cases in outside.items()]
 
 
 def _not_singular(remedy: str, cases: Sequence[tuple[str, str]]) -> Finding:
     *others, last = [said for said, _ in cases]
     said = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+    fault = f"{said} not singular: at {cases[0][1]} the determinant is not zero"
     return Finding(
-        place=PLACE,
-        fault=f"{said} not singular: at {cases[0][1]} the determinant is not zero",
-        remedy=remedy.replace("leave it out", "leave them out" if others else "leave it out"),
+        PLACE, fault, remedy.replace("leave it out", "leave them out" if others else "leave it out")
     )
-
-
-def _with_strangers(alternative: Alternative, arm: _Arm, words: _Words) -> Finding:
-    strangers = " and ".join(arm.strangers(alternative))
-    return Finding(
-        place=PLACE,
-        fault=f"{words.said(alternative)} has {strangers} in it, without a value",
-        remedy=f"say what it is: {words.printed.format.meaning}",
-        understood=False,
-    )
-
-
-def _doubtful(
-    alternative: Alternative, others: Iterator[_Arm], arm: _Arm, words: _Words
-) -> Iterator[Finding]:
-    """Say whether a singular alternative is possible, and singular for all lengths."""
-    said = words.said(alternative)
-    if not len(arm.points(alternative)):
-        fault = f"no posture was found at which {said}"
-    elif any(other.regular_point(alternative) is None for other in others):
-        return
-    else:
-        values = ", ".join(f"{n} = {v:g}" for n, v in words.printed.symbols.items())
-        fault = f"{said} is singular for {values} only"
-    yield Finding(place=PLACE, fault=fault, remedy=words.instead(alternative))
 
 
 def _left_out(alternatives: Sequence[Alternative], arm: _Arm, words: _Words) -> Iterator[Finding]:
@@ -519,15 +497,13 @@ def _left_out(alternatives: Sequence[Alternative], arm: _Arm, words: _Words) -> 
     points = arm.zeros([arm.determinant])
     rare = RARE * len(points)
     missing = points[~np.any([arm.holds(a, points) for a in alternatives], axis=0)]
-    if not len(missing):
-        return
-    besides: Function = lambda values: np.zeros(len(next(iter(values.values()))))  # noqa: E731
-    for said, factor in (*words.factors, ("where the determinant is zero besides", besides)):
+    besides: tuple[str, Function] = (
+        "the other zeros of the determinant",
+        lambda points: np.zeros(len(points)),
+    )
+    for said, factor in (*words.factors, besides) if len(missing) else ():
         there = arm.is_zero(factor, missing)
         family, missing = missing[there], missing[~there]
         if len(family) > rare:
-            yield Finding(
-                place=PLACE,
-                fault=f"singular postures are left out, such as {words.posture(family[0])}",
-                remedy=f"add {said}",
-            )
+            fault = f"singular postures are left out, such as {words.posture(family[0])}"
+            yield Finding(PLACE, fault, f"add {said}")

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from drake_leg.lab.grader.tables import Cell, same
+from drake_leg.lab.grader.definitions import Names, same
 from drake_leg.symbolic.formulas import (
     Path,
     changed,
@@ -35,10 +35,10 @@ _OTHER_FUNCTION = {sp.sin: sp.cos, sp.cos: sp.sin}
 
 
 class Change(NamedTuple):
-    """One correction: what is wrong with a formula, and the corrected formula."""
+    """A correction: what is wrong with a formula, in q1, q2, ..., and the corrected formula."""
 
     kind: str
-    words: str
+    fault: str
     formula: sp.Expr
 
 
@@ -52,7 +52,7 @@ class Vocabulary:
     unit: str = ""  # of the print's lengths
     units: Mapping[str, float] = field(default_factory=dict)  # of lengths, in the print's unit
     power: int = 1  # of a length: 3 in a determinant of x, y, z
-    names: Mapping[Cell, str] = field(default_factory=dict)  # of the table's cells, as printed
+    names: Names = field(default_factory=dict)  # of the table's cells, as printed
 
     @property
     def joints(self) -> list[str]:
@@ -60,35 +60,24 @@ class Vocabulary:
         return [f"q{number}" for number in range(1, self.angles + 1)]
 
 
-class Diagnosis(NamedTuple):
-    """What is wrong with a formula: its kind, and in words, angles as q1, q2, ..."""
-
-    kind: str
-    fault: str
-
-
 def explain(
     formula: sp.Expr,
     vocabulary: Vocabulary,
     is_right: Callable[[sp.Expr], bool],
     trials: Iterator[object],
-) -> Diagnosis | None:
+) -> Change | None:
     """Search for one or two changes that make a formula right; None where no two help.
 
-    Parameters
-    ----------
-    is_right : callable
-        Says of a formula whether it agrees with what is right.
-    trials : iterator
-        As long as the pairs of changes that may still be tried.
+    ``is_right`` says of a formula whether it agrees with what is right; ``trials`` is as long as
+    the pairs of changes that may still be tried.
     """
     for change in changes(formula, vocabulary):
         if is_right(change.formula):
-            return Diagnosis(change.kind, change.words)
+            return change
     for first in _usual_changes(formula, vocabulary):
         for second, _ in zip(_usual_changes(first.formula, vocabulary), trials, strict=False):
             if is_right(second.formula):
-                return Diagnosis(first.kind, f"{first.words}, and {second.words}")
+                return second._replace(kind=first.kind, fault=f"{first.fault}, and {second.fault}")
     return None
 
 
@@ -119,8 +108,8 @@ def _usual_changes(formula: sp.Expr, vocabulary: Vocabulary) -> Iterator[Change]
 
 
 def _should_be(kind: str, formula: sp.Expr, old: sp.Expr, new: sp.Expr) -> Change:
-    words = f"{written(old)} should be {written(new)}"
-    return Change(kind, words, replace_alike(formula, old, new))
+    fault = f"{written(old)} should be {written(new)}"
+    return Change(kind, fault, replace_alike(formula, old, new))
 
 
 def _calls(formula: sp.Expr) -> list[sp.Expr]:
@@ -145,12 +134,10 @@ def _other_units(formula: sp.Expr, vocabulary: Vocabulary) -> Iterator[Change]:
 def _other_length(formula: sp.Expr, symbols: Mapping[str, float]) -> Iterator[Change]:
     """Read an entry that is one length's number as another length."""
     value = number_of(formula)
-    for name in symbols if value else ():
-        if same(value or 0.0, symbols[name]):
-            for other in symbols:
-                if other != name:
-                    words = f"{written(formula)} is {name}, and {other} belongs there"
-                    yield Change("length", words, sp.Symbol(other))
+    for name, other in itertools.permutations(symbols, 2):
+        if value and same(value, symbols[name]):
+            words = f"{written(formula)} is {name}, and {other} belongs there"
+            yield Change("length", words, sp.Symbol(other))
 
 
 def _other_products(formula: sp.Expr, joints: Sequence[str]) -> Iterator[Change]:
@@ -209,15 +196,17 @@ def _other_terms(formula: sp.Expr) -> Iterator[Change]:
         left, right = old.args
         here, there, term = ("-", "+", right.args[1]) if is_negative(right) else ("+", "-", right)
         text = written(term)
-        yield Change("term", f"{here} {text} is too much", replace_alike(formula, old, left))
+        yield Change(
+            "term", f"{here} {text} should not be there", replace_alike(formula, old, left)
+        )
         words = f"{here} {text} should be {there} {text}"
         yield Change("sign", words, replace_alike(formula, old, _opposite(old)))
 
 
 def _other_sign(formula: sp.Expr) -> Change:
     if is_negative(formula):
-        return Change("sign", "the minus in front is too much", formula.args[1])
-    return Change("sign", "a minus in front is missing", negative(formula))
+        return Change("sign", "the minus sign in front should not be there", formula.args[1])
+    return Change("sign", "a minus sign in front is missing", negative(formula))
 
 
 def _exchange_function(part: sp.Expr) -> sp.Expr | None:
@@ -242,22 +231,18 @@ def _other_angles(formula: sp.Expr, joints: list[str]) -> Iterator[Change]:
     """Read cos(q2) as cos(q2 + q3), and the other way round, in one function."""
     for old in _calls(formula):
         for first, _ in enumerate(joints):
-            angle = sp.Symbol(joints[first])
-            yield _should_be("joint", formula, old, old.func(angle, evaluate=False))
-            for name in joints[first + 1 :]:
-                angle = total(angle, sp.Symbol(name))
+            for angle in itertools.accumulate(map(sp.Symbol, joints[first:]), total):
                 yield _should_be("joint", formula, old, old.func(angle, evaluate=False))
 
 
 def _other_names(kind: str, formula: sp.Expr, names: list[str]) -> Iterator[Change]:
     """Read one name as another, everywhere, or two as one another."""
     found = {part.name for _, part in parts(formula) if part.is_Symbol}
+    for old, other in itertools.permutations(names, 2):
+        if old in found:
+            new = replace_alike(formula, sp.Symbol(old), sp.Symbol(other))
+            yield Change(kind, f"{old} should be {other}", new)
     used = [name for name in names if name in found]
-    for old in used:
-        for other in names:
-            if other != old:
-                new = replace_alike(formula, sp.Symbol(old), sp.Symbol(other))
-                yield Change(kind, f"{old} should be {other}", new)
     for first, second in itertools.combinations(used, 2):
         one, two = sp.Symbol(first), sp.Symbol(second)
         exchanged = {one: two, two: one}
@@ -282,22 +267,17 @@ def _other_multiples(
 ) -> Iterator[Change]:
     """Read a number times a length as another length; the number may be elsewhere in it."""
     factors = list(_factors(whole, (), divides=False))
-    lengths = [(at, part.name) for at, part, _ in factors if part.is_Symbol]
-    for length_at, name in lengths:
-        if name not in symbols:
-            continue
-        for number_at, part, divides in factors:
-            value = number_of(part)
-            if not value:
-                continue
-            size = 1.0 / value if divides else value
-            for other, length in symbols.items():
-                if other != name and same(size * symbols[name], length):
-                    rest = replace_at(whole, length_at, sp.Symbol(other))
-                    rest = replace_at(rest, number_at, sp.S.One)
-                    multiple = f"{size:g}*{name}" if size >= 1.0 else f"{name}/{1.0 / size:g}"
-                    words = f"{multiple} should be {other}"
-                    yield Change("length", words, replace_at(formula, path, rest))
+    lengths = [(at, p.name) for at, p, _ in factors if p.is_Symbol and p.name in symbols]
+    numbers = [(at, number_of(p), divides) for at, p, divides in factors if number_of(p)]
+    for (length_at, name), (number_at, value, divides) in itertools.product(lengths, numbers):
+        size = 1.0 / value if divides else value
+        for other, length in symbols.items():
+            if other != name and same(size * symbols[name], length):
+                rest = replace_at(whole, length_at, sp.Symbol(other))
+                rest = replace_at(rest, number_at, sp.S.One)
+                multiple = f"{size:g}*{name}" if size >= 1.0 else f"{name}/{1.0 / size:g}"
+                words = f"{multiple} should be {other}"
+                yield Change("length", words, replace_at(formula, path, rest))
 
 
 def _factors(part: sp.Expr, path: Path, *, divides: bool) -> Iterator[tuple[Path, sp.Expr, bool]]:

@@ -1,18 +1,68 @@
-"""A printed Denavit-Hartenberg table as text: the kinds of its cells, and corrected rows."""
+"""Printed Denavit-Hartenberg tables: the kinds of their cells, corrected rows, and slips.
+
+Also ``Finding``, the answer about anything that is printed.
+"""
 
 from __future__ import annotations
 
-import itertools
+import difflib
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import KW_ONLY, asdict, dataclass, fields, replace
 from functools import lru_cache
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Link, Robot, Segment, bounding_radius
 from drake_leg.symbolic.spelling import plain, quoted
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One fault of a table or of a printed matrix, or a part of it that cannot be read.
+
+    An error is certainly wrong, a warning probably. Something that is not understood may be right;
+    its remedy says what to write instead.
+    """
+
+    place: str  # row 2, or T12 (3, 2)
+    fault: str
+    remedy: str
+    _: KW_ONLY
+    severity: Literal["error", "warning"] = "error"
+    understood: bool = True  # False: it cannot be read, and may be right
+    kind: str = ""  # of the mistake, in a word or a few: transposed, unit, sign
+    matrix: str = ""  # name as printed; empty where it is of a table
+    entries: tuple[tuple[int, int], ...] = ()  # rows and columns, from 1, that it is about
+
+    def sentence(self) -> str:
+        """Write it as one sentence, without a full stop."""
+        mark = "" if self.severity == "error" else " (a guess)"
+        if not self.understood:
+            mark = " (not understood)"
+        return f"{self.place}{mark}: {self.fault}; {self.remedy}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the fields by name."""
+        return asdict(self)
+
+
+def unreadable(place: str, sentence: object, matrix: str = "") -> Finding:
+    """Make a finding of a sentence or an error, "what is not understood; what to write"."""
+    fault, _, remedy = str(sentence).partition("; ")
+    return Finding(place, fault, remedy or "write it another way", understood=False, matrix=matrix)
+
+
+def errors(findings: Iterable[Finding]) -> list[Finding]:
+    """Keep the errors that are understood."""
+    return [f for f in findings if f.severity == "error" and f.understood]
+
+
+def not_understood(findings: Iterable[Finding]) -> list[Finding]:
+    """Keep the findings about what cannot be read."""
+    return [finding for finding in findings if not finding.understood]
+
 
 Kind = Literal["nothing", "zero", "number", "length", "angle", "variable", "fixed", "other"]
 Sort = Literal["type", "length", "offset", "twist", "turn"]
@@ -27,6 +77,12 @@ _FITTING: dict[Sort, set[Kind]] = {
     "offset": {"zero", "number", "length", "variable"},
     "twist": {"zero", "number", "angle"},
     "turn": {"zero", "number", "angle", "variable"},
+}
+_BELONGS = {
+    "length": "a length belongs there",
+    "offset": "a length, or a sliding joint's variable, belongs there",
+    "twist": "an angle belongs there",
+    "turn": "an angle, or a turning joint's variable, belongs there",
 }
 _WORDS: dict[Kind, str] = {
     "length": "a length",
@@ -133,7 +189,7 @@ def _kind_of(text: str, variables: frozenset[str]) -> Kind:
 
 
 def cell_names(text: str, variables: frozenset[str] = frozenset()) -> set[str]:
-    """Collect the symbols of a cell's formula; refuse what is no formula.
+    """Collect the symbols of a cell's formula; refuse what is not a formula.
 
     SymPy is imported only for a cell that is more than a number.
     """
@@ -145,7 +201,7 @@ def cell_names(text: str, variables: frozenset[str] = frozenset()) -> set[str]:
     return names_in(parse_formula(text, variables))
 
 
-def cell_number(text: str) -> float:
+def _number(text: str) -> float:
     """Evaluate a cell of the kind ``number``."""
     if _NUMBER.fullmatch(text):
         return float(text)
@@ -156,36 +212,30 @@ def cell_number(text: str) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Repair:
+class _Repair:
     """How a row is read so that every cell fits its column."""
 
     cells: tuple[str, ...]  # in the columns' order
-    swapped: tuple[str, ...] = ()  # two columns whose cells have changed places; or else
-    missing: str = ""  # the column that has no cell of its own, and
-    side: str = ""  # left or right: where the other cells are, seen from their headings
+    said: str  # what happened to the cells
 
 
-def find_repair(table: Table, row: TableRow) -> Repair | None:
-    """Look for two cells that have changed places, or for cells one column off."""
-    return _find_swap(table, row) or _find_shift(table, row)
+def _find_repair(table: Table, row: TableRow, misplaced: int) -> _Repair | None:
+    """Look for two cells that have changed places, or for cells one column off.
 
-
-def _find_swap(table: Table, row: TableRow) -> Repair | None:
-    columns, cells = list(table.columns), table.texts(row)
-    wrong = table.misfits(cells)
-    if len(wrong) != 2:
-        return None
-    i, j = wrong
-    cells[i], cells[j] = cells[j], cells[i]
-    if table.misfits(cells):
-        return None
-    return Repair(cells=tuple(cells), swapped=(columns[i], columns[j]))
-
-
-def _find_shift(table: Table, row: TableRow) -> Repair | None:
-    """Look for a cell left out and an empty one too many; the shift that moves the fewest cells."""
+    ``misplaced`` is how many cells a sentence is about. Of several shifts the one that moves the
+    fewest cells is taken.
+    """
     columns, texts = list(table.columns), table.texts(row)
-    found = []
+    wrong = table.misfits(texts)
+    if len(wrong) == 2:
+        i, j = wrong
+        cells = list(texts)
+        cells[i], cells[j] = cells[j], cells[i]
+        if not table.misfits(cells):
+            said = f"{columns[i]} and {columns[j]} have changed places"
+            return _Repair(cells=tuple(cells), said=said)
+    they = "they are" if misplaced > 1 else "it is"
+    found: list[tuple[int, _Repair]] = []
     for spare, text in enumerate(texts):
         if table.kind(text) not in ("nothing", "zero"):
             continue
@@ -194,14 +244,14 @@ def _find_shift(table: Table, row: TableRow) -> Repair | None:
             cells = [*rest[:gap], "", *rest[gap:]]
             if gap == spare or not set(table.misfits(cells)) <= {gap}:
                 continue
-            cells[gap] = likely_sigma(table, cells) if missing == "sigma" else UNKNOWN
+            cells[gap] = _likely_sigma(table, cells) if missing == "sigma" else UNKNOWN
             side = "left" if gap < spare else "right"
-            shift = Repair(cells=tuple(cells), missing=missing, side=side)
-            found.append((abs(spare - gap), shift))
+            said = f"{they} one column to the {side}, and {missing} is missing"
+            found.append((abs(spare - gap), _Repair(cells=tuple(cells), said=said)))
     return min(found, key=lambda moved: moved[0], default=(0, None))[1]
 
 
-def likely_sigma(table: Table, cells: list[str]) -> str:
+def _likely_sigma(table: Table, cells: list[str]) -> str:
     """Guess a row's joint from where its variable is; ? in a table without variables."""
     if not table.symbolic:
         return UNKNOWN
@@ -216,215 +266,242 @@ def repaired(table: Table) -> Table:
     rows = []
     for row in table.rows:
         texts = table.texts(row)
-        better = find_repair(table, row) if table.misfits(texts) else None
+        better = _find_repair(table, row, 0) if table.misfits(texts) else None
         cells = dict(zip(table.columns, better.cells if better else texts, strict=True))
         rows.append(TableRow(frame=row.frame, cells=cells))
     return replace(table, rows=tuple(rows))
 
 
-MOST = 48  # readings that are compared
-MOST_TRIED = 1000  # ways to give symbols to lengths, of which two symbols must not share one
-_NEAR = 1e-6  # of a length: how far its declared value may be rounded
+LONG = 10.0  # [m], a longer link is probably in mm
+SHORT = 1.0  # [mm], a shorter link is probably in m
+TURN = 2.0 * math.pi  # [rad]
+NEAR = 2e-3  # [rad], how far a rounded number is from a fraction of pi
+FRACTIONS = (1 / 6, 1 / 4, 1 / 3, 1 / 2, 2 / 3, 3 / 4, 1.0, 3 / 2, 2.0)  # of pi
+LENGTHS: tuple[Sort, ...] = ("length", "offset")
+LENGTH_SYMBOL = r"([adhlr]|rl)\d+|l"  # L1, d4, a2, RL4: no joint position, whatever the column
+_SIGMA = '0 (revolute), 1 (prismatic) or "~" (fixed)'
+_SIGMA_WORDS = {"0": "rR", "1": "pPtT"}  # first letters of rotation, revolute, prismatic, ...
 
 
-class Cell(NamedTuple):
-    """A cell of the robot's table that is not zero."""
-
-    row: int  # from 0
-    column: str  # d, alpha, r or theta
-
-    def __str__(self) -> str:
-        """Write it as column and row: d2."""
-        return f"{self.column}{self.row + 1}"
-
-
-Binding = Mapping[str, frozenset[Cell]]  # symbol to the cells that it stands for
-_Rule = Callable[[Sequence[Cell], int], Cell | None]  # finds the cell of a number
-
-
-def cell_values(robot: Robot, metres: float) -> dict[Cell, float]:
-    """List the cells of a table that are not zero [rad, or the print's unit of so many metres]."""
-    units = {"d": metres, "r": metres, "alpha": 1.0, "theta": 1.0}
-    return {
-        Cell(index, column): getattr(row, column) / unit
-        for index, row in enumerate(robot.rows)
-        for column, unit in units.items()
-        if getattr(row, column) != 0.0
-    }
+def lint_table(table: Table) -> list[Finding]:
+    """Find errors and warnings in a table; empty if there are none."""
+    findings = [
+        Finding(
+            f"row {number}",
+            f"its frame is {quoted(row.frame)}",
+            f"frames are counted from 1, so this one is {number}",
+        )
+        for number, row in enumerate(table.rows, start=1)
+        if row.frame.strip() not in ("", str(number))
+    ]
+    for number, row in enumerate(table.rows, start=1):
+        findings += _lint_row(table, row, f"row {number}")
+    if any(finding.severity == "error" for finding in findings):
+        faulty = {finding.place for finding in findings}
+        return findings + [slip for slip in _lint_numbers(table) if slip.place not in faulty]
+    variables = _lint_variables(table) if table.symbolic else ()
+    return [*findings, *variables, *_lint_numbers(table), *_lint_convention(table)]
 
 
-def names_of_cells(binding: Binding, spelled: Mapping[str, str]) -> dict[Cell, str]:
-    """Name cells by their first symbols, as ``spelled`` in the print."""
-    return {
-        cell: spelled.get(name, name)
-        for name, cells in reversed(list(binding.items()))
-        for cell in cells
-    }
+def _lint_row(table: Table, row: TableRow, place: str) -> Iterator[Finding]:
+    """Look for cells that make no sense in their columns, or that belong to a neighbour."""
+    if table.convention == "khalil" and "a" in row.cells:
+        yield Finding(
+            place,
+            "it has a, a column of the classic (standard) convention",
+            'say convention = "classic", or write d, alpha, r, theta as Khalil does',
+        )
+        return
+    columns, texts = list(table.columns.items()), table.texts(row)
+    wrong = [(*columns[i], texts[i]) for i in table.misfits(texts)]
+    misplaced = [(c, text) for c, _, text in wrong if text and not _meant_as_sigma(c, text)]
+    better = _find_repair(table, row, len(misplaced)) if misplaced else None
+    if better:
+        found = "; ".join(f"{column} is {table.described(text)}" for column, text in misplaced)
+        cells = zip(table.columns, better.cells, strict=True)
+        remedy = f"write {', '.join(f'{column} = {text}' for column, text in cells)}"
+        yield Finding(place, f"{found}: {better.said}", remedy)
+        return
+    for column, sort, text in wrong:
+        if column == "sigma":
+            likely = _sigma_word(text) or _likely_sigma(table, texts)
+            fault = f"sigma is {quoted(text)}, which is not a joint type"
+            remedy = f"write sigma = {_SIGMA if likely == UNKNOWN else likely}"
+            yield Finding(place, fault if text else "sigma is missing", remedy)
+        elif not text:
+            strangers = [key for key in row.cells if key not in table.columns]
+            near = difflib.get_close_matches(column, strangers, n=1)
+            better_name = f"for {quoted(near[0])}" if near else "= 0"
+            yield Finding(place, f"{column} is missing", f"write {column} {better_name}")
+        else:
+            understood = table.kind(text) != "other"
+            fault = f"{column} is {table.described(text)}"
+            yield Finding(place, fault, _BELONGS[sort], understood=understood)
 
 
-def same(a: float, b: float) -> bool:
-    """Whether two lengths are the same but for their signs and rounding."""
-    return math.isclose(abs(a), abs(b), rel_tol=_NEAR)
+def _meant_as_sigma(column: str, text: str) -> bool:
+    """Whether a wrong sigma is a joint type of some kind and no cell out of place."""
+    return column == "sigma" and bool(_sigma_word(text) or re.fullmatch(r"\d(\.0*)?", text))
 
 
-def said_cells(said: Mapping[str, str], values: Mapping[Cell, float], origin: str) -> Binding:
-    """Read what a file says under ``cells``: symbol to ``d2`` or ``d3 d4``.
+def _sigma_word(text: str) -> str | None:
+    """Translate rotation, R, prismatic, T and the like into 0 or 1."""
+    if not re.fullmatch(r"[A-Za-z]+", text):
+        return None
+    return next((s for s, letters in _SIGMA_WORDS.items() if text[0] in letters), None)
 
-    A cell that is none, or that is zero in the robot's table, is refused.
+
+def _lint_variables(table: Table) -> Iterator[Finding]:
+    """Look for joints without a variable, variables without a joint, and doubles."""
+    rows_of: dict[str, int] = {}
+    columns = {sort: column for column, sort in table.columns.items()}
+    turn, offset = columns["turn"], columns["offset"]
+    for number, row in enumerate(table.rows, start=1):
+        texts = dict(zip(table.columns, table.texts(row), strict=True))
+        sigma, place = texts["sigma"], f"row {number}"
+        moving = {column for column in (turn, offset) if _moves(texts[column])}
+        expected = {"0": {turn}, "1": {offset}, "~": set()}[sigma]
+        if moving != expected and not (sigma == "0" and turn in moving):
+            variables = [f"{c} has the variable {texts[c]}" for c in sorted(moving)]
+            said = " and ".join(variables) or "the row has no variable"
+            remedy = "a fixed row has no variable: write sigma = 0 or 1, or a number"
+            if sigma != "~":
+                column, other = (turn, "1") if sigma == "0" else (offset, "0")
+                remedy = (
+                    f"sigma = {sigma} moves by {column}: write the variable there, or "
+                    f'sigma = {other} or "~"'
+                )
+            yield Finding(place, f"sigma is {sigma} and {said}", remedy)
+        for variable in sorted(cell_names(texts[turn])):
+            earlier = rows_of.setdefault(variable, number)
+            if earlier != number and re.fullmatch(r"q\d", variable):
+                fault = f"its variable {texts[turn]} is that of row {earlier} already"
+                yield Finding(place, fault, "give every joint its own")
+
+
+def _moves(text: str) -> bool:
+    """Whether a symbol in a cell can be a joint's position: any but those of lengths."""
+    return any(not re.fullmatch(LENGTH_SYMBOL, name) for name in cell_names(text))
+
+
+def _lint_numbers(table: Table) -> Iterator[Finding]:
+    """Look for numbers in another unit than the table's, or in none."""
+    cells = [
+        (number, column, sort in LENGTHS, text)
+        for number, row in enumerate(table.rows, start=1)
+        for (column, sort), text in zip(table.columns.items(), table.texts(row), strict=True)
+        if sort != "type" and table.kind(text) == "number"
+    ]
+    for what, choice, unit, is_length in (
+        ("lengths", '"mm" or lengths = "m"', table.lengths, True),
+        ("angles", '"deg" or angles = "rad"', table.angles, False),
+    ):
+        if unit is None and any(length == is_length for _, _, length, _ in cells):
+            fault = f"the unit of its {what} is missing"
+            yield Finding("table", fault, f"say {what} = {choice}", severity="warning")
+    for number, column, length, text in cells:
+        found = (_length_slip if length else _angle_slip)(_number(text), table)
+        if found:
+            fault = f"{column} is {text} {found[0]}"
+            yield Finding(f"row {number}", fault, found[1], severity="warning")
+
+
+def _length_slip(value: float, table: Table) -> tuple[str, str] | None:
+    size = abs(value)
+    if table.lengths == "m" and size >= LONG:
+        beside = ", or move it if it is an angle" if size % 15 == 0 else ""
+        return "m", f"write {value / 1000:g} if it is {value:g} mm{beside}"
+    if table.lengths == "mm" and 0.0 < size < SHORT:
+        return "mm", f"write {value * 1000:g} if it is {value:g} m"
+    return None
+
+
+def _angle_slip(value: float, table: Table) -> tuple[str, str] | None:
+    if table.angles == "rad" and abs(value) > TURN + NEAR:
+        return (
+            f"rad, which is {abs(value) / TURN:.3g} turns",
+            f'say angles = "deg", or write {math.radians(value):.9g}, if it is {value:g} degrees',
+        )
+    near = [math.copysign(f, value) for f in FRACTIONS if abs(abs(value) - f * math.pi) < NEAR]
+    if table.angles == "deg" and near:
+        return (
+            f"deg, which is nearly {near[0]:.3g} pi",
+            f'say angles = "rad", or write {180 * near[0]:g}, if it is {value:g} radians',
+        )
+    return None
+
+
+def _lint_convention(table: Table) -> Iterator[Finding]:
+    """Look for a classic table under Khalil's headings.
+
+    Khalil's frame 0 is usually chosen to fall together with frame 1, so that the first row has
+    neither d nor alpha; in classic tables it is the last joint's row that often has neither.
     """
-    known = {str(cell): cell for cell in values}
-    binding = {}
-    for name, text in said.items():
-        words = re.findall(r"[^\s,]+", text)
-        if not words or any(word not in known for word in words):
-            raise InvalidValueError(
-                f"{origin}: cells: {name} is {text!r}; the robot has {', '.join(known)}"
-            )
-        binding[plain(name)] = frozenset(known[word] for word in words)
-    return binding
+    if table.convention != "khalil" or len(table.rows) < 3:
+        return
+    first, last = table.rows[0].cells, table.rows[-1].cells
+    begins, ends = (
+        [c for c in ("d", "alpha") if table.kind(row.get(c, "")) not in ("zero", "nothing")]
+        for row in (first, last)
+    )
+    if begins and not ends and last.get("sigma", "").strip() != "~":
+        said = " and ".join(f"{column} = {first[column]}" for column in begins)
+        yield Finding(
+            "row 1",
+            f"it has {said} while the last row has neither d nor alpha, as in classic "
+            "(standard) tables; Khalil's mostly begin with a row without them",
+            'say convention = "classic" (columns theta, d, a, alpha) if it is one; '
+            "otherwise nothing is wrong",
+            severity="warning",
+        )
 
 
-def printed_cells(
-    table: Table | None, symbols: Mapping[str, float], values: Mapping[Cell, float]
-) -> Binding:
-    """Find symbols that are alone in a cell of a printed table where their value is the robot's."""
-    found: dict[str, set[Cell]] = {}
-    for cell, value in values.items():
-        if table is None or cell.row >= len(table.rows):
+def lint_sizes(robot: Robot) -> Iterator[Finding]:
+    """Look for links of more than 10 m, and for inertias too large for their link.
+
+    Both come from mistaken units; ``lint_table`` checks the lengths in the table.
+    """
+    for index, segment in enumerate(robot.segments, start=1):
+        for what, value in _lengths(segment.link) if segment.link else ():
+            if abs(value) >= LONG:
+                remedy = f"write {value / 1000:g} if it is {value:g} mm"
+                fault = f"{what} is {value:g} m"
+                yield Finding(f"row {index}", fault, remedy, severity="warning")
+    following = [*robot.segments[1:], None]
+    for index, (segment, after) in enumerate(zip(robot.segments, following, strict=True), start=1):
+        if segment.link is None or segment.link.inertial is None:
             continue
-        name = _plain_name(table.rows[cell.row].cells.get(cell.column, ""))
-        if name in symbols and same(symbols[name], value):
-            found.setdefault(name, set()).add(cell)
-    return {name: frozenset(cells) for name, cells in found.items()}
+        body, size = segment.link.inertial, _size(segment.link, after)
+        if size == 0.0:
+            continue
+        radius = math.sqrt(body.principal_moments()[-1] / body.mass)
+        if radius > size:
+            yield Finding(
+                f"row {index}",
+                f"the inertia of {segment.link.name} has a radius of gyration of "
+                f"{1000 * radius:.3g} mm, and the link is {1000 * size:.3g} mm long",
+                "moments are in kg*m^2 about the centre of mass, at most mass times the square "
+                "of half the length",
+                severity="warning",
+            )
 
 
-def _plain_name(text: str) -> str:
-    """Spell a cell's text as a symbol, without its sign; nothing where it cannot be read."""
-    try:
-        return plain(text).lstrip("-+ ")
-    except InvalidValueError:
-        return ""
+def _size(link: Link, after: Segment | None) -> float:
+    """Return the greatest length known to be the link's: to its end, the next joint, its solid."""
+    sizes = [math.hypot(*link.end), 2.0 * math.hypot(*link.centre_of_mass)]
+    if after is not None:
+        sizes.append(math.hypot(after.row.d, after.row.r))
+    if link.solid is not None:
+        sizes.append(2.0 * bounding_radius(link.solid.shape))
+    return max(sizes)
 
 
-def readings(
-    symbols: Mapping[str, float], values: Mapping[Cell, float], known: Binding
-) -> list[Binding]:
-    """List what the declared symbols can stand for, the likeliest first, at most ``MOST``.
-
-    Parameters
-    ----------
-    symbols : mapping
-        Name in lower case to value; one without a cell is a mere number.
-    known : Binding
-        Symbols of which it is said, or written into a table.
-    """
-    return _distinct(itertools.islice(_all_readings(symbols, values, known), MOST))
-
-
-def _distinct(bindings: Iterable[Binding]) -> list[Binding]:
-    return list({frozenset(binding.items()): binding for binding in bindings}.values())
-
-
-def _all_readings(
-    symbols: Mapping[str, float], values: Mapping[Cell, float], known: Binding
-) -> Iterator[Binding]:
-    rest = {name: value for name, value in symbols.items() if name not in known and value}
-    for indexed in _indexed_readings(rest, values):
-        by_number = {**known, **indexed}
-        for free in _free_readings(rest, values, by_number):
-            yield from _shared_readings({**by_number, **free}, symbols, values)
-
-
-def _indexed_readings(
-    symbols: Mapping[str, float], values: Mapping[Cell, float]
-) -> Iterator[Binding]:
-    """Bind L1, L2, ... by their numbers: each letter by the rules that fit most of its symbols."""
-    families: dict[str, dict[str, int]] = {}
-    for name in symbols:
-        numbered = re.fullmatch(r"([a-z]+?)_?(\d+)", name)
-        if numbered:
-            families.setdefault(numbered[1], {})[name] = int(numbered[2])
-    choices = [_family_readings(*family, symbols, values) for family in families.items()]
-    for chosen in itertools.product(*choices):
-        yield {name: cells for binding in chosen for name, cells in binding.items()}
-
-
-def _family_readings(
-    letter: str,
-    family: Mapping[str, int],
-    symbols: Mapping[str, float],
-    values: Mapping[Cell, float],
-) -> list[Binding]:
-    def read(columns: Sequence[str], rule: _Rule) -> Binding:
-        cells = [cell for cell in values if cell.column in columns]
-        placed = {name: rule(cells, number) for name, number in family.items()}
-        return {
-            name: frozenset([cell])
-            for name, cell in placed.items()
-            if cell and same(symbols[name], values[cell])
-        }
-
-    found = list(itertools.starmap(read, itertools.product(_COLUMNS, _RULES)))
-    most = max(map(len, found))
-    as_named = read((letter,), _in_row)
-    if len(as_named) == most:
-        return [as_named]
-    return _distinct(binding for binding in found if len(binding) == most)
-
-
-def _at(cells: Sequence[Cell], number: int) -> Cell | None:
-    return cells[number - 1] if 0 < number <= len(cells) else None
-
-
-def _in_row(cells: Sequence[Cell], number: int) -> Cell | None:
-    return next((cell for cell in cells if cell.row == number - 1), None)
-
-
-_COLUMNS = (("d",), ("r",), ("d", "r"), ("alpha",), ("theta",))
-# L1 is the first length, or that of row 1; classic tables have it in the row after; L0 the first.
-_RULES: tuple[_Rule, ...] = (
-    _at,
-    _in_row,
-    lambda cells, number: _in_row(cells, number + 1),
-    lambda cells, number: _at(cells, number + 1),
-)
-
-
-def _free_readings(
-    symbols: Mapping[str, float], values: Mapping[Cell, float], bound: Binding
-) -> Iterator[Binding]:
-    """Bind symbols that have no number, or one that fits no length, by their values."""
-    taken = {cell for cells in bound.values() for cell in cells}
-    loose = {name: value for name, value in symbols.items() if name not in bound}
-    options: dict[str, list[frozenset[Cell]]] = {}
-    for name, value in loose.items():
-        equal = [cell for cell in values if same(values[cell], value)]
-        free = [cell for cell in equal if cell not in taken] or equal
-        rivals = sum(same(other, value) for other in loose.values()) - 1
-        if free:
-            together = [frozenset(free)] if len(free) > 1 and not rivals else []
-            options[name] = [*(frozenset([cell]) for cell in free), *together]
-    first = {name: each[0] for name, each in options.items()}
-    chosen_ones = itertools.islice(itertools.product(*options.values()), MOST_TRIED)
-    apart = [chosen for chosen in chosen_ones if len(set(chosen)) == len(chosen)]
-    yield from (dict(zip(options, chosen, strict=True)) for chosen in apart)
-    if not apart:
-        yield first
-
-
-def _shared_readings(
-    bound: Binding, symbols: Mapping[str, float], values: Mapping[Cell, float]
-) -> Iterator[Binding]:
-    """Let a symbol stand for an equal length, too, that has no symbol of its own."""
-    taken = {cell for cells in bound.values() for cell in cells}
-    names: dict[Cell, list[str | None]] = {}
-    for cell, value in values.items():
-        equal = [name for name in bound if same(symbols[name], value)]
-        if cell not in taken and equal:
-            names[cell] = [None, *equal]
-    for chosen in itertools.product(*names.values()):
-        shared = dict(bound)
-        for cell, name in zip(names, chosen, strict=True):
-            if name is not None:
-                shared[name] = shared[name] | {cell}
-        yield shared
+def _lengths(link: Link) -> Iterator[tuple[str, float]]:
+    """List the lengths of a link with their names in a robot file."""
+    if link.solid is not None:
+        shape = link.solid.shape
+        yield from ((f"the solid's {f.name}", getattr(shape, f.name)) for f in fields(shape))
+        yield from (("the solid's centre", value) for value in link.solid.centre)
+    if link.inertial is not None:
+        yield from (("the centre of mass", value) for value in link.inertial.centre)
+    yield from (("the link's end", value) for value in link.end)

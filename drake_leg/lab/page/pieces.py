@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
+from importlib.resources import files
 from typing import Any
 from urllib.parse import quote
 from xml.etree import ElementTree
@@ -18,8 +19,7 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 from drake_leg.errors import DrakeLegError
-from drake_leg.lab.errata.catalogue import errata_by_number, erratum_of
-from drake_leg.lab.errata.erratum import Erratum
+from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 PNG = "data:image/png;base64,"
@@ -148,15 +148,16 @@ def erratum_notes(numbers: Iterable[int]) -> Markup:
     return Markup("\n").join(notes)
 
 
-def errata_entries(numbers: Iterable[int] | None = None) -> Markup:
-    """Write what is printed, what is right, and the effect of errata; by default of all of them.
+def errata_in_notebook(numbers: Iterable[int]) -> str:
+    """Write errata with their style sheet, as a notebook shows them."""
+    style = (files("drake_leg.lab") / "shown.css").read_text(encoding="utf-8")
+    entries = errata_entries(numbers)
+    return f'<style>\n{style}</style>\n<div class="drake-leg-shown">{entries}</div>'
 
-    Raises
-    ------
-    InvalidValueError
-        If there is no erratum of such a number.
-    """
-    chosen = [erratum_of(number) for number in (errata_by_number() if numbers is None else numbers)]
+
+def errata_entries(numbers: Iterable[int] | None = None) -> Markup:
+    """Write what is printed, what is right, and the effect of errata; by default of all of them."""
+    chosen = [erratum_of(number) for number in (texts_by_number() if numbers is None else numbers)]
     return Markup("\n").join(piece("entry", erratum, *_beside(erratum)) for erratum in chosen)
 
 

@@ -11,8 +11,7 @@ from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.spatial.transform import Rotation
 
 from drake_leg.kinematics.khalil import base_transforms, foot_pose, jacobian, row_transform
-from drake_leg.lab.errata.catalogue import errata
-from drake_leg.lab.errata.erratum import Erratum, angles, number, vector
+from drake_leg.lab.errata.catalogue import Erratum, angles, errata, number, vector
 from drake_leg.lab.errata.printed import (
     J12_PRINTED,
     J12_RIGHT,
@@ -150,7 +149,7 @@ def test_an_erratum_cannot_be_changed():
 
 
 def test_effects_are_computed_at_call_time(monkeypatch):
-    monkeypatch.setattr("drake_leg.lab.errata.pendulum_errors.STATE_TARGET", 45.0)
+    monkeypatch.setattr("drake_leg.lab.errata.catalogue.STATE_TARGET", 45.0)
     assert numbers(errata()[1].effect)[:2] == [45.0, 90.0]
     assert errata()[1].effect != FOUND[2].effect
 

@@ -1,55 +1,62 @@
-"""What a matrix is by its name, as people write it."""
+"""Rows and columns of a Jacobian that a print means without saying them."""
 
 import pytest
 
-from drake_leg.errors import InvalidValueError
-from drake_leg.lab.grader.claims import read_name
+from drake_leg.lab.grader.claims import PLANAR, POSITION, fewest_columns, task_rows
+from drake_leg.lab.grader.grade import grade
+from drake_leg.lab.grader.printed import printed_of_document
+from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
+
+LIFT = {"lift": "452.4-340-R"}
+SCARA_J = "-220s1 - 240s12, -240s12, 0; 220c1 + 240c12, 240c12, 0; 1, 1, 1"
+LEG_J = (
+    "-s1*(50 + 100*c2 + 100*c23), -c1*(100*s2 + 100*s23), -100*c1*s23;"
+    "c1*(50 + 100*c2 + 100*c23), -s1*(100*s2 + 100*s23), -100*s1*s23;"
+    "0, 100*c2 + 100*c23, 100*c23"
+)
 
 
-@pytest.mark.parametrize(
-    ("name", "kind", "frames"),
-    [
-        *((name, "transform", (0, 1)) for name in (
-            "T01", "T_{01}", "T_0_1", "T_{0,1}", "T0-1", "0T1", "^0T_1", "{}^{0}T_{1}", "⁰T₁",
-            "^{0}_{1}T", "T_0^1", "T_1^0", "T^0_1", "A1", "A_1", "H01", r"\\mathbf{T}_{01} =",
-            "$^0T_1$", "t01",
-        )),
-        ("T10", "transform", (1, 0)),
-        ("^1T_0", "transform", (1, 0)),
-        ("^{1}_{0}T", "transform", (1, 0)),
-        ("A3", "transform", (2, 3)),
-        *((name, "rotation", (0, 4)) for name in ("R04", "R_0^4", "^0R_4")),
-        *((name, "position", (0, 4)) for name in (
-            "P04", "p_04", "p_{04}", "^0p_4", "P_4^0", "P4", "P_4",
-        )),
-    ],
-)  # fmt: skip
-def test_frames_are_read(name, kind, frames):
-    found = read_name(name.replace(r"\\", "\\"))
-    assert (found.kind, found.frames) == (kind, frames)
+def sentences(robot, name, entries, **matrix):
+    document = {"lengths": "mm", "angles": "deg", "joints": LIFT if robot is SCARA else {}}
+    document["matrix"] = [{"name": name, "entries": entries, **matrix}]
+    findings = grade(robot, printed_of_document(document, "print"))
+    return [finding.sentence() for finding in findings]
 
 
-@pytest.mark.parametrize(
-    ("name", "kind", "rows"),
-    [
-        *((name, "jacobian", ()) for name in (
-            "J", "Jacobian", "Jacobian matrix", "J(q)", "J3x3", "J_{3×3}", "^0J", "J =", "J04",
-            "{}^0J_4", "J_4", "J_{4}", "0J4", "J(q1,q2,q3)", "J(θ_1, θ_2)",
-        )),
-        *((name, "jacobian", ("x", "y", "z")) for name in ("Jv", "J_v", "J_{v}", "J_P")),
-        *((name, "jacobian", ("wx", "wy", "wz")) for name in ("Jw", "J_ω", r"J_\omega", "J_O")),
-        *((name, "determinant", ()) for name in (
-            "detJ", "det J", "det(J)", r"\det J", r"\det(J)", "|J|", r"\left|J\right|", "|J(q)|",
-            r"\lvert J \rvert", "Determinant", "Det(J) =",
-        )),
-    ],
-)  # fmt: skip
-def test_jacobians_and_determinants_are_read(name, kind, rows):
-    found = read_name(name)
-    assert (found.kind, found.rows) == (kind, rows)
+def test_z_is_no_task_where_a_sliding_joint_alone_moves_along_it():
+    assert [task_rows(robot, 3) for robot in (LEG_A, LEG_B)] == [POSITION, POSITION]
+    assert task_rows(SCARA, 3) == PLANAR
+    assert task_rows(SCARA, 4) == POSITION
+    assert task_rows(PENDULUM, 1) == POSITION
 
 
-@pytest.mark.parametrize("name", ["", "K", "T", "T1", "T123", "B12", "J_2", r"\foo", "x" * 5000])
-def test_another_name_is_no_matrix(name):
-    with pytest.raises(InvalidValueError, match="means nothing here; write one of T12"):
-        read_name(name)
+def test_columns_of_zeros_may_be_left_out():
+    assert fewest_columns(SCARA, PLANAR) == 3
+    assert fewest_columns(SCARA, POSITION) == 4
+    assert fewest_columns(LEG_B, POSITION) == 3
+
+
+@pytest.mark.parametrize("name", ["J", "Jacobian"])
+def test_the_scaras_own_jacobian_needs_no_rows(name):
+    assert sentences(SCARA, name, SCARA_J) == []
+    assert sentences(SCARA, name, SCARA_J, rows=["x", "y", "yaw"]) == []
+
+
+@pytest.mark.parametrize("text", ["220*240*s2", "52800 sin(θ2)"])
+def test_the_scaras_own_determinant_needs_no_rows(text):
+    assert sentences(SCARA, "detJ", text) == []
+
+
+@pytest.mark.parametrize("columns", [1, 2])
+def test_a_jacobian_without_its_last_columns_is_wrong(columns):
+    rows = [row.split(",")[:columns] for row in LEG_J.split(";")]
+    (sentence,) = sentences(LEG_B, "J", rows)
+    assert "should have 3 rows and 3 columns" in sentence
+    assert sentences(LEG_B, "J", LEG_J) == []
+
+
+def test_rows_that_are_not_said_or_unknown_are_not_understood():
+    (sentence,) = sentences(LEG_B, "J", "0, 1; 1, 0")
+    assert "it does not say what its rows are; name every row under rows" in sentence
+    (sentence,) = sentences(LEG_B, "J", "0, 1, 1; 1, 0, 1", rows=["x", "up"])
+    assert "its rows are named x, up; name every row under rows" in sentence

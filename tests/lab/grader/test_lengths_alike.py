@@ -8,11 +8,11 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil
-from drake_leg.lab.grader.comparison import chain_of
+from drake_leg.lab.grader.claims import chain_of
+from drake_leg.lab.grader.definitions import Cell, cell_values, readings
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.printed import Printed, PrintedMatrix, printed_of_document
-from drake_leg.lab.grader.tables import Cell, Table, TableRow, cell_values, readings
-from drake_leg.lab.grader.text_print import parse_text
+from drake_leg.lab.grader.printed import Printed, PrintedMatrix, parse_text, printed_of_document
+from drake_leg.lab.grader.tables import Table, TableRow
 from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg
 
@@ -316,4 +316,4 @@ def test_the_legs_conventions_are_told_apart_whatever_the_lengths():
     height = (*P04[:2], ("-L2*s2 - L3*s23",))
     assert said({"P04": height}, LEG_A) == []
     assert said({"P04": P04}, LEG_B) == []
-    assert "minus in front" in said({"P04": height}, LEG_B)[0]
+    assert "minus sign in front" in said({"P04": height}, LEG_B)[0]

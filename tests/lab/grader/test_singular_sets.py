@@ -4,8 +4,7 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.printed import printed_of_document
-from drake_leg.lab.grader.text_print import parse_text
+from drake_leg.lab.grader.printed import parse_text, printed_of_document
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 LEG = {"lengths": "mm", "angles": "deg", "symbols": {"L1": 50, "L2": 100, "L3": 100}}
@@ -108,10 +107,10 @@ def test_a_robot_without_a_square_jacobian_has_no_singular_postures():
 
 def test_without_factors_a_posture_is_named(monkeypatch):
     monkeypatch.setattr(
-        "drake_leg.lab.grader.singular_sets.determinant_factors", lambda *arguments: []
+        "drake_leg.lab.grader.claims.RightForms.determinant_factors", lambda *arguments: []
     )
     (finding,) = graded("θ3 = kπ")
-    assert finding.remedy == "add where the determinant is zero besides"
+    assert finding.remedy == "add the other zeros of the determinant"
 
 
 def test_sets_and_determinants_are_read_from_text():

@@ -9,9 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drake_leg.lab.grader.printed import errors, read_printed
-from drake_leg.lab.grader.table_linter import lint_sizes, lint_table
-from drake_leg.lab.grader.tables import COLUMNS, Table, TableRow, repaired, table_of_document
+from drake_leg.lab.grader.printed import read_printed
+from drake_leg.lab.grader.tables import (
+    COLUMNS,
+    Table,
+    TableRow,
+    errors,
+    lint_sizes,
+    lint_table,
+    repaired,
+    table_of_document,
+)
 from drake_leg.robot.robot import Inertial
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
 from drake_leg.robot.toml_keys import parse_document
@@ -59,7 +67,7 @@ def test_report_bs_scara_table_has_no_error():
 def test_a_table_of_numbers_is_read_without_sympy():
     code = (
         "import sys\n"
-        "from drake_leg.lab.grader.table_linter import lint_table\n"
+        "from drake_leg.lab.grader.tables import lint_table\n"
         "from drake_leg.lab.grader.tables import table_of_document\n"
         "row = {'sigma': 0, 'd': 0.1, 'alpha': -90.0, 'r': 1e-3, 'theta': 0}\n"
         "assert not lint_table(table_of_document({'angles': 'deg', 'row': [row]}))\n"
@@ -91,9 +99,9 @@ def test_the_reports_robots_have_no_fault(robot):
         ("|0|0|0|θ1", "sigma is missing; write sigma = 0"),
         ("|0|0|q1|0", "sigma is missing; write sigma = 1"),
         ("|L1|0|0|0", "sigma is missing; write sigma = ~"),
-        ("R|0|0|0|θ1", "sigma is 'R', which is no joint type; write sigma = 0"),
-        ("prismatic|0|0|q1|0", "sigma is 'prismatic', which is no joint type; write sigma = 1"),
-        ("2|0|0|0|θ1", "sigma is '2', which is no joint type; write sigma = 0"),
+        ("R|0|0|0|θ1", "sigma is 'R', which is not a joint type; write sigma = 0"),
+        ("prismatic|0|0|q1|0", "sigma is 'prismatic', which is not a joint type; write sigma = 1"),
+        ("2|0|0|0|θ1", "sigma is '2', which is not a joint type; write sigma = 0"),
         ("0||0|0|θ1", "d is missing; write d = 0"),
         (
             "0|90°|L1|0|θ1",
