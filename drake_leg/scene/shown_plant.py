@@ -13,7 +13,6 @@ from copy import copy
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from textwrap import shorten
 from threading import Lock
 from typing import TypeAlias
 
@@ -101,7 +100,8 @@ def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
 
 def shortened(value: object) -> str:
     """Write any value in a sentence, whatever its length."""
-    return shorten(repr(value), 60, placeholder=" ...")
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:40]}...{text[-10:]}"
 
 
 def numeric(what: str, values: ArrayLike) -> Array:
