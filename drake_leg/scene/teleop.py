@@ -39,7 +39,7 @@ from drake_leg.singularity.stroke import motion_in_words
 PERIOD = 1.0 / 30.0  # [s] of a step
 LONGEST_STEP = 0.1  # [s], however late the commands are read
 FREED = "nothing is in the way: the foot follows its command"
-AT_REST = "the foot is at rest, and nothing is near"
+AT_REST = "the foot is at rest, no singularity or limit is near"
 LAPSED = "the page that drives is silent: the foot halts"
 SILENCE = 1.0  # [s] of the driving page, after which the foot halts
 ACTIONS = ("drive", "alive", "halt", "start", "clear", "quit")

@@ -1,5 +1,7 @@
 """The page of ``drake-leg teleop`` in a browser."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -128,6 +130,14 @@ def test_a_typed_velocity_is_exact_and_clipped_in_sight(visit):
     visit.wait_until(lambda: velocity_box(visit, "z").input_value() == "100")
 
 
+def test_a_slider_sets_a_velocity_that_its_box_has_room_for(visit):
+    slider = visit.page.get_by_label("Velocity along z in mm/s", exact=True)
+    place = slider.bounding_box()
+    visit.page.mouse.click(place["x"] + 0.66 * place["width"], place["y"] + place["height"] / 2)
+    goes(visit, 2, 5e-3)
+    assert re.fullmatch(r"\d+(\.\d)?", velocity_box(visit, "z").input_value())
+
+
 def test_the_guard_speaks_at_the_boundary_and_after_a_halt(visit):
     comes_to_the_boundary(visit)
     stopped = "the leg is nearly stretched: the foot "
@@ -213,4 +223,5 @@ def test_the_page_says_that_the_session_has_ended(session, visit):
     visit.page.keyboard.press("Escape")
     visit.page.wait_for_selector("#page-over", state="visible")
     assert "The session has ended. This tab can be closed." in visit.page.inner_text("#page-over")
+    assert guard(visit)[0] == "Ended"
     assert visit.page.locator("#page-panel button:enabled").count() == 0

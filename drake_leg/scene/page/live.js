@@ -52,7 +52,7 @@ const live = stage && (() => {
 
   function lose() {
     if (over) return;
-    for (const listener of listeners.lost) listener();
+    for (const listener of listeners.lost) listener("No connection");
     element("page-lost").hidden = false;
     element("page-lost").textContent = "No connection to drake-leg; trying again. "
       + "If the command has ended in the terminal, this tab can be closed.";
@@ -61,7 +61,7 @@ const live = stage && (() => {
   function finish() {
     over = true;
     source.close();
-    for (const listener of listeners.lost) listener();
+    for (const listener of listeners.lost) listener("Ended");
     element("page-lost").hidden = true;
     element("page-over").hidden = false;
     for (const part of document.querySelectorAll("#page-panel input, #page-panel button")) {
@@ -99,8 +99,9 @@ const live = stage && (() => {
       touch();
     }
     slider.addEventListener("input", () => {
-      box.value = String(Number(Number(slider.value).toFixed(1)));
-      change(Number(slider.value), false);
+      const value = Number(Number(slider.value).toFixed(1));
+      box.value = String(value);
+      change(value, false);
       touch();
     });
     box.addEventListener("input", () => { editing = true; });

@@ -127,9 +127,9 @@ if (live) (() => {
   window.addEventListener("blur", leave);
   window.addEventListener("pagehide", leave);
   document.addEventListener("visibilitychange", () => { if (document.hidden) leave(); });
-  live.onLost(() => {
+  live.onLost((word) => {
     forget();
-    say("lost", "No connection", "the foot halts");
+    say("lost", word, "the foot halts");
   });
 
   // The ball at the foot has the colour of the guard's state.
@@ -169,7 +169,7 @@ if (live) (() => {
     if ((told.tab && told.tab !== tab) || told.halts !== halts) forget();
     halts = told.halts;
     const others = told.tab && told.tab !== tab ? " (driven from another page)" : "";
-    const free = moving ? "nothing is in the way" : "at rest, and nothing is near";
+    const free = moving ? "nothing is in the way" : "at rest, no singularity or limit is near";
     say(told.state, WORDS[told.state], (told.sentence || free) + others);
     element("guard-sigma").textContent = told.sigma.toFixed(2);
     element("guard-share").textContent = moving ? `speed ${Math.round(100 * told.share)} %` : "speed –";
