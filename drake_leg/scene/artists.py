@@ -85,16 +85,9 @@ class _Shot:
 
 
 class Renderer:
-    """Renders one scene in any pose.
+    """Renders one scene in any pose, in pictures of a size [pixels].
 
     A scene graph by itself, without a diagram: the poses are fixed on its input port.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is drawn.
-    width, height : int
-        Of the pictures [pixels].
     """
 
     def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
@@ -170,15 +163,7 @@ class Renderer:
 
 
 class Sketcher:
-    """Draws one scene in any pose, in parallel projection: shaded faces, far ones first.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is drawn.
-    width, height : int
-        Of the pictures [pixels].
-    """
+    """Draws one scene in any pose, in parallel projection: shaded faces, far ones first."""
 
     def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
         self._scene, self.width, self.height, self._paper = scene, width, height, paper
@@ -226,13 +211,7 @@ class Sketcher:
 
 
 class NoRenderingError(DrakeLegError):
-    """OpenGL is missing or broken.
-
-    Attributes
-    ----------
-    reason : str
-        The last line of the trial's output.
-    """
+    """OpenGL is missing or broken; ``reason`` is the last line of the trial's output."""
 
     def __init__(self, reason: str) -> None:
         self.reason = reason
@@ -244,13 +223,7 @@ class NoRenderingError(DrakeLegError):
 
 @cache
 def rendering_fault() -> str | None:
-    """Try VTK in another process.
-
-    Returns
-    -------
-    str or None
-        What went wrong, in one line; None if it rendered a picture.
-    """
+    """Try VTK in another process; return what went wrong, in one line, or None."""
     command = [sys.executable, "-c", TRIAL]
     try:
         trial = subprocess.run(
@@ -267,13 +240,7 @@ def rendering_fault() -> str | None:
 
 
 def require_rendering() -> None:
-    """Check that VTK can render.
-
-    Raises
-    ------
-    NoRenderingError
-        With the reason.
-    """
+    """Check that VTK can render."""
     fault = rendering_fault()
     if fault is not None:
         raise NoRenderingError(fault)

@@ -52,19 +52,8 @@ class DrivenFoot:
 
     Motion that lowers the smallest singular value of the foot's Jacobian is slowed below ``slow``
     and stopped at ``stop``. No joint exceeds its greatest rate or moves further out of its limits.
-    A command is projected onto the directions in which the foot can move.
-
-    Parameters
-    ----------
-    robot : Robot
-        Any whose foot its joints move.
-    keep : {"position", "pose"}, optional
-        Whether the foot may turn, as ``movable`` takes it.
-
-    Raises
-    ------
-    InvalidValueError
-        If the robot cannot do that.
+    A command is projected onto the directions in which the foot can move. ``keep`` is whether the
+    foot may turn, as ``movable`` takes it.
     """
 
     rate = GREATEST_RATE  # [rad/s or m/s] of a joint
@@ -96,15 +85,7 @@ class DrivenFoot:
         return self.moved.at(posture).sigma_min(posture)
 
     def at_rest(self, q: ArrayLike) -> Step:
-        """Describe a posture at rest, (n,) [rad or m].
-
-        Raises
-        ------
-        InvalidValueError
-            If ``q`` has not n finite numbers.
-        SingularConfigurationError
-            If the posture is singular: no velocity has joint rates there.
-        """
+        """Describe a posture at rest, (n,) [rad or m]; refuse a singular one."""
         posture = one_vector("q", q, len(self.robot.moving))
         sigma_min = self.sigma_min(posture)
         if sigma_min < 1e-3 * self.stop:
@@ -114,19 +95,7 @@ class DrivenFoot:
     def step(self, q: ArrayLike, v: ArrayLike, dt: float) -> Step:
         """Move the foot for a moment with a commanded velocity, as far as the guard lets it.
 
-        Parameters
-        ----------
-        q : (n,) array_like
-            Joint positions at the beginning [rad or m].
-        v : (3,) array_like
-            Commanded velocity of the foot, base frame [m/s].
-        dt : float
-            Duration [s].
-
-        Raises
-        ------
-        InvalidValueError
-            If ``q`` or ``v`` has another count of numbers, or one is not finite.
+        Joint positions q (n,) [rad or m], velocity v (3,) in the base frame [m/s], duration dt [s].
         """
         posture, velocity = one_vector("q", q, len(self.robot.moving)), one_vector("v", v, 3)
         if not velocity.any() or dt <= 0.0:

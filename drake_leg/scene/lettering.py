@@ -209,16 +209,9 @@ class _Axis:
 class AxisNames:
     """Names the axes of a scene's frames in pictures of it, one after the other.
 
-    From one picture to the next a name stays where it was, unless another place is much better.
-
-    Parameters
-    ----------
-    artist : Artist
-        Knows where points are in its pictures.
-    share : int
-        What the artist's pictures are reduced by before they are written on.
-    size : int
-        Of the letters [pixels].
+    From one picture to the next a name stays where it was, unless another place is much better. The
+    artist's pictures are reduced by ``share`` before letters of ``size`` [pixels] are written on
+    them.
     """
 
     def __init__(
@@ -238,15 +231,7 @@ class AxisNames:
         self._before: dict[str, tuple[bool, int]] = {}  # of each axis: end-on, and which place
 
     def place(self, X_WF: Array, others: Sequence[Words] = ()) -> list[Words]:
-        """Name the axes in a posture.
-
-        Parameters
-        ----------
-        X_WF : (n, 4, 4) ndarray
-            Poses of the shown frames, as one row of ``PlantMotion.poses``.
-        others : sequence of Words
-            What is written already.
-        """
+        """Name the axes of frames whose poses are (n, 4, 4), beside other words."""
         axes = self._seen(X_WF)
         marks = np.linspace(0.0, 1.0, PLACEMENT.samples)[:, np.newaxis]
         rods = [axis.start + marks * (axis.end - axis.start) for axis in axes]

@@ -32,14 +32,9 @@ Command = Mapping[str, Any]  # an object of JSON: what to do, under "do", and it
 
 
 class Trace:
-    """The paths of moving tips, as numbered straight pieces.
+    """The paths of moving tips in a scene of a size [m], as numbered straight pieces.
 
     Pages ask for those that they have not yet seen.
-
-    Parameters
-    ----------
-    size : float
-        Of the scene [m].
     """
 
     def __init__(self, size: float) -> None:
@@ -78,11 +73,8 @@ class Trace:
     def since(self, cleared: int, count: int) -> dict[str, Any]:
         """Return the pieces that are new since an answer with these numbers; -1 and 0 at first.
 
-        Returns
-        -------
-        dict
-            ``cleared``: how often the trace was cleared; ``count``: pieces since then;
-            ``pieces``: the new ones, x, y, z of their ends [m].
+        ``cleared``: how often the trace was cleared; ``count``: pieces since then; ``pieces``: the
+        new ones, x, y, z of their ends [m].
         """
         with self._lock:
             known = count if cleared == self._cleared else 0
@@ -122,18 +114,9 @@ class Feed:
             self._changed.wait_for(lambda: self._readers == 0, patience)
 
     def follow(self, quiet: float = QUIET) -> Iterator[Mapping[str, Any] | None]:
-        """Follow what is published until the session has ended.
+        """Yield what is published until the session has ended, with ``session`` and ``trace``.
 
-        Parameters
-        ----------
-        quiet : float
-            Time without a new state, after which None is yielded [s].
-
-        Yields
-        ------
-        mapping or None
-            The state with ``session`` and with ``trace``, as ``Trace.since`` returns it; None when
-            nothing was new for long.
+        None is yielded after ``quiet`` [s] without news.
         """
         seen, cleared, count = 0, -1, 0
         with self._changed:
@@ -162,13 +145,7 @@ class Feed:
 
 
 def action_of(command: Command, actions: Collection[str]) -> str:
-    """Read what a command asks for, one of ``actions``.
-
-    Raises
-    ------
-    InvalidValueError
-        If it asks for something else.
-    """
+    """Read what a command asks for, one of ``actions``."""
     wanted = command.get("do")
     if not isinstance(wanted, str) or wanted not in actions:
         raise InvalidValueError(f'"do" must be one of {", ".join(actions)}')
@@ -176,13 +153,7 @@ def action_of(command: Command, actions: Collection[str]) -> str:
 
 
 def numbers_of(command: Command, name: str, count: int) -> list[float]:
-    """Read the ``count`` numbers that a command has under a name.
-
-    Raises
-    ------
-    InvalidValueError
-        If they are missing, of another count, or not finite.
-    """
+    """Read the ``count`` finite numbers that a command has under a name."""
     values = command.get(name)
     if (
         not isinstance(values, list)
@@ -194,13 +165,7 @@ def numbers_of(command: Command, name: str, count: int) -> list[float]:
 
 
 def tab_of(command: Command) -> str:
-    """Read the name of the page that a command comes from; the page chose it.
-
-    Raises
-    ------
-    InvalidValueError
-        If it has none, or a long one.
-    """
+    """Read the name of the page that a command comes from; the page chose it."""
     tab = command.get("tab")
     if not isinstance(tab, str) or not 0 < len(tab) <= LONGEST_NAME:
         raise InvalidValueError(f'"tab" must be a name of at most {LONGEST_NAME} letters')
@@ -237,15 +202,7 @@ Address = tuple[socket.AddressFamily, str]
 
 
 class ServerError(DrakeLegError):
-    """Pages cannot be served there.
-
-    Attributes
-    ----------
-    host : str
-        Where it was to listen.
-    port : int or None
-        At which port; None for any that is free.
-    """
+    """Pages cannot be served at a host and a port, or at any port (None)."""
 
     def __init__(self, host: str, port: int | None, reason: str, advice: str) -> None:
         self.host, self.port = host, port
@@ -256,19 +213,8 @@ class ServerError(DrakeLegError):
 class Server:
     """Listens once created; answers once it serves.
 
-    Parameters
-    ----------
-    host : str
-        Name or address to listen at; ``*`` lets all in that can reach this machine.
-    port : int, optional
-        To listen at; by default the first that is free from ``FIRST_PORT`` on.
-
-    Raises
-    ------
-    InvalidValueError
-        If the port is out of range.
-    ServerError
-        If the port is taken, or the host is not one of this machine's.
+    The host ``*`` lets all in that can reach this machine. By default the port is the first that is
+    free from ``FIRST_PORT`` on.
     """
 
     def __init__(self, host: str = LOCALHOST, port: int | None = None) -> None:
@@ -297,15 +243,10 @@ class Server:
         return f"http://{self.names[0]}:{self.port}"
 
     def serve(self, page: str, handle: Callable[[Command], dict[str, Any]], feed: Feed) -> None:
-        """Begin to answer.
+        """Begin to answer with a page and the states of a feed.
 
-        Parameters
-        ----------
-        handle : callable
-            Called with each command, in other threads; returns the answer to the page, or raises
-            a ``DrakeLegError``, whose sentence is the answer.
-        feed : Feed
-            The states for the pages.
+        ``handle`` is called with each command, in other threads; it returns the answer to the page,
+        or raises a ``DrakeLegError``, whose sentence is the answer.
         """
         self._feed = feed
         site = Site(page=page.encode(), handle=handle, feed=feed, names=self.names)
@@ -475,10 +416,7 @@ def open_browser(url: str) -> bool:
 def require_own(host: str | None, origin: str | None, names: tuple[str, ...]) -> None:
     """Refuse requests that another site sends through a browser of this machine.
 
-    Raises
-    ------
-    RefusedError
-        If the Host header is none of this machine's names, or Origin is another host.
+    Then the Host header is none of this machine's names, or Origin is another host.
     """
     name = (host or "").lower().rpartition(":")[0] if _has_port(host) else (host or "").lower()
     known = name in map(str.lower, names) or ("*" in names and _is_address(name))

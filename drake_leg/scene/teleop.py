@@ -75,13 +75,7 @@ class Orders:
 
 
 class VelocityCommands:
-    """The commanded velocity, one page's at a time.
-
-    Parameters
-    ----------
-    clock : callable
-        Tells the time [s].
-    """
+    """The commanded velocity, one page's at a time; ``clock`` tells the time [s]."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock, self._lock = clock, Lock()
@@ -89,24 +83,11 @@ class VelocityCommands:
         self._halts, self._asked = 0, set[str]()
 
     def handle(self, command: Command) -> dict[str, Any]:
-        """Carry a command out.
+        """Carry a command out; return the ``velocity`` that is commanded now.
 
-        Parameters
-        ----------
-        command : Command
-            ``{"do": "drive", "velocity": [x, y, z], "tab": name}`` in mm/s, at most ``FASTEST``
-            along each axis; ``{"do": "alive", "tab": name}`` from the same page keeps it up, or it
-            lapses after ``SILENCE``. ``halt``, ``start``, ``clear``, ``quit`` take nothing else.
-
-        Returns
-        -------
-        dict
-            ``velocity``: what is commanded now.
-
-        Raises
-        ------
-        InvalidValueError
-            If it is none of these, or its numbers are not finite.
+        ``{"do": "drive", "velocity": [x, y, z], "tab": name}`` in mm/s, at most ``FASTEST`` along
+        each axis; ``{"do": "alive", "tab": name}`` from the same page keeps it up, or it lapses
+        after ``SILENCE``. ``halt``, ``start``, ``clear``, ``quit`` take nothing else.
         """
         wanted = action_of(command, ACTIONS)
         if wanted == "drive":
@@ -159,27 +140,10 @@ def drive_robot(
 ) -> Step:
     """Let a user drive a robot's foot from a page, until the page quits or Ctrl-C.
 
-    Parameters
-    ----------
-    robot : Robot
-        Any whose foot its joints move.
-    q : (n,) array_like
-        Where it starts [rad or m].
-    say : callable
-        Called with each new message of the guard, also when it releases the foot.
-    keep : {"position", "pose"}, optional
-        Whether the foot may turn, as ``movable`` takes it.
-    once : bool
-        Whether to end after one step.
-    wait, clock : callable
-        Called with the time until the next step [s]; tells the time [s].
-
-    Raises
-    ------
-    InvalidValueError
-        If the foot cannot be driven so, or ``q`` has not n finite numbers.
-    SingularConfigurationError
-        If the robot is singular where it starts.
+    It starts at q (n,) [rad or m]. ``say`` is called with each new message of the guard, also when
+    it releases the foot. ``keep`` is whether the foot may turn, as ``movable`` takes it. With
+    ``once`` it ends after one step. ``wait`` is called with the time until the next step, ``clock``
+    tells the time [s].
     """
     drive = DrivenFoot(robot, keep)
     start = step = drive.at_rest(q)
@@ -260,13 +224,7 @@ def _postures(plant: ShownPlant) -> Array:
 
 
 def teleop_page(drive: DrivenFoot, scene: Scene, session: str) -> str:
-    """Make the page of a ``teleop_scene`` that follows the feed of a session.
-
-    Raises
-    ------
-    MeshcatError
-        If Meshcat finds no free port.
-    """
+    """Make the page of a ``teleop_scene`` that follows the feed of a session."""
     title = drive.robot.title
     return web_page(
         scene,
@@ -355,13 +313,10 @@ def _draw_region(meshcat: Meshcat, leg: LegGeometry | None) -> None:
 
 
 def section_circles(leg: LegGeometry) -> tuple[Array, Array]:
-    """Inner and outer boundary of the workspace without turning the hip.
+    """Inner and outer boundary of the workspace without turning the hip, (CORNERS, 3) each [m].
 
-    Returns
-    -------
-    inner, outer : (CORNERS, 3) ndarray
-        Circles of radius |l2 - l3| and l2 + l3 around the knee, in the plane of the leg at
-        q1 = 0: x away from the hip axis, z up [m].
+    Circles of radius |l2 - l3| and l2 + l3 around the knee, in the plane of the leg at q1 = 0: x
+    away from the hip axis, z up.
     """
     angles = 2.0 * np.pi * np.arange(CORNERS) / CORNERS
     circle = np.column_stack([np.cos(angles), np.zeros(CORNERS), np.sin(angles)])
@@ -370,15 +325,7 @@ def section_circles(leg: LegGeometry) -> tuple[Array, Array]:
 
 
 def section_triangles(leg: LegGeometry) -> tuple[Array, Array]:
-    """Triangulate the section.
-
-    Returns
-    -------
-    vertices : (2 CORNERS, 3) ndarray
-        Those of the inner circle first [m].
-    triangles : (2 CORNERS, 3) ndarray
-        Indices of vertices.
-    """
+    """Triangulate the section: vertices [m], the inner circle first, and triangles of indices."""
     here = np.arange(CORNERS)
     after = (here + 1) % CORNERS
     halves = ([here, here + CORNERS, after + CORNERS], [here, after + CORNERS, after])

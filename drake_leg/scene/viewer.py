@@ -40,14 +40,9 @@ class Slider:
 
 
 def joint_sliders(plant: ShownPlant, q: ArrayLike | None = None) -> tuple[Slider, ...]:
-    """Make a slider for every position that is not part of a quaternion.
+    """Make a slider for every position that is not part of a quaternion; it is at q first.
 
     Its range is the joint's limits; without limits a half turn or the plant's length each way.
-
-    Parameters
-    ----------
-    q : (q,) array_like, optional
-        Where the sliders are first [rad or m].
     """
     return tuple(
         _slider(index, coordinate, float(value), plant)
@@ -85,10 +80,7 @@ def _slider(index: int, coordinate: Coordinate, value: float, plant: ShownPlant)
 class SliderCommands:
     """The positions of the sliders, as moved by the pages.
 
-    Parameters
-    ----------
-    trace : Trace
-        Cleared on a page's command; interrupted where the joints jump.
+    The trace is cleared on a page's command, and interrupted where the joints jump.
     """
 
     def __init__(self, sliders: tuple[Slider, ...], trace: Trace) -> None:
@@ -98,24 +90,11 @@ class SliderCommands:
         self._put = self._quit = False
 
     def handle(self, command: Command) -> dict[str, Any]:
-        """Carry a command out.
+        """Carry a command out; return the ``values`` where the sliders are.
 
-        Parameters
-        ----------
-        command : Command
-            ``{"do": "joints", "values": [...], "put": true}`` moves the sliders, in their units,
-            between their ends; with ``put`` the plant is put there, not moved. ``start``,
-            ``clear``, ``quit`` take nothing else.
-
-        Returns
-        -------
-        dict
-            ``values``: where the sliders are.
-
-        Raises
-        ------
-        InvalidValueError
-            If it is none of these, or its numbers are not finite.
+        ``{"do": "joints", "values": [...], "put": true}`` moves the sliders, in their units,
+        between their ends; with ``put`` the plant is put there, not moved. ``start``, ``clear``,
+        ``quit`` take nothing else.
         """
         wanted = action_of(command, ACTIONS)
         given = numbers_of(command, "values", len(self._sliders)) if wanted == "joints" else None

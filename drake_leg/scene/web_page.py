@@ -56,32 +56,11 @@ def web_page(
     draw_more: Callable[[Meshcat], None] | None = None,
     **values: object,
 ) -> str:
-    """Make a page that needs no other file and no network.
+    """Make a page that needs no other file and no network: about 2.5 MB, most of it Meshcat.
 
-    Parameters
-    ----------
-    template : str
-        What is around the 3D: a file in ``page/`` that extends ``page.html``.
-    title : str
-        Of the window.
-    data : mapping
-        For the scripts, as JSON: ``stage_data`` and more.
-    draw_more : callable, optional
-        Draws what is not part of the scene.
-    **values
-        For the template.
-
-    Returns
-    -------
-    str
-        HTML, about 2.5 MB, most of which is Meshcat.
-
-    Raises
-    ------
-    MeshcatError
-        If Meshcat finds no free port.
-    PageError
-        If Meshcat's page is not as expected.
+    ``template`` is what is around the 3D: a file in ``page/`` that extends ``page.html``; ``data``
+    is for the scripts, as JSON, ``stage_data`` and more; ``draw_more`` draws what is not part of
+    the scene; the other values are for the template.
     """
     meshcat = open_meshcat()
     _draw(meshcat, scene)
@@ -151,11 +130,6 @@ def open_meshcat() -> Meshcat:
     """Start a Meshcat with an empty world, without grid and axes.
 
     It listens, on this machine only, as long as it lives.
-
-    Raises
-    ------
-    MeshcatError
-        If there is no free port.
     """
     settings = MeshcatParams()
     settings.host = "localhost"
@@ -173,13 +147,7 @@ def open_meshcat() -> Meshcat:
 
 
 def replaced(page: str, old: str, new: str) -> str:
-    """Replace the last occurrence of a text on Meshcat's page; scripts may contain it earlier.
-
-    Raises
-    ------
-    PageError
-        If it is not there.
-    """
+    """Replace the last occurrence of a text on a page; scripts may contain it earlier."""
     before, found, after = page.rpartition(old)
     if not found:
         raise PageError(f"Meshcat's page has no {old}: this version of Drake is not supported")
@@ -223,15 +191,7 @@ def _quiet() -> Iterator[None]:
 
 
 def live_data(scene: Scene, first: View, session: str) -> dict[str, Any]:
-    """Collect the data that the scripts of all live pages need.
-
-    Parameters
-    ----------
-    first : View
-        From where it is seen first.
-    session : str
-        Of the feed that the page follows.
-    """
+    """Collect the data for the scripts of all live pages, which follow a session's feed."""
     pen = {"most": MOST_PIECES, "radius": TRACE_RADIUS * scene.size, "colour": TRACE}
     return {**stage_data(scene, first), "pen": pen, "session": session}
 
