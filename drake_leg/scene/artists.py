@@ -54,11 +54,8 @@ DPI = 120
 SIDES = 12  # of a prism that stands for a cylinder
 LAMP = np.array([-0.35, 0.6, 0.72])  # from the picture to the light: right, up, backwards
 SHADOW = 0.55  # brightness of what the light does not reach
-
-
 # Where lights come from, in the camera's frame (right, down, forwards), and how strong they are.
 _LIGHTS = (((-0.6, -0.9, -0.5), 0.8), ((0.9, -0.2, -0.6), 0.4), ((0.1, 0.4, -1.0), 0.5))
-
 
 TRIAL = """
 import numpy as np
@@ -271,15 +268,15 @@ def _faces(part: Part) -> list[Array]:
     if isinstance(shape, Cylinder):
         ring, half = shape.radius() * circle, shape.length() / 2.0
         return _between([(ring, -half), (ring, half)])
-    if isinstance(shape, Sphere | Ellipsoid):
-        ball = isinstance(shape, Sphere)
-        a, b, c = 3 * [shape.radius()] if ball else (shape.a(), shape.b(), shape.c())
-        return _between([(np.cos(h) * circle * [a, b], c * float(np.sin(h))) for h in heights])
-    if isinstance(shape, Capsule):
-        radius, half = shape.radius(), shape.length() / 2.0
+    if isinstance(shape, Sphere | Ellipsoid | Capsule):
+        if isinstance(shape, Ellipsoid):
+            a, b, c = shape.a(), shape.b(), shape.c()
+        else:
+            a = b = c = shape.radius()
+        half = shape.length() / 2.0 if isinstance(shape, Capsule) else 0.0
         return _between(
             [
-                (radius * np.cos(h) * circle, radius * float(np.sin(h)) + math.copysign(half, h))
+                (np.cos(h) * circle * [a, b], c * float(np.sin(h)) + math.copysign(half, h))
                 for h in heights
             ]
         )

@@ -23,14 +23,10 @@ from drake_leg.units import beyond
 State = Literal["free", "near", "slowed", "stopped"]
 
 LARGEST_TURN = 0.015  # [rad or m] of a joint in one step of the simulation
-APPROACH = (
-    0.5  # share of the determinant that such a step may change, so as not to jump a singularity
-)
+APPROACH = 0.5  # share of the determinant that it may change, so as not to jump a singularity
 SHORTEST = 1e-9  # [s] of such a step
-AT_LIMIT = {
-    "revolute": 0.02,
-    "prismatic": 0.004,
-}  # [rad], [m]: a joint nearer to its limit is at it
+# A joint that is nearer to its limit is at it [rad], [m].
+AT_LIMIT = {"revolute": 0.02, "prismatic": 0.004}
 FREE = 0.995  # share of the commanded displacement from which on the foot counts as free
 LEAST = 1e-9  # [m/s], of a command that the joints can follow
 
@@ -142,12 +138,11 @@ class DrivenFoot:
 
     def _after(self, q: Array, share: float, obstacle: str) -> Step:
         state: State = "free" if share > FREE else "slowed" if share > 1.0 - FREE else "stopped"
-        sentence = ""
-        if state == "slowed":
-            sentence = f"{obstacle}: the foot is slowed"
-        elif state == "stopped":
-            sentence = f"{obstacle}: the foot is stopped; drive it another way"
-        return self._described(q, share, state, sentence)
+        sentences = {
+            "slowed": f"{obstacle}: the foot is slowed",
+            "stopped": f"{obstacle}: the foot is stopped; drive it another way",
+        }
+        return self._described(q, share, state, sentences.get(state, ""))
 
     def _rest(self, q: Array) -> Step:
         """Describe a posture at rest, and what the guard would do towards a near singularity."""
@@ -187,9 +182,7 @@ def _joint_beyond(robot: Robot, q: Array, moved: Array) -> str | None:
 def _joint_at_limit(robot: Robot, q: Array) -> str | None:
     """Name a joint at one of its limits."""
     for segment, now in zip(robot.moving, q, strict=True):
-        mechanics = segment.mechanics
-        near = AT_LIMIT[segment.row.joint]
-        below = mechanics.lower is not None and now < mechanics.lower + near
-        if below or (mechanics.upper is not None and now > mechanics.upper - near):
+        (low, high), near = segment.mechanics.bounds, AT_LIMIT[segment.row.joint]
+        if not low + near <= now <= high - near:
             return segment.joint
     return None

@@ -1,17 +1,17 @@
 """Writes titles and the names of the axes, x₀, y₀, z₀ and so on, on pictures.
 
 Where a name is placed is described once, in ``PLACEMENT``: pages place their names by the same
-rules in ``page/names.js``, with the numbers that ``Placement.data`` writes into them.
+rules in ``page/names.js``, with the numbers that ``web_page`` writes into them.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from matplotlib import get_data_path
@@ -51,14 +51,10 @@ DARK = Paper(
 
 
 class Artist(Protocol):
-    """Makes pictures of a scene."""
+    """Knows where points of the world are in its pictures of a scene."""
 
     width: int  # [pixels]
     height: int  # [pixels]
-
-    def image(self, X_WF: Array, view: View) -> Pixels:
-        """Make a picture of the frames' poses, (n, 4, 4) as one row of ``PlantMotion.poses``."""
-        ...
 
     def pixels(self, points: Array, view: View) -> Array:
         """Project points of the world (n, 3), to the right and down, (n, 2) [pixels]."""
@@ -150,10 +146,6 @@ class Placement:
     most: float = 4.0  # price from which on a name is left out
     most_end_on: float = 2.0  # the same for an end-on axis
     stay: float = 0.5  # what the place where it was is worth: a name moves only for a reason
-
-    def data(self) -> dict[str, Any]:
-        """Write it for a page."""
-        return asdict(self)
 
 
 PLACEMENT = Placement()

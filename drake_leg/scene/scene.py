@@ -153,15 +153,7 @@ def _pieces(path: Array, spacing: float) -> Iterator[tuple[Array, Array]]:
 
 
 class OtherRobotError(InvalidValueError):
-    """A recording of another robot.
-
-    Attributes
-    ----------
-    joints, expected : int
-        Joint positions in the recording, and of the robot.
-    miss : float or None
-        How far the recorded tip is from where the robot has it [m]; None if the joints differ.
-    """
+    """A recording of another robot: of other joints, or with a tip that is a ``miss`` away [m]."""
 
     def __init__(self, name: str, joints: int, expected: int, miss: float | None = None) -> None:
         self.joints, self.expected, self.miss = joints, expected, miss

@@ -28,6 +28,24 @@ MOST_PIECES = 500  # of a trace; its oldest pieces go when it is longer
 QUIET = 1.0  # [s] without a new state, after which a page is told that the program still runs
 LONGEST_NAME = 40  # of a page
 
+LOCALHOST = "localhost"
+ANYWHERE = "*"
+OTHER_HOST = "choose another `host`"
+FIRST_PORT, LAST_PORT = 7000, 7999
+POLL = 0.03  # [s] between looks whether to end
+_SMALLEST_PORT, _LARGEST_PORT = 1024, 65535
+
+LARGEST_COMMAND = 4096  # bytes
+LARGEST_READ = 1 << 20  # bytes that are read to be refused, so that the refusal is heard
+PATIENCE = 10.0  # [s] with a browser that neither sends nor takes
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; "
+    "frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+}
+
+Address = tuple[socket.AddressFamily, str]
 Command = Mapping[str, Any]  # an object of JSON: what to do, under "do", and its numbers
 
 
@@ -177,28 +195,6 @@ def _finite(value: float) -> bool:
         return not isinstance(value, bool) and math.isfinite(value)
     except OverflowError:
         return False
-
-
-LOCALHOST = "localhost"
-ANYWHERE = "*"
-OTHER_HOST = "choose another `host`"
-FIRST_PORT, LAST_PORT = 7000, 7999
-POLL = 0.03  # [s] between looks whether to end
-_SMALLEST_PORT, _LARGEST_PORT = 1024, 65535
-
-LARGEST_COMMAND = 4096  # bytes
-LARGEST_READ = 1 << 20  # bytes that are read to be refused, so that the refusal is heard
-PATIENCE = 10.0  # [s] with a browser that neither sends nor takes
-
-HEADERS = {
-    "Cache-Control": "no-store",
-    "Content-Security-Policy": "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; "
-    "frame-ancestors 'none'",
-    "X-Content-Type-Options": "nosniff",
-}
-
-
-Address = tuple[socket.AddressFamily, str]
 
 
 class ServerError(DrakeLegError):

@@ -44,13 +44,21 @@ def joint_sliders(plant: ShownPlant, q: ArrayLike | None = None) -> tuple[Slider
 
     Its range is the joint's limits; without limits a half turn or the plant's length each way.
     """
-    return tuple(
-        _slider(index, coordinate, float(value), plant)
-        for index, (coordinate, value) in enumerate(
-            zip(plant.coordinates, plant.positions(q), strict=True)
+    sliders = []
+    for index, coordinate in enumerate(plant.coordinates):
+        unit = math.radians(1.0) if coordinate.turns else 1e-3
+        (low, high), value = slider_range(coordinate, plant), float(plant.positions(q)[index])
+        slider = Slider(
+            position=index,
+            joint=coordinate.name,
+            symbol="deg" if coordinate.turns else "mm",
+            low=min(low, value) / unit,
+            high=max(high, value) / unit,
+            value=value / unit,
+            unit=unit,
         )
-        if not coordinate.in_quaternion
-    )
+        sliders += [] if coordinate.in_quaternion else [slider]
+    return tuple(sliders)
 
 
 def slider_range(coordinate: Coordinate, plant: ShownPlant) -> tuple[float, float]:
@@ -61,20 +69,6 @@ def slider_range(coordinate: Coordinate, plant: ShownPlant) -> tuple[float, floa
         for limit in (coordinate.lower, coordinate.upper)
     )
     return low, high
-
-
-def _slider(index: int, coordinate: Coordinate, value: float, plant: ShownPlant) -> Slider:
-    unit = math.radians(1.0) if coordinate.turns else 1e-3
-    low, high = slider_range(coordinate, plant)
-    return Slider(
-        position=index,
-        joint=coordinate.name,
-        symbol="deg" if coordinate.turns else "mm",
-        low=min(low, value) / unit,
-        high=max(high, value) / unit,
-        value=value / unit,
-        unit=unit,
-    )
 
 
 class SliderCommands:
@@ -176,7 +170,7 @@ def view(
                 "no browser can be opened here",
                 advice="pass `announce=print` and open the address elsewhere",
             )
-        return view_served(motion.shown, motion.q[0], server, view=first)
+        return view_served(motion.shown, motion.q[0], server, view=first.name)
 
 
 def view_served(

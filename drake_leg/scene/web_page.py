@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import asdict
 from functools import cache
 from html import escape
 from typing import Any
@@ -32,8 +33,6 @@ from drake_leg.scene.scene import (
     triad_lengths,
 )
 from drake_leg.scene.server import MOST_PIECES
-
-ROOT = "robot"  # Meshcat puts it under /drake
 
 Entry = tuple[str, tuple[Colour, ...]]  # of a legend: words, and the colours of what they name
 AXES: tuple[Entry, ...] = (("x", (RED,)), ("y", (GREEN,)), ("z", (BLUE,)))
@@ -63,7 +62,10 @@ def web_page(
     the scene; the other values are for the template.
     """
     meshcat = open_meshcat()
-    _draw(meshcat, scene)
+    for part in scene.parts:
+        path = f"{drake_path(part.frame)}/{part.path}"
+        meshcat.SetObject(path, part.shape, Rgba(*part.colour, part.opacity))
+        meshcat.SetTransform(path, RigidTransform(part.X_FP))
     if draw_more is not None:
         draw_more(meshcat)
     source = templates().get_template(template) if isinstance(template, str) else template
@@ -100,7 +102,15 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
     held = [np.concatenate([*pair]) for pair in zip(scene.shown.held(), tips, strict=True)]
     return {
         "margin": MARGIN,
-        "views": [_view_data(scene, view) for view in VIEWS.values()],
+        "views": [
+            {
+                "label": view.label,
+                "field": view.field,
+                "axes": view.axes.T.tolist(),  # right, up, towards the camera
+                "target": scene.framing(view).target.tolist(),
+            }
+            for view in VIEWS.values()
+        ],
         "points": np.round(scene.hull(), 6).tolist(),
         "floor": round(float(scene.floor[0, 2]), 6),
         "first": list(VIEWS).index(first.name),
@@ -108,7 +118,7 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
         "triads": [f"{drake_path(index)}/triad" for index in range(count)],
         "frames": scene.shown.names,
         "axes": lengths,
-        "placement": PLACEMENT.data(),
+        "placement": asdict(PLACEMENT),
         "held": [np.round(points, 6).tolist() for points in held[1:]],
         "trace": f"{drake_path(0)}/trace",
     }
@@ -116,7 +126,7 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
 
 def drake_path(index: int) -> str:
     """Path of a shown frame in a page's tree; 0 is the world."""
-    return f"/drake/{_path(index)}"
+    return f"/drake/robot/frame_{index}"
 
 
 def pose_rows(X_WF: Array) -> Array:
@@ -152,26 +162,6 @@ def replaced(page: str, old: str, new: str) -> str:
     if not found:
         raise PageError(f"Meshcat's page has no {old}: this version of Drake is not supported")
     return before + new + after
-
-
-def _draw(meshcat: Meshcat, scene: Scene) -> None:
-    for part in scene.parts:
-        path = f"{_path(part.frame)}/{part.path}"
-        meshcat.SetObject(path, part.shape, Rgba(*part.colour, part.opacity))
-        meshcat.SetTransform(path, RigidTransform(part.X_FP))
-
-
-def _path(index: int) -> str:
-    return f"{ROOT}/frame_{index}"
-
-
-def _view_data(scene: Scene, view: View) -> dict[str, Any]:
-    return {
-        "label": view.label,
-        "field": view.field,
-        "axes": view.axes.T.tolist(),  # right, up, towards the camera
-        "target": scene.framing(view).target.tolist(),
-    }
 
 
 def _css(colour: Colour) -> str:
