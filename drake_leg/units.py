@@ -163,13 +163,7 @@ _ONE = Unit(factor=Fraction(1), powers=(0, 0, 0, 0))
 
 @lru_cache(maxsize=1024)
 def parse_unit(text: str) -> Unit:
-    """Read a unit as Simscape writes it: ``mm``, ``N*m/(deg/s)``, ``kg/m^3``, ``1``.
-
-    Raises
-    ------
-    InvalidValueError
-        If it is not a product of known units.
-    """
+    """Read a unit as Simscape writes it: ``mm``, ``N*m/(deg/s)``, ``kg/m^3``, ``1``."""
     words = _WORDS.findall(text)
     if len(text) > _LONGEST or not words or "".join(words) != "".join(text.split()):
         raise InvalidValueError(f"{text[:_LONGEST]!r} is not a unit")
@@ -233,18 +227,7 @@ SLIDING_SPRING_UNITS = _choices("N/m")
 
 
 def in_si(what: str, value: float, unit: str, units: Mapping[str, float]) -> float:
-    """Convert a value in one of several units to SI; ``units`` maps them to their values in SI.
-
-    Parameters
-    ----------
-    what : str
-        The quantity, for the error.
-
-    Raises
-    ------
-    InvalidValueError
-        If the unit is not one of them.
-    """
+    """Convert a value in one of several units to SI; ``units`` maps them to their values in SI."""
     if unit not in units:
         raise InvalidValueError(f"the {what} unit is {unit!r}; it must be {' or '.join(units)}")
     return value * units[unit]
@@ -292,10 +275,7 @@ def in_radians(angle: float, angles: AngleUnit) -> float:
 def exact_degrees(angle: float) -> float | None:
     """Find the shortest number of degrees that is exactly this angle [rad] when converted back.
 
-    Returns
-    -------
-    float or None
-        [deg]; None where there is none.
+    None where there is none.
     """
     degrees = math.degrees(angle)
     rounded = (round(degrees, digits) for digits in range(16))
@@ -312,13 +292,7 @@ def in_words(position: float, *, slides: bool) -> str:
 
 
 def joint_entries(name: str, q: Sequence[float], slides: Sequence[bool]) -> dict[str, Any]:
-    """Name joint positions [rad or m] for a summary.
-
-    Returns
-    -------
-    dict
-        ``q0_deg``, or ``q0`` and ``q0_units`` where a joint slides.
-    """
+    """Name joint positions [rad or m] for a summary: ``q0_deg``, or ``q0`` and ``q0_units``."""
     shown = [
         position if sliding else round(math.degrees(position), 9)
         for position, sliding in zip(q, slides, strict=True)
@@ -397,11 +371,8 @@ def require_angle(what: str, value: float) -> None:
 def beyond(position: float, low: float, high: float) -> float:
     """Tell how far a joint is outside its limits [rad or m], which may be infinite.
 
-    Returns
-    -------
-    float
-        Negative below the lower limit, positive above the upper one; 0 within them and up to
-        ``AT_LIMIT`` beyond.
+    Negative below the lower limit, positive above the upper one; 0 within them and up to
+    ``AT_LIMIT`` beyond.
     """
     if position < low - AT_LIMIT:
         return position - low

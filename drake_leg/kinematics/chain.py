@@ -135,17 +135,10 @@ class _Posture:
 
 
 class MovableChain(Movable):
-    """Any chain, its Jacobian inverted numerically.
+    """Any chain, its Jacobian inverted numerically; n rows of its table move.
 
-    Parameters
-    ----------
-    rows : tuple of Row
-        The table, of which n rows move.
-    twists : (6, m) ndarray
-        Twist of the foot for each component of a command, rotation first, base frame;
-        orthonormal, m at most n.
-    varies : bool
-        Whether the twists are valid in one posture only.
+    The twists (6, m), m at most n, are those of the foot for each component of a command, rotation
+    first, orthonormal, in the base frame. If the chain ``varies``, they hold in one posture only.
     """
 
     def __init__(self, rows: tuple[Row, ...], twists: Array, *, varies: bool = False) -> None:
@@ -383,13 +376,7 @@ def _constant_span(robot: Robot, task: str | None) -> Array | None:
 def joint_positions(
     what: str, robot: Robot, q: Sequence[float], *, least: int | None = None
 ) -> list[float]:
-    """Check joint positions [rad or m]: one for each joint that moves, or ``least`` at least.
-
-    Raises
-    ------
-    InvalidValueError
-        If they are not that many finite numbers.
-    """
+    """Check joint positions [rad or m]: one for each joint that moves, or ``least`` at least."""
     values, count = real_numbers(what, q), len(robot.moving)
     if values.ndim != 1:
         found = f"has shape {values.shape}" if values.ndim else f"is {q!r}"

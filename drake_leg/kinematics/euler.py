@@ -27,13 +27,7 @@ _ORTHOGONAL = 1e-6  # how far R R^T may be from the identity
 
 
 def rotation_matrices(quaternions: ArrayLike) -> Array:
-    """Rotation matrices (..., 3, 3) of unit quaternions w, x, y, z (..., 4); q and -q have one.
-
-    Raises
-    ------
-    InvalidValueError
-        If the last axis is not 4 long, or a value is not finite.
-    """
+    """Rotation matrices (..., 3, 3) of unit quaternions w, x, y, z (..., 4); q and -q have one."""
     w, x, y, z = np.moveaxis(finite_vectors("the quaternion", quaternions, 4), -1, 0)
     return assemble(
         (
@@ -70,13 +64,7 @@ def require_sequence(sequence: str) -> None:
 
 
 def euler_rotation(sequence: str, angles: ArrayLike) -> Array:
-    """Rotation matrices R_BF (..., 3, 3) of body-fixed Euler angles (..., 3) [rad].
-
-    Raises
-    ------
-    InvalidValueError
-        If the sequence is unknown, or the angles are not three finite numbers.
-    """
+    """Rotation matrices R_BF (..., 3, 3) of body-fixed Euler angles (..., 3) [rad]."""
     axes = _axes(sequence)
     first, second, third = np.moveaxis(finite_vectors("the Euler angles", angles, 3), -1, 0)
     last = axes.i if axes.proper else axes.k
@@ -91,11 +79,6 @@ def euler_angles(sequence: str, rotations: ArrayLike) -> Array:
     rounding. Within ``LOCK`` of gimbal lock only the sum or difference of the first and the third
     is determined; the first is then 0. A series of them jumps where a principal range ends:
     ``continuous_angles`` removes the jumps.
-
-    Raises
-    ------
-    InvalidValueError
-        If the sequence is unknown, or a matrix is not a rotation.
     """
     i, j, k, hand, proper = _axes(sequence)
     R = _rotations(rotations)

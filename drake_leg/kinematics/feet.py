@@ -94,20 +94,10 @@ def find_postures(
     """Find postures whose foot is at a point [m], or in a pose, by damped least squares.
 
     ``foot_pose(rows, q)`` is the goal to 1e-10 of the chain's length for every ``q`` found. All
-    branches of an ordinary chain are found, without proof that there is no other. Revolute joints
-    are moved into their limits by whole turns where possible, otherwise into (-pi, pi].
-
-    Parameters
-    ----------
-    rotation : (3, 3) array_like, optional
-        R_BF; without it any orientation will do.
-    limits : sequence of n pairs of float
-        Lower and upper limit of each joint [rad or m]; they may be infinite.
-
-    Returns
-    -------
-    Postures
-        Those within the limits first.
+    branches of an ordinary chain are found, without proof that there is no other. Without a
+    rotation R_BF any orientation will do. Revolute joints are moved into their limits by whole
+    turns where possible, otherwise into (-pi, pi]. Postures within the limits [rad or m] come
+    first.
     """
     goal = np.eye(4)
     goal[:3, 3] = one_vector("the foot", position, 3)
@@ -313,26 +303,11 @@ def feet(
     yaw: float | None = None,
     rpy: Sequence[float] | None = None,
 ) -> Feet:
-    """Find the joint positions that put a robot's foot at a point.
+    """Find the joint positions that put a robot's foot at a point (3,) [m], in the base frame.
 
-    Parameters
-    ----------
-    robot : Robot
-        The leg and the SCARA have closed forms.
-    foot : (3,) sequence of float
-        The point, in the base frame [m].
-    q : sequence of float, optional
-        Posture whose yaw a SCARA keeps, unless a yaw is given [rad].
-    yaw : float, optional
-        Of a SCARA's tool [rad].
-    rpy : (3,) sequence of float, optional
-        Roll, pitch, yaw of the foot of a chain of more than three joints, about the base's x, y, z
-        [rad]; without them any orientation will do.
-
-    Raises
-    ------
-    InvalidValueError
-        If a yaw or an orientation is given to a robot that cannot choose it, or a SCARA has none.
+    The leg and the SCARA have closed forms. A SCARA's tool has the yaw [rad], or else that of the
+    posture q. The foot of a chain of more than three joints has the roll, pitch and yaw ``rpy``
+    about the base's x, y, z [rad], or else any orientation.
     """
     require_robot(robot)
     foot = one_vector("the foot", foot, 3).tolist()

@@ -26,13 +26,7 @@ FLAT = 4e-16  # of the longest side squared: rounding of a flat triangle's sides
 
 
 def real_numbers(what: str, values: ArrayLike) -> Array:
-    """Values as a float64 array of any shape.
-
-    Raises
-    ------
-    InvalidValueError
-        If they are not real numbers, in rows of the same length.
-    """
+    """Values as a float64 array of any shape; what is no real number is refused."""
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
@@ -40,15 +34,7 @@ def real_numbers(what: str, values: ArrayLike) -> Array:
 
 
 def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:
-    """Values as a float64 array (..., size), all finite.
-
-    ``what`` names the quantity in the error's sentence.
-
-    Raises
-    ------
-    InvalidValueError
-        If the last axis is not ``size`` long, or a value is not finite.
-    """
+    """Values as a float64 array (..., size), all finite; others are refused as ``what``."""
     array = real_numbers(what, values)
     if array.ndim == 0 or array.shape[-1] != size:
         raise InvalidValueError(
@@ -285,11 +271,6 @@ def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
 
     ``X_B[i] = X_B[i-1] @ row_transform(rows[i], q_i)`` for a table of n rows, of which m move, at q
     (..., m) [rad or m] (report A, eq. 6-8; report B, 1.4 and 2.4).
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in m, or is not finite.
     """
     links = links_of(rows)
 
@@ -311,20 +292,11 @@ def foot_pose(rows: Sequence[Row], q: ArrayLike) -> Array:
 
 
 def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
-    """Jacobian of the foot by the direct method (z x OE), rotation first as Drake has it.
+    """Jacobian of the foot by the direct method (z x OE), (..., 6, m) [rad, m per rad or m].
 
-    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint makes ``[z; z x OF]``, a prismatic one
-    ``[0; z]`` (report A, eq. 9-15; eq. 9-12 lack the joint rates in print).
-
-    Returns
-    -------
-    Jv_BF : (..., 6, m) ndarray
-        Rows 0-2 angular, rows 3-5 translational, in the base frame [rad, m per rad or m].
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` (..., m) does not end in m, or is not finite.
+    ``[w_BF; v_BF] = Jv_BF @ qdot``, rotation first as Drake has it, in the base frame; a revolute
+    joint makes ``[z; z x OF]``, a prismatic one ``[0; z]`` (report A, eq. 9-15; eq. 9-12 lack the
+    joint rates in print).
     """
     links = links_of(rows)
 

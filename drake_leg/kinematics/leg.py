@@ -63,13 +63,7 @@ class LegGeometry:
 
     @classmethod
     def from_robot(cls, robot: Robot) -> Self:
-        """Read the lengths and the sign off the Khalil table of a leg such as ``LEG_B``.
-
-        Raises
-        ------
-        InvalidValueError
-            If the table is not that of the reports' leg.
-        """
+        """Read the lengths and the sign off the Khalil table of a leg such as ``LEG_B``."""
         if not is_hexabot_leg(robot):
             raise InvalidValueError(f"{robot.name!r} does not have the table of the reports' leg")
         rows = robot.rows
@@ -146,24 +140,8 @@ def _foot_and_jacobian(leg: LegGeometry, q: Array) -> tuple[Array, Array]:
 def foot_jacobian(leg: LegGeometry, q: ArrayLike) -> Array:
     """Translational Jacobian of the foot F in the base frame B: ``v_BF = Jv_BF @ qdot``.
 
-    Parameters
-    ----------
-    q : (..., 3) array_like
-        Hip, knee, ankle angles [rad].
-
-    Returns
-    -------
-    Jv_BF : (..., 3, 3) ndarray
-        [m/rad]; singular where sin(q3) = 0 or the foot is on the hip axis.
-
-    Raises
-    ------
-    InvalidValueError
-        If ``q`` does not end in 3, or is not finite.
-
-    References
-    ----------
-    Report A, eq. 15.
+    (..., 3, 3) [m/rad], at the hip, knee and ankle angles (..., 3) [rad]; singular where sin(q3) =
+    0 or the foot is on the hip axis (report A, eq. 15).
     """
     return foot_and_jacobian(leg, q)[1]
 
@@ -327,12 +305,7 @@ def branches(
 ) -> tuple[Branch, ...]:
     """All four ways of putting the foot at one point (3,) [m], including those out of reach.
 
-    ``limits`` are the lower and upper limit of each joint [rad].
-
-    Raises
-    ------
-    InvalidValueError
-        If ``p_BF`` is not three finite numbers, or there are not three pairs of limits.
+    ``limits`` are the lower and upper limit of each of the three joints [rad].
     """
     if limits is not None and len(limits) != 3:
         raise InvalidValueError(f"there are {len(limits)} pairs of limits; a leg has three joints")

@@ -152,22 +152,9 @@ class Movable(ABC):
 def exact_rates(J: Array, v: Array, q: Floats) -> Array:
     """Solve ``J @ qdot = v``: the reports' ``inv(J) * v`` (report A, eq. 19).
 
-    LAPACK's ``dgesv`` is called by itself: ``numpy.linalg.solve`` wraps it at four times the
-    cost for a matrix this small, and hides the pivots.
-
-    Parameters
-    ----------
-    J : (n, n) ndarray
-        Jacobian at ``q``.
-    v : (n,) ndarray
-        Commanded velocity, in the units of J's rows per second.
-    q : (n,) sequence of float
-        Joint positions, for the error.
-
-    Raises
-    ------
-    SingularConfigurationError
-        If the smallest pivot is at most ``SINGULAR_BELOW`` times the largest.
+    J (n, n) is singular if its smallest pivot is at most ``SINGULAR_BELOW`` times the largest; the
+    error names the posture q. LAPACK's ``dgesv`` is called by itself: ``numpy.linalg.solve`` wraps
+    it at four times the cost for a matrix this small, and hides the pivots.
     """
     lu, _, qdot, _ = dgesv(J, v)
     pivots = [abs(pivot) for pivot in lu.diagonal().tolist()]

@@ -62,11 +62,6 @@ class PendulumModel:
         """Read the model off the data of a pendulum such as ``robots.pendulum()``.
 
         ``I = m (L^2 + w^2) / 12 + m (L/2)^2``; gravity in m/s^2.
-
-        Raises
-        ------
-        InvalidValueError
-            If the robot is not one joint and one brick.
         """
         segment, body = robot.segments[0], _body(robot)
         if body is None:

@@ -44,13 +44,7 @@ class ScaraGeometry:
 
     @classmethod
     def from_robot(cls, robot: Robot) -> Self:
-        """Read the lengths off the Khalil table of a SCARA such as ``robots.scara()``.
-
-        Raises
-        ------
-        InvalidValueError
-            If the table is not that of the report's SCARA.
-        """
+        """Read the lengths off the Khalil table of a SCARA such as ``robots.scara()``."""
         if not is_scara(robot):
             raise InvalidValueError(f"{robot.name!r} does not have the table of the report's SCARA")
         rows = robot.rows
@@ -72,12 +66,7 @@ def is_scara(robot: Robot) -> bool:
 def lift_position(arm: ScaraGeometry, R: float) -> float:
     """Position of the fourth joint for a height R of the tool above its lowest one [m].
 
-    ``q4 = height - lowest - R`` (report B, table 1.2).
-
-    Raises
-    ------
-    InvalidValueError
-        If ``R`` is outside 0 ... height - lowest.
+    ``q4 = height - lowest - R``, with R in 0 ... height - lowest (report B, table 1.2).
     """
     stroke = arm.height - arm.lowest
     if not 0.0 <= R <= stroke:
@@ -130,15 +119,7 @@ def jacobian_rate_bias(arm: ScaraGeometry, q: ArrayLike, qdot: ArrayLike) -> Arr
 
 
 class MovableScara(Movable):
-    """The tool's x, y and yaw, moved by the first three joints; the lift stays (report B, 1.5).
-
-    Parameters
-    ----------
-    arm : ScaraGeometry
-        Lengths and height.
-    lift : float
-        Position of the fourth joint [m].
-    """
+    """The tool's x, y and yaw, moved by the first three joints; the lift stays (report B, 1.5)."""
 
     geometry: ScaraGeometry
     twists = np.eye(6)[:, [3, 4, 2]]

@@ -221,14 +221,9 @@ def initial_state(
     """Start every joint at its motion, at its state target, or at rest at 0.
 
     The joints of a chain are independent, so every target can be met, whatever its priority,
-    unless a motion drives the joint: then the motion wins. ``motion`` maps the name of each driven
-    joint to its initial position [rad or m] and velocity [rad/s or m/s].
-
-    Raises
-    ------
-    InvalidValueError
-        If the motion does not start at a target of high priority, or the robot has no joint of
-        that name.
+    unless a motion drives the joint: then the motion wins, and must start at a target of high
+    priority. ``motion`` maps the name of each driven joint to its initial position [rad or m] and
+    velocity [rad/s or m/s].
     """
     driven = dict(motion or {})
     positions: list[float] = []

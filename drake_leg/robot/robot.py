@@ -480,13 +480,7 @@ def html_table(headings: Sequence[str], rows: Iterable[Sequence[object]], *, tit
 
 
 def require_robot(robot: object) -> None:
-    """Refuse what is not a Robot, such as the name of one.
-
-    Raises
-    ------
-    InvalidValueError
-        With the value.
-    """
+    """Refuse what is not a Robot, such as the name of one."""
     if not isinstance(robot, Robot):
         raise InvalidValueError(
             f"{robot!r} is not a Robot",

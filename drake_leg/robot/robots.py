@@ -74,25 +74,9 @@ def pendulum(
 ) -> Robot:
     """Make report A's pendulum: one brick that turns about the base's horizontal y axis.
 
-    At q = 0 the link is horizontal; positive q turns it downwards.
-
-    Parameters
-    ----------
-    size : (3,) tuple of float
-        Length, width, height of the brick [m].
-    density : float
-        [kg/m^3].
-    mechanics : JointMechanics, optional
-        Damping and spring of the joint; by default there is neither.
-
-    Raises
-    ------
-    InvalidValueError
-        If a size or the density is not positive.
-
-    References
-    ----------
-    Report A, section 1.2, figures 1 and 2.
+    At q = 0 the link is horizontal; positive q turns it downwards. The brick has a length, width
+    and height [m] and a density [kg/m^3]; by default its joint has neither damping nor spring
+    (report A, section 1.2, figures 1 and 2).
     """
     length, width, height = size
     require_positive("the pendulum's length", length, "m")
@@ -122,32 +106,11 @@ def hexabot_leg(
     density: float = WATER,
     damping: float = 0.0,
 ) -> Robot:
-    """Make the three-joint leg of the hexabot.
+    """Make the three-joint leg of the hexabot, named ``leg_a`` or ``leg_b``.
 
-    Parameters
-    ----------
-    variant : {"A", "B"}
-        Whose table: report A turns the knee axis by -90 degrees, report B by +90.
-    l1, l2, l3 : float
-        Lengths of coxa, femur, tibia [m].
-    density : float
-        Of all solids [kg/m^3].
-    damping : float
-        Of all joints [N*m*s/rad].
-
-    Returns
-    -------
-    Robot
-        Named ``leg_a`` or ``leg_b``.
-
-    Raises
-    ------
-    InvalidValueError
-        If the variant is unknown, a length or the density not positive, the damping negative.
-
-    References
-    ----------
-    Report A, table 1; report B, table 2.2 (printed shifted by a column).
+    Report A turns the knee axis by -90 degrees, report B by +90. Coxa, femur and tibia have lengths
+    l1, l2, l3 [m], all solids one density [kg/m^3] and all joints one damping [N*m*s/rad] (report
+    A, table 1; report B, table 2.2, printed shifted by a column).
     """
     if variant not in ("A", "B"):
         raise InvalidValueError(f"the leg's variant is {variant!r}; it must be 'A' or 'B'")
@@ -200,25 +163,8 @@ def scara(
     """Make report B's SCARA arm; its tool's z axis points down.
 
     The fourth joint position is q4 = 452.4 mm - 340 mm - R, with R the height of the tool above
-    its lowest position.
-
-    Parameters
-    ----------
-    l1, l2 : float
-        Lengths of the two arms [m].
-    density : float
-        Of all solids [kg/m^3].
-    damping : float
-        Of all joints [N*m*s/rad, N*s/m].
-
-    Raises
-    ------
-    InvalidValueError
-        If a length or the density is not positive, or the damping negative.
-
-    References
-    ----------
-    Report B, table 1.2.
+    its lowest position. The two arms have lengths l1, l2 [m], all solids one density [kg/m^3] and
+    all joints one damping [N*m*s/rad, N*s/m] (report B, table 1.2).
     """
     for name, length in (("l1", l1), ("l2", l2)):
         require_positive(f"the length {name}", length, "m")

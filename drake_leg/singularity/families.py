@@ -46,34 +46,9 @@ class Approach(NamedTuple):
     clearance: float  # [m]
 
 
-def leg_edges(leg: LegGeometry, facing: float) -> Edges:
-    """Boundaries of a leg's workspace, its foot in front of the hip axis (facing +1) or behind it.
-
-    Seen from the knee, ``sqrt((facing h - l1)^2 + z^2)`` away with ``h = sqrt(x^2 + y^2)``, the
-    foot is farthest on the stretched leg, at ``l2 + l3``, and nearest on the folded one, at
-    ``|l2 - l3|``. On the hip axis ``h = 0``.
-    """
-
-    def from_knee(p: Array) -> Array:
-        u = facing * np.hypot(p[:, 0], p[:, 1]) - leg.l1
-        return np.hypot(u, p[:, 2])
-
-    def from_hip_axis(p: Array) -> Array:
-        return np.hypot(p[:, 0], p[:, 1])
-
-    return Edges(
-        all=(*_flat_arm(leg.l2, leg.l3, from_knee), Edge("hip-axis", from_hip_axis)),
-        size=leg.l1 + leg.l2 + leg.l3,
-    )
-
-
-def scara_edges(arm: ScaraGeometry) -> Edges:
-    """Boundaries of a SCARA's workspace: the stretched and the folded arm."""
-
-    def from_base(p: Array) -> Array:
-        return np.hypot(p[:, 0], p[:, 1])
-
-    return Edges(all=_flat_arm(arm.l1, arm.l2, from_base), size=arm.l1 + arm.l2)
+def _from_axis(p: Array) -> Array:
+    """Distances of points from the base's z axis [m]."""
+    return np.hypot(p[:, 0], p[:, 1])
 
 
 def _flat_arm(a: float, b: float, distance: Callable[[Array], Array]) -> tuple[Edge, Edge]:
@@ -83,44 +58,16 @@ def _flat_arm(a: float, b: float, distance: Callable[[Array], Array]) -> tuple[E
     )
 
 
-def leg_extremes(leg: LegGeometry, p: Array, d: Array) -> list[float]:
-    """Distances along a line [m] at which the foot may be nearest to or farthest from the knee.
-
-    With ``T = |p + s d|^2`` and ``H = h^2`` the distance is stationary where ``T' = l1 H' / h`` or,
-    behind the hip axis, its negative: a quartic, ``T'^2 H = l1^2 H'^2``. Among them are all
-    extremes on either side of the axis, and the point nearest to it. The line starts at p (3,) [m]
-    in the direction of the unit vector d.
-    """
-    H = np.array([d[0] ** 2 + d[1] ** 2, 2.0 * (p[0] * d[0] + p[1] * d[1]), p[0] ** 2 + p[1] ** 2])
-    slope_T, slope_H = np.array([2.0, 2.0 * float(p @ d)]), np.polyder(H)
-    quartic = np.polysub(
-        np.polymul(np.polymul(slope_T, slope_T), H),
-        leg.l1**2 * np.polymul(slope_H, slope_H),
-    )
-    roots = np.roots(quartic).real.tolist()
-    nearest = [] if H[0] == 0.0 else [-float(H[1] / H[0]) / 2.0]
-    return [*roots, *nearest]
-
-
 def line(p: Array, d: Array) -> Path:
     """Straight path from p (3,) [m] along a unit vector d; its parameter is a distance [m]."""
     return lambda ways: p + np.multiply.outer(ways, d)
 
 
 def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> list[Approach]:
-    """Find where a path meets boundaries, or how near it comes.
+    """Find where a path first meets each boundary, with a clearance of 0 or less, or comes nearest.
 
-    Parameters
-    ----------
-    breaks : (n,) sequence of float
-        Increasing parameters from the beginning to the end of the path, so close to each other
-        that no clearance has more than one extremum between two of them.
-
-    Returns
-    -------
-    list of Approach
-        For each boundary, the point where the path first meets it, with a clearance of 0 or less,
-        or else the nearest point.
+    ``breaks`` (n,) are increasing parameters from the beginning to the end of the path, so close to
+    each other that no clearance has more than one extremum between two of them.
     """
     found = []
     for family, clearance in edges.all:
@@ -223,12 +170,37 @@ class LegFamilies:
         return leg.foot_position(self._leg, q)
 
     def edges(self, q: Sequence[float]) -> Edges:
-        """The stretched and the folded leg and the hip axis, on the side where the foot is."""
-        return leg_edges(self._leg, facing(self._leg, q))
+        """The stretched and the folded leg and the hip axis, on the side where the foot is.
+
+        Seen from the knee, ``sqrt((h - l1)^2 + z^2)`` away with ``h = sqrt(x^2 + y^2)``, negative
+        behind the hip axis, the foot is farthest on the stretched leg, at ``l2 + l3``, and nearest
+        on the folded one, at ``|l2 - l3|``. On the hip axis ``h = 0``.
+        """
+        l1, l2, l3, side = self._leg.l1, self._leg.l2, self._leg.l3, facing(self._leg, q)
+
+        def from_knee(p: Array) -> Array:
+            return np.hypot(side * _from_axis(p) - l1, p[:, 2])
+
+        edges = (*_flat_arm(l2, l3, from_knee), Edge("hip-axis", _from_axis))
+        return Edges(all=edges, size=l1 + l2 + l3)
 
     def extremes(self, p: Array, d: Array) -> list[float]:
-        """Distances along a line from p in direction d at which a clearance may be extreme [m]."""
-        return leg_extremes(self._leg, p, d)
+        """Distances along a line from p in direction d at which a clearance may be extreme [m].
+
+        With ``T = |p + s d|^2`` and ``H = h^2`` the distance from the knee is stationary where
+        ``T' = l1 H' / h`` or, behind the hip axis, its negative: a quartic, ``T'^2 H = l1^2 H'^2``.
+        Among them are all extremes on either side of the axis, and the point nearest to it.
+        """
+        H = np.array(
+            [d[0] ** 2 + d[1] ** 2, 2.0 * (p[0] * d[0] + p[1] * d[1]), p[0] ** 2 + p[1] ** 2]
+        )
+        slope_T, slope_H = np.array([2.0, 2.0 * float(p @ d)]), np.polyder(H)
+        quartic = np.polysub(
+            np.polymul(np.polymul(slope_T, slope_T), H),
+            self._leg.l1**2 * np.polymul(slope_H, slope_H),
+        )
+        nearest = [] if H[0] == 0.0 else [-float(H[1] / H[0]) / 2.0]
+        return [*np.roots(quartic).real.tolist(), *nearest]
 
     def posture(self, p: Array, like: Sequence[float]) -> Array:
         """Joint angles (3,) on the branch of ``like``; NaN out of reach."""
@@ -264,7 +236,8 @@ class ScaraFamilies:
 
     def edges(self, _q: Sequence[float]) -> Edges:
         """The stretched and the folded arm."""
-        return scara_edges(self._arm)
+        l1, l2 = self._arm.l1, self._arm.l2
+        return Edges(all=_flat_arm(l1, l2, _from_axis), size=l1 + l2)
 
     def extremes(self, p: Array, d: Array) -> list[float]:
         """Distance along a line to the point nearest to the base [m]."""
@@ -308,11 +281,6 @@ def hip_axis_arcs(leg: LegGeometry, samples: int = 181) -> tuple[Array, ...]:
     ``l1 + l2 cos q2 + l3 cos(q2 + q3) == 0`` for each of them. They are continuous along an arc and
     not wrapped: both signs of q2, both of q2 + q3. There are none where the leg is too short to
     reach its hip axis. MATLAB lists them as solutions after the first (report A, appendix).
-
-    Raises
-    ------
-    InvalidValueError
-        If there are fewer than 2 samples.
     """
     if samples < 2:
         raise InvalidValueError(f"there are {samples} samples of an arc; it takes at least 2")

@@ -138,13 +138,10 @@ def loses_turning(robot: Movable, q: Floats) -> bool:
 
 
 def lost_direction(robot: Movable, q: Floats) -> tuple[float, float, float]:
-    """Direction in which the foot of a singular posture moves least.
+    """Direction in which the foot of a singular posture moves least, or about which it turns least.
 
-    Returns
-    -------
-    (3,) tuple of float
-        Unit vector in the base frame, its first nonzero component positive: of a translation or,
-        if only a rotation is lost, of its axis.
+    A unit vector in the base frame, its first nonzero component positive: of a translation or,
+    if only a rotation is lost, of its axis.
     """
     U, _, moved = _translations(robot, q)
     lost = U[:, moved - 1]
@@ -203,18 +200,8 @@ def forecast_path(
 ) -> Forecast:
     """Forecast a curved motion: its path is sampled finely, then encounters are solved for.
 
-    Parameters
-    ----------
-    q0 : (3,) sequence of float
-        Initial posture [rad], not singular.
-    path : callable
-        ``path(amplitude)(times)`` gives points (n, 3) [m].
-    amplitude : float
-        [m/s].
-    period : float
-        Of the motion [s].
-    duration : float
-        Of the forecast [s].
+    ``path(amplitude)(times)`` gives points (n, 3) [m]; the motion starts from q0 (3,) [rad], not
+    singular, with an amplitude [m/s] and a period [s], and is foreseen for a duration [s].
     """
     count = min(max(int(PER_PERIOD * duration / period), PER_PERIOD), MOST_POINTS)
     times = np.linspace(0.0, duration, count + 1)

@@ -59,20 +59,12 @@ class _Joint(NamedTuple):
 
 
 class RateBox:
-    """Bounds of the joint rates in every posture.
+    """Bounds of the joint rates in every posture, from limits of positions (n,) and of rates (n,).
 
     With ``room = upper - margin - q``, a rate is at most ``room / settling`` if the room is
     positive, and ``room / RETREAT`` if it is not: a joint approaches a point just before its limit
-    exponentially, and does not cross it. The lower limit is treated alike.
-
-    Parameters
-    ----------
-    lower, upper : (n,) sequence of float
-        Limits of the positions [rad or m]; they may be infinite.
-    fastest : (n,) sequence of float
-        Limits of the rates [rad/s or m/s].
-    settling : float
-        [s].
+    exponentially, and does not cross it. The lower limit is treated alike. Limits of positions may
+    be infinite; units are rad or m, and s.
     """
 
     def __init__(self, lower: Floats, upper: Floats, fastest: Floats, settling: float) -> None:
@@ -121,7 +113,7 @@ class Damped(Movable):
     ``sigma / (sigma^2 + lambda^2)``. The rates are those that minimise
     ``|J qdot - v|^2 + lambda^2 |qdot - b|^2`` with
 
-    ``lambda = (below / 2) (1 - (sigma / below)^2)`` where sigma < below, and 0 elsewhere,
+    ``lambda = (below / 2) (1 - (sigma / below)^2)`` where sigma < below [m], and 0 elsewhere,
 
     sigma being the smallest singular value: there the inverse is exact. The rates and their slopes
     are continuous. The small ``b``, along w towards more regular postures, is proportional to the
@@ -129,15 +121,6 @@ class Damped(Movable):
     keeps the side on which its knee is bent. Rates are at most about ``1.3 |v| / below``.
 
     With a box the rates are the least squares within it, by SciPy's bounded-variable algorithm.
-
-    Parameters
-    ----------
-    exact : Movable
-        The robot with its exact inverse.
-    below : float
-        Singular value at which damping begins [m].
-    box : RateBox, optional
-        The lowest and the highest rates of every posture.
     """
 
     is_exact = False

@@ -47,26 +47,11 @@ def room(robot: Movable, sigma_min: float) -> float:
 
 
 def braked(robot: Movable, q: Floats, v: Floats, fastest: float = GREATEST_RATE) -> Braked:
-    """Part of a commanded velocity that may act in a posture.
+    """Part of a commanded velocity that may act in a posture q (n,), which must not be singular.
 
     A motion that lowers the smallest singular value is slowed in proportion to what is left of it
-    above ``STOP``; a motion that raises it is not. No joint moves faster than ``fastest``.
-
-    Parameters
-    ----------
-    robot : Movable
-        In the posture: ``robot.at(q)``.
-    q : (n,) sequence of float
-        Joint positions [rad or m].
-    v : (m,) sequence of float
-        Commanded velocity of the foot, as ``robot.command`` makes it [m/s].
-    fastest : float
-        [rad/s or m/s].
-
-    Raises
-    ------
-    SingularConfigurationError
-        If the posture is singular.
+    above ``STOP``; a motion that raises it is not. No joint moves faster than ``fastest``, in
+    rad/s or m/s. The robot is ``robot.at(q)``, and v (m,) is as its ``command`` makes it.
     """
     rates = np.asarray(robot.rates(q, v), dtype=np.float64)
     peak = float(np.abs(rates).max())
@@ -99,14 +84,7 @@ class Instant(NamedTuple):
 class LookAhead:
     """Effect of a step, from the joints' rates and, if known, their accelerations.
 
-    Parameters
-    ----------
-    determinant : callable
-        Of a posture.
-    q, qdot : (n,) sequence of float
-        [rad or m], and per second.
-    qddot : (n,) sequence of float or None
-        [rad/s^2 or m/s^2].
+    Positions are in rad or m, and the determinant is a function of them.
     """
 
     def __init__(
@@ -161,21 +139,11 @@ class LookAhead:
 def step_towards(
     robot: Movable, at: Instant, now: float, step: float, *, disturbed: bool
 ) -> float | None:
-    """Shorten a step so that it approaches a singularity but does not cross it.
+    """Shorten a step [s] so that it approaches a singularity but does not cross it.
 
-    Parameters
-    ----------
-    now : float
-        Normalised determinant, positive on the side where the robot started.
-    step : float
-        Longest that it may be [s].
-    disturbed : bool
-        Whether the joints may not move as commanded, so that the sensed rates are used.
-
-    Returns
-    -------
-    float or None
-        [s]; None where the singularity is nearer than ``TIME_LEFT``.
+    ``now`` is the normalised determinant, positive on the side where the robot started. Where
+    joints may not move as commanded, they are ``disturbed``: the sensed rates are used. None where
+    the singularity is nearer than ``TIME_LEFT``.
     """
     ahead = _look_ahead(robot, at, disturbed=disturbed)
     step = ahead.shortened(step, NEAR_APPROACH if now < NEAR else APPROACH, SMALLEST_STEP)

@@ -55,26 +55,9 @@ def closed_stroke(families: Families, q: ArrayLike, direction: ArrayLike) -> Str
     """Distance from a posture along a direction to the first singularity, in closed form.
 
     Along a line the distances from the boundaries have their extremes at known places, for a leg
-    the roots of a quartic; between two of them a boundary is crossed at most once.
-
-    Parameters
-    ----------
-    families : LegFamilies or ScaraFamilies
-        Of the robot.
-    q : (3,) array_like
-        Joint angles at the start [rad], not singular.
-    direction : (3,) array_like
-        Unit vector in the base frame; horizontal for a SCARA.
-
-    Returns
-    -------
-    Stroke
-        Its length is at most twice that of the stretched arm.
-
-    Raises
-    ------
-    InvalidValueError
-        If a shape is wrong, a value is not finite, or the direction is zero or not horizontal.
+    the roots of a quartic; between two of them a boundary is crossed at most once. The angles (3,)
+    [rad] at the start are not singular; the direction (3,), in the base frame, is horizontal for a
+    SCARA. A stroke is at most twice as long as the stretched arm.
     """
     d, angles = unit(direction), one_vector("q", q, 3).tolist()
     if isinstance(families, ScaraFamilies) and d[2] != 0.0:
@@ -95,14 +78,8 @@ def approaches_on_line(
 ) -> list[Approach]:
     """Approaches of the foot to each boundary on a line; parameters are distances [m].
 
-    Parameters
-    ----------
-    q : (3,) sequence of float
-        Joint angles at the start [rad].
-    p, d : (3,) ndarray
-        Position of the foot there [m], and a unit vector in the base frame.
-    end : float
-        Length of the line [m].
+    It starts at p (3,) [m], at the joint angles q (3,) [rad], and goes along the unit vector d,
+    both in the base frame, to a distance ``end`` [m].
     """
     breaks = breaks_of_line(families.extremes(p, d), end)
     return approaches(families.edges(q), line(p, d), breaks)
@@ -114,13 +91,7 @@ def greatest_amplitude(stroke: Stroke, frequency: float) -> float:
 
 
 def unit(direction: ArrayLike) -> Array:
-    """Normalise a direction (3,).
-
-    Raises
-    ------
-    InvalidValueError
-        If it is zero or not finite.
-    """
+    """Normalise a direction (3,), which must be finite and not zero."""
     d = one_vector("the direction", direction, 3)
     greatest = float(np.abs(d).max())
     if greatest == 0.0:
@@ -157,33 +128,11 @@ def chain_stroke(
 
     The posture is followed along the line in small steps, each closed by Newton's method, until
     a step fails, the determinant changes its sign or a joint passes a limit; the last step is then
-    bisected. A redundant chain takes the smallest joint rates.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        The table; n rows move.
-    q : (n,) array_like
-        Joint positions at the start [rad or m], not singular.
-    direction : (3,) array_like
-        Unit vector in the base frame.
-    moved : Movable, optional
-        How the foot is moved; by its translation by default.
-    farthest : float, optional
-        Longest distance that is searched [m]; by default ten times the chain's length.
-    limits : mapping, optional
-        Name of every moving joint, in order -> its lower and upper limit [rad or m]; they may be
-        infinite.
-
-    Returns
-    -------
-    ChainStroke
-        Of no named family; infinite where nothing ends it.
-
-    Raises
-    ------
-    InvalidValueError
-        If a shape is wrong or a value is not finite.
+    bisected. A redundant chain takes the smallest joint rates. The start q (n,) [rad or m] is not
+    singular; the direction (3,) is in the base frame. The foot's translation is moved by default,
+    and at most ten times the chain's length is searched. ``limits`` maps the name of every moving
+    joint, in order, to its lower and upper limit [rad or m], which may be infinite. The stroke is
+    infinite where nothing ends it.
     """
     d = unit(direction)
     posture = one_vector("q", q, len(moving_rows(rows)))
@@ -266,13 +215,7 @@ def first_direction(
 def require_direction(
     robot: Robot, moved: Movable, q0: Sequence[float], direction: Sequence[float]
 ) -> None:
-    """Refuse a direction (unit vector) along which the foot cannot be moved straight from q0.
-
-    Raises
-    ------
-    InvalidValueError
-        With the motions that the foot can make.
-    """
+    """Refuse a direction (unit vector) along which the foot cannot be moved straight from q0."""
     if not _is_commanded(moved, np.asarray(direction)):
         where = "at q0 " if moved.varies else ""
         raise InvalidValueError(
