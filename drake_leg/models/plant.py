@@ -38,7 +38,7 @@ def sdf_folder() -> Path:
 
 
 def build_plant(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
-    """Parse a robot's SDF into a continuous, finalised plant.
+    """Parse a robot's SDF into a continuous, finalized plant.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _leave_limits_to_stops(plant: MultibodyPlant, segment: Segment) -> None:
 
 
 def thigh_leg(robot: Robot, *, gravity: float = STANDARD_GRAVITY) -> MultibodyPlant:
-    """Compose a leg of thigh subsystems (report B, figure 5) into a continuous, finalised plant.
+    """Compose a leg of thigh subsystems (report B, figure 5) into a continuous, finalized plant.
 
     It moves exactly as ``build_plant(robot)`` does: the same joints in the same order, the same
     masses, the same frames of the table. Its links are model instances of their own, each with the
