@@ -3,7 +3,8 @@
 A pendulum, the leg of a six-legged robot and a SCARA arm, or a robot of your own: its Khalil
 (modified Denavit-Hartenberg) table becomes a Drake plant; blocks named as in Simulink move it; and
 every number is compared with its exact value. What follows is all that most people need. Each name
-has its own help with an example: ``help(drake_leg.simulate)``.
+has its own help with an example: ``help(drake_leg.simulate)``. Wrong values are refused in a
+sentence that says what to do, as a ``drake_leg.errors.DrakeLegError``.
 
 A step of the leg, its foot 140 mm forward and back, in ten lines::
 
@@ -21,12 +22,12 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 **Robots** (lengths in m, angles in rad)
 
-- ``PENDULUM``, ``LEG_A``, ``LEG_B``, ``SCARA``: the robots of the two reports.
+- ``PENDULUM``, ``LEG_A``, ``LEG_B``, ``SCARA``: the robots of the two reports, each a ``Robot``.
 - ``Robot``: a serial robot as data, one segment for each row of its table.
 - ``load_robot``: a robot from a TOML file.
 - ``build_plant``: a robot as Drake's ``MultibodyPlant``.
-- ``prove``: compare a robot's foot and Jacobian by chain, SymPy, Drake and differences.
-- ``examine_posture``: rank, singularities, room to move and inverse kinematics of a posture.
+- ``prove``: compare a robot's foot and Jacobian by its chain, SymPy, Drake and differences.
+- ``examine_posture``: a posture's rank, nearest singularity, strokes and inverse kinematics.
 - ``derive``: a robot's transforms, Jacobian and singularities in symbols.
 
 **Diagrams** (Drake's, wired as in Simulink; each has a configuration)
@@ -67,10 +68,10 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 **The two reports**
 
 - ``report``: all their figures, tables and equations on one page.
-- ``errata``: what they print wrongly, what is right, and what the error does.
+- ``errata``: their errors: what is printed, what is right, and the effect in numbers.
 
 Names are loaded when they are used, so that ``import drake_leg`` is quick and needs no Drake. In a
-notebook, robots, recordings, results and Drake diagrams show themselves.
+notebook, robots, proofs, equations, recordings, results and Drake diagrams show themselves.
 """
 
 from __future__ import annotations

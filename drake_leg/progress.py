@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import threading
 import time
@@ -127,6 +128,8 @@ class TimeBudget:
     """A time limit that several pieces of work share; it starts when it is made."""
 
     def __init__(self, seconds: float) -> None:
+        # A window of VTK must be freed in the thread that made it, and not by the worker.
+        gc.collect()
         self.seconds = seconds
         self._end = time.monotonic() + seconds
 

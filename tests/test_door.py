@@ -127,6 +127,8 @@ def test_an_example_teaches(name, monkeypatch, tmp_path):
     parser, runner = doctest.DocTestParser(), doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
     examples = parser.get_doctest(doc, {"drake_leg": drake_leg}, name, None, None)
     assert examples.examples
+    skipped = [example.source for example in examples.examples if doctest.SKIP in example.options]
+    assert not skipped or re.search(r"Not run here.*: .*\n", doc), f"{name} does not say why"
     report: list[str] = []
     runner.run(examples, out=report.append)
     assert runner.failures == 0, "".join(report)

@@ -1,5 +1,6 @@
 """The progress bar, and the time budget."""
 
+import gc
 import io
 import threading
 import time
@@ -198,3 +199,23 @@ def test_an_interrupt_stops_the_work_too(monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         TimeBudget(60.0).spend(for_ever)
     assert threading.active_count() == before
+
+
+def test_what_was_dropped_before_is_freed_in_the_thread_that_dropped_it():
+    """A window of VTK that another thread frees complains hundreds of times."""
+    freed_in = []
+
+    class Window:
+        def __init__(self):
+            self.itself = self
+
+        def __del__(self):
+            freed_in.append(threading.current_thread())
+
+    gc.disable()
+    try:
+        Window()
+        TimeBudget(10.0).spend(gc.collect)
+    finally:
+        gc.enable()
+    assert freed_in == [threading.current_thread()]

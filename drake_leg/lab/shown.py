@@ -104,6 +104,8 @@ def report(
 
     Examples
     --------
+    Not run here, as it takes a minute:
+
     >>> from drake_leg import report
     >>> made = report("report")  # doctest: +SKIP
     >>> made.page  # doctest: +SKIP
