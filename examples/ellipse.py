@@ -1,6 +1,6 @@
 """The foot of the hexabot's leg moves along an ellipse, as in walking.
 
-Two sines command the foot, one along x and one upwards. They enter the loop of leg_step.py: an
+Two sines command the foot, one along x and one upward. They enter the loop of leg_step.py: an
 inverse Jacobian, an integrator, the leg, and feedback of its measured joint angles.
 
     python examples/ellipse.py

@@ -18,7 +18,7 @@ from drake_leg.robot.robot import Brick, Link, Row, Segment, Solid
 
 
 def bar(joint: str, length: float, row: Row) -> Segment:
-    """Make a segment: an aluminium bar along the x axis of its row's frame, length in m."""
+    """Make a segment: an aluminum bar along the x axis of its row's frame, length in m."""
     shape, middle = Brick(length=length, width=0.02, height=0.01), (length / 2, 0.0, 0.0)
     solid = Solid(shape=shape, density=2700.0, centre=middle, colour=(0.0, 0.45, 0.7))
     return Segment(row=row, joint=joint, link=Link(name=f"{joint}_link", solid=solid))

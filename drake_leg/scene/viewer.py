@@ -156,6 +156,8 @@ def view(
 
     Examples
     --------
+    Not run here, as it serves a page until it is interrupted:
+
     >>> from math import radians
     >>> from drake_leg import LEG_B, view
     >>> q = view(LEG_B, [radians(90), radians(-50), radians(-90)], announce=print)  # doctest: +SKIP

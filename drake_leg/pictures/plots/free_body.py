@@ -58,7 +58,7 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     --------
     >>> from drake_leg import LEG_B, frames_drawing
     >>> figure = frames_drawing(LEG_B)  # matplotlib's; a notebook shows it
-    >>> figure.savefig("leg.png")  # doctest: +SKIP
+    >>> figure.savefig("leg.png")
     """
     require_robot(robot)
     heading = f"{title or robot.title}: bodies and frames"
