@@ -8,18 +8,20 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pydrake.systems.framework import DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import Gain, MatrixGain
 
+from drake_leg.arguments import require_fields, shown
 from drake_leg.diagrams.disturbance import Disturbance
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
+from drake_leg.robot.robot import Segment
 from drake_leg.singularity.inverse import Inverse
 from drake_leg.systems.drift_correction import DriftCorrection
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.speed_limit import SpeedLimit
-from drake_leg.units import require_angle, require_non_negative
+from drake_leg.units import exact_degrees, require_angle, require_non_negative
 
 CORRECTION = "Drift Correction"
 SPEED_LIMIT = "Speed Limit"
@@ -30,6 +32,7 @@ TOP_SPEED = 1.25  # of a corrected command, times the greatest speed of the unco
 OF_KINKS = 400.0  # [1/s^2], stiffness of a motion within limits: 20 rad/s
 LEAST_TOP = 0.5  # [1/s], of the arm's length: the limit of a corrected command at least
 EXACT_INVERSE = Inverse()
+TWO_TURNS = 4.0 * math.pi  # [rad], the largest angle that is not asked about
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +44,7 @@ class Control:
     q0_error: tuple[float, ...] = ()  # [rad or m], start minus q0; empty: none
 
     def __post_init__(self) -> None:
+        require_fields(self)
         require_non_negative("the gain of the drift correction", self.correction, "1/s")
         for error in self.q0_error:
             require_angle("an error of q0", error)
@@ -49,6 +53,10 @@ class Control:
         """Return the true start of joints that the command assumes to start at q0 [rad or m]."""
         if not self.q0_error:
             return q0
+        if len(self.q0_error) != len(q0):
+            raise InvalidValueError(
+                f"q0_error is {shown(self.q0_error)}; it must be {len(q0)} numbers, as q0 is"
+            )
         return tuple(q + error for q, error in zip(q0, self.q0_error, strict=True))
 
     def pull(self, disturbance: Disturbance) -> float:
@@ -76,6 +84,24 @@ class Control:
 
 
 EXACT = Control()
+
+
+def require_radians(q0: Sequence[float], joints: Sequence[Segment]) -> None:
+    """Refuse a start beyond two turns, which looks like degrees, unless it was converted from them.
+
+    Raises
+    ------
+    InvalidValueError
+        With the angle.
+    """
+    for q, joint in zip(q0, joints, strict=False):
+        if joint.row.joint == "revolute" and abs(q) > TWO_TURNS:
+            degrees = exact_degrees(q)
+            if degrees is None or degrees != round(degrees, 6):
+                raise InvalidValueError(
+                    f"joint {joint.joint} starts at {q:g} rad, which is more than two turns",
+                    advice=f"if degrees were meant, give math.radians({q:g})",
+                )
 
 
 class Command(NamedTuple):
@@ -130,7 +156,7 @@ def with_correction(
     gain: float,
     command: Command,
     *,
-    start: ArrayLike,
+    start: Sequence[float] | Array,
     p: OutputPort,
     pdot: OutputPort,
     top_speed: float = math.inf,
@@ -199,10 +225,7 @@ def connect_feedback(
     sensed: tuple[OutputPort, OutputPort],
     integrated: OutputPort,
 ) -> None:
-    """Connect the joint positions, sensed or integrated, to an inverse Jacobian.
-
-    ``feedback`` is one of ``FEEDBACKS``.
-    """
+    """Connect the joint positions, sensed or integrated, to an inverse Jacobian."""
     if feedback == "integrated":
         builder.Connect(integrated, inverse_jacobian.GetInputPort("q"))
         return

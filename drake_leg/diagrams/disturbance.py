@@ -10,6 +10,7 @@ from pydrake.multibody.tree import Frame
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Saturation
 
+from drake_leg.arguments import require_fields
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import Push
 from drake_leg.models.plant import build_plant
@@ -33,6 +34,7 @@ class Disturbance:
     stiffness: float | None = None  # k [1/s^2]; None: STIFFNESS, and FIRM under a disturbance
 
     def __post_init__(self) -> None:
+        require_fields(self)
         if not (math.isfinite(self.mass_error) and self.mass_error > -1.0):
             raise InvalidValueError(
                 f"the mass error is {self.mass_error!r}; it must be finite and greater than -1, "

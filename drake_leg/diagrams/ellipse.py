@@ -14,6 +14,7 @@ import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Multiplexer, Sine
 
+from drake_leg.arguments import checked
 from drake_leg.diagrams.additions import Command, through_matrix
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, add_leg
 from drake_leg.diagrams.mechanism import add_scope
@@ -32,7 +33,7 @@ class EllipseConfig(HexabotLegConfig):
     ----------
     motion : EllipticStep
         Amplitude, frequency, direction and lift of the foot's motion.
-    robot, q0, gravity, filter_time_constant, feedback, keep, control, disturbance
+    robot, q0, gravity, filter_time_constant, feedback, task, control, disturbance
         As in ``HexabotLegConfig``.
 
     Raises
@@ -55,6 +56,7 @@ class EllipseConfig(HexabotLegConfig):
             raise InvalidValueError(f"the gain is {self.gain!r}; an ellipse has no gain block")
 
 
+@checked
 def build(config: EllipseConfig) -> Diagram:
     """Wire the leg's diagram with two sine sources.
 

@@ -26,6 +26,7 @@ from pydrake.systems.primitives import (
     Sine,
 )
 
+from drake_leg.arguments import checked, require_fields
 from drake_leg.diagrams.additions import (
     EXACT,
     FEEDBACKS,
@@ -33,6 +34,7 @@ from drake_leg.diagrams.additions import (
     Control,
     JointMotion,
     connect_feedback,
+    require_radians,
     with_correction,
     with_direction,
     with_filters,
@@ -77,7 +79,7 @@ class HexabotLegConfig:
         Of the input filters at the joints [s]; by default there are none.
     feedback : {"sensed", "integrated"}
         Which joint positions the inverse Jacobian receives.
-    keep : {"position", "pose"}, optional
+    task : {"position", "pose"}, optional
         What of the foot is commanded; by default its pose, if the joints allow that.
     control : Control
         Inverse, drift correction and error of the start.
@@ -104,14 +106,16 @@ class HexabotLegConfig:
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
     filter_time_constant: float | None = None  # [s], of the joints' input filters; None: no filter
     feedback: str = "sensed"  # joint positions for the inverse Jacobian, or "integrated" ones
-    keep: str | None = None  # "position" or "pose" of the foot; None: the pose if possible
+    task: str | None = None  # "position" or "pose" of the foot; None: the pose if possible
     control: Control = EXACT
     disturbance: Disturbance = UNDISTURBED
 
     def __post_init__(self) -> None:
+        require_fields(self)
         if not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; its numbers must be finite")
         moved = self.movable
+        require_radians(self.q0, self.robot.moving)
         for angle in self.start:
             require_angle("an angle of q0", angle)
         if not LEAST <= abs(self.gain) <= MOST:
@@ -138,7 +142,7 @@ class HexabotLegConfig:
     @cached_property
     def movable(self) -> Movable:
         """The robot, the commanded motion of its foot, and the exact inverse of its Jacobian."""
-        return movable(self.robot, self.q0, self.keep)
+        return movable(self.robot, self.q0, self.task)
 
     @cached_property
     def inverted(self) -> Movable:
@@ -147,6 +151,7 @@ class HexabotLegConfig:
         return self.control.inverse.of(self.movable, self.robot.moving, lag)
 
 
+@checked
 def build(config: HexabotLegConfig) -> Diagram:
     """Wire the leg's diagram.
 

@@ -15,6 +15,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Demultiplexer, VectorLogSink
 
+from drake_leg.arguments import checked
 from drake_leg.diagrams.disturbance import (
     UNDISTURBED,
     Disturbance,
@@ -194,6 +195,7 @@ def add_mechanism_scopes(
         add_scope(builder, "prescribed positions", prescribed)
 
 
+@checked
 def add_scope(builder: DiagramBuilder, name: str, signal: OutputPort) -> None:
     """Log a signal at every step of the integrator.
 

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Adder, Demultiplexer
 
+from drake_leg.arguments import checked, require_fields
+from drake_leg.diagrams.additions import require_radians
 from drake_leg.diagrams.mechanism import add_scope, add_stops
 from drake_leg.diagrams.wiring import built, plant_of
 from drake_leg.kinematics.pendulum import PendulumModel
@@ -56,7 +58,10 @@ class PendulumConfig:
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
 
     def __post_init__(self) -> None:
+        require_fields(self)
         PendulumModel.from_robot(self.robot)
+        if self.q0 is not None:
+            require_radians([self.q0], self.robot.moving)
         require_angle("the state target", self.start)
 
     @property
@@ -65,6 +70,7 @@ class PendulumConfig:
         return initial_state(self.robot).q[0] if self.q0 is None else self.q0
 
 
+@checked
 def build(config: PendulumConfig) -> Diagram:
     """Wire the pendulum's diagram.
 

@@ -24,7 +24,15 @@ from pydrake.systems.primitives import (
     Sine,
 )
 
-from drake_leg.diagrams.additions import EXACT, Command, Control, through_matrix, with_correction
+from drake_leg.arguments import checked, require_fields
+from drake_leg.diagrams.additions import (
+    EXACT,
+    Command,
+    Control,
+    require_radians,
+    through_matrix,
+    with_correction,
+)
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.diagrams.wiring import built
@@ -83,9 +91,11 @@ class ScaraConfig:
     disturbance: Disturbance = UNDISTURBED
 
     def __post_init__(self) -> None:
+        require_fields(self)
         lift_position(self.geometry, self.R)
         if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")
+        require_radians(self.q0, self.robot.moving[:3])
         for angle in self.start:
             require_angle("an angle of q0", angle)
         if self.motion.direction[2] != 0.0:
@@ -120,6 +130,7 @@ class ScaraConfig:
         return self.control.inverse.of(self.movable, self.robot.moving[:3])
 
 
+@checked
 def build(config: ScaraConfig) -> Diagram:
     """Wire the SCARA's diagram.
 

@@ -7,6 +7,7 @@ from itertools import count, takewhile
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram
 
+from drake_leg.arguments import checked
 from drake_leg.colours import Background
 from drake_leg.diagrams.wiring import plant_of
 from drake_leg.pictures.drawing import Drawing, draw
@@ -69,6 +70,7 @@ def run_pictures(
     return tuple(pictures)
 
 
+@checked
 def block_diagram(
     diagram: Diagram | Model,
     *,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.svg import Picture
 
 CROSSING = 100  # what a crossing costs
@@ -18,6 +18,7 @@ SWEEPS = 8
 MOST_TRIED = 5000  # spots at all places of their columns; larger pictures are less tidy
 MANY = 2000  # spots, from which on loops are cut where the diagram's order tells
 ACROSS = 1e6  # more than there are places in a column
+Numbers = NDArray[Any]
 _Found = tuple[int, list[list[int]], list[list[int]], list[list[int]]]
 
 
@@ -226,7 +227,9 @@ def order_of(picture: Picture, columns: Columns) -> Order:
     return Order(members=members, inputs=inputs, outputs=outputs)
 
 
-def sifted(passing: Array, more: Callable[[int, Sequence[int]], Array] | None = None) -> list[int]:
+def sifted(
+    passing: Numbers, more: Callable[[int, Sequence[int]], Numbers] | None = None
+) -> list[int]:
     """Move every item of a row once to its best place; return the new order.
 
     ``passing[i, j]`` is the cost of item i passing item j, from above to below. ``more`` returns
@@ -279,7 +282,7 @@ class _Turning:
         other = np.array([position(hook.other) for hook in self.hooks])
         self.other = np.where(self.turns_back, other, ACROSS - other)
 
-    def crossed(self, item: int, count: int) -> Array:
+    def crossed(self, item: int, count: int) -> Numbers:
         """Count crossings that come less those that go as an item passes each of ``count``.
 
         Of two chords one or both turn back. They cross if, on the way around from where their ends
@@ -290,9 +293,10 @@ class _Turning:
         passed = np.flatnonzero(among & (self.item != item))
         meet = self.at[passed]
 
-        def around(hooks: Array) -> Array:
+        def around(hooks: Numbers) -> Numbers:
             above = self.turns_back[hooks] & (self.other[hooks] < meet)
-            return self.other[hooks] + 2 * ACROSS * above
+            places: Numbers = self.other[hooks] + 2 * ACROSS * above
+            return places
 
         beside = np.where(self.other[passed] > self.at[mine], -1.0, 3 * ACROSS)
         own = self.turns_back[passed] & (self.other_spot[passed] == self.spot[mine])
@@ -394,7 +398,7 @@ class _Search:
         self,
         row: list[int],
         named: Sequence[_Item],
-        penalties: Array,
+        penalties: Numbers,
         sides: Sequence[Sequence[_Hook]],
         item_of: Callable[[End], _Item],
     ) -> bool:
@@ -416,13 +420,14 @@ class _Search:
         ]
         noted: list[int] = []
 
-        def by_turns(item: int, order: Sequence[int]) -> Array:
+        def by_turns(item: int, order: Sequence[int]) -> Numbers:
             if noted != order:
                 noted[:] = order
                 self._note([items[other] for other in order])
                 for hooks in turning:
                     hooks.note(self._position)
-            return CROSSING * sum(hooks.crossed(item, len(items)) for hooks in turning)
+            found: Numbers = np.sum([h.crossed(item, len(items)) for h in turning], axis=0)
+            return CROSSING * found
 
         order = sifted(costs, by_turns if turning else None)
         row[:] = [numbers[item] for item in order]
@@ -431,7 +436,7 @@ class _Search:
 
     def _crossed(
         self, hooks: Sequence[_Hook], index: Mapping[_Item, int], item_of: Callable[[End], _Item]
-    ) -> Array:
+    ) -> Numbers:
         """Count crossings that come less those that go as item i passes item j, downwards.
 
         Chords that turn back do not count here.
@@ -496,7 +501,7 @@ class _Search:
         loose = [spot for spot in self.order.members[column] if self.loose[spot]]
         return [ports[spot] for ports in (self.order.inputs, self.order.outputs) for spot in loose]
 
-    def _penalties(self, members: Sequence[int]) -> Array:
+    def _penalties(self, members: Sequence[int]) -> Numbers:
         """Cost of each spot above each other one: loops above blocks, blocks out of order."""
         spots = [self.columns.spots[spot] for spot in members]
         block = np.array([spot.block for spot in spots])
@@ -506,7 +511,7 @@ class _Search:
         return cost * (block >= 0)
 
 
-def _disorder(ports: Sequence[int]) -> Array:
+def _disorder(ports: Sequence[int]) -> Numbers:
     """Cost of each port above each other one."""
     order = np.array(ports, dtype=int)
     return DISORDER * (order[:, np.newaxis] > order)

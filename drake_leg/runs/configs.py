@@ -65,7 +65,7 @@ def straight_config(robot: Robot, options: StraightOptions) -> HexabotLegConfig:
     return HexabotLegConfig(
         robot=robot,
         q0=q0,
-        keep=options.task,
+        task=options.task,
         motion=options.motion(direction),
         gain=options.gain,
         gravity=options.gravity,

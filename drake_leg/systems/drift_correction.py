@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-from numpy.typing import ArrayLike
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Integrator, MatrixGain, Multiplexer
 
-from drake_leg.units import require_non_negative
+from drake_leg.kinematics.khalil import Array
+from drake_leg.units import require_non_negative, require_three
 
 
 class DriftCorrection(Diagram):
@@ -39,7 +41,7 @@ class DriftCorrection(Diagram):
     Raises
     ------
     InvalidValueError
-        If the gain is negative.
+        If the gain is negative, or the start is not three numbers.
 
     Examples
     --------
@@ -52,15 +54,18 @@ class DriftCorrection(Diagram):
     [0.1, 0.0, 0.0]
     """
 
-    def __init__(self, gain: float, start: ArrayLike) -> None:
+    def __init__(self, gain: float, start: Sequence[float] | Array) -> None:
         super().__init__()
         require_non_negative("the gain of the drift correction", gain, "1/s")
+        require_three("the start of the drift correction", start)
         builder = DiagramBuilder()
         one = np.eye(3)
         weighted_sum = np.hstack([one, gain * one, -gain * one])
 
         # Blocks: p_d, and two sums of three signals.
-        commanded = builder.AddNamedSystem("commanded position", Integrator(np.asarray(start)))
+        commanded = builder.AddNamedSystem(
+            "commanded position", Integrator(np.asarray(start, dtype=np.float64))
+        )
         signals_v = builder.AddNamedSystem("signals of the velocity", Multiplexer([3, 3, 3]))
         velocity = builder.AddNamedSystem("velocity", MatrixGain(weighted_sum))
         signals_a = builder.AddNamedSystem("signals of the acceleration", Multiplexer([3, 3, 3]))

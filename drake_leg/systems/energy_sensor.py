@@ -5,6 +5,8 @@ from __future__ import annotations
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from drake_leg.systems.partial_dynamics import require_plant
+
 
 class EnergySensor(LeafSystem):
     """Outputs the kinetic and potential energy of a plant, of gravity and of springs.
@@ -35,6 +37,7 @@ class EnergySensor(LeafSystem):
 
     def __init__(self, plant: MultibodyPlant) -> None:
         super().__init__()
+        require_plant(plant)
         self._plant = plant
         self._scratch = plant.CreateDefaultContext()
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())

@@ -72,7 +72,7 @@ class InputFilter(Diagram):
     ) -> None:
         super().__init__()
         require_positive("the filter's time constant", time_constant, "s")
-        if not isinstance(size, int) or size < 1:
+        if isinstance(size, bool) or not isinstance(size, int | np.integer) or size < 1:
             raise InvalidValueError(
                 f"the filter's size is {size!r}; it must be the number of signals, 1 or more"
             )

@@ -8,6 +8,7 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.joint_stop import stop_force, stored_energy
 from drake_leg.robot.joint_mechanics import JointMechanics
@@ -54,6 +55,11 @@ class JointStops(LeafSystem):
 
     def __init__(self, plant: MultibodyPlant, mechanics: Mapping[str, JointMechanics]) -> None:
         super().__init__()
+        if not isinstance(mechanics, Mapping):
+            raise InvalidValueError(
+                f"the mechanics are {shown(mechanics)}; they must be a mapping from the names of "
+                "joints to their JointMechanics"
+            )
         for name, acting in mechanics.items():
             if not isinstance(acting, JointMechanics):
                 raise InvalidValueError(

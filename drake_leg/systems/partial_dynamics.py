@@ -9,6 +9,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, MultibodyForces
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from drake_leg.arguments import ADVICE, shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 
@@ -24,7 +25,10 @@ def require_plant(plant: MultibodyPlant) -> None:
         If it is not a plant, or not finalised.
     """
     if not isinstance(plant, MultibodyPlant):
-        raise InvalidValueError(f"the plant is {plant!r}; it must be a MultibodyPlant")
+        raise InvalidValueError(
+            f"the plant is {shown(plant)}; it must be a MultibodyPlant",
+            advice=ADVICE["MultibodyPlant"],
+        )
     if not plant.is_finalized():
         raise InvalidValueError(
             f"the plant {plant.get_name()!r} is not finalised; call its Finalize() before"
@@ -43,12 +47,16 @@ def joints_of_one_axis(plant: MultibodyPlant, joints: Iterable[str | Joint]) -> 
         joint is neither revolute nor prismatic.
     """
     require_plant(plant)
+    if not isinstance(joints, Iterable):
+        raise InvalidValueError(
+            f"the joints are {shown(joints)}; they must be a list of joints or of their names"
+        )
     named = [joints] if isinstance(joints, str) else list(joints)
     found = [_joint(plant, joint) if isinstance(joint, str) else joint for joint in named]
     for joint in found:
         if not isinstance(joint, Joint) or joint.GetParentPlant() is not plant:
             raise InvalidValueError(
-                f"{joint!r} is no joint of the plant {plant.get_name()!r}; give its joints or "
+                f"{shown(joint)} is no joint of the plant {plant.get_name()!r}; give its joints or "
                 "their names"
             )
     if not found:

@@ -98,6 +98,8 @@ class PrescribedMotion(Diagram):
         super().__init__()
         require_non_negative("the motion's stiffness", stiffness, "1/s^2")
         require_plant(plant)
+        if believed is not None:
+            require_plant(believed)
         self._plant = plant
         self._believed = plant if believed is None else believed
         if joints is None:

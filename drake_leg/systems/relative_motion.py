@@ -8,9 +8,11 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, JacobianWrtVariable
 
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.euler import angle_accelerations, angle_rates, euler_angles
 from drake_leg.kinematics.khalil import Array
+from drake_leg.systems.partial_dynamics import require_plant
 
 Where = Literal["base", "follower", "world"]
 
@@ -53,11 +55,7 @@ class RelativeMotion:
         expressed_in: Where = "base",
         observed_in: Where = "base",
     ) -> None:
-        if not plant.is_finalized():
-            raise InvalidValueError(
-                f"the plant {plant.get_name()!r} is not finalised; call its Finalize() before its "
-                "frames are sensed"
-            )
+        require_plant(plant)
         self._plant, self._F = plant, _own(plant, frame)
         self._B = plant.world_frame() if base is None else _own(plant, base)
         frames = {"base": self._B, "follower": self._F, "world": plant.world_frame()}
@@ -158,7 +156,7 @@ class RelativeMotion:
 def _own(plant: MultibodyPlant, frame: Frame) -> Frame:
     if not isinstance(frame, Frame):
         raise InvalidValueError(
-            f"{frame!r} is no frame; take one from the plant, as plant.GetFrameByName('foot')"
+            f"{shown(frame)} is no frame; take one from the plant, as plant.GetFrameByName('foot')"
         )
     if frame.GetParentPlant() is not plant:
         raise InvalidValueError(

@@ -281,7 +281,7 @@ NAN = float("nan")
         ({"gain": 0.0}, "gain is 0.0"),
         ({"gain": NAN}, "gain is nan"),
         ({"direction": (1.0, 1.0, 0.0)}, "must have length 1"),
-        ({"direction": (NAN, 0.0, 0.0)}, "must have length 1"),
+        ({"direction": (NAN, 0.0, 0.0)}, "must be three finite numbers"),
         ({"robot": SCARA}, "scara"),
     ],
 )

@@ -1,0 +1,145 @@
+"""Checks arguments against their annotations, and refuses a wrong one in a sentence."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from functools import cache, wraps
+from numbers import Integral, Real
+from types import NoneType, UnionType
+from typing import (
+    TYPE_CHECKING,
+    Literal,
+    ParamSpec,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from drake_leg.errors import InvalidValueError
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+MOST_SHOWN = 60  # characters of a value
+WORDS: dict[object, str] = {
+    bool: "True or False",
+    float: "a number",
+    int: "a whole number",
+    str: "text",
+    NoneType: "None",
+}
+NUMBERS: dict[object, type] = {float: Real, int: Integral}
+# By the name of a class: how to get an object of it.
+ADVICE = {
+    "Diagram": "build one, as build_pendulum(PendulumConfig())",
+    "DiagramBuilder": "make one with pydrake.systems.framework.DiagramBuilder()",
+    "EllipticStep": "make one, as EllipticStep(lift=0.03)",
+    "Frame": "take one from the plant, as plant.GetFrameByName('foot')",
+    "MultibodyPlant": "make one with build_plant(robot)",
+    "OutputPort": "take one from a block, as block.get_output_port()",
+    "Robot": "take one from drake_leg, such as LEG_B, or load one with load_robot",
+    "SineStep": "make one, as SineStep(amplitude=0.05)",
+}
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """Make a function refuse arguments that are not of the types of its annotations.
+
+    Numbers, text, classes, tuples and choices of these are checked; other types are not.
+    """
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def checking(*arguments: P.args, **keywords: P.kwargs) -> R:
+        given = signature.bind(*arguments, **keywords).arguments
+        _require_types(given, _hints(function))
+        return function(*arguments, **keywords)
+
+    return checking
+
+
+def require_fields(data: DataclassInstance) -> None:
+    """Refuse a dataclass with a field that is not of the type of its annotation.
+
+    Raises
+    ------
+    InvalidValueError
+        With the value.
+    """
+    _require_types({f.name: getattr(data, f.name) for f in fields(data)}, _hints(type(data)))
+
+
+def shown(value: object) -> str:
+    """Write a value in a line, or its type if that is too long to read."""
+    text = " ".join(repr(value).split())
+    if len(text) <= MOST_SHOWN and "object at 0x" not in text:
+        return text
+    return _with_article(type(value).__name__)
+
+
+def _with_article(name: str) -> str:
+    return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
+
+
+@cache
+def _hints(owner: type | Callable[..., object]) -> Mapping[str, object]:
+    return get_type_hints(owner)
+
+
+def _require_types(values: Mapping[str, object], hints: Mapping[str, object]) -> None:
+    for name, value in values.items():
+        hint = hints.get(name, object)
+        if not _fits(value, hint):
+            classes = [getattr(each, "__name__", "") for each in _choices(hint)]
+            advice = next((ADVICE[each] for each in classes if each in ADVICE), "")
+            raise InvalidValueError(
+                f"{name} is {shown(value)}; it must be {_words(hint)}", advice=advice
+            )
+
+
+def _choices(hint: object) -> tuple[object, ...]:
+    return get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+
+
+def _fits(value: object, hint: object) -> bool:
+    if get_origin(hint) in (Union, UnionType):
+        return any(_fits(value, each) for each in get_args(hint))
+    if get_origin(hint) is Literal:
+        return any(value is each or value == each for each in get_args(hint))
+    if get_origin(hint) is tuple:
+        return _fits_tuple(value, get_args(hint))
+    if hint in NUMBERS:
+        return isinstance(value, NUMBERS[hint]) and not isinstance(value, bool)
+    return isinstance(value, hint) if isinstance(hint, type) else True
+
+
+def _fits_tuple(value: object, parts: tuple[object, ...]) -> bool:
+    """Tell whether a sequence of any kind has these parts; lists and arrays do, too."""
+    if isinstance(value, str | Mapping):
+        return False
+    try:
+        found = list(value)  # type: ignore[call-overload]
+    except TypeError:
+        return False
+    if parts[-1] is Ellipsis:
+        return all(_fits(each, parts[0]) for each in found)
+    return len(found) == len(parts) and all(map(_fits, found, parts))
+
+
+def _words(hint: object) -> str:
+    if get_origin(hint) in (Union, UnionType):
+        return " or ".join(map(_words, get_args(hint)))
+    if get_origin(hint) is Literal:
+        return " or ".join(map(repr, get_args(hint)))
+    if get_origin(hint) is tuple:
+        parts = get_args(hint)
+        return "a tuple of numbers" if parts[-1] is Ellipsis else f"{len(parts)} numbers"
+    name = getattr(hint, "__name__", str(hint))
+    return WORDS.get(hint) or _with_article(name)
