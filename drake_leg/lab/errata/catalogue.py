@@ -210,7 +210,7 @@ def _sinusoid() -> Values:
 
 # --- the legs --------------------------------------------------------------------------------
 
-A, B = LegGeometry.from_robot(LEG_A), LegGeometry.from_robot(LEG_B)
+GEOMETRY_A, GEOMETRY_B = LegGeometry.from_robot(LEG_A), LegGeometry.from_robot(LEG_B)
 FORWARDS = np.array([1.0, 0.0, 0.0])  # commanded velocity, in any unit
 GAIN = 10.0  # "a constant factor of 10"
 
@@ -266,8 +266,8 @@ def _degrees_of_freedom() -> Values:
             direction=direction,
             lift=lift,
         )
-        positions = foot_position(A, start) + motion.displacement(time)
-        turned.append(np.ptp(inverse_kinematics(A, positions, like=start), axis=0))
+        positions = foot_position(GEOMETRY_A, start) + motion.displacement(time)
+        turned.append(np.ptp(inverse_kinematics(GEOMETRY_A, positions, like=start), axis=0))
     (hip, knee, ankle), (across, _, _) = np.degrees(turned)
     stroke = 2 * MM * options.amplitude / options.frequency
     inside = {"hip": hip, "knee": knee, "ankle": ankle}
@@ -275,7 +275,7 @@ def _degrees_of_freedom() -> Values:
 
 
 def _first_forms() -> Values:
-    q = far_end(A, LegAOptions())
+    q = far_end(GEOMETRY_A, LegAOptions())
     literal = np.eye(4)
     for row, angle in zip(LEG_A.rows, (q[0], q[1], q[0], q[0]), strict=True):
         literal = literal @ row_transform(dataclasses.replace(row, joint="revolute"), angle)
@@ -287,28 +287,28 @@ def _first_forms() -> Values:
 
 def _missing_rates() -> Values:
     q = np.array(LegAOptions().posture())
-    return {"q": angles(q), "speed": MM * math.hypot(*(foot_jacobian(A, q) @ q))}
+    return {"q": angles(q), "speed": MM * math.hypot(*(foot_jacobian(GEOMETRY_A, q) @ q))}
 
 
 def _wrong_column() -> Values:
-    q = far_end(A, LegAOptions())
-    J = foot_jacobian(A, q)
+    q = far_end(GEOMETRY_A, LegAOptions())
+    J = foot_jacobian(GEOMETRY_A, q)
     J_printed = J.copy()
-    J_printed[0, 2] = -A.l3 * math.sin(q[0]) * math.sin(q[1] + q[2])
+    J_printed[0, 2] = -GEOMETRY_A.l3 * math.sin(q[0]) * math.sin(q[1] + q[2])
     return {"q": angles(q), "v": J @ np.linalg.solve(J_printed, FORWARDS)}
 
 
 def _hip_axis() -> Values:
     q1, q2 = LegAOptions().posture()[0], math.pi / 2
-    q3 = math.acos(-(A.l1 + A.l2 * math.cos(q2)) / A.l3) - q2
-    report = examine(foot_jacobian(A, (q1, q2, q3)))
+    q3 = math.acos(-(GEOMETRY_A.l1 + GEOMETRY_A.l2 * math.cos(q2)) / GEOMETRY_A.l3) - q2
+    report = examine(foot_jacobian(GEOMETRY_A, (q1, q2, q3)))
     q = angles((q1, q2, q3))
     return {"q": q, "sine": math.sin(q3), "rank": report.rank, "sigma": MM * report.sigma_min}
 
 
 def _stretched() -> Values:
     q = (*LegAOptions().posture()[:2], 0.0)
-    J = foot_jacobian(A, q)
+    J = foot_jacobian(GEOMETRY_A, q)
     first, second, third = MM * np.linalg.svd(J, compute_uv=False)
     report = examine(J)
     along = foot_pose(LEG_A.rows, q)[:3, 0]
@@ -319,24 +319,28 @@ def _stretched() -> Values:
 
 def _base_on_the_ground() -> Values:
     q = LegAOptions().posture()
-    return {"q": angles(q), "depth": -MM * float(foot_position(A, q)[2])}
+    return {"q": angles(q), "depth": -MM * float(foot_position(GEOMETRY_A, q)[2])}
 
 
 def _length_for_angle() -> Values:
     q1, q2, q3 = LegAOptions().posture()
-    foot, turned = (foot_position(A, (q1, q2, angle)) for angle in (q3, A.l3))
-    return {"length": A.l3, "away": MM * math.dist(foot, turned), "q": angles((q1, q2, q3))}
+    foot, turned = (foot_position(GEOMETRY_A, (q1, q2, angle)) for angle in (q3, GEOMETRY_A.l3))
+    return {
+        "length": GEOMETRY_A.l3,
+        "away": MM * math.dist(foot, turned),
+        "q": angles((q1, q2, q3)),
+    }
 
 
 def _euler_rates() -> Values:
-    q = far_end(A, LegAOptions())
-    J = foot_jacobian(A, q)
+    q = far_end(GEOMETRY_A, LegAOptions())
+    J = foot_jacobian(GEOMETRY_A, q)
     rates = np.linalg.solve(J, FORWARDS)
     return {"q": angles(q), "v": J @ [rates[0], 0.0, rates[1] + rates[2]]}
 
 
 def _demuxed() -> Values:
-    rates = np.linalg.solve(foot_jacobian(A, LegAOptions().posture()), FORWARDS)
+    rates = np.linalg.solve(foot_jacobian(GEOMETRY_A, LegAOptions().posture()), FORWARDS)
     return {"size": rates.size}
 
 
@@ -347,7 +351,11 @@ def _start() -> Array:
 
 def _leg_b_values(q: Array) -> dict[str, float]:
     """The report's symbols [rad, mm]."""
-    return angle_values(q.tolist()) | {"L1": MM * B.l1, "L2": MM * B.l2, "L3": MM * B.l3}
+    return angle_values(q.tolist()) | {
+        "L1": MM * GEOMETRY_B.l1,
+        "L2": MM * GEOMETRY_B.l2,
+        "L3": MM * GEOMETRY_B.l3,
+    }
 
 
 def _shifted_table() -> Values:
@@ -365,7 +373,7 @@ def _shifted_table() -> Values:
 
 def _no_rotation_of_leg_b(name: str) -> Values:
     q = _start()
-    foot = MM * foot_position(B, q)
+    foot = MM * foot_position(GEOMETRY_B, q)
     return {**_no_rotation(leg_b_matrices(), _leg_b_values(q), foot, name), "q": angles(q)}
 
 
@@ -387,13 +395,13 @@ def _wrong_pose() -> Values:
         **_first_rows("T04"),
         "q": angles(q),
         "wrong": printed[:3, 3],
-        "true": MM * foot_position(B, q),
+        "true": MM * foot_position(GEOMETRY_B, q),
         "determinant": rotation_defect(printed)[0],
     }
 
 
 def _wrong_jacobian() -> Values:
-    start, end = _start(), far_end(B, LegBOptions())
+    start, end = _start(), far_end(GEOMETRY_B, LegBOptions())
     printed = leg_b_matrices().printed["J"].subs(SIGMAS_PRINTED)
     listed = sp.Matrix(printed)
     listed[0, 1] = J12_PRINTED
@@ -401,7 +409,7 @@ def _wrong_jacobian() -> Values:
     def sent(J_printed: sp.Matrix, q: Array) -> Array:
         """Velocity of the foot commanded forwards through the inverse of a printed Jacobian."""
         rates = np.linalg.solve(evaluate(J_printed, _leg_b_values(q)), FORWARDS)
-        return MM * foot_jacobian(B, q) @ rates
+        return MM * foot_jacobian(GEOMETRY_B, q) @ rates
 
     return {
         **_first_rows("J"),
@@ -424,7 +432,7 @@ def _headings_of_leg_b() -> Values:
 
 
 def _three_joints_of_leg_b() -> Values:
-    return {"rank": examine(foot_jacobian(B, _start())).rank, "q": angles(_start())}
+    return {"rank": examine(foot_jacobian(GEOMETRY_B, _start())).rank, "q": angles(_start())}
 
 
 def _path() -> tuple[Array, Array, Array]:
@@ -436,10 +444,12 @@ def _path() -> tuple[Array, Array, Array]:
 
 
 def _gain() -> Values:
-    (_, displacement, velocity), leg = _path(), MovableLeg(B)
-    q = inverse_kinematics(B, foot_position(B, _start()) + displacement, like=_start())
+    (_, displacement, velocity), leg = _path(), MovableLeg(GEOMETRY_B)
+    q = inverse_kinematics(
+        GEOMETRY_B, foot_position(GEOMETRY_B, _start()) + displacement, like=_start()
+    )
     rates = np.array([leg.rates(*pair) for pair in zip(q, velocity, strict=True)])
-    went = (foot_jacobian(B, q) @ rates[:, :, np.newaxis])[:, :, 0]
+    went = (foot_jacobian(GEOMETRY_B, q) @ rates[:, :, np.newaxis])[:, :, 0]
     factor = np.abs(went).max() / np.abs(velocity).max()
     peak = MM * LegBOptions().amplitude
     return {"factor": factor, "low": peak / GAIN, "peak": peak, "gain": GAIN}
@@ -535,7 +545,11 @@ def _half_turn() -> Values:
 def _lengths() -> Values:
     q = _scara_posture()[:3]
     true = MM**2 * float(determinant(ARM, q))
-    return {"q": angles(q), "wrong": true * (B.l1 * B.l2) / (ARM.l1 * ARM.l2), "true": true}
+    return {
+        "q": angles(q),
+        "wrong": true * (GEOMETRY_B.l1 * GEOMETRY_B.l2) / (ARM.l1 * ARM.l2),
+        "true": true,
+    }
 
 
 EFFECTS: Mapping[int, Callable[[], Values]] = {  # by the errata's numbers

@@ -614,7 +614,7 @@ def _is_heading(cells: Iterable[str]) -> bool:
 
 
 def _column(heading: str) -> str:
-    """Recognise a column by the last word of its heading: ``Angle around Z, ϑ`` is theta."""
+    """Recognize a column by the last word of its heading: ``Angle around Z, ϑ`` is theta."""
     words = re.sub(r"[$\\{}]|\([^()]*\)|\[[^\[\]]*\]", "", heading).casefold()
     last = re.split(r"[\s,;]+", words.strip(" ,;"))[-1]
     last = re.sub(r"(?:_[a-z]?(?:-1|\+1)?|[ᵢⱼ])$", "", last)

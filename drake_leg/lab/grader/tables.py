@@ -216,14 +216,14 @@ class _Repair:
     """How a row is read so that every cell fits its column."""
 
     cells: tuple[str, ...]  # in the columns' order
-    said: str  # what happened to the cells
+    exchanged: str = ""  # which two cells have changed places; or else
+    shifted: str = ""  # where the cells are, and which one is missing
 
 
-def _find_repair(table: Table, row: TableRow, misplaced: int) -> _Repair | None:
+def _find_repair(table: Table, row: TableRow) -> _Repair | None:
     """Look for two cells that have changed places, or for cells one column off.
 
-    ``misplaced`` is how many cells a sentence is about. Of several shifts the one that moves the
-    fewest cells is taken.
+    Of several shifts the one that moves the fewest cells is taken.
     """
     columns, texts = list(table.columns), table.texts(row)
     wrong = table.misfits(texts)
@@ -232,9 +232,7 @@ def _find_repair(table: Table, row: TableRow, misplaced: int) -> _Repair | None:
         cells = list(texts)
         cells[i], cells[j] = cells[j], cells[i]
         if not table.misfits(cells):
-            said = f"{columns[i]} and {columns[j]} have changed places"
-            return _Repair(cells=tuple(cells), said=said)
-    they = "they are" if misplaced > 1 else "it is"
+            return _Repair(cells=tuple(cells), exchanged=f"{columns[i]} and {columns[j]}")
     found: list[tuple[int, _Repair]] = []
     for spare, text in enumerate(texts):
         if table.kind(text) not in ("nothing", "zero"):
@@ -246,8 +244,8 @@ def _find_repair(table: Table, row: TableRow, misplaced: int) -> _Repair | None:
                 continue
             cells[gap] = _likely_sigma(table, cells) if missing == "sigma" else UNKNOWN
             side = "left" if gap < spare else "right"
-            said = f"{they} one column to the {side}, and {missing} is missing"
-            found.append((abs(spare - gap), _Repair(cells=tuple(cells), said=said)))
+            shifted = f"one column to the {side}, and {missing} is missing"
+            found.append((abs(spare - gap), _Repair(cells=tuple(cells), shifted=shifted)))
     return min(found, key=lambda moved: moved[0], default=(0, None))[1]
 
 
@@ -266,7 +264,7 @@ def repaired(table: Table) -> Table:
     rows = []
     for row in table.rows:
         texts = table.texts(row)
-        better = _find_repair(table, row, 0) if table.misfits(texts) else None
+        better = _find_repair(table, row) if table.misfits(texts) else None
         cells = dict(zip(table.columns, better.cells if better else texts, strict=True))
         rows.append(TableRow(frame=row.frame, cells=cells))
     return replace(table, rows=tuple(rows))
@@ -315,12 +313,15 @@ def _lint_row(table: Table, row: TableRow, place: str) -> Iterator[Finding]:
     columns, texts = list(table.columns.items()), table.texts(row)
     wrong = [(*columns[i], texts[i]) for i in table.misfits(texts)]
     misplaced = [(c, text) for c, _, text in wrong if text and not _meant_as_sigma(c, text)]
-    better = _find_repair(table, row, len(misplaced)) if misplaced else None
+    better = _find_repair(table, row) if misplaced else None
     if better:
         found = "; ".join(f"{column} is {table.described(text)}" for column, text in misplaced)
         cells = zip(table.columns, better.cells, strict=True)
         remedy = f"write {', '.join(f'{column} = {text}' for column, text in cells)}"
-        yield Finding(place, f"{found}: {better.said}", remedy)
+        said = f"{better.exchanged} have changed places"
+        if better.shifted:
+            said = f"{'they are' if len(misplaced) > 1 else 'it is'} {better.shifted}"
+        yield Finding(place, f"{found}: {said}", remedy)
         return
     for column, sort, text in wrong:
         if column == "sigma":
