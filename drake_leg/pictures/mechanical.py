@@ -10,7 +10,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.tree import RigidBody
 
 from drake_leg.pictures.svg import DrawnBlock, Net, Picture, wrapped
-from drake_leg.simulink.bodies import SHAPES
+from drake_leg.simulink.mechanism import SHAPES
 
 CAPTION_WIDTH = 84.0  # [px], of a mechanical block
 SIGNAL_WIDTH = 88.0  # [px], of a signal block

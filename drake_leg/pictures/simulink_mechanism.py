@@ -24,8 +24,8 @@ from drake_leg.pictures.mechanical import (
 )
 from drake_leg.pictures.svg import DrawnBlock, Picture, wrapped
 from drake_leg.robot.robot import Brick, Cylinder, Shape, Sphere
-from drake_leg.simulink.bodies import SOLIDS, SolidProperties, read_solid, rigid_transform
 from drake_leg.simulink.listing import block_paths, printable
+from drake_leg.simulink.mechanism import SOLIDS, SolidProperties, read_solid, rigid_transform
 from drake_leg.simulink.model import Block, Model, number, split_port, vector
 
 _LONGEST = 24  # characters of a line

@@ -1,16 +1,176 @@
-"""What is drawn in the systems of a file: blocks and lines with their ports, still as text."""
+"""What is drawn in the systems of a file: blocks, masks, charts, and lines, still as text."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import zip_longest
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import one_line, parameters
-from drake_leg.simulink.masks import Charts, Mask, read_mask
 from drake_leg.simulink.model import Function, split_port
+
+_EVALUATED = ("edit", "slider", "dial", "spinbox", "min", "max")  # the other types hold choices
+_VARIABLE = re.compile(r"\s*([A-Za-z]\w*)\s*=\s*([@&])\d+\s*")  # L=@1, and & for a text
+_COMMENT = re.compile(r"^([^'\"%\n]*)%.*$", re.MULTILINE)
+_CONTINUED = re.compile(r"\.\.\.[^\n]*\n")
+_SETS = re.compile(r"(?<![=~<>!])=(?!=)")
+_WORD = re.compile(r"(?<![\w.])[A-Za-z]\w*")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mask:
+    """The mask of a block."""
+
+    type: str = ""
+    values: dict[str, str] = field(default_factory=dict)  # name to text, of all its parameters
+    literal: frozenset[str] = frozenset()  # parameters whose text is no expression
+    computed: frozenset[str] = frozenset()  # names that its initialization sets
+
+
+def read_mask(block: Element, texts: dict[str, str]) -> Mask:
+    """Read the mask of a ``<Block>``.
+
+    It is a ``<Mask>``, in files of about R2013 an ``<Object ClassName="Simulink.Mask">``, and
+    before ``MaskVariables`` and their values.
+    """
+    kind, code = texts.get("MaskType", ""), texts.get("MaskInitialization", "")
+    entries = list(_oldest(texts))
+    for child in block:
+        if child.tag == "Mask" or child.get("ClassName") == "Simulink.Mask":
+            own = parameters(child)
+            kind = own.get("Type") or child.findtext("Type") or kind
+            code = own.get("Initialization") or child.findtext("Initialization") or code
+            entries += _newest(child) if child.tag == "Mask" else _older(child)
+    return Mask(
+        type=kind.strip(),
+        values={name: text for name, text, _ in entries},
+        literal=frozenset(name for name, _, evaluated in entries if not evaluated),
+        computed=_computed(code),
+    )
+
+
+def _newest(mask: Element) -> Iterator[tuple[str, str, bool]]:
+    for entry in mask:
+        if entry.tag == "MaskParameter" and entry.get("Name"):
+            evaluated = _is_evaluated(entry.get("Type", "edit"), entry.get("Evaluate", "on"))
+            yield entry.get("Name", ""), entry.findtext("Value") or "", evaluated
+
+
+def _older(mask: Element) -> Iterator[tuple[str, str, bool]]:
+    for entries in mask:
+        if entries.get("PropName") == "Parameters":
+            for entry in [entries, *entries]:
+                texts = parameters(entry)
+                if texts.get("Name"):
+                    evaluated = _is_evaluated(
+                        texts.get("Type", "edit"), texts.get("Evaluate", "on")
+                    )
+                    yield texts["Name"], texts.get("Value", ""), evaluated
+
+
+def _oldest(texts: dict[str, str]) -> Iterator[tuple[str, str, bool]]:
+    values = texts.get("MaskValueString", "").split("|")
+    styles = re.sub(r"\([^()]*\)", "", texts.get("MaskStyleString", "")).split(",")
+    variables = [part for part in texts.get("MaskVariables", "").split(";") if part.strip()]
+    for variable, text, style in zip_longest(variables, values, styles, fillvalue=""):
+        found = _VARIABLE.fullmatch(variable)
+        if found:
+            how = "on" if found[2] == "@" else "off"
+            yield found[1], text, _is_evaluated(style or "edit", how)
+
+
+def _is_evaluated(kind: str, evaluate: str) -> bool:
+    return kind.strip().lower() in _EVALUATED and evaluate != "off"
+
+
+def _computed(code: str) -> frozenset[str]:
+    """Return the names left of an equals sign, rather too many than too few."""
+    names: set[str] = set()
+    for statement in re.split(r"[;\n]", _CONTINUED.sub(" ", _COMMENT.sub(r"\1", code))):
+        equals = _SETS.search(statement)
+        if equals:
+            left = statement[: equals.start()]
+            last = left.rpartition(",")[2]
+            whole = any(last.count(opening) != last.count(end) for opening, end in ("()", "[]"))
+            names.update(_WORD.findall(left if whole else last))
+    return frozenset(names)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Chart:
+    number: str  # as at the end of the S-Function's tag
+    names: frozenset[str]
+    script: str
+    is_function: bool  # a whole MATLAB function, not a state machine with functions inside
+
+
+class Charts:
+    """The charts of a file, from the roots of the parts that hold charts and their instances."""
+
+    def __init__(self, stateflow: Iterable[Element]) -> None:
+        self._charts = _charts(list(stateflow))
+
+    def is_function(self, path: str, name: str, tag: str) -> bool:
+        """Whether a block's chart, by the tag of the S-Function inside, is a MATLAB function."""
+        fits = _fitting(path, name, tag, self._charts)
+        return bool(fits) and all(chart.is_function for chart in fits)
+
+    def script(self, path: str, name: str, tag: str) -> str:
+        """Return the code of a MATLAB Function block; "" where the file has none, or several."""
+        fits = _fitting(path, name, tag, [chart for chart in self._charts if chart.script])
+        return fits[0].script if fits else ""
+
+
+def _charts(roots: list[Element]) -> list[_Chart]:
+    instances: dict[str, set[str]] = {}
+    for root in roots:
+        for instance in root.iter("instance"):
+            texts = parameters(instance)
+            instances.setdefault(texts.get("chart", ""), set()).add(_plain(texts.get("name", "")))
+    charts = []
+    for root in roots:
+        for chart in root.iter("chart"):
+            script = next(
+                (found for eml in chart.iter("eml") if (found := parameters(eml).get("script"))), ""
+            )
+            texts = parameters(chart)
+            names = {_plain(texts.get("name", "")), *instances.get(chart.get("id", ""), ())}
+            charts.append(
+                _Chart(
+                    number=texts.get("chartFileNumber", ""),
+                    names=frozenset(names),
+                    script=script,
+                    is_function=bool(script) and _is_function(chart, texts.get("type")),
+                )
+            )
+    return charts
+
+
+def _is_function(chart: Element, kind: str | None) -> bool:
+    return chart.find("eml") is not None if kind is None else kind == "EML_CHART"
+
+
+def _fitting(path: str, name: str, tag: str, charts: list[_Chart]) -> list[_Chart]:
+    """Choose a block's chart: by its path, by the number that its machinery names, by its name."""
+    path, name = _plain(path), _plain(name.replace("/", "//"))
+    number = tag.rpartition(" ")[2]
+    for fits in (
+        [chart for chart in charts if path in chart.names],
+        [chart for chart in charts if number and number == chart.number],
+        [chart for chart in charts if any(each.endswith(f"/{path}") for each in chart.names)],
+        [chart for chart in charts if name in chart.names],
+    ):
+        if len({chart.script for chart in fits}) == 1:
+            return fits
+    return []
+
+
+def _plain(name: str) -> str:
+    return " ".join(one_line(name).split())
+
 
 _PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")
 _PHYSICAL = ("lconn", "rconn")

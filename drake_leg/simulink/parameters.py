@@ -1,16 +1,177 @@
-"""From a block's texts to its values: numbers in SI, options as they stand."""
+"""From a block's texts to its values: numbers in SI, with the names of the masks around it."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.catalogue.blocks import known_parameters
+from drake_leg.simulink.catalogue import known_parameters
 from drake_leg.simulink.diagram import DrawnBlock
-from drake_leg.simulink.evaluation import Names, evaluate, require_finite
-from drake_leg.simulink.model import Value
+from drake_leg.simulink.matlab.program import value
+from drake_leg.simulink.model import Numbers, Value
 from drake_leg.units import parse_unit
+
+Used = tuple[tuple[str, Numbers], ...]
+
+_NAME = re.compile(r"(?<![\w.])[A-Za-z]\w*")
+_INFINITE = re.compile(r"\binf\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Names:
+    """What names mean in a block, and which have no meaning."""
+
+    numbers: Mapping[str, Numbers] = field(default_factory=dict)
+    unknown: Mapping[str, str] = field(default_factory=dict)  # name to reason
+
+    def used_in(self, text: str) -> Used:
+        """Return the names that a text uses, with their numbers, which must be known."""
+        if not self.numbers and not self.unknown:
+            return ()
+        names = dict.fromkeys(_NAME.findall(text))
+        for name in names:
+            if name in self.unknown:
+                raise InvalidValueError(self.unknown[name])
+        return tuple((name, self.numbers[name]) for name in names if name in self.numbers)
+
+
+NO_NAMES = Names()
+
+
+def names_of(blocks: Iterable[DrawnBlock]) -> dict[str, Names]:
+    """Map a block's SID to the names that it and all blocks inside it may use.
+
+    These are the names of its own mask, evaluated with the names around it, then those around it.
+    A subsystem must come before the blocks inside it.
+    """
+    found: dict[str, Names] = {}
+    for block in blocks:
+        around = found.get(block.system, NO_NAMES)
+        masked = block.mask.values or block.mask.computed
+        found[block.sid] = _inside(block, around) if masked else around
+    return found
+
+
+def says_infinite(text: str) -> bool:
+    """Whether a text holds the word ``inf``, rather than too large a number."""
+    return bool(_INFINITE.search(text))
+
+
+def _inside(block: DrawnBlock, around: Names) -> Names:
+    numbers, unknown = dict(around.numbers), dict(around.unknown)
+    for name in (*block.mask.values, *block.mask.computed):
+        numbers.pop(name, None)
+        unknown.pop(name, None)
+        try:
+            numbers[name] = _valued(block, name, around)
+        except InvalidValueError as error:
+            unknown[name] = str(error)
+    return Names(numbers=numbers, unknown=unknown)
+
+
+def _valued(block: DrawnBlock, name: str, around: Names) -> Numbers:
+    mask = block.mask
+    if name in mask.computed:
+        raise InvalidValueError(
+            f"{name!r} is set by the mask initialization of {block}, which is not run here"
+        )
+    text = mask.values[name]
+    about = f"mask parameter {name} of {block} is {text[:60]!r}"
+    if name in mask.literal:
+        raise InvalidValueError(f"{about}, which is a choice or a text, not a number")
+    try:
+        number = _oriented(text, dict(around.used_in(text)))
+    except InvalidValueError as error:
+        raise InvalidValueError(f"{about}: {error}") from None
+    if isinstance(number, float) and math.isinf(number) and not says_infinite(text):
+        raise InvalidValueError(f"{about}, which is infinite")
+    return number
+
+
+def _oriented(text: str, names: Mapping[str, Numbers]) -> Numbers:
+    """Evaluate a text; a column stays one, as rows of one number each."""
+    number = value(text, names)
+    if isinstance(number, tuple) and number and isinstance(number[0], float):
+        bare = text if "'" in text else text.partition("%")[0]
+        column = value(f"size({bare})", names) == (float(len(number)), 1.0)
+        return tuple((entry,) for entry in number) if column else number
+    return number
+
+
+def evaluate(text: str, unit: str, quantity: str, names: Names = NO_NAMES) -> Value:
+    """Evaluate the text of a number, such as ``[.025 0 0]``, and convert it to SI.
+
+    The unit must fit ``quantity``, any unit of the same quantity; both are "" where there is none.
+    ``auto`` stays text.
+    """
+    try:
+        used = names.used_in(text)
+    except InvalidValueError as error:
+        raise _not_evaluated(text, error) from None
+    return _evaluated(text, unit, quantity, used)
+
+
+def require_finite(
+    number: Value, text: str, *, unbounded: bool = False, names: Names = NO_NAMES
+) -> None:
+    """Refuse an infinite number, unless it may be so and the text, or a name in it, says so."""
+    if _is_finite(number):
+        return
+    said = says_infinite(text) or any(not _is_finite(given) for _, given in names.used_in(text))
+    if not (unbounded and said):
+        raise InvalidValueError(
+            f"is {_shortened(text)}, which is infinite: put a finite number there"
+        )
+
+
+def _is_finite(number: Value) -> bool:
+    if isinstance(number, tuple):
+        return all(_is_finite(entry) for entry in number)
+    return isinstance(number, str) or math.isfinite(number)
+
+
+@lru_cache(maxsize=4096)
+def _evaluated(text: str, unit: str, quantity: str, used: Used) -> Value:
+    if text.strip() == "auto":
+        return "auto"
+    try:
+        number = value(text, dict(used))
+    except InvalidValueError as error:
+        raise _not_evaluated(text, error) from None
+    if not quantity:
+        return number
+    try:
+        scale = parse_unit(unit)
+    except InvalidValueError:
+        raise InvalidValueError(
+            f"has the unit {_shortened(unit)}, which is not supported: choose one like {quantity}"
+        ) from None
+    if not scale.is_like(parse_unit(quantity)):
+        raise InvalidValueError(
+            f"has the unit {unit!r}, which measures something else: choose one like {quantity}"
+        )
+    return _mapped(number, scale.in_si)
+
+
+def _mapped(number: Value, convert: Callable[[float], float]) -> Value:
+    if isinstance(number, tuple):
+        return tuple(_mapped(entry, convert) for entry in number)  # type: ignore[return-value]
+    return convert(float(number))
+
+
+def _not_evaluated(text: str, error: InvalidValueError) -> InvalidValueError:
+    return InvalidValueError(
+        f"is {_shortened(text)}, which cannot be evaluated ({error}): put the number itself there"
+    )
+
+
+def _shortened(text: str) -> str:
+    return repr(text if len(text) <= 60 else text[:57] + "...")
+
 
 _UNIT_SUFFIXES = ("Units", "_unit")
 _LIBRARIES = "Simulink, Simscape and Simscape Multibody"

@@ -8,11 +8,9 @@ from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import Parts, parameters, parse_markup
-from drake_leg.simulink.diagram import read_diagram
-from drake_leg.simulink.evaluation import evaluate, names_of, require_finite
-from drake_leg.simulink.masks import Charts
+from drake_leg.simulink.diagram import Charts, read_diagram
 from drake_leg.simulink.model import Block, Model, Value
-from drake_leg.simulink.parameters import values_of
+from drake_leg.simulink.parameters import evaluate, names_of, require_finite, values_of
 from drake_leg.simulink.wiring import nodes_of, wires_of
 
 _ROOT = "simulink/systems/system_root.xml"

@@ -7,7 +7,7 @@ from slx_writer import ModelBuilder, mask_text
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import parse_markup
-from drake_leg.simulink.masks import read_mask
+from drake_leg.simulink.diagram import read_mask
 from drake_leg.simulink.reader import read_model
 
 BRICK = "sm_lib/Body Elements/Brick Solid"

@@ -5,7 +5,7 @@ from slx_models import published_leg
 from slx_writer import ModelBuilder
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.catalogue.blocks import BUILT_IN, LIBRARIES, WITHOUT_PARAMETERS
+from drake_leg.simulink.catalogue import BUILT_IN, LIBRARIES, WITHOUT_PARAMETERS
 from drake_leg.simulink.parameters import default_values
 from drake_leg.simulink.reader import read_model
 from drake_leg.units import parse_unit

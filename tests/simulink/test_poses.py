@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.bodies import about, inverse, pose, rigid_transform, rotation_text
+from drake_leg.simulink.mechanism import about, inverse, pose, rigid_transform, rotation_text
 from drake_leg.simulink.model import Block
 
 

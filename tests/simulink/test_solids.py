@@ -7,8 +7,8 @@ from slx_models import published_leg
 
 from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere, mass_properties
 from drake_leg.robot.robot import volume as volume_of
-from drake_leg.simulink.bodies import OTHER, SHAPES, SOLIDS, read_solid, volume
-from drake_leg.simulink.catalogue.multibody import MULTIBODY
+from drake_leg.simulink.catalogue import MULTIBODY
+from drake_leg.simulink.mechanism import OTHER, SHAPES, SOLIDS, read_solid, volume
 from drake_leg.simulink.model import Block
 from drake_leg.simulink.parameters import default_values
 from drake_leg.simulink.reader import read_model

@@ -14,9 +14,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.simulink.bodies import inverse
 from drake_leg.simulink.compare.plant_mechanism import Mechanism, PassedTransform, Place
 from drake_leg.simulink.compare.simulink_mechanism import Network
+from drake_leg.simulink.mechanism import inverse
 
 NEAR = 1e-9  # [m] or of a rotation's entries
 SAME = 1e-6  # relative, of ratios that are one factor
@@ -55,12 +55,12 @@ def scale_of(simulink: Mechanism, drake: Mechanism) -> float:
     A link's length is how far its next joint, or the sensed foot, is from its own joint's axis.
     The factor is 1 where no single one explains all lengths.
     """
-    if len(simulink.bodies) != len(drake.bodies):
+    if len(simulink.mechanism) != len(drake.bodies):
         return 1.0
     both = [
         (ours[key], theirs[key])
         for ours, theirs in (
-            map(_lengths, bodies) for bodies in zip(simulink.bodies, drake.bodies, strict=True)
+            map(_lengths, bodies) for bodies in zip(simulink.mechanism, drake.bodies, strict=True)
         )
         for key in ours.keys() & theirs.keys()
     ]
@@ -88,7 +88,7 @@ def align(simulink: Mechanism, drake: Mechanism, *, orientation: bool) -> Alignm
     """Align two chains; ``orientation`` tells whether the foot's orientation is sensed."""
     found = Alignment()
     gauge = np.eye(4)
-    bodies = list(zip(simulink.bodies, drake.bodies, strict=False))
+    bodies = list(zip(simulink.mechanism, drake.bodies, strict=False))
     for body, (mine, theirs) in enumerate(bodies):
         pairs = _pairs(mine, theirs)
         misses = _misses(pairs, gauge, orientation=orientation)

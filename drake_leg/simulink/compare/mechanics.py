@@ -8,7 +8,6 @@ import numpy as np
 from pydrake.multibody.tree import FrameIndex
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.simulink.bodies import DIMENSIONS, OTHER, SolidProperties, rotation_text
 from drake_leg.simulink.compare.alignment import NEAR, Miss
 from drake_leg.simulink.compare.findings import (
     Blocks,
@@ -23,6 +22,7 @@ from drake_leg.simulink.compare.findings import (
 )
 from drake_leg.simulink.compare.plant_mechanism import ChainJoint, Links, PassedTransform, Place
 from drake_leg.simulink.compare.sides import Sides
+from drake_leg.simulink.mechanism import DIMENSIONS, OTHER, SolidProperties, rotation_text
 from drake_leg.simulink.model import Block, vector
 from drake_leg.systems.frame_sensor import FrameSensor
 

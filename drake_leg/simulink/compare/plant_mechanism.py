@@ -25,7 +25,7 @@ from pydrake.systems.framework import Context
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere
-from drake_leg.simulink.bodies import SolidProperties, volume
+from drake_leg.simulink.mechanism import SolidProperties, volume
 
 Parameter = float | str
 

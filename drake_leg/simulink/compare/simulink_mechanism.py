@@ -11,20 +11,20 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.simulink.bodies import (
-    SOLIDS,
-    SolidProperties,
-    about,
-    inverse,
-    read_solid,
-    rigid_transform,
-)
 from drake_leg.simulink.compare.plant_mechanism import (
     ChainJoint,
     Mechanism,
     Parameter,
     PassedTransform,
     Place,
+)
+from drake_leg.simulink.mechanism import (
+    SOLIDS,
+    SolidProperties,
+    about,
+    inverse,
+    read_solid,
+    rigid_transform,
 )
 from drake_leg.simulink.model import Block, Model, invalid_parameter, is_on, vector
 

@@ -9,13 +9,14 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.arithmetic import OPERATORS, SIGNS, span, transpose
 from drake_leg.simulink.matlab.functions import CONSTANTS, HEAVY, KNOWN, SILENT
 from drake_leg.simulink.matlab.values import (
     ALL,
     CALL,
     CALLS,
     FACTOR,
+    OPERATORS,
+    SIGNS,
     Budget,
     Index,
     MatlabError,
@@ -23,7 +24,9 @@ from drake_leg.simulink.matlab.values import (
     read,
     require_room,
     shape,
+    span,
     stack,
+    transpose,
     truth,
 )
 

@@ -8,24 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.simulink.matlab.arithmetic import (
-    COMPLEX,
-    elementwise,
-    inverse,
-    pseudoinverse,
-    require_square,
-    singular,
-)
 from drake_leg.simulink.matlab.values import (
+    COMPLEX,
     Grid,
     MatlabError,
     Value,
+    elementwise,
     grid,
+    inverse,
     measure,
     number,
     numbers,
+    pseudoinverse,
     require_room,
+    require_square,
     settle,
+    singular,
     whole,
 )
 

@@ -1,1 +1,0 @@
-"""What is known of Simulink's and Simscape's blocks: their parameters, defaults and units."""
