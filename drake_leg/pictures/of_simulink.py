@@ -10,14 +10,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.pictures.mechanical import SIGNAL_WIDTH, number_text, values_text
 from drake_leg.pictures.simulink_mechanism import (
     JOINT_GLYPHS,
-    TO_PHYSICAL,
-    TO_SIGNAL,
-    Network,
     cut,
     model_mechanism_picture,
     name_lines,
-    network_of,
-    ports_by_block,
     unique_names,
 )
 from drake_leg.pictures.svg import (
@@ -31,6 +26,13 @@ from drake_leg.pictures.svg import (
     wrapped,
 )
 from drake_leg.simulink.matlab.program import Program, program
+from drake_leg.simulink.mechanism import (
+    TO_PHYSICAL,
+    TO_SIGNAL,
+    PhysicalNetwork,
+    network_of,
+    ports_by_block,
+)
 from drake_leg.simulink.model import Block, Model, Value, split_port
 from drake_leg.simulink.wiring import flatten
 
@@ -198,7 +200,7 @@ class _Line:
 
 
 def signals_picture(
-    model: Model, network: Network, names: Mapping[str, str], *, title: str
+    model: Model, network: PhysicalNetwork, names: Mapping[str, str], *, title: str
 ) -> Picture:
     """Draw the signals of a model, and the joints and sensors that they drive or come from.
 
@@ -260,7 +262,7 @@ def _nets(
     return tuple(sorted(nets, key=lambda net: net.source))
 
 
-def _lines(model: Model, network: Network) -> list[_Line]:
+def _lines(model: Model, network: PhysicalNetwork) -> list[_Line]:
     """Group the wires and the physical signals by source port."""
     targets: dict[str, list[str]] = {}
     names: dict[str, str] = {}
@@ -300,7 +302,7 @@ def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Pictur
     network = network_of(flat)
     pictures = {
         SIGNALS: signals_picture(flat, network, names, title=f"{title}: signals"),
-        MECHANISM: model_mechanism_picture(flat, network, names, title=f"{title}: mechanism"),
+        MECHANISM: model_mechanism_picture(network, names, title=f"{title}: mechanism"),
     }
     chosen = [name for name, picture in pictures.items() if picture.blocks and part in (name, ALL)]
     if not chosen:

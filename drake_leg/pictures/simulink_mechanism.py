@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 
 from pydrake.math import RigidTransform, RotationMatrix
 
@@ -25,15 +25,20 @@ from drake_leg.pictures.mechanical import (
 from drake_leg.pictures.svg import DrawnBlock, Picture, wrapped
 from drake_leg.robot.robot import Brick, Cylinder, Shape, Sphere
 from drake_leg.simulink.listing import block_paths, printable
-from drake_leg.simulink.mechanism import SOLIDS, SolidProperties, read_solid, rigid_transform
+from drake_leg.simulink.mechanism import (
+    SOLIDS,
+    Frame,
+    PhysicalNetwork,
+    SolidProperties,
+    Step,
+    Walk,
+    read_solid,
+    rigid_transform,
+)
 from drake_leg.simulink.model import Block, Model, number, split_port, vector
 
 _LONGEST = 24  # characters of a line
 _MOST_LINES = 3
-TO_PHYSICAL, TO_SIGNAL = "Simulink-PS Converter", "PS-Simulink Converter"
-_SIGNAL_KINDS = (TO_PHYSICAL, TO_SIGNAL, "Spectrum Analyzer", "Probe")
-_LIBRARIES = ("sm_lib", "nesl_utility", "nesl_utility_internal", "fl_lib")
-Node = tuple[str, ...]  # ports that one connection joins
 JOINT_GLYPHS = {
     "6-DOF Joint": "six_dof",
     "Prismatic Joint": "prismatic",
@@ -69,71 +74,6 @@ def cut(text: str) -> str:
     """Cut a line of text off after 24 characters, and leave out what cannot be printed."""
     text = printable(text)
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Network:
-    """The physical connections of a flattened model, and the blocks at them."""
-
-    signals: tuple[Node, ...]  # the port that puts the signal out comes first
-    frames: tuple[Node, ...]
-    physical: frozenset[str]  # SIDs of all blocks that are drawn as Simscape's
-    mechanical: frozenset[str]  # those of them that are more than signals
-    sensed: frozenset[str]  # mechanical blocks that signals reach or leave
-
-
-def network_of(model: Model) -> Network:
-    """Sort the physical connections of a model.
-
-    A connection carries a signal where one of its ends is a converter, a block of physical
-    signals, or a port of a joint or a sensor beyond its two frames.
-    """
-    blocks = {block.sid: block for block in model.blocks}
-    signals = [node for node in model.nodes if any(_has_signal(port, blocks) for port in node)]
-    frames = [node for node in model.nodes if node not in signals]
-    ends = {split_port(port)[0] for node in model.nodes for port in node}
-    physical = {sid for sid, block in blocks.items() if _is_of_simscape(block)} | ends
-    mechanical = {sid for sid in physical if not _is_signal(blocks[sid])}
-    reached = {split_port(port)[0] for node in signals for port in node}
-    return Network(
-        signals=tuple(
-            tuple(sorted(node, key=lambda port: not _puts_out(port, blocks))) for node in signals
-        ),
-        frames=tuple(frames),
-        physical=frozenset(physical),
-        mechanical=frozenset(mechanical),
-        sensed=frozenset(mechanical & reached),
-    )
-
-
-def ports_by_block(ports: Iterable[str]) -> dict[str, list[str]]:
-    """Group ports by the SIDs of their blocks, ordered by side and number."""
-    found: dict[str, list[str]] = {}
-    for port in sorted(ports, key=lambda port: split_port(port)[1:]):
-        found.setdefault(split_port(port)[0], []).append(port)
-    return found
-
-
-def _is_of_simscape(block: Block) -> bool:
-    return block.source.split("/", 1)[0] in _LIBRARIES or block.type == "PMIOPort"
-
-
-def _is_signal(block: Block) -> bool:
-    return block.kind in _SIGNAL_KINDS or block.kind.startswith("PS ")
-
-
-def _has_signal(port: str, blocks: Mapping[str, Block]) -> bool:
-    sid, _, number = split_port(port)
-    block = blocks[sid]
-    two_frames = block.kind.endswith("Joint") or block.kind == "Transform Sensor"
-    return _is_signal(block) or (two_frames and number > 1)
-
-
-def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
-    """Whether a signal comes out of a port: right ports do so, except a converter's."""
-    sid, side, _ = split_port(port)
-    kind = blocks[sid].kind
-    return kind == TO_PHYSICAL or (side == "rconn" and kind != TO_SIGNAL)
 
 
 def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> DrawnBlock:
@@ -246,7 +186,7 @@ def _dimensions(shape: Shape) -> str:
 
 
 def model_mechanism_picture(
-    model: Model, network: Network, names: Mapping[str, str], *, title: str
+    network: PhysicalNetwork, names: Mapping[str, str], *, title: str
 ) -> Picture:
     """Draw the mechanical blocks of a model, breadth-first from its World Frames.
 
@@ -254,72 +194,53 @@ def model_mechanism_picture(
     closes a loop has two connections on its left side, and so has a joint that only senses, which
     comes last. A model without a mechanism has a picture without blocks.
     """
-    return _Walk(model, network, names).picture(title)
+    return _Drawing(network, names).picture(title)
 
 
-class _Walk:
-    """Traverses the frames breadth-first and attaches the connected blocks."""
+class _Drawing:
+    """Attaches the blocks of a walk over the frames, breadth-first, sensors last."""
 
-    def __init__(self, model: Model, network: Network, names: Mapping[str, str]) -> None:
-        self.network, self.names = network, names
-        self.blocks = {b.sid: b for b in model.blocks if b.sid in network.mechanical}
-        self.node = {port: index for index, node in enumerate(network.frames) for port in node}
-        self.ports = ports_by_block(self.node)
-        self.frame: dict[int, Output] = {}  # of the nodes that are reached
-        self.met: deque[str] = deque()
-        self.met_sensors: deque[str] = deque()
-        self.placed: set[str] = set()
-        self.chain = Chain()
+    def __init__(self, network: PhysicalNetwork, names: Mapping[str, str]) -> None:
+        self._network, self._names = network, names
+        self._frames: dict[Frame, Output] = {}  # of those that are reached
+        self._walk = Walk(network, lambda block, _: (_only_senses(block, network),))
+        self._chain = Chain()
 
     def picture(self, title: str) -> Picture:
-        worlds = [sid for sid, block in self.blocks.items() if block.kind == "World Frame"]
-        for world in worlds:
-            self._place(world)
-        self._spread()
-        for sid in sorted(self.blocks, key=self._unlikely_start):
-            if sid not in self.placed:
-                self._place(sid)
-                self._spread()
-        return self.chain.picture(title)
+        blocks = self._network.blocks
+        mechanical = [block for sid, block in blocks.items() if sid in self._network.mechanical]
+        worlds = [block for block in mechanical if block.kind == "World Frame"]
+        others = sorted(mechanical, key=self._unlikely_start)
+        for starts in (worlds, *([block] for block in others)):
+            for block in starts:
+                if block.sid not in self._walk.taken:
+                    self._attach(self._walk.take(block))
+            for step in self._walk:
+                self._attach(step)
+        return self._chain.picture(title)
 
-    def _unlikely_start(self, sid: str) -> int:
+    def _unlikely_start(self, block: Block) -> int:
         """Rank what a chain without a world may start from: references, open ends, the rest."""
-        kind = self.blocks[sid].kind
-        if "Reference" in kind or kind in ("Connection Port", "PMIOPort"):
+        if "Reference" in block.kind or block.kind in ("Connection Port", "PMIOPort"):
             return 0
-        return 1 if len(self.ports.get(sid, ())) == 1 and not kind.endswith(_LEAVES) else 2
+        ports = self._network.ports.get(block.sid, ())
+        return 1 if len(ports) == 1 and not block.kind.endswith(_LEAVES) else 2
 
-    def _spread(self) -> None:
-        while self.met or self.met_sensors:
-            sid = (self.met or self.met_sensors).popleft()
-            if sid not in self.placed:
-                self._place(sid)
-
-    def _place(self, sid: str) -> None:
-        """Attach a block to the frames reached so far; its other frames are then reached, too."""
-        self.placed.add(sid)
-        index, opened = len(self.chain.blocks), 0
-        attached = []
-        for port in self.ports.get(sid, ()):
-            node = self.node[port]
-            if node in self.frame:
-                attached.append(port)
-                continue
-            self.frame[node] = (index, opened)
-            opened += 1
-            self._meet(node)
-        drawn = body_block(
-            self.blocks[sid],
-            name=self.names[sid],
-            turned=[split_port(port)[1:] for port in attached] == [("rconn", 1)] and opened > 0,
-            senses=sid in self.network.sensed,
+    def _attach(self, step: Step) -> None:
+        """Draw a block at its frames that were reached before; its others lead on from it."""
+        index, network = len(self._chain.blocks), self._network
+        near, far = (
+            [port for port in ports if port in network.frames] for ports in (step.near, step.far)
         )
-        self.chain.add(drawn, *(self.frame[self.node[port]] for port in attached))
+        self._frames |= {network.frame(port): (index, place) for place, port in enumerate(far)}
+        drawn = body_block(
+            step.block,
+            name=self._names[step.block.sid],
+            turned=[split_port(port)[1:] for port in near] == [("rconn", 1)] and bool(far),
+            senses=step.block.sid in network.sensed,
+        )
+        self._chain.add(drawn, *(self._frames[network.frame(port)] for port in near))
 
-    def _meet(self, node: int) -> None:
-        for port in self.network.frames[node]:
-            sid, _, _ = split_port(port)
-            (self.met_sensors if self._only_senses(self.blocks[sid]) else self.met).append(sid)
 
-    def _only_senses(self, block: Block) -> bool:
-        return block.kind in _SENSORS and block.sid in self.network.sensed
+def _only_senses(block: Block, network: PhysicalNetwork) -> bool:
+    return block.kind in _SENSORS and block.sid in network.sensed

@@ -1,17 +1,19 @@
-"""What bodies are: poses, Rigid Transforms, and solids with their shape, size, mass and colour."""
+"""The mechanism of a Simulink model: what its blocks are, and a walk over its physical network."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from heapq import heappop, heappush
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.model import Block, invalid_parameter, number, vector
+from drake_leg.simulink.model import Block, Model, invalid_parameter, number, split_port, vector
 
 Array = NDArray[np.float64]
 
@@ -263,3 +265,169 @@ def _inertia(block: Block) -> tuple[tuple[float, ...], tuple[float, ...]]:
     if get("InertiaType") != "Custom":
         return (0.0, 0.0, 0.0), centre
     return vector(get("MomentsOfInertia")), centre + vector(get("ProductsOfInertia"))
+
+
+BASE, FOLLOWER = "lconn:1", "rconn:1"
+RIGID = ("Rigid Transform", "Weld Joint")
+TO_PHYSICAL, TO_SIGNAL = "Simulink-PS Converter", "PS-Simulink Converter"
+_SIGNAL_KINDS = (TO_PHYSICAL, TO_SIGNAL, "Spectrum Analyzer", "Probe")
+_LIBRARIES = ("sm_lib", "nesl_utility", "nesl_utility_internal", "fl_lib")
+Node = tuple[str, ...]  # ports that one connection joins
+Frame = int | str  # the number of a node in the model, or a port that is not connected
+
+
+@dataclass(frozen=True, kw_only=True)
+class PhysicalNetwork:
+    """The physical connections of a flattened model, and the blocks at them.
+
+    A connection carries a signal where one of its ends is a converter, a block of physical
+    signals, or a port of a joint or a sensor beyond its two frames. All others are frames.
+    """
+
+    blocks: Mapping[str, Block]  # all blocks of the model, by SID
+    nodes: tuple[Node, ...]  # all connections, as in the model
+    frames: Mapping[str, int]  # port at a frame -> number of its node
+    ports: Mapping[str, tuple[str, ...]]  # SID -> the block's ports at frames, by side and number
+    signals: tuple[Node, ...]  # the port that puts the signal out comes first
+    physical: frozenset[str]  # SIDs of Simscape's blocks
+    mechanical: frozenset[str]  # those of them that are more than signals
+    sensed: frozenset[str]  # mechanical blocks that signals reach or leave
+
+    def frame(self, port: str) -> Frame:
+        """Return the frame at a port; one that is not connected is a frame of its own."""
+        return self.frames.get(port, port)
+
+    def ends(self, block: Block) -> tuple[Frame, Frame]:
+        """Return the frames at a block's base and follower."""
+        return self.frame(f"{block.sid}#{BASE}"), self.frame(f"{block.sid}#{FOLLOWER}")
+
+
+def network_of(model: Model) -> PhysicalNetwork:
+    """Sort the physical connections of a flattened model."""
+    blocks = {block.sid: block for block in model.blocks}
+    carries = [any(_has_signal(port, blocks) for port in node) for node in model.nodes]
+    signals = [node for node, signal in zip(model.nodes, carries, strict=True) if signal]
+    frames = {
+        port: index for index, node in enumerate(model.nodes) if not carries[index] for port in node
+    }
+    ends = {split_port(port)[0] for node in model.nodes for port in node}
+    physical = {sid for sid, block in blocks.items() if _is_of_simscape(block)} | ends
+    mechanical = {sid for sid in physical if not _is_signal(blocks[sid])}
+    reached = {split_port(port)[0] for node in signals for port in node}
+    return PhysicalNetwork(
+        blocks=blocks,
+        nodes=model.nodes,
+        frames=frames,
+        ports={sid: tuple(ports) for sid, ports in ports_by_block(frames).items()},
+        signals=tuple(
+            tuple(sorted(node, key=lambda port: not _puts_out(port, blocks))) for node in signals
+        ),
+        physical=frozenset(physical),
+        mechanical=frozenset(mechanical),
+        sensed=frozenset(mechanical & reached),
+    )
+
+
+def ports_by_block(ports: Iterable[str]) -> dict[str, list[str]]:
+    """Group ports by the SIDs of their blocks, ordered by side and number."""
+    found: dict[str, list[str]] = {}
+    for port in sorted(ports, key=lambda port: split_port(port)[1:]):
+        found.setdefault(split_port(port)[0], []).append(port)
+    return found
+
+
+def _is_of_simscape(block: Block) -> bool:
+    return block.source.split("/", 1)[0] in _LIBRARIES or block.type == "PMIOPort"
+
+
+def _is_signal(block: Block) -> bool:
+    return block.kind in _SIGNAL_KINDS or block.kind.startswith("PS ")
+
+
+def _has_signal(port: str, blocks: Mapping[str, Block]) -> bool:
+    sid, _, number = split_port(port)
+    block = blocks[sid]
+    two_frames = block.kind.endswith("Joint") or block.kind == "Transform Sensor"
+    return _is_signal(block) or (two_frames and number > 1)
+
+
+def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
+    """Whether a signal comes out of a port: right ports do so, except a converter's."""
+    sid, side, _ = split_port(port)
+    kind = blocks[sid].kind
+    return kind == TO_PHYSICAL or (side == "rconn" and kind != TO_SIGNAL)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """A block in a walk over the frames, and the rigid body from which it is entered."""
+
+    block: Block
+    near: tuple[str, ...]  # its ports at frames reached before; several where it closes a loop
+    far: tuple[str, ...]  # its ports at frames that are reached through it
+    body: int  # at its near side; 0 is the body in which the walk begins, the world
+    beyond: int  # at its far side: a new body where the block is a joint and leads on
+
+
+class Walk:
+    """A walk over the frames of a network, block by block, that numbers the rigid bodies.
+
+    Reach a frame or take a block to begin, then iterate for the blocks behind; do so again for
+    parts that are not connected with the first one. Blocks come in the order of
+    ``rank(block, body)``, where ``body`` carries the frame at which the block is met, and those of
+    equal rank in the order in which they are met. A block of rank None is not entered.
+    """
+
+    def __init__(
+        self, network: PhysicalNetwork, rank: Callable[[Block, int], tuple[int, ...] | None]
+    ) -> None:
+        self._network, self._rank = network, rank
+        self._met: list[tuple[tuple[int, ...], int, str]] = []  # a heap: rank, place in line, SID
+        self._meetings = count()
+        self._bodies = count(1)
+        self.reached: dict[Frame, int] = {}  # frame -> the body that carries it
+        self.taken: set[str] = set()  # SIDs
+
+    def reach(self, frame: Frame, body: int = 0) -> None:
+        """Meet the blocks at a frame of a body; a frame that was reached before stays as it is."""
+        if frame in self.reached:
+            return
+        self.reached[frame] = body
+        for port in self._network.nodes[frame] if isinstance(frame, int) else (frame,):
+            sid, _, _ = split_port(port)
+            rank = self._rank(self._network.blocks[sid], body)
+            if rank is not None:
+                heappush(self._met, (rank, next(self._meetings), sid))
+
+    def take(self, block: Block) -> Step:
+        """Enter a block by the frames that are reached, and reach its others through it."""
+        self.taken.add(block.sid)
+        ports = _two_ports(block) or self._network.ports.get(block.sid, ())
+        frames = [self._network.frame(port) for port in ports]
+        bodies = [self.reached[frame] for frame in frames if frame in self.reached]
+        at_world = block.kind == "World Frame"
+        body = beyond = bodies[0] if bodies else 0 if at_world else next(self._bodies)
+        if _moves(block) and len(bodies) < len(ports):
+            beyond = next(self._bodies)
+        near: list[str] = []
+        far: list[str] = []
+        for port, frame in zip(ports, frames, strict=True):
+            (near if frame in self.reached else far).append(port)
+            self.reach(frame, body if not bodies and far == [port] else beyond)
+        return Step(block=block, near=tuple(near), far=tuple(far), body=body, beyond=beyond)
+
+    def __iter__(self) -> Iterator[Step]:
+        while self._met:
+            *_, sid = heappop(self._met)
+            if sid not in self.taken:
+                yield self.take(self._network.blocks[sid])
+
+
+def _two_ports(block: Block) -> tuple[str, ...]:
+    """List the ports of a block that has a base and a follower, connected or not."""
+    two = block.kind.endswith("Joint") or block.kind in ("Rigid Transform", "Transform Sensor")
+    return (f"{block.sid}#{BASE}", f"{block.sid}#{FOLLOWER}") if two else ()
+
+
+def _moves(block: Block) -> bool:
+    return block.kind not in RIGID and bool(_two_ports(block))

@@ -12,6 +12,11 @@ from drake_leg.simulink.compare.findings import (
     put_together,
     report,
 )
+from drake_leg.simulink.compare.inverse import (
+    compare_function,
+    function_roles,
+    match_inverse,
+)
 from drake_leg.simulink.compare.mechanics import (
     compare_mechanism,
     compare_sensor,
@@ -19,16 +24,11 @@ from drake_leg.simulink.compare.mechanics import (
     locate_nodes,
 )
 from drake_leg.simulink.compare.sides import LiveModel, Sides, joint_roles, read_sides
-from drake_leg.simulink.compare.velocity import (
-    compare_function,
-    compare_integrators,
-    compare_motions,
-    function_roles,
-    match_inverse,
-)
 from drake_leg.simulink.compare.wires import (
     boundaries,
     compare_carriers,
+    compare_integrators,
+    compare_motions,
     compare_sinks,
     compare_units,
     compare_wires,

@@ -8,7 +8,6 @@ import numpy as np
 from pydrake.multibody.tree import FrameIndex
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.simulink.compare.alignment import NEAR, Miss
 from drake_leg.simulink.compare.findings import (
     Blocks,
     Check,
@@ -20,8 +19,8 @@ from drake_leg.simulink.compare.findings import (
     matched,
     missing,
 )
-from drake_leg.simulink.compare.plant_mechanism import ChainJoint, Links, PassedTransform, Place
-from drake_leg.simulink.compare.sides import Sides
+from drake_leg.simulink.compare.of_diagram import ChainJoint, Links, PassedTransform, Place
+from drake_leg.simulink.compare.sides import NEAR, Miss, Sides
 from drake_leg.simulink.mechanism import DIMENSIONS, OTHER, SolidProperties, rotation_text
 from drake_leg.simulink.model import Block, vector
 from drake_leg.systems.frame_sensor import FrameSensor
@@ -46,9 +45,9 @@ ZERO = (0.0, 0.0, 0.0)
 
 def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
     """Compare the joints, and the links that are aligned already."""
-    network, drake, alignment = sides.network, sides.drake, sides.alignment
-    joints, bodies = network.mechanism.joints, network.mechanism.bodies
-    for number in network.exchanged:
+    chain, drake, alignment = sides.chain, sides.drake, sides.alignment
+    joints, bodies = chain.mechanism.joints, chain.mechanism.bodies
+    for number in chain.exchanged:
         joint = joints[number - 1]
         yield different(
             joint.sid, joint.name, "base and follower", "exchanged", "base towards the world"
@@ -79,30 +78,30 @@ def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
         for passed in place.way:
             why = "what it leads to has no counterpart in Drake"
             yield missing(sides.block(passed.sid), why)
-    if joints and not network.grounded:
+    if joints and not chain.grounded:
         where = "not at the chain", "at the chain's base"
         yield different("", "(model)", "World Frame", *where)
-    for sid, why in network.unplaced.items():
+    for sid, why in chain.unplaced.items():
         yield missing(sides.block(sid), why)
 
 
 def compare_sensor(sides: Sides) -> Iterator[Verdict]:
     """Compare the sensor of the foot."""
-    network = sides.network
-    if network.sensor is None:
+    chain = sides.chain
+    if chain.sensor is None:
         return
-    block = sides.block(network.sensor)
+    block = sides.block(chain.sensor)
     names = sides.live.of_type(FrameSensor)
     if not names:
         yield missing(block, "the diagram senses no frame against another")
         return
-    if network.sensor_turned:
+    if chain.sensor_turned:
         yield different(
             block.sid, block.name, "base and follower", "exchanged", "base at the world"
         )
     ours, theirs = (
         next(i for i, places in enumerate(bodies) if any(p.role == "foot" for p in places))
-        for bodies in (network.mechanism.bodies, sides.drake.bodies)
+        for bodies in (chain.mechanism.bodies, sides.drake.bodies)
     )
     link = "link that is sensed, counted from the base"
     yield from differences(check(block, link, float(ours), float(theirs)))
@@ -159,12 +158,12 @@ def locate_nodes(sides: Sides, judged: Blocks) -> Iterator[Verdict]:
     """Name the frame, or the signal at a joint, that every physical connection is."""
     frames = _frames(sides)
     for index, node in enumerate(sides.flat.nodes):
-        if index not in sides.network.frames:
+        if index not in sides.chain.frames:
             sids = {port.partition("#")[0] for port in node}
             lost = sids <= judged.missing.keys()
             counterpart = "nothing" if lost else "a signal of a joint or a sensor"
         else:
-            body, X = sides.network.frames[index]
+            body, X = sides.chain.frames[index]
             near = [
                 name
                 for other, name, p in frames

@@ -2,37 +2,22 @@
 
 Every scalar signal is a constant plus multiples of atoms: a sine, an integrator's integral, an
 output of a function, a sensed quantity. Muxes, demuxes, gains, sums and constants dissolve in
-it, so that two diagrams that mean the same in different blocks have the same signals.
+it, so that two diagrams that mean the same in different blocks have the same signals. The laws
+of Simulink's memoryless blocks are here, too.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context, Diagram, System
-from pydrake.systems.primitives import (
-    Adder,
-    ConstantVectorSource,
-    Demultiplexer,
-    Gain,
-    Integrator,
-    MatrixGain,
-    Multiplexer,
-    PassThrough,
-    Sine,
-    VectorLogSink,
-)
 
-from drake_leg.diagrams.wiring import LiveWire, wires
-from drake_leg.kinematics.khalil import Array
-from drake_leg.systems.frame_sensor import FrameSensor
-from drake_leg.systems.input_filter import InputFilter
-from drake_leg.systems.inverse_jacobian import InverseJacobian
-from drake_leg.systems.prescribed_motion import PrescribedMotion
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.matlab.program import value as evaluated
+from drake_leg.simulink.model import Block, number, vector
 
 CLOSE = 1e-9  # relative, of numbers that count as equal
 NOTHING = 1e-15  # what rounding leaves of a zero
@@ -173,129 +158,6 @@ def mixed(matrix: np.ndarray, signal: Signal) -> Signal:
     return tuple(total(signal, row) for row in matrix.tolist())
 
 
-LINEAR = (Adder, Demultiplexer, Gain, MatrixGain, Multiplexer, PassThrough)
-INSTANTS = (0.0, 0.3, 0.7, 1.1)  # [s], at which a sine is tried
-FOOT = {
-    "position": "position",
-    "velocity": "velocity",
-    "quaternion": "quaternion",
-    "angular_velocity": "angular velocity",
-}
-INVERSE_JACOBIAN = {"qdot": "qdot", "det_j": "det J"}  # its outputs, and what they are
-
-
-class DiagramSignals:
-    """The signals of a diagram of this package, written in roles.
-
-    Integrals are named after the joints that they move, outputs of the inverse Jacobian after what
-    they are: ``integrators`` maps an integrator to its joint, ``shapes`` a connection to the shapes
-    of the scalars that it carries.
-
-    Parameters
-    ----------
-    root : Context
-        Its context, as a run starts.
-    """
-
-    def __init__(self, diagram: Diagram, root: Context) -> None:
-        self.systems: dict[str, System] = {s.get_name(): s for s in diagram.GetSystems()}
-        self.wires: list[LiveWire] = wires(diagram)
-        self._root = root
-        self._sources = {(wire.target, wire.input): wire for wire in self.wires}
-        self._known: dict[tuple[str, str], Signal] = {}
-        names: dict[Atom, Atom] = {}
-        for motion in self.of_type(PrescribedMotion):
-            for joint, scalar in enumerate(self.input(motion, "q") or (), start=1):
-                names |= integral_roles(scalar, joint)
-        self.integrators = {atom.of: int(role.of.split()[-1]) for atom, role in names.items()}
-        for wire in self.wires:
-            self.output(wire.source, wire.output)
-        for key, signal in self._known.items():
-            self._known[key] = tuple(scalar.renamed(names) for scalar in signal)
-        self.shapes = {
-            wire: [scalar.shape for scalar in self.output(wire.source, wire.output)]
-            for wire in self.wires
-        }
-
-    def input(self, block: str, port: str) -> Signal | None:
-        """Signal at a block's input; None where nothing is connected."""
-        wire = self._sources.get((block, port))
-        return None if wire is None else self.output(wire.source, wire.output)
-
-    def output(self, block: str, port: str) -> Signal:
-        """Signal at a block's output that is connected."""
-        key = (block, port)
-        if key not in self._known:
-            signal = self._signal(self.systems[block], port)
-            self._known[key] = tuple(scalar.through(block) for scalar in signal)
-        return self._known[key]
-
-    def of_type(self, kind: type) -> list[str]:
-        """Names of the blocks of a type."""
-        return [name for name, system in self.systems.items() if isinstance(system, kind)]
-
-    def input_filter(self) -> str:
-        """Order and time constant of the filters at the joints' motion inputs, or "none"."""
-        for name in self.of_type(InputFilter):
-            block = self.systems[name]
-            return f"order {block.order}, {block.time_constant:g} s"
-        return "none"
-
-    def logged(self) -> list[tuple[Scalar, str]]:
-        """List the scalars that scopes record, each with the scope's name."""
-        return [
-            (scalar, name)
-            for name in self.of_type(VectorLogSink)
-            for scalar in self.input(name, "data") or ()
-        ]
-
-    def _signal(self, system: System, port: str) -> Signal:
-        name = system.get_name()
-        if isinstance(system, Sine):
-            return _sine(system, port)
-        if isinstance(system, ConstantVectorSource):
-            context = system.GetMyContextFromRoot(self._root)
-            return constants(system.GetOutputPort(port).Eval(context).tolist())
-        if isinstance(system, LINEAR):
-            return self._linear(system, port)
-        if isinstance(system, Integrator):
-            state = system.GetMyContextFromRoot(self._root).get_continuous_state_vector()
-            return tuple(
-                Scalar(value, {Atom(kind="integral", of=name, index=index, name=name): 1.0})
-                for index, value in enumerate(state.CopyToVector().tolist())
-            )
-        if isinstance(system, InputFilter) and port == "q":
-            return self.input(name, "u") or ()
-        if isinstance(system, MultibodyPlant):
-            return _plant(system, port)
-        size = system.GetOutputPort(port).size()
-        if isinstance(system, FrameSensor) and port in FOOT:
-            return atoms(Atom(kind="foot", what=FOOT[port], index=i) for i in range(size))
-        if isinstance(system, PrescribedMotion):
-            return atoms(Atom(kind="sensed", of=str(i + 1), what="torque") for i in range(size))
-        if isinstance(system, InverseJacobian) and port in INVERSE_JACOBIAN:
-            return atoms(function_role(INVERSE_JACOBIAN[port], index) for index in range(size))
-        kind = "function" if isinstance(system, InverseJacobian) else "other"
-        return atoms(Atom(kind=kind, of=name, what=port, index=i, name=name) for i in range(size))
-
-    def _linear(self, system: System, port: str) -> Signal:
-        """Multiply the inputs by the matrix that unit inputs show."""
-        ports = [system.get_input_port(index) for index in range(system.num_input_ports())]
-        context = system.CreateDefaultContext()
-        inputs: list[Scalar] = []
-        for index in ports:
-            signal = self.input(system.get_name(), index.get_name())
-            index.FixValue(context, np.zeros(index.size()))
-            inputs += signal or constants(np.zeros(index.size()))
-        columns: list[Array] = []
-        for index in ports:
-            for unit in np.eye(index.size()):
-                index.FixValue(context, unit)
-                columns.append(np.array(system.GetOutputPort(port).Eval(context)))
-            index.FixValue(context, np.zeros(index.size()))
-        return tuple(total(inputs, row) for row in np.column_stack(columns).tolist())
-
-
 def integral_roles(scalar: Scalar, joint: int) -> dict[Atom, Atom]:
     """Name the integrals in a joint's commanded position after the joint."""
     role = Atom(kind="integral", of=f"of joint {joint}")
@@ -307,32 +169,230 @@ def function_role(what: str, index: int = 0) -> Atom:
     return Atom(kind="function", of="inverse Jacobian", what=what, index=index)
 
 
-def _sine(system: Sine, port: str) -> Signal:
-    """Read amplitude, frequency and phase off the sine and its derivatives."""
-    order = int(port.removeprefix("y"))
-    context = system.CreateDefaultContext()
-    best: tuple[float, Array] | None = None
-    for instant in INSTANTS:
-        context.SetTime(instant)
-        values = np.array([system.get_output_port(i).Eval(context)[0] for i in range(3)])
-        if best is None or abs(values[0]) > abs(best[1][0]):
-            best = (instant, values)
-    if best is None or best[1][0] == 0.0:
-        return constants([0.0])
-    instant, (value, slope, bend) = best
-    frequency = math.sqrt(-bend / value)
-    amplitude = math.hypot(value, slope / frequency)
-    phase = math.atan2(value, slope / frequency) - frequency * instant
-    return (sine_term(amplitude * frequency**order, frequency, phase + order * math.pi / 2.0),)
+Inputs = Sequence[Signal]  # by port; zero where nothing is connected
+Law = Callable[[Block, Inputs, int], Signal | None]  # None where the law cannot be followed
+
+SINE = (("Amplitude", 1.0), ("Bias", 0.0), ("Frequency", 1.0), ("Phase", 0.0))
+SOURCES = ("Sin", "SignalGenerator", "Constant", "Ground")
+INTEGERS = re.compile(r"int\d|boolean|fixdt", re.IGNORECASE)  # types that round
+CONVERSIONS = {"Radians to Degrees": 180.0 / math.pi, "Degrees to Radians": math.pi / 180.0}
+DIALOG = ("", "Index vector (dialog)")
+OPEN = constants([0.0])  # an input that is not connected
+TRIALS = (0.0, 1.0, -0.31830989, 0.73, 11.3719, -47.1238898, 1234.5678)  # of an expression of u
+AFFINE = 1e-12  # relative, of an expression that counts as a factor and a constant
 
 
-def _plant(plant: MultibodyPlant, port: str) -> Signal:
-    quantities = {
-        "state": ("position", "velocity"),
-        "generalized_acceleration": ("acceleration",),
-    }.get(port, ())
-    return atoms(
-        Atom(kind="sensed", of=str(number), what=what)
-        for what in quantities
-        for number in range(1, plant.num_positions() + 1)
+def law_of(block: Block) -> Law | None:
+    """Find the law of a block: ``law(block, inputs, place)`` is the signal at an output, from 1.
+
+    A block with memory, with a law of its own, or that is not linear has none.
+    """
+    if block.type == "Fcn":
+        return _fcn if _affine(block) else None
+    if block.type == "SignalGenerator" and block.parameters.get("WaveForm") != "sine":
+        return None
+    if INTEGERS.search(str(block.parameters.get("OutDataTypeStr", ""))):
+        return None
+    if block.kind in CONVERSIONS:
+        return _conversion
+    return LAWS.get(block.type)
+
+
+def added(parts: Sequence[Signal], factors: Sequence[float]) -> Signal:
+    """Sum signals, each times its factor; a scalar is added to every component."""
+    size = max(map(len, parts))
+    wide = [part * size if len(part) == 1 else part for part in parts]
+    summed = []
+    for index in range(size):
+        there = [
+            (part[index], f) for part, f in zip(wide, factors, strict=True) if index < len(part)
+        ]
+        summed.append(total([part for part, _ in there], [f for _, f in there]))
+    return tuple(summed)
+
+
+def _sine(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    columns = [vector(block.parameters.get(name, default)) for name, default in SINE]
+    if len({len(column) for column in columns} - {1}) > 1 or not all(columns):
+        return None
+    rows = np.broadcast_arrays(*(np.array(column) for column in columns))
+    return tuple(
+        total([sine_term(amplitude, frequency, phase), Scalar(bias)], [1.0, 1.0])
+        for amplitude, bias, frequency, phase in zip(*(r.tolist() for r in rows), strict=True)
     )
+
+
+def _gain(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    signal, gain = inputs[0], block.parameters.get("Gain", 1.0)
+    how = str(block.parameters.get("Multiplication", ""))
+    if isinstance(gain, str):
+        return None
+    if how.startswith("Matrix") and isinstance(gain, tuple):
+        matrix = np.atleast_2d(np.array(gain, dtype=float))
+        matrix = matrix if how.startswith("Matrix(K*u)") else matrix.T
+        return mixed(matrix, signal) if matrix.shape[1] == len(signal) else None
+    factors = vector(gain)
+    if len(factors) == 1:
+        return tuple(scalar.scaled(factors[0]) for scalar in signal)
+    if len(signal) == 1:
+        return tuple(signal[0].scaled(factor) for factor in factors)
+    if len(signal) != len(factors):
+        return None
+    return tuple(s.scaled(factor) for s, factor in zip(signal, factors, strict=True))
+
+
+def _sum(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    signs = [sign for sign in str(block.parameters.get("Inputs", "++")) if sign in "+-"]
+    factors = [1.0 if sign == "+" else -1.0 for sign in signs]
+    if len(factors) == 1:
+        signal = inputs[0]
+        return (total(signal, factors * len(signal)),)
+    if not factors:
+        return None
+    wired = [*inputs, *[OPEN] * len(factors)]
+    return added(wired[: len(factors)], factors)
+
+
+def _bias(block: Block, inputs: Inputs, place: int) -> Signal:
+    bias = constants(vector(block.parameters.get("Bias", 0.0)))
+    return added([inputs[0], bias], [1.0, 1.0])
+
+
+def _generator(block: Block, inputs: Inputs, place: int) -> Signal:
+    hertz = str(block.parameters.get("Units", "")).lower().startswith("h")
+    frequency = number(block.parameters.get("Frequency"), 1.0) * (2.0 * math.pi if hertz else 1.0)
+    return (sine_term(number(block.parameters.get("Amplitude"), 1.0), frequency, 0.0),)
+
+
+def _product(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    """Follow a product in which one factor at most is no constant."""
+    signs = str(block.parameters.get("Inputs", "2"))
+    if signs.strip("*") and not signs.isdigit():
+        return None
+    size = max(len(signal) for signal in inputs)
+    wide = [signal * (size if len(signal) == 1 else 1) for signal in inputs]
+    product = []
+    for index in range(size):
+        parts = [signal[index] for signal in wide if index < len(signal)]
+        moving = [part for part in parts if part.terms]
+        if len(moving) > 1:
+            return None
+        still = [part for part in parts if not part.terms]
+        scaled = (moving[0] if moving else Scalar(1.0)).scaled(
+            math.prod(part.constant for part in still)
+        )
+        origins = [Scalar(0.0, {}, part.origins) for part in still]
+        product.append(total([scaled, *origins], [1.0] * (1 + len(origins))))
+    return tuple(product)
+
+
+def _switch(block: Block, inputs: Inputs, place: int) -> Signal:
+    """Follow a Manual Switch in its present position."""
+    lower = str(block.parameters.get("CurrentSetting", "1")) == "0"
+    wired = [*inputs, OPEN][:2]
+    return wired[lower]
+
+
+def _selector(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    if str(block.parameters.get("IndexOptions", "")).strip() not in DIALOG:
+        return None
+    signal = inputs[0]
+    try:
+        indices = vector(evaluated(str(block.parameters.get("Indices", "[1 3]"))))
+    except InvalidValueError:
+        return None
+    first = 0 if str(block.parameters.get("IndexMode", "")).startswith("Zero") else 1
+    chosen = [int(index) - first for index in indices]
+    if any(not 0 <= index < len(signal) for index in chosen):
+        return None
+    return tuple(signal[index] for index in chosen)
+
+
+def _demux(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    signal = inputs[0]
+    widths = _widths(block, len(signal))
+    if place > len(widths):
+        return None
+    start = sum(widths[: place - 1])
+    return signal[start : start + widths[place - 1]]
+
+
+def least_size(demux: Block) -> int:
+    """Return how many components a Demux needs at least."""
+    outputs = vector(demux.parameters.get("Outputs", 1.0))
+    if len(outputs) > 1:
+        return sum(int(width) if width > 0 else 1 for width in outputs)
+    return max(int(outputs[0]), 1) if outputs else 1
+
+
+def _widths(block: Block, size: int) -> list[int]:
+    """Share a Demux's input out; there are no outputs where it cannot be."""
+    outputs = vector(block.parameters.get("Outputs", 1.0))
+    if len(outputs) > 1:
+        fixed = sum(int(width) for width in outputs if width > 0)
+        free = sum(width <= 0 for width in outputs)
+        return [int(w) if w > 0 else (size - fixed) // max(free, 1) for w in outputs]
+    count = least_size(block)
+    if count > size:
+        return []
+    each, rest = divmod(size, count)
+    return [each + (index < rest) for index in range(count)]
+
+
+def _conversion(block: Block, inputs: Inputs, place: int) -> Signal:
+    factor = CONVERSIONS[block.kind]
+    return tuple(scalar.scaled(factor) for scalar in inputs[0])
+
+
+def _affine(block: Block) -> tuple[float, float] | None:
+    """Read an Fcn's expression of its scalar input as a factor and a constant."""
+    text = str(block.parameters.get("Expr", "")).replace("u(1)", "u").replace("u[1]", "u")
+    try:
+        found = [evaluated(text, {"u": at}) for at in TRIALS]
+    except InvalidValueError:
+        return None
+    if not all(isinstance(one, float) and math.isfinite(one) for one in found):
+        return None
+    zero, one, *others = (float(str(result)) for result in found)
+    slope = one - zero
+    bent = max(
+        abs(result - zero - at * slope) / max(abs(at), 1.0)
+        for at, result in zip(TRIALS[2:], others, strict=True)
+    )
+    return (slope, zero) if bent <= AFFINE * (abs(slope) + abs(zero)) else None
+
+
+def _fcn(block: Block, inputs: Inputs, place: int) -> Signal | None:
+    affine, signal = _affine(block), inputs[0]
+    if affine is None or len(signal) != 1:
+        return None
+    return (total([signal[0], Scalar(1.0)], affine),)
+
+
+LAWS: dict[str, Law] = {
+    "Sin": _sine,
+    "Constant": lambda block, *_: constants(vector(block.parameters.get("Value", 1.0))),
+    "Ground": lambda *_: OPEN,
+    "Gain": _gain,
+    "Sum": _sum,
+    "Bias": _bias,
+    "UnaryMinus": lambda _, inputs, __: tuple(scalar.scaled(-1.0) for scalar in inputs[0]),
+    "Demux": _demux,
+    "Selector": _selector,
+    "Product": _product,
+    "ManualSwitch": _switch,
+    "SignalGenerator": _generator,
+    **dict.fromkeys(("Mux", "Concatenate", "BusCreator"), lambda _, inputs, __: sum(inputs, ())),
+    **dict.fromkeys(
+        (
+            "SignalConversion",
+            "DataTypeConversion",
+            "RateTransition",
+            "Reshape",
+            "SignalSpecification",
+            "Squeeze",
+            "BusToVector",
+        ),
+        lambda _, inputs, __: inputs[0],
+    ),
+}
