@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,7 +26,7 @@ class Block:
     parameters: Mapping[str, Value]  # in SI; absent ones at Simulink's defaults
     mask: tuple[str, ...] = ()  # names of those that its mask adds, as numbers or as they stand
 
-    @property
+    @cached_property
     def kind(self) -> str:
         """What the block is: the last part of its source, "MATLAB Function", else its type."""
         chart = str(self.parameters.get("SFBlockType", "NONE"))

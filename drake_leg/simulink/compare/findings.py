@@ -167,14 +167,19 @@ def report(verdicts: Iterable[Verdict], *, strict: bool) -> Comparison:
     found = Comparison()
     lists = found.as_json()
     settled: set[str] = set()
+    said: set[tuple[object, ...]] = set()
     for verdict in verdicts:
         if verdict.block in settled:
             continue
         settled |= {verdict.block} - {""}
         counts = strict and verdict.list == "tolerated"
         into = lists["different" if counts else verdict.list]
-        if verdict.list not in ("different", "tolerated") or verdict.item not in into:
-            into.append(verdict.item)
+        if verdict.list in ("different", "tolerated"):
+            words = (id(into), *verdict.item.items())
+            if words in said:
+                continue
+            said.add(words)
+        into.append(verdict.item)
     return found
 
 

@@ -515,12 +515,12 @@ def _part(twist: Array) -> tuple[str, str]:
 def _sources(sides: Sides, ours: Scalar, live: Scalar) -> Iterator[Verdict]:
     """Name the sources that a component comes from on both sides."""
     waves = [name for name in sides.live.of_type(Sine) if name in live.origins]
-    for block in sides.origins(ours, *WAVES) if waves else ():
+    for block in sides.sources(ours, WAVES) if waves else ():
         numbers = _numbers(sides, block, ours, live)
         yield matched(block, listed(waves), waves, parameters=numbers)
     still = [name for name in sides.live.of_type(ConstantVectorSource) if name in live.origins]
     still = still or sorted(live.origins)
-    for block in sides.origins(ours, *STILL) if still else ():
+    for block in sides.sources(ours, STILL) if still else ():
         yield matched(block, listed(still), still)
 
 
@@ -532,7 +532,7 @@ def _other_sources(sides: Sides, sid: str, named: set[str]) -> Iterator[Verdict]
                 continue
             for types, kind in ((WAVES, Sine), (STILL, ConstantVectorSource)):
                 names = sides.live.of_type(kind)
-                for block in sides.origins(scalar, *types):
+                for block in sides.sources(scalar, types):
                     if block.sid not in named and names:
                         named.add(block.sid)
                         yield matched(block, listed(names), names)
@@ -540,8 +540,8 @@ def _other_sources(sides: Sides, sid: str, named: set[str]) -> Iterator[Verdict]
 
 def _setting(sides: Sides, scalar: Scalar) -> Block | None:
     """Find the block that sets a constant part: a constant that is not zero, or a sine's bias."""
-    constants = sides.origins(scalar, *STILL)
-    waves = sides.origins(scalar, *WAVES)
+    constants = sides.sources(scalar, STILL)
+    waves = sides.sources(scalar, WAVES)
     moving = [block for block in constants if number(block.parameters.get("Value")) != 0.0]
     biased = [block for block in waves if number(block.parameters.get("Bias")) != 0.0]
     return next(iter([*moving, *biased, *constants, *waves]), None)
@@ -569,7 +569,7 @@ def _blocks_of(sides: Sides, atom: Atom, scalar: Scalar) -> list[Block]:
     """Find the Sine Waves that a term of a signal comes from."""
     return [
         block
-        for block in sides.origins(scalar, *WAVES)
+        for block in sides.sources(scalar, WAVES)
         if any(atom in one.terms for one in sides.ours.output(f"{block.sid}#out:1"))
     ]
 

@@ -63,9 +63,8 @@ def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
             if ours_at.solid is not None and theirs_at.solid is not None:
                 yield from _compare_solid(ours_at, theirs_at, gauge, sides.block(ours_at.sid))
         for ours_at, theirs_at in sorted(pairs, key=lambda pair: len(pair[0].way)):
-            for passed in ours_at.way:
-                leads_to = f"{LEADS_TO[ours_at.role]} {theirs_at.name!r}"
-                yield matched(sides.block(passed.sid), leads_to)
+            leads_to = f"{LEADS_TO[ours_at.role]} {theirs_at.name!r}"
+            yield from (matched(sides.block(passed.sid), leads_to) for passed in ours_at.way)
     for body, place in alignment.unmatched:
         link = f"the link of joint {drake.joints[body - 1].name!r}" if body else "the world"
         yield missing(sides.block(place.sid), f"{link} has no such solid in Drake")
@@ -74,10 +73,9 @@ def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
             joint = joints[body - 1]
             mass = f"body {place.name!r} of {place.solid.mass:.6g} kg"
             yield different(joint.sid, joint.name, "solid on its follower", "none", mass)
-    for place in (place for places in bodies for place in places):
-        for passed in place.way:
-            why = "what it leads to has no counterpart in Drake"
-            yield missing(sides.block(passed.sid), why)
+    ways = (place.way for places in bodies for place in places)
+    for sid in dict.fromkeys(passed.sid for way in ways for passed in way):
+        yield missing(sides.block(sid), "what it leads to has no counterpart in Drake")
     if joints and not chain.grounded:
         where = "not at the chain", "at the chain's base"
         yield different("", "(model)", "World Frame", *where)

@@ -41,6 +41,7 @@ from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere
 from drake_leg.simulink.compare.signals import (
     Atom,
     Scalar,
+    Shape,
     Signal,
     atoms,
     constants,
@@ -284,8 +285,8 @@ class DiagramSignals:
     """The signals of a diagram of this package, written in roles.
 
     Integrals are named after the joints that they move, outputs of the inverse Jacobian after what
-    they are: ``integrators`` maps an integrator to its joint, ``shapes`` a connection to the shapes
-    of the scalars that it carries.
+    they are: ``integrators`` maps an integrator to its joint, ``carrying`` a shape to the wires
+    that carry such a scalar; the wires in ``still`` carry constants only.
 
     Parameters
     ----------
@@ -308,10 +309,14 @@ class DiagramSignals:
             self.output(wire.source, wire.output)
         for key, signal in self._known.items():
             self._known[key] = tuple(scalar.renamed(names) for scalar in signal)
-        self.shapes = {
-            wire: [scalar.shape for scalar in self.output(wire.source, wire.output)]
-            for wire in self.wires
-        }
+        self.carrying: dict[Shape, list[LiveWire]] = {}
+        self.still: list[LiveWire] = []
+        for wire in self.wires:
+            shapes = {scalar.shape for scalar in self.output(wire.source, wire.output)}
+            for shape in shapes:
+                self.carrying.setdefault(shape, []).append(wire)
+            if not any(shapes):
+                self.still.append(wire)
 
     def input(self, block: str, port: str) -> Signal | None:
         """Signal at a block's input; None where nothing is connected."""
@@ -337,13 +342,13 @@ class DiagramSignals:
             return f"order {block.order}, {block.time_constant:g} s"
         return "none"
 
-    def logged(self) -> list[tuple[Scalar, str]]:
-        """List the scalars that scopes record, each with the scope's name."""
-        return [
-            (scalar, name)
-            for name in self.of_type(VectorLogSink)
-            for scalar in self.input(name, "data") or ()
-        ]
+    def logged(self) -> dict[Shape, list[tuple[Scalar, str]]]:
+        """Map a shape to the scalars of it that scopes record, each with the scope's name."""
+        found: dict[Shape, list[tuple[Scalar, str]]] = {}
+        for name in self.of_type(VectorLogSink):
+            for scalar in self.input(name, "data") or ():
+                found.setdefault(scalar.shape, []).append((scalar, name))
+        return found
 
     def _signal(self, system: System, port: str) -> Signal:
         name = system.get_name()

@@ -367,9 +367,12 @@ class SimulinkSignals:
         self._joints, self._sensor = joints, sensor
         self._source_of = {wire.target: wire.source for wire in model.wires}
         self._targets_of: dict[str, list[str]] = {}
-        self._inputs_of: dict[str, list[str]] = {}
+        self.inputs_of: dict[str, list[str]] = {}  # SID -> its inputs that are wired
+        self.outputs_of: dict[str, list[str]] = {}  # SID -> its outputs that are wired
         for target, source in self._source_of.items():
-            self._inputs_of.setdefault(target.partition("#")[0], []).append(target)
+            self.inputs_of.setdefault(target.partition("#")[0], []).append(target)
+            if source not in self._targets_of:
+                self.outputs_of.setdefault(source.partition("#")[0], []).append(source)
             self._targets_of.setdefault(source, []).append(target)
         self._name_of = {wire.target: wire.name for wire in model.wires}
         self._node_of = {port: node for node in model.nodes for port in node}
@@ -380,9 +383,10 @@ class SimulinkSignals:
         self._under_way: set[str] = set()
         self._lawless: set[str] = set()  # SIDs of blocks whose law is not known or not followed
         self._settle_sizes()
-        order = {block.sid: index for index, block in enumerate(model.blocks)}
-        for source in sorted(self._targets_of, key=lambda port: order[port.partition("#")[0]]):
-            self.output(source)
+        self.order = {sid: index for index, sid in enumerate(self.blocks)}
+        for sid in self.blocks:
+            for source in self.outputs_of.get(sid, ()):
+                self.output(source)
 
     def _parsed(self, sid: str, script: str) -> Code:
         """Parse the code of a MATLAB Function; if that fails, count its wires instead."""
@@ -397,9 +401,9 @@ class SimulinkSignals:
         return Code(inputs=len(code.inputs), outputs=len(code.outputs), program=code)
 
     def _unread(self, sid: str, why: str) -> Code:
-        outputs = [source for source in self._targets_of if source.startswith(f"{sid}#out:")]
+        outputs = [port for port in self.outputs_of.get(sid, ()) if "#out:" in port]
         return Code(
-            inputs=max((_number_of(port) for port in self._inputs_of.get(sid, ())), default=0),
+            inputs=max((_number_of(port) for port in self.inputs_of.get(sid, ())), default=0),
             outputs=max(map(_number_of, outputs), default=0),
             why=why,
         )
@@ -423,7 +427,11 @@ class SimulinkSignals:
 
     def input(self, sid: str, port: int) -> Signal | None:
         """Signal at a block's input; None where nothing is connected."""
-        source = self._source_of.get(f"{sid}#in:{port}")
+        return self.at(f"{sid}#in:{port}")
+
+    def at(self, port: str) -> Signal | None:
+        """Signal at an input; None where nothing is connected."""
+        source = self._source_of.get(port)
         return None if source is None else self.output(source)
 
     def inputs(self, block: Block) -> list[Signal | None]:
@@ -459,7 +467,7 @@ class SimulinkSignals:
         while queue:
             sid = queue.pop().partition("#")[0]
             integrates = sid in self.blocks and is_integrator(self.blocks[sid])
-            for target in self._inputs_of.get(sid, ()):
+            for target in self.inputs_of.get(sid, ()):
                 if integrates and target.endswith("in:1"):
                     continue
                 source = self._source_of[target]
@@ -482,8 +490,10 @@ class SimulinkSignals:
             signal = self._signal(block, int(place))
         finally:
             self._under_way.discard(port)
-        self._known[port] = tuple(scalar.through(sid) for scalar in signal)
-        return self._known[port]
+        if _is_origin(block):
+            signal = tuple(scalar.through(sid) for scalar in signal)
+        self._known[port] = signal
+        return signal
 
     def entry(self, port: str, index: int) -> str:
         """Follow a component of an input, from 0, back to where it enters the first Mux."""
@@ -537,7 +547,7 @@ class SimulinkSignals:
 
     def _count(self, block: Block) -> int:
         """Count a block's inputs: those that are wired, and a Mux's open ones."""
-        wired = [_number_of(target) for target in self._inputs_of.get(block.sid, ())]
+        wired = [_number_of(target) for target in self.inputs_of.get(block.sid, ())]
         open_too = number(block.parameters.get("Inputs")) if block.type == "Mux" else 0.0
         return max([int(min(open_too, MOST_INPUTS)), *wired])
 
@@ -624,6 +634,10 @@ def is_integrator(block: Block) -> bool:
         )
         return numerator == (1.0,) and denominator == (1.0, 0.0)
     return block.type in INTEGRATORS
+
+
+def _is_origin(block: Block) -> bool:
+    return block.type in SOURCES or block.kind == "PS-Simulink Converter" or is_integrator(block)
 
 
 def unit_factor(converter: Block) -> float:

@@ -9,7 +9,7 @@ this freedom is used up before links are compared.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 
@@ -106,14 +106,32 @@ def scale_of(simulink: Mechanism, drake: Mechanism) -> float:
 
 def shrunk(chain: Chain, scale: float) -> Chain:
     """Divide all lengths of a model's chain by a factor."""
-    mechanism = replace(
-        chain.mechanism,
-        bodies=tuple(
-            tuple(_shrunk(place, scale) for place in places) for places in chain.mechanism.bodies
-        ),
+    if scale == 1.0:
+        return chain
+    passed: dict[str, PassedTransform] = {}
+
+    def nearer(X: Array) -> Array:
+        found = X.copy()
+        found[:3, 3] /= scale
+        return found
+
+    def shrunk_place(place: Place) -> Place:
+        for one in place.way:
+            if one.sid not in passed:
+                X_before, X_BF = nearer(one.X_before), nearer(one.X_BF)
+                passed[one.sid] = replace(one, X_before=X_before, X_BF=X_BF)
+        solid = place.solid
+        if solid is not None:
+            solid = replace(solid, size=tuple(edge / scale for edge in solid.size))
+        way = tuple(passed[one.sid] for one in place.way)
+        return replace(place, X_M=nearer(place.X_M), way=way, solid=solid)
+
+    bodies = tuple(tuple(map(shrunk_place, places)) for places in chain.mechanism.bodies)
+    return replace(
+        chain,
+        mechanism=replace(chain.mechanism, bodies=bodies),
+        frames={frame: (body, nearer(X)) for frame, (body, X) in chain.frames.items()},
     )
-    frames = {node: (body, _nearer(X, scale)) for node, (body, X) in chain.frames.items()}
-    return replace(chain, mechanism=mechanism, frames=frames)
 
 
 def align(simulink: Mechanism, drake: Mechanism, *, orientation: bool) -> Alignment:
@@ -151,23 +169,6 @@ def _lengths(places: tuple[Place, ...]) -> dict[tuple[str, int], float]:
         for place in places
         if place.role in ("joint", "foot")
     }
-
-
-def _shrunk(place: Place, scale: float) -> Place:
-    way = tuple(
-        replace(one, X_before=_nearer(one.X_before, scale), X_BF=_nearer(one.X_BF, scale))
-        for one in place.way
-    )
-    solid = place.solid
-    if solid is not None:
-        solid = replace(solid, size=tuple(edge / scale for edge in solid.size))
-    return replace(place, X_M=_nearer(place.X_M, scale), way=way, solid=solid)
-
-
-def _nearer(X: Array, scale: float) -> Array:
-    nearer = X.copy()
-    nearer[:3, 3] /= scale
-    return nearer
 
 
 def _pairs(simulink: tuple[Place, ...], drake: tuple[Place, ...]) -> list[Pair]:
@@ -270,9 +271,13 @@ class Sides:
         """Find a block of the model."""
         return self.ours.blocks[sid]
 
-    def origins(self, scalar: Scalar, *types: str) -> list[Block]:
-        """List the blocks of some types that a signal comes from or has passed."""
-        return [b for b in self.flat.blocks if b.sid in scalar.origins and b.type in types]
+    def origins(self, scalar: Scalar) -> list[Block]:
+        """List the sources, integrators and converters of a signal, in the model's order."""
+        return [self.block(sid) for sid in sorted(scalar.origins, key=self.ours.order.__getitem__)]
+
+    def sources(self, scalar: Scalar, types: Collection[str]) -> list[Block]:
+        """List the sources of some types that a signal comes from."""
+        return [block for block in self.origins(scalar) if block.type in types]
 
     def unit_of(self, joint: int) -> str:
         """Return the SI unit of a joint's position."""
@@ -290,8 +295,8 @@ class Sides:
             for atom, factor in terms:
                 if atom.kind == "integral":
                     signal = self.ours.input(atom.of, 1) or ()
-                    wide = signal * (atom.index + 1) if len(signal) == 1 else signal
-                    part = wide[atom.index].scaled(factor) if atom.index < len(wide) else None
+                    index = atom.index if len(signal) > 1 else 0
+                    part = signal[index].scaled(factor) if index < len(signal) else None
                     found[joint] = (atom.of, part)
         return found
 

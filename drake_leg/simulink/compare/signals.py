@@ -62,14 +62,14 @@ class Scalar:
 
     constant: float = 0.0
     terms: Mapping[Atom, float] = field(default_factory=dict)
-    origins: frozenset[str] = field(default=frozenset(), compare=False)  # SIDs on its way
+    origins: frozenset[str] = field(default=frozenset(), compare=False)  # blocks on its way
 
     def scaled(self, factor: float) -> Scalar:
         """Multiply by a number."""
         return total([self], [factor])
 
     @property
-    def shape(self) -> frozenset[Atom]:
+    def shape(self) -> Shape:
         """The atoms without their numbers: what the signal is made of."""
         return frozenset(Atom(kind="sine") if atom.kind == "sine" else atom for atom in self.terms)
 
@@ -107,6 +107,7 @@ class Scalar:
         return " + ".join(parts)
 
 
+Shape = frozenset[Atom]
 Signal = tuple[Scalar, ...]
 
 

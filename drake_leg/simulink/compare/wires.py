@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.primitives import ConstantVectorSource, VectorLogSink
@@ -24,7 +24,7 @@ from drake_leg.simulink.compare.findings import (
 from drake_leg.simulink.compare.of_diagram import DiagramSignals
 from drake_leg.simulink.compare.of_model import SENSORS, SINKS, is_integrator, unit_factor
 from drake_leg.simulink.compare.sides import Roles, Sides, other_signal, same_factors
-from drake_leg.simulink.compare.signals import CLOSE, Atom, Scalar, close
+from drake_leg.simulink.compare.signals import CLOSE, Scalar, Shape, close
 from drake_leg.simulink.model import Block, number
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import TIME_CONSTANT
@@ -79,7 +79,7 @@ def compare_integrators(sides: Sides, roles: Roles) -> Iterator[Verdict]:
         signal = sides.ours.motion(sid)
         if signal and joint in live:
             name = live[joint][0]
-            for block in sides.origins(signal[0], "Constant"):
+            for block in sides.sources(signal[0], ("Constant",)):
                 yield matched(block, f"initial state of {name!r}", [name])
         yield from _compare_derivatives(sides, roles, sid, joint)
 
@@ -95,8 +95,8 @@ def _compare_position(
         port = f"{converter.sid}#in:1"
         yield other_signal(sides, port, f"position of joint {joint}", ours, live)
     elif not close(ours.constant, live.constant):
-        constants = sides.origins(ours, "Constant")
-        integrators = [b for b in sides.flat.blocks if b.sid in ours.origins and is_integrator(b)]
+        constants = sides.sources(ours, ("Constant",))
+        integrators = [block for block in sides.origins(ours) if is_integrator(block)]
         setting = constants or integrators or [converter]
         yield different(
             ", ".join(block.sid for block in setting),
@@ -112,7 +112,7 @@ def _still_joint(sides: Sides, ours: Scalar, live: Scalar) -> Iterator[Verdict]:
     """Name the counterpart of a joint that is held still by a constant."""
     names = [name for name in sides.live.of_type(ConstantVectorSource) if name in live.origins]
     if names and not live.terms:
-        for block in sides.origins(ours, "Constant"):
+        for block in sides.sources(ours, ("Constant",)):
             yield matched(block, listed(names), names)
 
 
@@ -169,8 +169,6 @@ LIKELY = {  # what the live block's name begins with, where several carry the si
     "PS-Simulink Converter": "PS-Simulink",
 }
 CONVERTERS = ("Simulink-PS Converter", "PS-Simulink Converter")
-
-Shape = frozenset[Atom]
 
 
 def compare_carriers(sides: Sides, roles: Roles) -> Iterator[Verdict]:
@@ -271,12 +269,10 @@ def physical(live: DiagramSignals) -> set[LiveWire]:
 
 
 def _carrier(sides: Sides, roles: Roles, block: Block) -> Verdict:
-    wired = [w.source for w in sides.flat.wires if w.source.startswith(f"{block.sid}#")]
-    ports = dict.fromkeys(wired or [f"{block.sid}#out:1"])
+    ports = sides.ours.outputs_of.get(block.sid) or [f"{block.sid}#out:1"]
     scalars = [s for port in ports for s in roles.of(sides.ours.output(port)) if s.shape]
     carrying = [
-        [wire.source for wire in sides.live.wires if scalar.shape in sides.live.shapes[wire]]
-        for scalar in scalars
+        [wire.source for wire in sides.live.carrying.get(scalar.shape, ())] for scalar in scalars
     ]
     word = LIKELY.get(block.kind, " ")
     best = [
@@ -291,31 +287,30 @@ def _carrier(sides: Sides, roles: Roles, block: Block) -> Verdict:
 
 
 def _compare_sink(
-    sides: Sides, roles: Roles, block: Block, logged: list[tuple[Scalar, str]]
+    sides: Sides, roles: Roles, block: Block, logged: Mapping[Shape, list[tuple[Scalar, str]]]
 ) -> Iterator[Verdict]:
-    wires = [w for w in sides.flat.wires if w.target.partition("#")[0] == block.sid]
-    if not wires:
+    signals = [sides.ours.at(port) for port in sides.ours.inputs_of.get(block.sid, ())]
+    if not signals:
         yield matched(block, "nothing: it shows nothing")
         return
-    scopes: list[str] = []
+    scopes: dict[str, None] = {}  # in the order of the signals
     lost: list[Verdict] = []
-    for scalar in (s for wire in wires for s in roles.of(sides.ours.output(wire.source))):
-        found = [(other, name) for other, name in logged if other.shape == scalar.shape]
+    for scalar in (scalar for signal in signals for scalar in roles.of(signal)):
+        found = logged.get(scalar.shape)
         if found:
-            scopes.append(_best_scope([name for _, name in found], block.name, scopes))
+            scopes[_best_scope([name for _, name in found], block.name, scopes)] = None
             yield from _compare_scale(sides, block, scalar, found[0][0])
         elif scalar.shape:
             lost.append(missing(block, f"no scope of the diagram records {scalar}"))
     if lost:
         yield lost[0]
     elif scopes:
-        names = list(dict.fromkeys(scopes))
-        yield matched(block, listed(names), names)
+        yield matched(block, listed(scopes), scopes)
     else:
         yield missing(block, "nothing that the diagram has reaches it")
 
 
-def _best_scope(names: list[str], wanted: str, taken: list[str]) -> str:
+def _best_scope(names: list[str], wanted: str, taken: Collection[str]) -> str:
     """Prefer the scope of the same name, then one that is in use for this block already."""
     for name in names:
         if name.lower() == wanted.lower():
@@ -327,8 +322,8 @@ def _compare_scale(sides: Sides, block: Block, ours: Scalar, live: Scalar) -> It
     """A scope may show another unit; any other factor is a gain that the diagram lacks."""
     if any(atom.kind == "sine" for atom in ours.terms):
         return
-    converters = [b for b in sides.flat.blocks if b.kind == "PS-Simulink Converter"]
-    unit = math.prod(unit_factor(b) for b in converters if b.sid in ours.origins)
+    converters = [b for b in sides.origins(ours) if b.kind == "PS-Simulink Converter"]
+    unit = math.prod(map(unit_factor, converters))
     for atom, factor in ours.terms.items():
         ratio = factor * unit / live.terms[atom]
         offset = ours.constant * unit - ratio * live.constant
@@ -359,8 +354,7 @@ def _carrying(
     """
     live, into = sides.live, judged.counterparts.get(target.sid, set())
     if not shapes:
-        still = [wire for wire in live.wires if not any(live.shapes[wire])]
-        return [wire for wire in still if wire.source in sources and wire.target in into]
+        return [wire for wire in live.still if wire.source in sources and wire.target in into]
     carrier = sides.ours.is_carrier(target)
 
     def fit(wire: LiveWire) -> int:
@@ -373,7 +367,7 @@ def _carrying(
 
     found: dict[LiveWire, None] = {}
     for shape in shapes:
-        wires = [wire for wire in live.wires if shape in live.shapes[wire]]
+        wires = live.carrying.get(shape)
         if wires:
             found[max(wires, key=fit)] = None
     return list(found)
