@@ -9,11 +9,8 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from xml.etree.ElementTree import Element, TreeBuilder
+from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
 from xml.parsers import expat
-
-from defusedxml.common import DefusedXmlException
-from defusedxml.ElementTree import ParseError, XMLParser
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
 from drake_leg.files import read_bytes
@@ -73,20 +70,27 @@ class Parts:
         return content
 
 
+class _Tree(TreeBuilder):
+    """A tree of elements without a document type, so that no entity can be declared either."""
+
+    def doctype(self, *_: str | None) -> None:
+        raise InvalidValueError(
+            "declares a document type or an entity, which no Simulink file does: save the model "
+            "again in Simulink"
+        )
+
+
 def parse_markup(content: bytes, part: str) -> Element:
     """Parse one part, which must have no document type and no entities."""
-    tree = TreeBuilder()
-    parser = XMLParser(target=tree, forbid_dtd=True)
+    tree = _Tree()
+    parser = XMLParser(target=tree)
     if content.count(b"<") - content.count(b"</") > MOST_ELEMENTS:
         raise _too_large(part)
     try:
         parser.feed(content)
         root: Element = parser.close()
-    except DefusedXmlException:
-        raise InvalidValueError(
-            f"its part {part} declares a document type or an entity, which no Simulink file does: "
-            "save the model again in Simulink"
-        ) from None
+    except InvalidValueError as error:
+        raise InvalidValueError(f"its part {part} {error}") from None
     except ParseError as error:
         _require_shallow(tree.close(), part)
         raise InvalidValueError(
@@ -95,7 +99,7 @@ def parse_markup(content: bytes, part: str) -> Element:
         ) from None
     except (LookupError, UnicodeError) as error:
         raise InvalidValueError(
-            f"its part {part} is in an encoding that is not supported ({error}): save the model "
+            f"its part {part} has an encoding that is not supported ({error}): save the model "
             "again in Simulink"
         ) from None
     _require_shallow(root, part)
@@ -186,8 +190,8 @@ def _checked(entries: list[zipfile.ZipInfo]) -> Mapping[str, zipfile.ZipInfo]:
             )
         if entry.file_size > max(_SMALL, HIGHEST_RATIO * entry.compress_size):
             raise InvalidValueError(
-                f"its part {name!r} unpacks to more than {HIGHEST_RATIO} times its size: it is no "
-                ".slx, or a ZIP bomb"
+                f"its part {name!r} unpacks to more than {HIGHEST_RATIO} times its size: it is "
+                "not a .slx, or it is a ZIP bomb"
             )
         checked[name] = entry
     return checked

@@ -97,7 +97,7 @@ class _Signals:
         while wire is not None:
             if wire.target in seen:
                 raise InvalidValueError(
-                    f"the signal at {wire.target} runs in a circle without a block: wire it to one"
+                    f"the signal at {wire.target} forms a loop without any block: wire it to one"
                 )
             seen.add(wire.target)
             name = name or wire.name
@@ -224,7 +224,7 @@ def _bridged(
             return None
         if wire.source in seen:
             raise InvalidValueError(
-                f"the signal at {wire.target} runs in a circle of blocks that are commented "
+                f"the signal at {wire.target} forms a loop of blocks that are commented "
                 "through: uncomment one"
             )
         seen.add(wire.source)
@@ -272,10 +272,10 @@ def join(groups: Iterable[Sequence[str]]) -> tuple[tuple[str, ...], ...]:
 def _require_directions(line: DrawnLine) -> None:
     for port, wrong in ((line.source, "in"), *((end, "out") for end in line.ends)):
         if split_port(port)[1] == wrong:
-            side = "begins" if wrong == "in" else "ends"
+            side, right = ("begins", "output") if wrong == "in" else ("ends", "input")
             raise InvalidValueError(
-                f"a line {side} at {port}, which is no {'output' if wrong == 'in' else 'input'}: "
-                "save the model again in Simulink"
+                f"a line {side} at {port}, which is not an {right}: save the model again in "
+                "Simulink"
             )
 
 

@@ -175,7 +175,7 @@ def test_a_circle_without_blocks_is_named(flat):
     builder = ModelBuilder()
     source, scope = builder.add_block("From", "F"), builder.add_block("Scope", "S")
     builder.connect(source, scope, builder.add_block("Goto", "G"))
-    with pytest.raises(InvalidValueError, match="runs in a circle without a block"):
+    with pytest.raises(InvalidValueError, match="forms a loop without any block"):
         flat(builder)
 
 

@@ -214,7 +214,7 @@ def test_a_circle_of_blocks_that_are_commented_through_is_said(read):
     scope = builder.add_block("Scope", "S")
     builder.connect(gain, other)
     builder.connect(other, gain, scope)
-    with pytest.raises(InvalidValueError, match="signal at 3#in:1 runs in a circle of blocks that"):
+    with pytest.raises(InvalidValueError, match="signal at 3#in:1 forms a loop of blocks that"):
         read(builder)
 
 
@@ -338,8 +338,8 @@ def edited(tmp_path, old, new, builder=None):
         ('BlockType="Scope"', "", "block 'S' has no BlockType"),
         ("2#in:1", "7#in:1", "a line ends at 7#in:1, but there is no block with SID 7"),
         ("1#out:1", "9#out:1", "a line ends at 9#out:1, but there is no block with SID 9"),
-        ("2#in:1", "2#out:1", "a line ends at 2#out:1, which is no input"),
-        ("1#out:1", "1#in:1", "a line begins at 1#in:1, which is no output"),
+        ("2#in:1", "2#out:1", "a line ends at 2#out:1, which is not an input"),
+        ("1#out:1", "1#in:1", "a line begins at 1#in:1, which is not an output"),
         ("2#in:1", "somewhere", "a line ends at 'somewhere', which is not a port"),
         ('"Scope"', '"Quantum"', "block 'S' .SID 2. is of type 'Quantum'"),
         ('"Scope"', '"ModelReference"', "block 'S' .SID 2. is another model in a file of its own"),

@@ -72,7 +72,7 @@ def enter(
             f"{name} is asked for {wanted} values; its outputs are {len(routine.outputs)}"
         )
     if nesting + routine.nesting > CALLS:
-        raise MatlabError(f"the calls of {name} inside one another are too deep")
+        raise MatlabError(f"the calls of {name} are nested too deeply")
     inputs = dict(zip(routine.inputs, arguments, strict=False))
     frame = Frame(inputs, budget, nesting + routine.nesting)
     routine.body(frame)

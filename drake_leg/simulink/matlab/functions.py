@@ -277,7 +277,7 @@ def _dot(left: Value, right: Value) -> Value:
     if 1 in a.shape and 1 in b.shape and a.size == b.size:
         return float(a.ravel() @ b.ravel())
     if a.shape != b.shape:
-        raise MatlabError(f"dot of {measure(left)} and {measure(right)} does not fit")
+        raise MatlabError(f"dot of {measure(left)} and {measure(right)} does not match in size")
     return settle(np.sum(a * b, axis=0, keepdims=True))
 
 

@@ -77,7 +77,7 @@ class Parser:
         self._depth += 1
         self.deepest = max(self.deepest, self._depth)
         if self._depth > NESTING:
-            raise MatlabError(f"it is nested more than {NESTING} deep", self.next.line)
+            raise MatlabError(f"it is nested more than {NESTING} levels deep", self.next.line)
 
     def leave(self) -> None:
         """Count back."""
@@ -180,7 +180,7 @@ class Parser:
                 arguments.append(self._argument())
             self.expect(")")
         if self.sees("("):
-            raise MatlabError(f"'{name}(...)' is applied to parentheses again", self.next.line)
+            raise MatlabError(f"'{name}(...)' cannot be indexed again", self.next.line)
         return syntax.Apply(name=name, arguments=tuple(arguments))
 
     def _argument(self) -> syntax.Expression:
@@ -368,4 +368,4 @@ def _target(left: syntax.Expression, line: int) -> syntax.Target:
         return syntax.Target(name=left.name)
     if isinstance(left, syntax.Apply):
         return syntax.Target(name=left.name, indices=left.arguments)
-    raise MatlabError("what is assigned to is not a variable", line)
+    raise MatlabError("the left side of an assignment must be a variable", line)

@@ -307,7 +307,7 @@ def variable(name: str, given: ArrayLike | float, *, column: bool = False) -> Va
         array = np.array(given, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise MatlabError(
-            f"'{name}' is given {given!r:.60}, which is no array of numbers"
+            f"'{name}' is given {given!r:.60}, which is not an array of numbers"
         ) from None
     if array.ndim > 2 or array.size > ELEMENTS:
         raise MatlabError(

@@ -125,14 +125,16 @@ def stack(rows: list[list[Value]]) -> Value:
     for row in rows:
         blocks = [block for block in map(grid, row) if block.shape != (0, 0)]
         if len({block.shape[0] for block in blocks}) > 1:
-            raise MatlabError(f"blocks of {_sizes(blocks)} do not fit into one row")
+            raise MatlabError(
+                f"blocks of {_sizes(blocks)} cannot be put side by side: they differ in height"
+            )
         if blocks:
             require_room(blocks[0].shape[0], sum(block.shape[1] for block in blocks))
             bands.append(np.hstack(blocks))
     if not bands:
         return np.empty((0, 0))
     if len({band.shape[1] for band in bands}) > 1:
-        raise MatlabError(f"rows of {_sizes(bands)} do not fit under one another")
+        raise MatlabError(f"rows of {_sizes(bands)} cannot be stacked: they differ in width")
     require_room(sum(band.shape[0] for band in bands), bands[0].shape[1])
     return settle(np.vstack(bands))
 
@@ -200,7 +202,7 @@ def write(value: Value | None, indices: list[Index], new: Value, name: str) -> V
     block = grid(new)
     old = np.empty((0, 0), block.dtype) if value is None else grid(value)
     if not block.size:
-        raise MatlabError(f"elements of '{name}' cannot be taken out, nor set to []")
+        raise MatlabError(f"elements of '{name}' cannot be removed or set to []")
     if old.dtype == np.bool_ and block.dtype != np.bool_:
         block = block != 0
     if len(indices) == 1:
@@ -333,7 +335,9 @@ def solve(matrix: Grid, wanted: Grid) -> Grid:
     """
     rows, columns = matrix.shape
     if rows != wanted.shape[0]:
-        raise MatlabError(f"a division of {measure(wanted)} by {measure(matrix)} does not fit")
+        raise MatlabError(
+            f"a division of {measure(wanted)} by {measure(matrix)} does not match in size"
+        )
     if rows == columns:
         try:
             return np.linalg.solve(matrix, wanted)
@@ -341,7 +345,7 @@ def solve(matrix: Grid, wanted: Grid) -> Grid:
             return _eliminate(matrix, wanted)
     left, sigma, right = singular(matrix, "a division by")
     if rows < columns or sigma[-1] <= rows * np.spacing(sigma[0]):
-        raise MatlabError(f"a division by a {measure(matrix)} matrix has many answers: use pinv")
+        raise MatlabError(f"a division by a {measure(matrix)} matrix has many solutions: use pinv")
     least: Grid = right.T @ ((left.T @ wanted) / sigma[:, np.newaxis])
     return least
 
@@ -380,7 +384,7 @@ def elementwise(ufunc: Callable[[Any, Any], Any], left: Value, right: Value) -> 
     a, b = number(left), number(right)
     for m, n in zip(shape(a), shape(b), strict=True):
         if m != n and 1 not in (m, n):
-            raise MatlabError(f"sizes {measure(a)} and {measure(b)} do not fit each other")
+            raise MatlabError(f"sizes {measure(a)} and {measure(b)} do not match")
     require_room(*(n if m == 1 else m for m, n in zip(shape(a), shape(b), strict=True)))
     return settle(np.asarray(ufunc(a, b)))
 
@@ -418,7 +422,7 @@ def to_the(left: Value, right: Value) -> Value:
     a, b = number(left), number(right)
     complex_ones = elementwise(lambda a, b: (a < 0) & np.isfinite(b) & (b != np.floor(b)), a, b)
     if np.any(grid(complex_ones)):
-        raise MatlabError(f"a negative number to a broken power {COMPLEX}")
+        raise MatlabError(f"a negative number to a fractional power {COMPLEX}")
     return elementwise(np.power, a, b)
 
 
@@ -427,7 +431,7 @@ def matrix_times(left: Value, right: Value) -> Value:
     if not (isinstance(left, np.ndarray) and isinstance(right, np.ndarray)):
         return times(left, right)
     if left.shape[1] != right.shape[0]:
-        raise MatlabError(f"{measure(left)} times {measure(right)} does not fit")
+        raise MatlabError(f"{measure(left)} times {measure(right)} does not match in size")
     require_room(left.shape[0], right.shape[1])
     return settle(np.asarray(number(left)) @ np.asarray(number(right)))
 

@@ -212,7 +212,7 @@ def test_what_is_singular_is_infinite_without_a_warning(body, expected):
         ("function y = f(u)\nerror('%d is too far', u(1))", "the error '%d is too far'"),
         ("function y = f(u)\nerror()", "line 2: it stops with an error"),
         ("function y = f(u)\nhold on", "line 2: unexpected 'on' where the statement should end"),
-        ("function y = f(u)\n1 = y", "line 2: what is assigned to is not a variable"),
+        ("function y = f(u)\n1 = y", "line 2: the left side of an assignment must be a variable"),
         ("function y = f(u)\n[a, b] = size(u);", "come only from a function of the same script"),
         ("function y = f(u)\n[] = g(u);", "line 2: '[] =' names no variable"),
         ("function y = f(u)\n[y, z] = g(u);\nfunction a = g(b)\na = b;", "asked for 2 values"),
