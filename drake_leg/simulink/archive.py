@@ -99,7 +99,7 @@ def parse_markup(content: bytes, part: str) -> Element:
         ) from None
     except (LookupError, UnicodeError) as error:
         raise InvalidValueError(
-            f"its part {part} has an encoding that is not supported ({error}): save the model "
+            f"its part {part} is in an encoding that is not supported ({error}): save the model "
             "again in Simulink"
         ) from None
     _require_shallow(root, part)

@@ -28,9 +28,9 @@ from drake_leg.simulink.compare.findings import (
     matched,
     unreadable,
 )
-from drake_leg.simulink.compare.of_model import SimulinkSignals
 from drake_leg.simulink.compare.sides import Roles, Sides, other_signal, same_factors
 from drake_leg.simulink.compare.signals import Atom, Scalar, Signal, close, function_role, mixed
+from drake_leg.simulink.compare.simulink_signals import SimulinkSignals
 from drake_leg.simulink.matlab.program import Program
 from drake_leg.simulink.model import Block, number
 from drake_leg.systems.inverse_jacobian import InverseJacobian

@@ -20,6 +20,7 @@ from pydrake.systems.framework import Context, Diagram
 from drake_leg.diagrams.wiring import plant_of
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot
+from drake_leg.simulink.compare.chain import Chain, find_route, read_chain
 from drake_leg.simulink.compare.findings import Verdict, different
 from drake_leg.simulink.compare.of_diagram import (
     DiagramSignals,
@@ -28,13 +29,6 @@ from drake_leg.simulink.compare.of_diagram import (
     Place,
     read_plant,
 )
-from drake_leg.simulink.compare.of_model import (
-    Chain,
-    SimulinkSignals,
-    find_route,
-    read_chain,
-    senses_rotation,
-)
 from drake_leg.simulink.compare.signals import (
     Atom,
     Scalar,
@@ -42,6 +36,7 @@ from drake_leg.simulink.compare.signals import (
     close,
     integral_roles,
 )
+from drake_leg.simulink.compare.simulink_signals import SimulinkSignals, senses_rotation
 from drake_leg.simulink.mechanism import inverse
 from drake_leg.simulink.model import Block, Model
 from drake_leg.simulink.wiring import flatten
