@@ -201,8 +201,8 @@ def test_a_thousand_masked_blocks_are_quick(tmp_path):
     path = builder.write(tmp_path / "m.slx")
     taken = []
     for _ in range(3):
-        start = time.perf_counter()
+        start = time.process_time()
         model = read_model(path)
-        taken.append(time.perf_counter() - start)
+        taken.append(time.process_time() - start)
     assert model.blocks[-1].parameters["Gain"] == 999 * 100 + 19
     assert min(taken) < 1.0

@@ -124,7 +124,7 @@ def test_local_functions_with_several_outputs():
 def test_a_function_may_call_itself_but_not_for_ever():
     code = program("function y = f(n)\nif n <= 1, y = 1; else, y = n*f(n-1); end")
     assert code.call(5)[0].tolist() == [120.0]
-    with pytest.raises(InvalidValueError, match="line 2: the calls of f inside one another"):
+    with pytest.raises(InvalidValueError, match="line 2: the calls of f are nested too deeply"):
         code.call(1000)
 
 
@@ -190,7 +190,7 @@ def test_what_is_singular_is_infinite_without_a_warning(body, expected):
         ("function y = f(u)\ny(1:2) = [1 2 3];", "line 2: 3 values do not fit 2 elements of 'y'"),
         ("function y = f(u)\ny = eye(2); y(5) = 1;", "'y' of 2×2 cannot grow by one index"),
         ("function y = f(u)\ny = eye(2); y(1,:) = u*u';", "2×2 does not fit 1×2 elements of 'y'"),
-        ("function y = f(u)\ny = u; y(1) = [];", "elements of 'y' cannot be taken out"),
+        ("function y = f(u)\ny = u; y(1) = [];", "elements of 'y' cannot be removed"),
         ("function y = f(u)\ny(1e9) = 1;", "is larger than 10000 elements"),
         ("function y = f(u)\npersistent k", "function f, line 2: 'persistent' is not supported"),
         ("function y = f(u)\nglobal k", "function f, line 2: 'global' is not supported"),
