@@ -273,7 +273,7 @@ def _recorded(plant: ShownPlant, recording: Recording) -> PlantMotion:
 
 
 def _in_si(recording: Recording, name: str, units: Mapping[str, float]) -> Array:
-    values, unit = recording[name], recording.unit(name)
+    values, unit = numeric(f"the column {name}", recording[name]), recording.unit(name)
     if unit and unit not in units:
         raise InvalidValueError(
             f"the recording's column {name} is in {unit!r}; it must be in {' or '.join(units)}"

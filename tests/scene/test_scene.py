@@ -86,6 +86,13 @@ def test_a_recording_gives_its_joint_positions():
     np.testing.assert_array_equal(motion_of(PENDULUM, swing).q, Q[:, :1])
 
 
+def test_a_recording_may_have_lists():
+    lists = {name: values.tolist() for name, values in recording().columns.items()}
+    np.testing.assert_array_equal(motion_of(LEG_B, Recording(lists)).q, Q)
+    with pytest.raises(InvalidValueError, match=r"the column q1 is .*; it must be an array of num"):
+        motion_of(LEG_B, recording(**{"q1[rad]": ["a", "b", "c"]}))
+
+
 def test_a_recording_of_another_robot_is_refused():
     with pytest.raises(OtherRobotError, match=r"tip is up to 0\.\d+ m away .*'leg_a'"):
         motion_of(LEG_A, recording())
