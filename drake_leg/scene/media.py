@@ -36,6 +36,7 @@ from drake_leg.scene.scene import (
 )
 from drake_leg.scene.shown_plant import Showable
 from drake_leg.scene.web_page import pose_rows, stage_data, web_page
+from drake_leg.units import require_kind
 
 WIDTH, HEIGHT = 960, 720  # [pixels] of a still
 SMOOTHING = 2  # a still is rendered larger by this factor
@@ -68,6 +69,7 @@ class Still:
         OutputError
             If it cannot be written, or is there and may not be replaced.
         """
+        require_kind("path", path, str, Path)
         with whole_file(Path(path), endings=(".png",), overwrite=overwrite) as scratch:
             scratch.write_bytes(self.png)
 
@@ -209,6 +211,7 @@ def write_video(
     >>> write_video("step.gif", LEG_B, step, view="right")
     5
     """
+    require_kind("target", target, str, Path)
     path, motion, seen_from = Path(target), _short(what, record, "video"), as_view(view)
     with whole_file(path, endings=VIDEOS, overwrite=overwrite) as scratch:
         require_video(path)
@@ -306,6 +309,7 @@ class Replay:
         OutputError
             If it cannot be written, or is there and may not be replaced.
         """
+        require_kind("path", path, str, Path)
         write_text(Path(path), self.html, ending=".html", overwrite=overwrite)
 
 

@@ -17,12 +17,11 @@ from scipy.spatial import ConvexHull
 
 from drake_leg.colours import PURPLE, rgb
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.khalil import Array, one_vector
+from drake_leg.kinematics.khalil import Array, one_vector, real_numbers
 from drake_leg.scene.shown_plant import (
     Part,
     Showable,
     ShownPlant,
-    numeric,
     rod,
     shortened,
     shown,
@@ -251,7 +250,7 @@ def motion_of(what: Showable, record: Record) -> PlantMotion:
             advice="give what run(...) returned, a Recording, the log of a VectorLogSink, or "
             "(time, q), such as (result.time, result.scopes['joint positions']) of a simulation",
         )
-    time, q = (numeric(name, part) for name, part in zip(("time", "q"), record, strict=True))
+    time, q = (real_numbers(name, part) for name, part in zip(("time", "q"), record, strict=True))
     return PlantMotion(shown=plant, time=time, q=q)
 
 
@@ -273,7 +272,7 @@ def _recorded(plant: ShownPlant, recording: Recording) -> PlantMotion:
 
 
 def _in_si(recording: Recording, name: str, units: Mapping[str, float]) -> Array:
-    values, unit = numeric(f"the column {name}", recording[name]), recording.unit(name)
+    values, unit = real_numbers(f"the column {name}", recording[name]), recording.unit(name)
     if unit and unit not in units:
         raise InvalidValueError(
             f"the recording's column {name} is in {unit!r}; it must be in {' or '.join(units)}"

@@ -104,16 +104,6 @@ def shortened(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:40]}...{text[-10:]}"
 
 
-def numeric(what: str, values: ArrayLike) -> Array:
-    """Read an array of numbers; ``what`` names it in the error's sentence."""
-    try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidValueError(
-            f"{what} is {shortened(values)}; it must be an array of numbers"
-        ) from None
-
-
 @dataclass(frozen=True, kw_only=True)
 class Coordinate:
     """One of a plant's positions."""
@@ -204,7 +194,7 @@ class ShownPlant:
         """Check joint positions, (..., q); None stands for the plant's default ones."""
         if q is None:
             return self.default
-        return finite_vectors("q", numeric("q", q), self.plant.num_positions())
+        return finite_vectors("q", q, self.plant.num_positions())
 
     def poses(self, q: ArrayLike) -> Array:
         """Poses of the shown frames in the world, X_WF (..., n, 4, 4), of positions (..., q)."""

@@ -69,9 +69,7 @@ class Orders:
     tab: str  # of the page that drives; empty at rest
     halts: int  # how often the foot was halted; pages then release what they hold
     lapsed: bool  # whether the driving page has fallen silent just now
-    start: bool
-    clear: bool
-    quit: bool
+    asked: frozenset[str]  # of "halt", "start", "clear", "quit"
 
 
 class VelocityCommands:
@@ -112,15 +110,13 @@ class VelocityCommands:
             lapsed = bool(self._tab) and self._clock() - self._heard > SILENCE
             if lapsed:
                 self._halt()
-            asked, self._asked = self._asked, set()
+            asked, self._asked = frozenset(self._asked), set()
             return Orders(
                 velocity=self._velocity,
                 tab=self._tab,
                 halts=self._halts,
                 lapsed=lapsed,
-                start="start" in asked,
-                clear="clear" in asked,
-                quit="quit" in asked,
+                asked=asked,
             )
 
     def _halt(self) -> None:
@@ -159,9 +155,9 @@ def drive_robot(
             before, now = now, clock()
             if orders.lapsed:
                 say(LAPSED)
-            if orders.start:
+            if "start" in orders.asked:
                 step = start
-            if orders.start or orders.clear:
+            if orders.asked & {"start", "clear"}:
                 trace.clear()
             velocity = 1e-3 * np.array(orders.velocity)
             step = drive.step(step.q, velocity, min(now - before, LONGEST_STEP))
@@ -171,7 +167,7 @@ def drive_robot(
                 free = AT_REST if step.share is None else FREED
                 say(f"{said or free} (sigma_min {1e3 * step.sigma_min:.2f} mm)")
             feed.publish(_state(drive, step, orders))
-            if once or orders.quit:
+            if once or "quit" in orders.asked:
                 break
             due = max(due + PERIOD, clock())
             wait(max(due - clock(), 0.0))

@@ -15,7 +15,7 @@ from drake_leg.robot.robots import LEG_B, PENDULUM, ROBOTS
 from drake_leg.scene import media
 from drake_leg.scene.artists import Renderer, Sketcher
 from drake_leg.scene.lettering import DARK, LIGHT
-from drake_leg.scene.media import replay, require_video, still, write_video
+from drake_leg.scene.media import Replay, Still, replay, require_video, still, write_video
 from drake_leg.scene.scene import VIEWS, PlantMotion, at_rest, scene_of
 from drake_leg.scene.shown_plant import shown
 
@@ -115,6 +115,14 @@ def test_a_video_of_an_hour_is_refused(tmp_path):
     motion = ([0.0, 3600.0], np.zeros((2, 1)))
     with pytest.raises(InvalidValueError, match="3600 s long; a video is at most 600 s"):
         write_video(tmp_path / "long.gif", PENDULUM, motion)
+
+
+def test_a_path_is_a_text_or_a_path(step):
+    with pytest.raises(InvalidValueError, match="target is 3; it must be a str or Path"):
+        write_video(3, step.shown, step)
+    for picture in (Still(b""), Replay("a", "a page")):
+        with pytest.raises(InvalidValueError, match="path is 3; it must be a str or Path"):
+            picture.write(3)
 
 
 def test_another_ending_is_refused(step, tmp_path):

@@ -89,7 +89,7 @@ def test_a_recording_gives_its_joint_positions():
 def test_a_recording_may_have_lists():
     lists = {name: values.tolist() for name, values in recording().columns.items()}
     np.testing.assert_array_equal(motion_of(LEG_B, Recording(lists)).q, Q)
-    with pytest.raises(InvalidValueError, match=r"the column q1 is .*; it must be an array of num"):
+    with pytest.raises(InvalidValueError, match=r"the column q1 is .*; it must be real num"):
         motion_of(LEG_B, recording(**{"q1[rad]": ["a", "b", "c"]}))
 
 

@@ -157,7 +157,7 @@ def test_a_model_file_that_is_not_there_is_named(what):
 
 @pytest.mark.parametrize("q", ["a", [[1.0], [1.0, 2.0]], {}])
 def test_positions_are_numbers(q):
-    with pytest.raises(InvalidValueError, match=r"q is .*; it must be an array of numbers"):
+    with pytest.raises(InvalidValueError, match=r"q is .*; it must be real numbers"):
         at_rest(LEG_B, q)
 
 
