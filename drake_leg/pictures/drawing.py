@@ -9,15 +9,16 @@ from xml.sax.saxutils import escape
 
 from drake_leg.colours import Background
 from drake_leg.files import write_text
-from drake_leg.pictures.glyphs import LABELLED, draw_block
 from drake_leg.pictures.layout import Layout, lay_out_parts
 from drake_leg.pictures.routing import rounded
 from drake_leg.pictures.svg import (
+    LABELLED,
     SMALL,
     DrawnBlock,
     Picture,
     Point,
     document,
+    draw_block,
     element,
     text_at,
     text_width,

@@ -16,9 +16,19 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_array
 
 from drake_leg.pictures.columns import Columns, End, Order, Track, columns_of, order_of
-from drake_leg.pictures.glyphs import PORT_PAD, PORT_PITCH, Box, size_of
 from drake_leg.pictures.routing import NEAR, Trunk, divergence, lanes_of, simplified, trunks_of
-from drake_leg.pictures.svg import LINE, SIZE, SMALL, Picture, Point, text_width
+from drake_leg.pictures.svg import (
+    LINE,
+    PORT_PAD,
+    PORT_PITCH,
+    SIZE,
+    SMALL,
+    Box,
+    Picture,
+    Point,
+    size_of,
+    text_width,
+)
 
 PITCH = 9.0  # [px], between vertical lines of a channel
 BEFORE, AFTER = 10.0, 16.0  # [px], free at a channel's sides; an arrow's head is at the right one

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from drake_leg.pictures.glyphs import Box
+from drake_leg.pictures.svg import Box
 from drake_leg.runs.catalogue import RUNS
 
 LEAST_DISTANCE = 5.0  # [px], between parallel lines of different nets

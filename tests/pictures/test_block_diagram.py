@@ -13,10 +13,9 @@ from pydrake.systems.primitives import (
     ZeroOrderHold,
 )
 
-from drake_leg.pictures.block_diagram import block_diagram
+from drake_leg.pictures.block_diagram import block_diagram, diagram_picture
 from drake_leg.pictures.drawing import draw
 from drake_leg.pictures.layout import lay_out
-from drake_leg.pictures.of_diagram import diagram_picture
 from drake_leg.runs.catalogue import RUNS
 
 SVG = "{http://www.w3.org/2000/svg}"
