@@ -213,10 +213,13 @@ def prove(
     )
 
 
-def _require_whole(what: str, value: int, least: int, most: float = math.inf) -> None:
+def _require_whole(what: str, value: object, least: int, most: float = math.inf) -> None:
     """Refuse what is not an integer between two bounds."""
-    whole = isinstance(value, Integral) and not isinstance(value, bool)
-    if not (whole and least <= value <= most):
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, Integral)
+        or not least <= int(value) <= most
+    ):
         span = f"{least} to {most}" if math.isfinite(most) else f"at least {least}"
         raise InvalidValueError(f"{what} is {value!r}; it must be a whole number, {span}")
 
