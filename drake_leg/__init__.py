@@ -71,7 +71,8 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 - ``errata``: their errors: what is printed, what is right, and the effect in numbers.
 
 Names are loaded when they are used, so that ``import drake_leg`` is quick and needs no Drake. In a
-notebook, robots, proofs, equations, recordings, results and Drake diagrams show themselves.
+notebook, robots, diagnoses, proofs, equations, recordings, results and Drake diagrams show
+themselves.
 """
 
 from __future__ import annotations
