@@ -45,7 +45,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
     """Compare the joints, and the links that are aligned already."""
-    chain, drake, alignment = sides.chain, sides.drake, sides.alignment
+    chain, drake, links = sides.chain, sides.drake, sides.links
     joints, bodies = chain.mechanism.joints, chain.mechanism.bodies
     for number in chain.exchanged:
         joint = joints[number - 1]
@@ -56,29 +56,28 @@ def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
         yield from _compare_joint(ours, drake.joints, sides.block(ours.sid))
     for theirs in drake.joints[len(joints) :]:
         yield extra("joint", name=theirs.name)
-    for miss in alignment.misses:
+    for miss in (miss for link in links for miss in link.misses):
         yield _misplaced(miss, sides)
-    for pairs, gauge in zip(alignment.pairs, alignment.gauges, strict=True):
-        for ours_at, theirs_at in pairs:
-            if ours_at.solid is not None and theirs_at.solid is not None:
-                yield from _compare_solid(ours_at, theirs_at, gauge, sides.block(ours_at.sid))
-        for ours_at, theirs_at in sorted(pairs, key=lambda pair: len(pair[0].way)):
+    for link in links:
+        for ours_at, theirs_at in link.pairs:
+            yield from _compare_solid(ours_at, theirs_at, link.gauge, sides)
+        for ours_at, theirs_at in sorted(link.pairs, key=lambda pair: len(pair[0].way)):
             leads_to = f"{LEADS_TO[ours_at.role]} {theirs_at.name!r}"
             yield from (matched(sides.block(passed.sid), leads_to) for passed in ours_at.way)
-    for body, place in alignment.unmatched:
-        link = f"the link of joint {drake.joints[body - 1].name!r}" if body else "the world"
-        yield missing(sides.block(place.sid), f"{link} has no such solid in Drake")
-    for body, place in alignment.absent:
-        if body and place.solid is not None:
-            joint = joints[body - 1]
-            mass = f"body {place.name!r} of {place.solid.mass:.6g} kg"
-            yield different(joint.sid, joint.name, "solid on its follower", "none", mass)
+    for body, link in enumerate(links):
+        where = f"the link of joint {drake.joints[body - 1].name!r}" if body else "the world"
+        for place in link.unmatched:
+            yield missing(sides.block(place.sid), f"{where} has no such solid in Drake")
+    for joint, link in zip(joints, links[1:], strict=False):
+        for place in link.absent:
+            if place.solid is not None:
+                mass = f"body {place.name!r} of {place.solid.mass:.6g} kg"
+                yield different(joint.sid, joint.name, "solid on its follower", "none", mass)
     ways = (place.way for places in bodies for place in places)
     for sid in dict.fromkeys(passed.sid for way in ways for passed in way):
         yield missing(sides.block(sid), "what it leads to has no counterpart in Drake")
     if joints and not chain.grounded:
-        where = "not at the chain", "at the chain's base"
-        yield different("", "(model)", "World Frame", *where)
+        yield different("", "(model)", "World Frame", "not at the chain", "at the chain's base")
     for sid, why in chain.unplaced.items():
         yield missing(sides.block(sid), why)
 
@@ -240,11 +239,11 @@ def _rounded(vector: Array) -> tuple[float, ...]:
     return tuple(float(round(value, 12)) + 0.0 for value in vector.tolist())
 
 
-def _compare_solid(ours: Place, theirs: Place, gauge: Array, block: Block) -> Iterator[Verdict]:
+def _compare_solid(ours: Place, theirs: Place, gauge: Array, sides: Sides) -> Iterator[Verdict]:
     """Compare a solid with a body; ``gauge`` is the pose of the model's frame M in the plant's."""
     if ours.solid is None or theirs.solid is None:
         return
-    mine, drake = ours.solid, theirs.solid
+    mine, drake, block = ours.solid, theirs.solid, sides.block(ours.sid)
     checks = _check_mass(mine, drake, block)
     if mine.shape == OTHER:
         pass

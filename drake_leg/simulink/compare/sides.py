@@ -66,14 +66,14 @@ class Miss:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Alignment:
-    """Both chains, place by place."""
+class AlignedLink:
+    """A link of both chains, place by place."""
 
-    pairs: list[list[Pair]] = field(default_factory=list)  # of each body
-    gauges: list[Array] = field(default_factory=list)  # of each body: the model's M in the plant's
-    misses: list[Miss] = field(default_factory=list)
-    unmatched: list[tuple[int, Place]] = field(default_factory=list)  # the model's solids
-    absent: list[tuple[int, Place]] = field(default_factory=list)  # the plant's solids
+    pairs: list[Pair]
+    gauge: Array  # pose of the model's frame M in the plant's
+    misses: list[Miss]
+    unmatched: list[Place]  # the model's solids
+    absent: list[Place]  # the plant's solids
 
 
 def scale_of(simulink: Mechanism, drake: Mechanism) -> float:
@@ -129,31 +129,34 @@ def shrunk(chain: Chain, scale: float) -> Chain:
     )
 
 
-def align(simulink: Mechanism, drake: Mechanism, *, orientation: bool) -> Alignment:
+def align(simulink: Mechanism, drake: Mechanism, *, orientation: bool) -> list[AlignedLink]:
     """Align two chains; ``orientation`` tells whether the foot's orientation is sensed."""
-    found = Alignment()
-    gauge = np.eye(4)
     bodies = list(zip(simulink.bodies, drake.bodies, strict=False))
-    for body, (mine, theirs) in enumerate(bodies):
-        pairs = _pairs(mine, theirs)
+    paired = [_pairs(mine, theirs) for mine, theirs in bodies]
+    found: list[AlignedLink] = []
+    gauge = np.eye(4)
+    for body, ((mine, theirs), pairs) in enumerate(zip(bodies, paired, strict=True)):
         misses = _misses(pairs, gauge, orientation=orientation)
-        found.pairs.append(pairs)
-        found.gauges.append(gauge)
-        taken = [id(place) for pair in pairs for place in pair]
-        for places, lost in ((mine, found.unmatched), (theirs, found.absent)):
-            lost += [(body, p) for p in places if p.role == "solid" and id(p) not in taken]
-        joint = next((pair for pair in pairs if pair[0].role == "joint"), None)
         following = np.eye(4)
+        joint = next((pair for pair in pairs if pair[0].role == "joint"), None)
         if joint is not None and body + 1 < len(bodies):
             D = inverse(joint[1].X_M) @ gauge @ joint[0].X_M
-            own = [miss for miss in misses if miss.place is joint[0]]
-            beyond = _pairs(*bodies[body + 1])
-            folded = len(_misses(beyond, D, orientation=orientation))
-            unfolded = len(_misses(beyond, following, orientation=orientation))
-            if _about_z(D) and folded < unfolded + len(own):
-                following = D
-                misses = [miss for miss in misses if miss.place is not joint[0]]
-        found.misses.extend(misses)
+            others = [miss for miss in misses if miss.place is not joint[0]]
+            folded, unfolded = (
+                len(_misses(paired[body + 1], G, orientation=orientation)) for G in (D, following)
+            )
+            if _about_z(D) and folded + len(others) < unfolded + len(misses):
+                following, misses = D, others
+        unmatched, absent = (
+            [place for place in places if place.role == "solid" and id(place) not in taken]
+            for places, taken in (
+                (mine, {id(ours) for ours, _ in pairs}),
+                (theirs, {id(live) for _, live in pairs}),
+            )
+        )
+        found.append(
+            AlignedLink(pairs=pairs, gauge=gauge, misses=misses, unmatched=unmatched, absent=absent)
+        )
         gauge = following
     return found
 
@@ -259,7 +262,7 @@ class Sides:
     plant: MultibodyPlant
     drake: Mechanism
     live: DiagramSignals
-    alignment: Alignment  # of the chain's mechanism and Drake's
+    links: list[AlignedLink]  # of the chain and the plant
     scale: float  # by which the model's lengths were divided before that
 
     def block(self, sid: str) -> Block:
@@ -331,7 +334,7 @@ def read_sides(model: Model, run: LiveModel) -> Sides:
     flat = flatten(model)
     plant = plant_of(run.diagram)
     drake = _mechanism(run, plant)
-    chain, alignment, scale = _aligned(flat, drake)
+    chain, links, scale = _aligned(flat, drake)
     return Sides(
         model=model,
         flat=flat,
@@ -341,7 +344,7 @@ def read_sides(model: Model, run: LiveModel) -> Sides:
         plant=plant,
         drake=drake,
         live=DiagramSignals(run.diagram, run.root),
-        alignment=alignment,
+        links=links,
         scale=scale,
     )
 
@@ -398,10 +401,10 @@ def _mechanism(run: LiveModel, plant: MultibodyPlant) -> Mechanism:
     )
 
 
-def _aligned(flat: Model, drake: Mechanism) -> tuple[Chain, Alignment, float]:
+def _aligned(flat: Model, drake: Mechanism) -> tuple[Chain, list[AlignedLink], float]:
     """Align the mechanisms in one unit of length; joints that point backwards the likelier way."""
 
-    def aligned(chain: Chain) -> Alignment:
+    def aligned(chain: Chain) -> list[AlignedLink]:
         sensor = next((b for b in flat.blocks if b.sid == chain.sensor), None)
         orientation = sensor is not None and senses_rotation(sensor)
         return align(chain.mechanism, drake, orientation=orientation)
@@ -416,5 +419,8 @@ def _aligned(flat: Model, drake: Mechanism) -> tuple[Chain, Alignment, float]:
     ]
     scale = scale_of(chain.mechanism, drake)
     both = [(reading, aligned(reading)) for reading in (shrunk(one, scale) for one in readings)]
-    best = min(both, key=lambda pair: 2 * len(pair[1].misses) + len(pair[0].exchanged))
-    return (*best, scale)
+
+    def unlikeliness(pair: tuple[Chain, list[AlignedLink]]) -> int:
+        return 2 * sum(len(link.misses) for link in pair[1]) + len(pair[0].exchanged)
+
+    return (*min(both, key=unlikeliness), scale)
