@@ -466,7 +466,7 @@ def test_results_are_overwritten_on_request(run, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
-@pytest.mark.parametrize("words", [[], ["fly"], ["run"], ["run", "leg-b"], ["list", "x"]])
+@pytest.mark.parametrize("words", [["fly"], ["run"], ["run", "leg-b"], ["list", "x"]])
 def test_an_incomplete_or_unknown_command_is_refused_in_a_sentence(capsys, words):
     assert status_of(*words) == 2
     printed = capsys.readouterr()
@@ -606,7 +606,7 @@ def test_only_the_command_that_is_asked_for_is_imported():
     code = (
         "import sys, drake_leg.cli as c\n"
         "c.main(['list'])\n"
-        "sys.exit(any(name in sys.modules for name in ('drake_leg.runs.leg', 'tomllib', 'yaml')))"
+        "sys.exit(any(name in sys.modules for name in ('drake_leg.runs.step', 'tomllib', 'yaml')))"
     )
     assert process("-c", code).returncode == 0
 

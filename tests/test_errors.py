@@ -36,17 +36,19 @@ from drake_leg.kinematics.movable import exact_rates
 from drake_leg.lab.page.pieces import UnlikeReplaysError
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B
-from drake_leg.runs import pendulum, tip
-from drake_leg.runs.leg import run as run_leg
-from drake_leg.runs.leg import run_robot
+from drake_leg.runs import pendulum, step
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
-from drake_leg.runs.pendulum import run as run_pendulum
+from drake_leg.runs.step import run as run_robot
 from drake_leg.scene import artists, media
 from drake_leg.scene.artists import NoRenderingError
 from drake_leg.scene.scene import OtherRobotError
 from drake_leg.scene.server import RefusedError, ServerError
 from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import run as simulation_run
+
+run_leg = RUNS["leg-b"].run
+run_pendulum = RUNS["pendulum"].run
 
 
 def errors_of_the_package():
@@ -80,7 +82,7 @@ def cause(run, monkeypatch):
         stops.append(simulation_run.simulate(*arguments, **keywords))
         return stops[0]
 
-    for module in (tip, pendulum):
+    for module in (step, pendulum):
         monkeypatch.setattr(module, "simulate", watched)
     run()
     return stops[0].stopped_by

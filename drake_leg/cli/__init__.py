@@ -8,14 +8,18 @@ its time limit; 70 an unexpected error; 130 Ctrl-C; 128 + n another signal n.
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
-from collections.abc import Sequence
-from contextlib import suppress
-from typing import NoReturn
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, NoReturn, TextIO
 
 from drake_leg.progress import Interrupts, interruptible
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
 
 __all__ = ["main"]
 
@@ -51,8 +55,6 @@ def _leave(status: int) -> NoReturn:
 
 
 def _result(arguments: Sequence[str] | None) -> int:
-    from drake_leg.cli.streams import tolerant_streams
-
     with tolerant_streams():
         try:
             from drake_leg.cli import entry
@@ -98,3 +100,57 @@ def _is_interrupt(error: BaseException | None) -> bool:
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None
+
+
+class _Tolerant(io.FileIO):
+    """Writes, and stops writing without an error when the reader has gone."""
+
+    _closed_pipe = False
+
+    def write(self, data: ReadableBuffer) -> int:
+        """Write, or drop the rest of the output."""
+        if self._closed_pipe:
+            return memoryview(data).nbytes
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            self._closed_pipe = True
+            return memoryview(data).nbytes
+        except OSError:
+            self._closed_pipe = True
+            raise
+
+
+@contextmanager
+def tolerant_streams() -> Iterator[None]:
+    """Tolerate a closed pipe, and write what the terminal cannot show as escapes."""
+    before = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = _tolerant(sys.stdout), _tolerant(sys.stderr)
+    try:
+        yield
+    finally:
+        for stream, old in zip((sys.stdout, sys.stderr), before, strict=True):
+            if stream is not old:
+                with suppress(OSError):
+                    stream.flush()
+        sys.stdout, sys.stderr = before
+
+
+def _tolerant(stream: TextIO) -> TextIO:
+    """Replace a stream that writes to a file, a pipe or a terminal."""
+    if not isinstance(stream, io.TextIOWrapper):
+        return stream
+    stream.reconfigure(errors="backslashreplace")
+    buffered = hasattr(stream.buffer, "raw")
+    if not isinstance(stream.buffer.raw if buffered else stream.buffer, io.FileIO):
+        return stream
+    with suppress(OSError):
+        stream.flush()
+    end = _Tolerant(stream.fileno(), "w", closefd=False)
+    return io.TextIOWrapper(
+        io.BufferedWriter(end) if buffered else end,
+        encoding=stream.encoding,
+        errors=stream.errors,
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )

@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import re
-import reprlib
-import typing
-from contextlib import suppress
 from pathlib import Path
-from types import UnionType
 from typing import Any, ClassVar
 
 from yaml import MappingNode, SafeLoader, ScalarNode, YAMLError
@@ -60,28 +55,22 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
 
     Keys are names of options; ``name`` is the run's, for errors.
     """
-    keys = ", ".join(field.name for field in dataclasses.fields(kind))
+    keys = [field.name for field in dataclasses.fields(kind)]
     try:
         content = _content(read_text(path))
-        hints = typing.get_type_hints(kind)
         for key in content:
-            if key not in hints:
+            if key not in keys:
                 raise ValueError(f"it has no key {key!r}")
-        values: dict[str, Any] = {
-            key: _typed(key, hints[key], value) for key, value in content.items()
-        }
+        return kind(**content)
     except UnreadableFileError as error:
         raise UnreadableFileError(f"the config {path}", error.reason) from None
     except RecursionError:
         raise InvalidValueError(f"the config {path} is nested too deep") from None
     except (ValueError, YAMLError) as error:
-        if isinstance(error, InvalidValueError):
-            raise
         reason = " ".join(str(error).split())
         raise InvalidValueError(
-            f"the config {path} is wrong: {reason}; the keys of {name} are {keys}"
+            f"the config {path} is wrong: {reason}; the keys of {name} are {', '.join(keys)}"
         ) from None
-    return kind(**values)
 
 
 def _content(text: str) -> dict[str, Any]:
@@ -106,37 +95,3 @@ def _content(text: str) -> dict[str, Any]:
         if keys.count(key) > 1:
             raise ValueError(f"{key} appears {keys.count(key)} times")
     return dict(content)
-
-
-def _typed(key: str, hint: Any, value: object) -> object:  # noqa: ANN401 - a type's annotation
-    if isinstance(hint, UnionType):
-        (kind,) = (part for part in typing.get_args(hint) if part is not type(None))
-        return None if value is None else _typed(key, kind, value)
-    if typing.get_origin(hint) is list:
-        if isinstance(value, list):
-            return [_number(key, item) for item in value]
-        if isinstance(value, str | bool | dict) or value is None:
-            raise ValueError(
-                f"{key} is {_shown(value)}; write a list of numbers, as [90, -50, -90]"
-            )
-        return [_number(key, value)]
-    if hint is float:
-        return _number(key, value)
-    if not isinstance(value, hint):
-        wanted = "true or false" if hint is bool else "a text"
-        raise ValueError(f"{key} is {_shown(value)}; it must be {wanted}")
-    return value
-
-
-def _number(key: str, value: object) -> float:
-    """Refuse texts, though Python would read numbers out of some of them."""
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        with suppress(OverflowError):
-            if math.isfinite(number := float(value)):
-                return number
-    raise ValueError(f"{key} is {_shown(value)}; it must be a finite number")
-
-
-def _shown(value: object) -> str:
-    """Show a value; one that anchors repeat within each other may be endless."""
-    return reprlib.repr(value)

@@ -6,12 +6,11 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
-from drake_leg.cli.run_options import kind_of
 from drake_leg.cli.terminal import option_of, picture
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.robot.robot import Robot
-from drake_leg.runs.catalogue import RUNS
+from drake_leg.runs.catalogue import RUNS, run_kind
 
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
@@ -130,7 +129,7 @@ def _frames(chosen: argparse.Namespace) -> str:
     from drake_leg.pictures.plots.style import svg_text
 
     _refuse_signal_options(chosen, "is for signals and means nothing to frames")
-    kind = kind_of(chosen.name)
+    kind = run_kind(chosen.name)
     robot = kind.robot(kind.options())
     return svg_text(free_body(robot, title=kind.title), background=chosen.background)
 
@@ -143,7 +142,7 @@ def _refuse_signal_options(chosen: argparse.Namespace, why: str) -> None:
 
 def _subject(name: str) -> tuple[str, Diagram, Robot]:
     """Return a run's title, its diagram with default options, and its robot."""
-    kind = kind_of(name)
+    kind = run_kind(name)
     options = kind.options()
     diagram, _ = kind.diagram(options)
     return kind.title, diagram, kind.robot(options)

@@ -37,6 +37,10 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
         "stroke along a direction to the first singularity or joint limit, and the greatest "
         "amplitude that stays inside. With --foot: the joint positions that put the foot there."
     )
+    parser.epilog = (
+        "Exit status: 0 all well, 1 no posture within the joints' limits puts the foot there or a "
+        "map could not be drawn, 2 bad input."
+    )
     add_robot_source(parser)
     parser.add_argument(
         "--q",
@@ -97,15 +101,21 @@ def _doctor(chosen: argparse.Namespace) -> int:
         print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
     else:
         print("\n".join(_lines(diagnosis)))
+    reached = FAILED if diagnosis.feet and not _reaches(diagnosis.feet) else 0
     if folder is None:
-        return 0
+        return reached
     with at_work(f"doctor of {chosen.robot}", "its maps"):
         pictures = _write_maps(folder, maps, diagnosis)
     print(f"wrote {folder.path}", file=sys.stderr if chosen.json else sys.stdout)
     pictures.print_failures()
     if folder.remark:
         return fail(folder.remark, BAD_INPUT)
-    return FAILED if pictures.failures else 0
+    return FAILED if pictures.failures else reached
+
+
+def _reaches(found: Feet) -> bool:
+    """Tell whether a posture within the joints' limits puts the foot there."""
+    return any(solution.within_limits for solution in found.solutions)
 
 
 def _place(chosen: argparse.Namespace) -> dict[str, Any]:
@@ -140,7 +150,7 @@ def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any])
         print(json.dumps(feet_json(found), indent=2, allow_nan=False))
     else:
         print("\n".join(_feet_lines(found)))
-    return 0
+    return 0 if _reaches(found) else FAILED
 
 
 def _maps(chosen: argparse.Namespace, robot: Robot, q: list[float]) -> tuple[ResultsFolder, Maps]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import os
 import re
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from drake_leg.cli.terminal import BAD_INPUT, FAILED, STOPPED_EARLY, fail, place_given_by
 from drake_leg.errors import (
@@ -22,7 +23,7 @@ from drake_leg.errors import (
 # Name -> module, whose function configure_NAME describes the command, and a line of help. Only the
 # module of the command that is run is imported.
 COMMANDS = {
-    "list": ("drake_leg.cli.listing", "list the runs"),
+    "list": ("drake_leg.cli.entry", "list the runs"),
     "run": ("drake_leg.cli.run", "carry out one run"),
     "replay": ("drake_leg.cli.replay", "show a run again, as a page or as video"),
     "view": ("drake_leg.cli.view", "look at a robot in 3D, its joints on sliders"),
@@ -45,11 +46,15 @@ COMMANDS = {
 }
 
 
+# An option, and numbers with spaces between them.
+_SPACED = re.compile(r"(--[a-z][a-z0-9-]*)[ =](-?[\d.]\S*(?: -?[\d.]\S*)+)")
+
+
 class _Version(argparse.Action):
     """Prints the version, looked up only then."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        """Print it and end."""
+        """Print it and exit."""
         from importlib.metadata import version
 
         print(f"{parser.prog} {version('drake-leg')}")
@@ -57,7 +62,10 @@ class _Version(argparse.Action):
 
 
 class _Parser(argparse.ArgumentParser):
-    """Prints errors in one sentence, without the usage."""
+    """Prints errors in one sentence, without the usage; an option is written in full."""
+
+    def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - as argparse's
+        super().__init__(allow_abbrev=False, **settings)
 
     def error(self, message: str) -> NoReturn:
         if re.fullmatch(r"unrecognized arguments:( -?[\d.]+,?)+", message):
@@ -70,7 +78,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     name = next((word for word in words if word in COMMANDS), None)
     parser = _build_parser(only=name or "")
-    chosen = parser.parse_args(_join_negative_values(words))
+    chosen, unknown = parser.parse_known_args(_join_negative_values(words))
+    if unknown:
+        parser.error(_unrecognized(parser, unknown, words, name))
+    if "command" not in chosen:
+        parser.print_help()
+        return BAD_INPUT
     try:
         _require_working_folder()
         with place_given_by("--out"):
@@ -110,6 +123,26 @@ def _join_negative_values(words: Sequence[str]) -> list[str]:
     return joined
 
 
+def _unrecognized(
+    parser: argparse.ArgumentParser, unknown: Sequence[str], words: Sequence[str], name: str | None
+) -> str:
+    """Say which words are no options of a command, and what was meant."""
+    sentence = f"unrecognized arguments: {' '.join(unknown)}"
+    commands = next(a.choices for a in parser._actions if isinstance(a.choices, dict))
+    known = (commands[name] if name else parser)._option_string_actions
+    spaced = _SPACED.search(" ".join(words))
+    if spaced and "," in str(getattr(known.get(spaced[1]), "metavar", "")):
+        numbers = ",".join(spaced[2].split())
+        return f"{sentence}: write commas between numbers, as {spaced[1]}={numbers}"
+    for word in unknown:
+        option = word.partition("=")[0]
+        if option.startswith("--"):
+            begun = [each for each in known if each.startswith(option)]
+            near = begun or difflib.get_close_matches(option, known, n=1, cutoff=0.7)
+            return f"{sentence}: did you mean {' or '.join(near)}" if near else sentence
+    return sentence
+
+
 def _build_parser(only: str | None = None) -> argparse.ArgumentParser:
     """Build the parser, with the options of all commands or of only one."""
     parser = _Parser(
@@ -121,10 +154,24 @@ def _build_parser(only: str | None = None) -> argparse.ArgumentParser:
         "be made, 2 bad input, 3 a run, proof or derivation stopped before its end, 70 an "
         "unexpected error, 130 interrupted, 128 + n ended by signal n.",
     )
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    commands = parser.add_subparsers(metavar="COMMAND", parser_class=_Parser)
     for name, (module, line) in COMMANDS.items():
         command = commands.add_parser(name, help=line)
         if only in (None, name):
             getattr(import_module(module), f"configure_{name}")(command)
     return parser
+
+
+def configure_list(parser: argparse.ArgumentParser) -> None:
+    """Describe the command and its options."""
+    parser.description = "List the runs."
+    parser.set_defaults(command=_list)
+
+
+def _list(_chosen: argparse.Namespace) -> int:
+    from drake_leg.runs.catalogue import RUNS
+
+    for name, kind in RUNS.items():
+        print(f"{name:<16} {kind.title:<24} {kind.shows}")
+    return 0

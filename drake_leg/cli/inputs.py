@@ -18,8 +18,7 @@ from drake_leg.robot.robots import ROBOTS
 from drake_leg.robot.toml_keys import Document, parse_document
 from drake_leg.robot.toml_reader import read_robot
 from drake_leg.robot.toml_writer import robot_toml
-from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.options import PendulumOptions, ScaraOptions, StepOptions
+from drake_leg.runs.catalogue import reports_posture
 
 # The reports' robots by their names on the command line.
 ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
@@ -81,8 +80,8 @@ def posture(name: str, robot: Robot, text: str | None) -> list[float]:
     ``name`` is the robot's on the command line, ``text`` as in ``90,-50,-90``.
     """
     if text is None:
-        reports = _reports_posture(name)
-        return list(starting_posture(robot)) if reports is None else reports
+        reports = reports_posture(ROBOT_NAMES[name]) if name in ROBOT_NAMES else None
+        return list(starting_posture(robot)) if reports is None else joint_positions(robot, reports)
     return joint_positions(robot, numbers("--q", text))
 
 
@@ -107,19 +106,3 @@ def as_typed(robot: Robot, q: list[float]) -> str:
         f"{math.degrees(value) if segment.row.joint == 'revolute' else value:.6g}"
         for value, segment in zip(q, robot.moving, strict=True)
     )
-
-
-def _reports_posture(name: str) -> list[float] | None:
-    """Return where the run of a report's robot starts [rad or m]."""
-    if name not in RUNS:
-        return None
-    options = RUNS[name].options()
-    if isinstance(options, PendulumOptions):
-        return [options.start()]
-    if isinstance(options, ScaraOptions):
-        from drake_leg.kinematics.scara import ScaraGeometry, lift_position
-        from drake_leg.robot.robots import SCARA
-
-        lift = lift_position(ScaraGeometry.from_robot(SCARA), options.tool_height)
-        return [*options.posture(), lift]
-    return list(options.posture()) if isinstance(options, StepOptions) else None

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
-from drake_leg.cli.showing import add_view, stop_note
-from drake_leg.cli.terminal import picture
+from drake_leg.cli.terminal import add_view, picture, stop_note
 from drake_leg.errors import OutputError, UnreadableFileError
 from drake_leg.files import read_text
 from drake_leg.progress import ProgressBar

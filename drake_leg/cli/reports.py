@@ -11,8 +11,7 @@ import textwrap
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.inputs import robot_source
-from drake_leg.cli.showing import remark_if_sketched
+from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -22,10 +21,12 @@ from drake_leg.cli.terminal import (
     budget_of,
     fail,
     remark,
+    remark_if_sketched,
 )
 from drake_leg.errors import InvalidValueError, TimeBudgetError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.progress import ProgressBar, TimeBudget
+from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.catalogue import (
     SUBJECTS,
     DerivedRobot,
@@ -56,8 +57,9 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "name",
         metavar="NAME|FILE.toml",
-        help=f"one of {', '.join(SUBJECTS)}, with the numbers of the report's equations; or a "
-        "robot of your own",
+        help=f"one of {', '.join(SUBJECTS)}, with the numbers of the report's equations; "
+        f"{' or '.join(name for name in ROBOT_NAMES if name not in SUBJECTS)}; or a robot of your "
+        "own",
     )
     parser.add_argument("--latex", action="store_true", help="print lines of LaTeX")
     add_budget(parser, "of the derivation")
@@ -65,11 +67,13 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
 
 
 def _derive(chosen: argparse.Namespace) -> int:
+    robot = None if chosen.name in SUBJECTS else robot_source(chosen.name).robot()
     import_module("drake_leg.symbolic.equations")  # loads SymPy before the time is limited
     budget = TimeBudget(budget_of(chosen))
-    own = chosen.name not in SUBJECTS
     with ProgressBar(sys.stderr, f"derivation of {chosen.name}", budget.seconds, "s") as bar:
-        return (_own if own else _reports)(chosen, budget, bar)
+        if robot is None:
+            return _reports(chosen, budget, bar)
+        return _own(robot, chosen, budget, bar)
 
 
 def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
@@ -87,12 +91,11 @@ def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -
     return 0
 
 
-def _own(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
+def _own(robot: Robot, chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
     """Derive what follows from a table, and print each piece when it is done."""
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import own_pieces
 
-    robot = robot_source(chosen.name).robot()
     table = Derivation(robot.rows)
     undone: list[str] = []
     too_large: list[str] = []

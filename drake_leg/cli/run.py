@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import sys
 from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.run_options import add_run_options, kind_of, options_of
-from drake_leg.cli.showing import Shows, add_shows, remark_if_sketched
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -16,18 +17,27 @@ from drake_leg.cli.terminal import (
     STOPPED_EARLY,
     Pictures,
     add_output,
+    as_options,
     at_work,
     fail,
+    numbers,
+    option_of,
+    place_given_by,
     remark,
+    remark_if_sketched,
+    stop_note,
 )
-from drake_leg.errors import require_matplotlib
+from drake_leg.errors import InvalidValueError, OutputError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.progress import ProgressBar, saved
-from drake_leg.runs.catalogue import RUNS, RunKind
-from drake_leg.runs.options import RunOptions
+from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
+from drake_leg.runs.options import RunOptions, type_of
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
+    from drake_leg.scene.scene import PlantMotion
+
+ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}  # of the files of these options
 
 
 def configure_run(parser: argparse.ArgumentParser) -> None:
@@ -53,11 +63,10 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(chosen: argparse.Namespace) -> int:
-    kind = kind_of(chosen.name)
+    kind = run_kind(chosen.name)
     options = options_of(kind, chosen)
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
-    shows = Shows.of(chosen)
-    shows.check()
+    _check_shows(chosen)
     require_matplotlib()
     with saved() as hold:
         outcome = _carried_out(chosen.name, kind, options, hold)
@@ -70,13 +79,13 @@ def _run(chosen: argparse.Namespace) -> int:
     try:
         with at_work(chosen.name, "pictures"):
             _draw(chosen.name, kind, outcome, folder, pictures)
-            made = shows.write(kind.heading, outcome, folder, pictures)
+            made = _write_shows(chosen, kind.heading, outcome, folder, pictures)
     except KeyboardInterrupt:
         return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
     for path in made:
         print(f"wrote {path}")
     pictures.print_failures()
-    if shows.stills:
+    if chosen.stills:
         remark_if_sketched()
     warnings = map(summary.get, ("grazing", "ill_conditioned", "inaccuracy"))
     remarks = [*summary.get("limits_exceeded", ()), *warnings]
@@ -158,3 +167,170 @@ def _cost(summary: Mapping[str, Any], disturbed: Mapping[str, Any]) -> str:
     if disturbed["time_at_torque_limit_s"]:
         said += f", at their limit for {disturbed['time_at_torque_limit_s']:.3g} s"
     return said
+
+
+# --- options ----------------------------------------------------------------------------------
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of all runs, and ``--config``."""
+    parser.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="YAML file whose keys are these options, with underscores and in the same units; "
+        "options on the command line override it",
+    )
+    group = parser.add_argument_group("options of runs")
+    for option, fields in _fields_by_name().items():
+        first = next(iter(fields.values()))
+        unit = first.metadata["unit"]
+        takes: dict[str, Any] = (
+            {"action": "store_true"} if type_of(first) is bool else {"metavar": _metavar(first)}
+        )
+        group.add_argument(
+            option_of(option),
+            default=argparse.SUPPRESS,
+            help=as_options(
+                f"{first.metadata['help']}{f' [{unit}]' if unit else ''} ({_defaults_text(fields)})"
+            ).replace("%", "%%"),
+            **takes,
+        )
+
+
+def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
+    """Combine the options: defaults, then the file's, then the command line's."""
+    options = kind.options()
+    if chosen.config:
+        from drake_leg.cli.config_file import options_from_file
+
+        options = options_from_file(kind.options, chosen.name, chosen.config)
+    known = {field.name: field for field in dataclasses.fields(kind.options)}
+    given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
+    for name in given:
+        if name not in known:
+            raise InvalidValueError(
+                f"{option_of(name)} means nothing to {chosen.name}; its options are "
+                f"{', '.join(map(option_of, known))}"
+            )
+    values: dict[str, Any] = {name: _value(known[name], text) for name, text in given.items()}
+    return dataclasses.replace(options, **values)
+
+
+def _fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
+    """Collect the options of all runs: option -> run -> field."""
+    found: dict[str, dict[str, dataclasses.Field[Any]]] = {}
+    for name, kind in RUNS.items():
+        for field in dataclasses.fields(kind.options):
+            found.setdefault(field.name, {})[name] = field
+    return found
+
+
+def _default_of(field: dataclasses.Field[Any]) -> object:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return field.default
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, list):
+        return ",".join(f"{number:g}" for number in value)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
+    """Write the default, for each run if they differ, and which runs have the option."""
+    runs_of: dict[str, list[str]] = {}
+    for name, field in fields.items():
+        text = field.metadata["shown"] or _shown(_default_of(field))
+        runs_of.setdefault(text, []).append(name)
+    everywhere = len(fields) == len(RUNS)
+    if len(runs_of) == 1 and everywhere:
+        return f"default {next(iter(runs_of))}"
+    return "; ".join(f"{', '.join(names)}: {text}" for text, names in runs_of.items())
+
+
+def _metavar(field: dataclasses.Field[Any]) -> str:
+    kind = type_of(field)
+    return "X,Y,Z" if kind is list else "TEXT" if kind is str else "X"
+
+
+def _value(field: dataclasses.Field[Any], text: str) -> object:
+    """Read numbers; the options check them, as they do for Python."""
+    kind = type_of(field)
+    if kind not in (list, float):
+        return text
+    read = numbers(option_of(field.name), text, None if kind is list else 1)
+    return read if kind is list else read[0]
+
+
+# --- a page, a video, stills ------------------------------------------------------------------
+
+
+def add_shows(parser: argparse.ArgumentParser) -> None:
+    """Add ``--replay``, ``--video`` and ``--stills``."""
+    parser.add_argument(
+        "--replay", type=Path, metavar="FILE", help="write a page that replays the run (.html)"
+    )
+    parser.add_argument(
+        "--video", type=Path, metavar="FILE", help="write a video of the run (.mp4, .gif)"
+    )
+    parser.add_argument(
+        "--stills", action="store_true", help="add pictures from every side to DIR, at the start"
+    )
+
+
+def _shows(chosen: argparse.Namespace) -> dict[str, Path]:
+    """Return the files to write besides the folder of results, by option."""
+    given = {"replay": chosen.replay, "video": chosen.video}
+    return {option: path for option, path in given.items() if path is not None}
+
+
+def _check_shows(chosen: argparse.Namespace) -> None:
+    """Refuse files that cannot be written, before work is done for them."""
+    for option, path in _shows(chosen).items():
+        from drake_leg.scene.media import check_show  # not needed without these options
+
+        if path.suffix.lower() not in ENDINGS[option]:
+            endings = " or ".join(ENDINGS[option])
+            raise OutputError(f"--{option} is {path}; its name must end in {endings}")
+        with place_given_by(f"--{option}"):
+            check_show(path, overwrite=chosen.overwrite)
+
+
+def _write_shows(
+    chosen: argparse.Namespace,
+    title: str,
+    outcome: Outcome,
+    folder: ResultsFolder,
+    pictures: Pictures,
+) -> list[Path]:
+    """Write stills into the folder of results, page and video beside it; return these two."""
+    made = []
+
+    @cache
+    def motion() -> PlantMotion:
+        from drake_leg.scene.scene import motion_of
+
+        return motion_of(outcome.robot, outcome.recording)
+
+    if chosen.stills:
+        from drake_leg.scene.scene import VIEWS
+
+        for view in VIEWS:
+            with pictures.trying(f"the still {view}"), folder.more() as scratch:
+                from drake_leg.scene.media import still
+
+                shown, start = motion().shown, motion().q[0]
+                png = still(shown, start, view=view, motion=motion()).png
+                (scratch / f"still_{view}.png").write_bytes(png)
+    for option, path in _shows(chosen).items():
+        with pictures.trying(f"the {option} {path}"), place_given_by(f"--{option}"):
+            from drake_leg.scene.media import write_show
+
+            note = stop_note(outcome.summary)
+            write_show(path, motion(), title=title, note=note, overwrite=chosen.overwrite)
+            made.append(path)
+    return made

@@ -9,10 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.run_options import add_run_options, kind_of, options_of
+from drake_leg.cli.run import add_run_options, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
-from drake_leg.runs.catalogue import RUNS, RunKind
+from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
 from drake_leg.runs.options import RunOptions
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def configure_compare(parser: argparse.ArgumentParser) -> None:
 
 
 def _compare(chosen: argparse.Namespace) -> int:
-    kind = kind_of(chosen.name)
+    kind = run_kind(chosen.name)
     options = options_of(kind, chosen)
     _refuse_options_of_runs(kind, options, chosen)
     from drake_leg.simulink.compare.compare import LiveModel, compare

@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from drake_leg.errors import DrakeLegError, InvalidValueError, PictureError, PlaceError
 from drake_leg.progress import BUDGET, ProgressBar
@@ -170,3 +171,32 @@ def show_traceback() -> None:
     """Print the traceback of the current error, if the environment asks for it."""
     if TRACEBACK in os.environ:
         traceback.print_exc()
+
+
+def stop_note(summary: Mapping[str, Any]) -> str | None:
+    """Describe why a run stopped before its end, if it did, from its ``summary.json``."""
+    reason, at = summary.get("stop_reason"), summary.get("stopped_at_s")
+    if not isinstance(reason, str):
+        return None
+    reason = as_options(reason)
+    return f"stopped at {at:.4g} s: {reason}" if isinstance(at, float) else f"stopped: {reason}"
+
+
+def add_view(parser: argparse.ArgumentParser, what: str) -> None:
+    """Add the option that names a view."""
+    parser.add_argument(
+        "--from",
+        dest="view",
+        default="3d",
+        metavar="VIEW",
+        help=f"view {what}: 3d, right, front or top (default 3d)",
+    )
+
+
+def remark_if_sketched() -> None:
+    """Print why matplotlib drew the pictures instead of VTK, if it did."""
+    from drake_leg.scene.media import sketching
+
+    sentence = sketching()
+    if sentence is not None:
+        remark(sentence)

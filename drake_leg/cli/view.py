@@ -7,8 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.inputs import add_posture, add_robot_source, as_typed, posture, robot_source
-from drake_leg.cli.showing import add_view, remark_if_sketched
-from drake_leg.cli.terminal import numbers, picture, place_given_by, refuse_ignored, remark
+from drake_leg.cli.terminal import (
+    add_view,
+    numbers,
+    picture,
+    place_given_by,
+    refuse_ignored,
+    remark,
+    remark_if_sketched,
+)
 from drake_leg.errors import InvalidValueError, SingularConfigurationError, require_pillow
 from drake_leg.files import whole_file
 from drake_leg.robot.robot import Robot

@@ -5,17 +5,22 @@ Drake is imported only when a run is carried out, so that help is quick.
 
 from __future__ import annotations
 
+import dataclasses
+import difflib
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import (
     DampedPendulumOptions,
     EllipseOptions,
     FreePendulumOptions,
     LegAOptions,
     LegBOptions,
+    PendulumOptions,
     RunOptions,
     ScaraOptions,
     SpringPendulumOptions,
@@ -25,7 +30,6 @@ from drake_leg.runs.options import (
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
 
-    from drake_leg.robot.robot import Robot
     from drake_leg.runs.outcome import Outcome
     from drake_leg.simulation.run import Progress, Start
 
@@ -34,13 +38,13 @@ STEP = "the step"
 
 @dataclass(frozen=True, kw_only=True)
 class RunKind:
-    """One name on the command line."""
+    """What can be run: by its name, or the straight step of a user's own robot."""
 
     title: str
     motion: str = ""  # of the foot or tool, unless the title says it
-    shows: str  # the figures of the reports that it reproduces
+    shows: str = ""  # the figures of the reports that it reproduces
     options: type[RunOptions]
-    module: str  # in this package, with functions run, diagram and robot
+    own: Robot | None = None  # of the user
 
     @property
     def heading(self) -> str:
@@ -49,105 +53,84 @@ class RunKind:
 
     def run(self, options: Any, progress: Progress | None = None) -> Outcome:  # noqa: ANN401
         """Simulate."""
-        outcome: Outcome = self._loaded().run(options, progress)
+        posed = self._posed(options)
+        outcome: Outcome = self._module().run(self.robot(options), posed, progress)
         return outcome
 
     def diagram(self, options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
         """Build the diagram that is simulated; return it with its start."""
-        built: tuple[Diagram, Start] = self._loaded().diagram(options)
+        built: tuple[Diagram, Start] = self._module().diagram(
+            self.robot(options), self._posed(options)
+        )
         return built
 
     def robot(self, options: Any) -> Robot:  # noqa: ANN401
         """Return the robot that moves."""
-        robot: Robot = self._loaded().robot(options)
+        robot: Robot = options.robot() if self.own is None else self.own
         return robot
 
-    def _loaded(self) -> Any:  # noqa: ANN401 - a module
-        return import_module(f"drake_leg.runs.{self.module}")
+    def _posed(self, options: Any) -> Any:  # noqa: ANN401
+        """Let a report's robot that is given as one's own start where its own run does."""
+        if self.own is None or options.q0 is not None:
+            return options
+        return dataclasses.replace(options, q0=reports_posture(self.own))
 
-
-@dataclass(frozen=True, kw_only=True)
-class OwnRobot(RunKind):
-    """The straight step of a user's own robot."""
-
-    own: Robot
-    motion: str = STEP
-    shows: str = ""
-    options: type[RunOptions] = StraightOptions
-    module: str = "leg"
-
-    def run(self, options: Any, progress: Progress | None = None) -> Outcome:  # noqa: ANN401
-        """Simulate."""
-        outcome: Outcome = self._loaded().run_robot(self.own, options, progress)
-        return outcome
-
-    def diagram(self, options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
-        """Build the diagram that is simulated; return it with its start."""
-        built: tuple[Diagram, Start] = self._loaded().robot_diagram(self.own, options)
-        return built
-
-    def robot(self, _options: Any) -> Robot:  # noqa: ANN401
-        """Return the robot that moves."""
-        return self.own
+    def _module(self) -> Any:  # noqa: ANN401
+        name = "pendulum" if issubclass(self.options, PendulumOptions) else "step"
+        return import_module(f"drake_leg.runs.{name}")
 
 
 RUNS = {
-    "pendulum": RunKind(
-        title="Free pendulum",
-        shows="A 5, A 7",
-        options=FreePendulumOptions,
-        module="pendulum",
-    ),
+    "pendulum": RunKind(title="Free pendulum", shows="A 5, A 7", options=FreePendulumOptions),
     "pendulum-damped": RunKind(
-        title="Damped pendulum",
-        shows="A 6, A 8",
-        options=DampedPendulumOptions,
-        module="pendulum",
+        title="Damped pendulum", shows="A 6, A 8", options=DampedPendulumOptions
     ),
     "pendulum-spring": RunKind(
-        title="Pendulum with a spring",
-        shows="A 6 as it was meant",
-        options=SpringPendulumOptions,
-        module="pendulum",
+        title="Pendulum with a spring", shows="A 6 as it was meant", options=SpringPendulumOptions
     ),
-    "leg-a": RunKind(
-        title="Hexabot leg A",
-        motion=STEP,
-        shows="A 11-16",
-        options=LegAOptions,
-        module="leg",
-    ),
-    "leg-b": RunKind(
-        title="Hexabot leg B",
-        motion=STEP,
-        shows="B 8-12",
-        options=LegBOptions,
-        module="leg",
-    ),
-    "ellipse": RunKind(
-        title="Leg B on an ellipse",
-        shows="A 2.1",
-        options=EllipseOptions,
-        module="ellipse",
-    ),
+    "leg-a": RunKind(title="Hexabot leg A", motion=STEP, shows="A 11-16", options=LegAOptions),
+    "leg-b": RunKind(title="Hexabot leg B", motion=STEP, shows="B 8-12", options=LegBOptions),
+    "ellipse": RunKind(title="Leg B on an ellipse", shows="A 2.1", options=EllipseOptions),
     "scara": RunKind(
-        title="SCARA arm",
-        motion="the straight line",
-        shows="B 1",
-        options=ScaraOptions,
-        module="scara",
+        title="SCARA arm", motion="the straight line", shows="B 1", options=ScaraOptions
     ),
 }
 
 
-def run_kind(name: str) -> RunKind:
-    """Look a run up by its name on the command line.
+def run_kind(what: str | Path | Robot) -> RunKind:
+    """Look up a run by its name; a robot, or one from a TOML file, makes the straight step.
 
     Raises
     ------
     InvalidValueError
-        If there is no such run.
+        If there is no such run, or the file cannot be read.
     """
-    if name not in RUNS:
-        raise InvalidValueError(f"there is no run {name!r}; the runs are {', '.join(RUNS)}")
-    return RUNS[name]
+    if isinstance(what, str) and what in RUNS:
+        return RUNS[what]
+    if isinstance(what, str | Path) and Path(what).suffix.lower() == ".toml":
+        from drake_leg.robot.toml_reader import load_robot
+
+        what = load_robot(what)
+    if isinstance(what, Robot):
+        return RunKind(title=what.title, motion=STEP, options=StraightOptions, own=what)
+    near = difflib.get_close_matches(str(what), RUNS, n=1)
+    raise InvalidValueError(
+        f"there is no run {what!r}; the runs are {', '.join(RUNS)}",
+        advice=f"did you mean {near[0]}"
+        if near
+        else "a robot of your own is given as a Robot or as the path of its TOML file",
+    )
+
+
+def reports_posture(robot: Robot) -> list[float] | None:
+    """Return where the run of a report's leg or SCARA starts [deg, or m of its lift]."""
+    for name in ("leg-a", "leg-b", "scara"):
+        options: Any = RUNS[name].options()
+        if robot != options.robot():
+            continue
+        if not isinstance(options, ScaraOptions):
+            return list(options.q0)
+        from drake_leg.kinematics.scara import ScaraGeometry, lift_position
+
+        return [*options.q0, lift_position(ScaraGeometry.from_robot(robot), options.tool_height)]
+    return None

@@ -40,20 +40,9 @@ def foresee(
 ) -> Forecast:
     """Forecast which singularity a motion meets.
 
-    Parameters
-    ----------
-    q0 : (n,) tuple of float
-        Joint positions that the command assumes at the start [rad or m].
-    duration : float
-        Of the run [s].
-    lagging : bool
-        Whether the joints lag behind the command, in input filters.
-
-    Returns
-    -------
-    Forecast
-        Empty where it is not known: behind input filters, and for a chain without closed form
-        that does not start where the command assumes.
+    ``q0`` [rad or m] is what the command assumes at the start; the joints are ``lagging`` behind it
+    in input filters. The forecast is empty where nothing is known: behind such filters, and for a
+    chain without closed form that does not start where the command assumes.
     """
     start = control.start(q0)
     if lagging or not math.isfinite(duration) or _is_singular(moved, start):
@@ -117,19 +106,9 @@ def require_passable(
 def singularity_findings(
     moved: Movable, run: Run, forecast: Forecast, name: str, *, disturbed: bool
 ) -> dict[str, Any]:
-    """Report where a run became singular, and what it was expected to meet.
+    """Report where a run became singular, and what it was expected to meet, for the summary.
 
-    Parameters
-    ----------
-    name : str
-        Of the robot.
-    disturbed : bool
-        Whether something kept the joints from their motion.
-
-    Returns
-    -------
-    dict
-        Entries of the summary; ``stop_reason`` only where a singularity is the reason.
+    ``stop_reason`` is among the entries only where a singularity is the reason.
     """
     foreseen, graze = forecast.encounter, forecast.graze
     findings: dict[str, Any] = {

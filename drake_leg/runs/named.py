@@ -8,6 +8,7 @@ from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,11 @@ from matplotlib.figure import Figure
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
-from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.plots.of_runs import figures_of_run
 from drake_leg.robot.robot import Robot, html_table
-from drake_leg.runs.catalogue import OwnRobot, run_kind
+from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.outcome import Outcome, figure_files
-from drake_leg.simulation.recording import Recording
+from drake_leg.simulation.run import require_callable
 
 DPI = 110  # of the figure that a notebook shows
 
@@ -29,8 +29,17 @@ DPI = 110  # of the figure that a notebook shows
 class Figures(Mapping[str, "Figure"]):
     """The figures of a run by name, each drawn when it is asked for."""
 
-    def __init__(self, drawers: Mapping[str, Callable[[], Figure]]) -> None:
-        self._drawers = drawers
+    def __init__(self, title: str, outcome: Outcome) -> None:
+        self._title = title
+        self._outcome = outcome
+
+    @property
+    def _drawers(self) -> dict[str, Callable[[], Figure]]:
+        """Functions that draw, made anew because they cannot be pickled."""
+        made = self._outcome
+        return dict(
+            figures_of_run(made.subject, self._title, made.robot, made.recording, made.summary)
+        )
 
     def __getitem__(self, name: str) -> Figure:
         """Draw a figure anew, so that it may be changed.
@@ -40,11 +49,12 @@ class Figures(Mapping[str, "Figure"]):
         InvalidValueError
             If the run has no such figure.
         """
-        if name not in self._drawers:
+        drawers = self._drawers
+        if name not in drawers:
             raise InvalidValueError(
-                f"there is no figure {name!r}; the run has {', '.join(self._drawers)}"
+                f"there is no figure {name!r}; the run has {', '.join(drawers)}"
             )
-        return self._drawers[name]()
+        return drawers[name]()
 
     def __contains__(self, name: object) -> bool:
         return name in self._drawers
@@ -57,15 +67,11 @@ class Figures(Mapping[str, "Figure"]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunResult:
+class RunResult(Outcome):
     """Result of a run; a notebook shows its summary and its first figure."""
 
     name: str  # of the run, as in `drake-leg list`, or of the robot
     title: str
-    robot: Robot
-    recording: Recording
-    exact: Mapping[str, Array]  # by column: the exact values, where they are known
-    summary: Mapping[str, Any]  # as in summary.json
     figures: Figures
 
     def _repr_html_(self) -> str:
@@ -81,7 +87,7 @@ class RunResult:
 
 
 def run(
-    what: str | Robot,
+    what: str | Path | Robot,
     *,
     out: Path | str | None = None,
     overwrite: bool = False,
@@ -95,9 +101,9 @@ def run(
 
     Parameters
     ----------
-    what : str or Robot
+    what : str, Path or Robot
         "pendulum", "pendulum-damped", "pendulum-spring", "leg-a", "leg-b", "ellipse" or "scara";
-        or a robot of your own, whose foot makes the straight step.
+        or a robot of your own, or the path of its TOML file, whose foot makes the straight step.
     out : Path or str, optional
         Folder to write ``recording.csv``, ``summary.json`` and the figures into. By default
         nothing is written.
@@ -134,46 +140,30 @@ def run(
     >>> list(step.figures)[:3]
     ['step', 'foot_position', 'foot_velocity']
     """
-    name = what if isinstance(what, str) else what.name
-    kind = run_kind(what) if isinstance(what, str) else OwnRobot(title=what.title, own=what)
+    kind = run_kind(what)
+    name = what.name if isinstance(what, Robot) else str(what)
     known = [field.name for field in dataclasses.fields(kind.options)]
     for option in options:
         if option not in known:
             near = difflib.get_close_matches(option, known, n=1)
             advice = f"did you mean {near[0]}" if near else f"its options are {', '.join(known)}"
             raise InvalidValueError(f"the run {name!r} has no option {option!r}: {advice}")
+    chosen = kind.options(**options)
+    if out is not None and not isinstance(out, str | PathLike):
+        raise InvalidValueError(f"out is {out!r}; it must be the path of a folder")
+    if not isinstance(overwrite, bool):
+        raise InvalidValueError(f"overwrite is {overwrite!r}; it must be true or false")
+    require_callable("progress", progress)
     folder = None if out is None else ResultsFolder(Path(out), overwrite=overwrite)
-    outcome = kind.run(kind.options(**options), progress)
+    outcome = kind.run(chosen, progress)
     if folder is not None:
-        _write(folder, name, kind.title, outcome)
-    return RunResult(
-        name=name,
-        title=kind.heading,
-        robot=outcome.robot,
-        recording=outcome.recording,
-        exact=outcome.exact,
-        summary=outcome.summary,
-        figures=_figures(kind.title, outcome),
-    )
-
-
-def _figures(title: str, outcome: Outcome) -> Figures:
-    return Figures(
-        dict(
-            figures_of_run(
-                outcome.subject, title, outcome.robot, outcome.recording, outcome.summary
-            )
-        )
-    )
-
-
-def _write(folder: ResultsFolder, name: str, title: str, outcome: Outcome) -> None:
-    """Write the data, then the figures one by one."""
-    with folder.begun() as scratch:
-        outcome.write(scratch, name)
-    for _, write in figure_files(title, outcome):
-        with folder.more() as scratch:
-            write(scratch)
+        with folder.begun() as scratch:
+            outcome.write(scratch, name)
+        for _, write in figure_files(kind.title, outcome):
+            with folder.more() as scratch:
+                write(scratch)
+    figures = Figures(kind.title, outcome)
+    return RunResult(**vars(outcome), name=name, title=kind.heading, figures=figures)
 
 
 def _is_short(value: object) -> bool:

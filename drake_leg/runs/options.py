@@ -1,17 +1,24 @@
 """The options of the runs, in the units and under the names of the command line.
 
-Each family of runs has one dataclass; a YAML file has the same keys. The command line reads types
-from the annotations of the fields, which must therefore not be postponed to strings. Methods
-convert values to SI units, and raise InvalidValueError for one that makes no sense.
+Each family of runs has one dataclass; a YAML file has the same keys. What an option takes follows
+from the annotation of its field, which must therefore not be postponed to a string; values from
+Python, from the command line and from a YAML file go through the same check. Methods convert
+values to SI units, and raise InvalidValueError for one that makes no sense.
 """
 
+import dataclasses
 import math
-from collections.abc import Mapping
+import reprlib
+from collections.abc import Collection, Mapping, Set
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from numbers import Real
+from types import NoneType, UnionType
+from typing import TYPE_CHECKING, Any, ClassVar, get_args, get_origin
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.joint_mechanics import HardStop
+from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
+from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
@@ -22,6 +29,9 @@ from drake_leg.robot.robots import (
     SCARA_POSTURE,
     WATER,
     LegVariant,
+    hexabot_leg,
+    pendulum,
+    scara,
 )
 from drake_leg.simulation.integrator import INTEGRATORS, IntegratorSettings
 from drake_leg.units import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
@@ -41,7 +51,6 @@ Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where i
 DIRECTION = "of the motion, in the base frame"
 AMPLITUDE = "greatest speed of the foot or of the tool"
 FILTER = "time constant of input filters at the joints, which lag as Simscape's do (there 0.001)"
-FEEDBACKS = ("sensed", "integrated")
 TASK = (
     "position moves the foot and lets it turn as the joints want; pose keeps its orientation, too"
 )
@@ -52,22 +61,88 @@ LIMIT = "{} angle, beyond which a spring and a damper push back, as Simscape's j
 TARGET = "where pendulum-damped starts; where the spring of pendulum-spring is at rest"
 
 
-def option(default: Any, help_text: str, unit: str = "", *, shown: str = "") -> Any:  # noqa: ANN401 - as dataclasses.field
+@dataclass(frozen=True)
+class Numbers:
+    """A list of numbers that an option takes."""
+
+    count: int
+    words: str  # what they are, with an example
+
+
+ANGLES = Numbers(3, "three finite angles in degrees, as `q0=[90, -50, -90]`")
+ANGLE = Numbers(1, "one finite angle in degrees, as `q0=[30]`")
+VECTOR = Numbers(3, "three finite numbers, as `direction=[1, 0, 0]`")
+FORCE = Numbers(3, "three numbers in N, as `push=[0, 0, 0.1]`")
+SIZE = Numbers(3, "length, width and height in m, as `size=[0.4, 0.01, 0.01]`")
+
+
+def option(
+    default: Any,  # noqa: ANN401
+    help_text: str,
+    unit: str = "",
+    *,
+    shown: str = "",
+    takes: Numbers | None = None,
+) -> Any:  # noqa: ANN401
     """Declare an option: a dataclass field with the text of its help.
 
-    Parameters
-    ----------
-    default : object
-        A list is copied for every instance.
-    unit : str
-        As in the help, without brackets.
-    shown : str
-        Default as the help shows it, where the value does not say it.
+    ``shown`` is the default in the help, where the value does not say it; ``takes`` is how many
+    numbers a list must have, unless that depends on the robot.
     """
-    metadata = {"help": help_text, "unit": unit, "shown": shown}
+    metadata = {"help": help_text, "unit": unit, "shown": shown, "takes": takes}
     if isinstance(default, list):
         return field(default_factory=lambda: list(default), metadata=metadata)
     return field(default=default, metadata=metadata)
+
+
+def type_of(option: "dataclasses.Field[Any]") -> type:
+    """Return what an option takes besides None: float, list (of numbers), str or bool."""
+    kind: Any = next(kind for kind in _types(option) if kind is not NoneType)
+    origin: type = get_origin(kind) or kind
+    return origin
+
+
+def _types(option: "dataclasses.Field[Any]") -> tuple[Any, ...]:
+    return get_args(option.type) if isinstance(option.type, UnionType) else (option.type,)
+
+
+def checked(option: "dataclasses.Field[Any]", value: object) -> object:
+    """Convert a value to the type of an option, or refuse it."""
+    kind = type_of(option)
+    if value is None and NoneType in _types(option):
+        return None
+    if kind is list:
+        return _numbers(option, value)
+    if kind is float:
+        number = _number(option.name, value)
+        if not math.isfinite(number):
+            raise InvalidValueError(f"{option.name} is {number!r}; it must be a finite number")
+        return number
+    if not isinstance(value, kind):
+        wanted = "true or false" if kind is bool else "a string"
+        raise InvalidValueError(f"{option.name} is {reprlib.repr(value)}; it must be {wanted}")
+    return value
+
+
+def _numbers(option: "dataclasses.Field[Any]", value: object) -> list[float]:
+    """Read a list; a single number is a list of one."""
+    takes: Numbers | None = option.metadata["takes"]
+    words = takes.words if takes else "a list of finite numbers, as [90, -50, -90]"
+    items = [value] if isinstance(value, Real) else value
+    if isinstance(items, str | bytes | Mapping | Set) or not isinstance(items, Collection):
+        raise InvalidValueError(f"{option.name} is {reprlib.repr(value)}; it must be {words}")
+    numbers = [_number(option.name, item) for item in items]
+    if not all(map(math.isfinite, numbers)) or (takes and len(numbers) != takes.count):
+        raise InvalidValueError(f"{option.name} is {numbers}; it must be {words}")
+    return numbers
+
+
+def _number(name: str, value: object) -> float:
+    """Refuse texts, though Python would read numbers out of some of them."""
+    if not isinstance(value, bool) and isinstance(value, Real):
+        with suppress(OverflowError):
+            return float(value)
+    raise InvalidValueError(f"{name} is {reprlib.repr(value)}; it must be a finite number")
 
 
 @dataclass(kw_only=True)
@@ -87,6 +162,10 @@ class RunOptions:
         shown="0.04, and less for a fast motion, a stiff joint, a singularity nearby; "
         "a pendulum's 0.002",
     )
+
+    def __post_init__(self) -> None:
+        for each in dataclasses.fields(self):
+            setattr(self, each.name, checked(each, getattr(self, each.name)))
 
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
         """Return the integrator's settings; ``default_step`` [s] is the longest step by default."""
@@ -129,7 +208,10 @@ class StepOptions(RunOptions):
     amplitude: float = option(0.0, AMPLITUDE, "m/s")
     frequency: float = option(1.0, "of the sine", "rad/s")
     direction: list[float] | None = option(
-        None, DIRECTION, shown="1,0,0, or the first of y and z that the foot can follow"
+        None,
+        DIRECTION,
+        shown="1,0,0, or the first of y and z that the foot can follow",
+        takes=VECTOR,
     )
     force: bool = option(False, "go up to a singularity that is foreseen, and save the way there")
     inverse: str = option(
@@ -159,6 +241,7 @@ class StepOptions(RunOptions):
         "greatest force of a push on the foot or the tool, half a sine wave",
         "N",
         shown="none",
+        takes=FORCE,
     )
     push_at: float | None = option(None, "when the push begins", "s", shown="2")
     push_for: float | None = option(None, "how long the push lasts", "s", shown="0.1")
@@ -187,25 +270,17 @@ class StepOptions(RunOptions):
 
     def unit_direction(self) -> Direction:
         """Return the direction with length 1."""
-        if self.direction is None or len(self.direction) != 3:
-            raise InvalidValueError(
-                f"the direction is {self.direction}; it must have three numbers, as 1,0,0"
-            )
-        length = math.hypot(*self.direction)
+        length = math.hypot(*self.direction or ())
         if not (math.isfinite(length) and length > 0.0):
             raise InvalidValueError(
                 f"the direction is {self.direction}; it must be finite and not zero"
             )
-        x, y, z = (value / length for value in self.direction)
+        x, y, z = (value / length for value in self.direction or ())
         return x, y, z
 
     def posture(self) -> tuple[float, float, float]:
         """Return q0 in rad."""
-        if self.q0 is None or len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
-            raise InvalidValueError(
-                f"q0 is {self.q0}; it must be three finite angles in degrees, as 90,-50,-90"
-            )
-        q1, q2, q3 = (math.radians(angle) for angle in self.q0)
+        q1, q2, q3 = map(math.radians, self.q0 or ())
         return q1, q2, q3
 
     def refuse_ignored(self) -> None:
@@ -239,18 +314,26 @@ class StepOptions(RunOptions):
 class LegOptions(StepOptions, DampingOptions):
     """The hexabot leg, in variant B's posture by default."""
 
-    q0: list[float] = option(list(LEG_B_POSTURE), Q0, "deg")
+    variant: ClassVar[LegVariant] = "B"
+
+    q0: list[float] = option(list(LEG_B_POSTURE), Q0, "deg", takes=ANGLES)
     amplitude: float = option(0.070, AMPLITUDE, "m/s")
-    direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION)
+    direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION, takes=VECTOR)
     l1: float = option(HEXABOT_LENGTHS[0], L1, "m")
     l2: float = option(HEXABOT_LENGTHS[1], L2, "m")
     l3: float = option(HEXABOT_LENGTHS[2], "length of the tibia", "m")
     density: float = option(WATER, "of the solids", "kg/m^3")
 
-    @property
-    def variant(self) -> LegVariant:
-        """Which of the reports' legs it is."""
-        return "B"
+    def robot(self) -> Robot:
+        """Return the leg."""
+        return hexabot_leg(
+            self.variant,
+            l1=self.l1,
+            l2=self.l2,
+            l3=self.l3,
+            density=self.density,
+            damping=self.si_damping(),
+        )
 
 
 @dataclass(kw_only=True)
@@ -263,7 +346,7 @@ class StraightOptions(StepOptions):
     )
     filter_time_constant: float | None = option(None, FILTER, "s", shown=NO_FILTER)
     feedback: str = option(
-        "sensed", f"what the inverse Jacobian takes as joint positions: {' or '.join(FEEDBACKS)}"
+        "sensed", "what the inverse Jacobian takes as joint positions: sensed or integrated"
     )
     task: str | None = option(
         None, TASK, shown="pose where the joints can keep it, otherwise position"
@@ -283,12 +366,9 @@ class LegBOptions(LegOptions, StraightOptions):
 class LegAOptions(LegBOptions):
     """The straight step of variant A, from the same foot position."""
 
-    q0: list[float] = option(list(LEG_A_POSTURE), Q0, "deg")
+    variant: ClassVar[LegVariant] = "A"
 
-    @property
-    def variant(self) -> LegVariant:
-        """Which of the reports' legs it is."""
-        return "A"
+    q0: list[float] = option(list(LEG_A_POSTURE), Q0, "deg", takes=ANGLES)
 
 
 @dataclass(kw_only=True)
@@ -319,21 +399,27 @@ class EllipseOptions(LegOptions):
 class ScaraOptions(StepOptions, DampingOptions):
     """The SCARA's straight move."""
 
-    q0: list[float] = option(list(SCARA_POSTURE), Q0, "deg")
+    q0: list[float] = option(list(SCARA_POSTURE), Q0, "deg", takes=ANGLES)
     amplitude: float = option(0.050, AMPLITUDE, "m/s")
-    direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION)
+    direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION, takes=VECTOR)
     tool_height: float = option(0.050, "R, of the tool over its lowest position", "m")
     l1: float = option(SCARA_LENGTHS[0], L1, "m")
     l2: float = option(SCARA_LENGTHS[1], L2, "m")
     density: float = option(ALUMINIUM, "of the solids", "kg/m^3")
+
+    def robot(self) -> Robot:
+        """Return the arm."""
+        return scara(l1=self.l1, l2=self.l2, density=self.density, damping=self.si_damping())
 
 
 @dataclass(kw_only=True)
 class PendulumOptions(DampingOptions):
     """Options of every pendulum."""
 
-    q0: list[float] | None = option(None, Q0, "deg", shown="0")
-    size: list[float] = option(list(PENDULUM_SIZE), "length, width, height of the link", "m")
+    q0: list[float] | None = option(None, Q0, "deg", shown="0", takes=ANGLE)
+    size: list[float] = option(
+        list(PENDULUM_SIZE), "length, width, height of the link", "m", takes=SIZE
+    )
     density: float = option(WATER, "of the solids", "kg/m^3")
     velocity_target: float = option(0.0, "speed at the start", "deg/s")
     lower_limit: float | None = option(None, LIMIT.format("least"), "deg", shown="none")
@@ -368,7 +454,26 @@ class PendulumOptions(DampingOptions):
 
     def start(self) -> float:
         """Return the initial angle in rad."""
-        return math.radians(_one_angle([0.0] if self.q0 is None else self.q0))
+        return math.radians(self.q0[0] if self.q0 else 0.0)
+
+    def mechanics(self) -> dict[str, Any]:
+        """Return damping, start and limits in SI units, as ``JointMechanics`` takes them."""
+        return {
+            "damping": self.si_damping(),
+            "actuated": False,
+            "position_target": StateTarget(value=self.start()),
+            "velocity_target": StateTarget(value=math.radians(self.velocity_target)),
+            **self.limits(),
+        }
+
+    def robot(self) -> Robot:
+        """Return the pendulum."""
+        length, width, height = self.size
+        return pendulum(
+            size=(length, width, height),
+            density=self.density,
+            mechanics=JointMechanics(**self.mechanics()),
+        )
 
 
 @dataclass(kw_only=True)
@@ -385,14 +490,13 @@ class DampedPendulumOptions(PendulumOptions):
     duration: float = option(30.0, DURATION, "s")
     damping: float = option(0.01, DAMPING)
     target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
-    q0: list[float] | None = option(None, Q0, "deg", shown="as `target`")
+    q0: list[float] | None = option(None, Q0, "deg", shown="as `target`", takes=ANGLE)
 
     def start(self) -> float:
         """Return the state target in rad, under either of its names."""
-        if self.q0 is None:
-            target = STATE_TARGET if self.target is None else self.target
-            return math.radians(_one_angle([target]))
-        angle = _one_angle(self.q0)
+        if not self.q0:
+            return math.radians(STATE_TARGET if self.target is None else self.target)
+        (angle,) = self.q0
         if self.target not in (None, angle):
             raise InvalidValueError(
                 f"q0 is {angle:g} deg and the state target {self.target:g} deg, two names "
@@ -429,6 +533,14 @@ class SpringPendulumOptions(PendulumOptions):
         unit = _unit("spring", self.spring_unit, SPRING_UNITS)
         return in_si("spring", self.spring_stiffness, unit, SPRING_UNITS)
 
+    def mechanics(self) -> dict[str, Any]:
+        """Return them with the spring."""
+        spring = {
+            "spring_stiffness": self.si_stiffness(),
+            "equilibrium_position": self.equilibrium(),
+        }
+        return super().mechanics() | spring
+
 
 def _unit(what: str, unit: str | None, units: Mapping[str, float]) -> str:
     """Return the unit that was given, or the first, which is SI."""
@@ -436,10 +548,3 @@ def _unit(what: str, unit: str | None, units: Mapping[str, float]) -> str:
         return next(iter(units))
     in_si(what, 0.0, unit, units)
     return unit
-
-
-def _one_angle(q0: list[float]) -> float:
-    """Return the only angle of a pendulum [deg]."""
-    if len(q0) != 1 or not math.isfinite(q0[0]):
-        raise InvalidValueError(f"q0 is {q0}; it must be one finite angle in degrees")
-    return q0[0]

@@ -47,22 +47,7 @@ class Outcome:
     subject: Subject  # of the figures
 
     def write(self, folder: Path, name: str) -> None:
-        """Write ``recording.csv`` and ``summary.json``.
-
-        Parameters
-        ----------
-        folder : Path
-            Existing, to be written into.
-        name : str
-            Of the run, as on the command line.
-
-        Raises
-        ------
-        OutputError
-            If the recording cannot be written.
-        OSError
-            If the summary cannot be written.
-        """
+        """Write ``recording.csv`` and ``summary.json`` of the run of a name into a folder."""
         self.recording.write_csv(folder / "recording.csv")
         summary = json.dumps({"run": name, **self.summary}, indent=2, allow_nan=False)
         (folder / "summary.json").write_text(f"{summary}\n", encoding="utf-8")

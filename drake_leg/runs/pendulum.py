@@ -12,7 +12,7 @@ from scipy.interpolate import BPoly
 from scipy.optimize import brentq
 
 from drake_leg.diagrams.mechanism import start_at_targets
-from drake_leg.diagrams.pendulum import build
+from drake_leg.diagrams.pendulum import PendulumConfig, build
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.pendulum import (
@@ -24,7 +24,6 @@ from drake_leg.kinematics.pendulum import (
     rest_angle,
 )
 from drake_leg.robot.robot import Robot
-from drake_leg.runs.configs import pendulum_config
 from drake_leg.runs.options import PendulumOptions
 from drake_leg.runs.outcome import SHOWN, Outcome, finer, inaccuracy, outcome_of, shows
 from drake_leg.simulation.integrator import IMPLICIT, IntegratorSettings
@@ -83,12 +82,7 @@ class Steps:
 def steps_of(model: PendulumModel, duration: float, away: float) -> Steps:
     """Choose steps that keep the energy of the swing and a spring's oscillation accurate.
 
-    Parameters
-    ----------
-    duration : float
-        Of the run [s].
-    away : float
-        Amplitude of a spring's oscillation at the start [rad].
+    ``away`` is the amplitude of a spring's oscillation at the start [rad].
 
     Raises
     ------
@@ -141,18 +135,7 @@ def _too_stiff(steps: Steps, duration: float, *, overdamped: bool) -> InvalidVal
 
 
 def implicit_step(model: PendulumModel, duration: float) -> float:
-    """Choose the step of an implicit integrator, which no damper makes unstable.
-
-    Parameters
-    ----------
-    duration : float
-        Of the run [s].
-
-    Returns
-    -------
-    float
-        [s].
-    """
+    """Choose the step of an implicit integrator [s], which no damper makes unstable."""
     swing = OF_SWING / model.natural_frequency if model.natural_frequency > 0.0 else math.inf
     fastest = max(_spring_frequency(model), model.damping / model.inertia)
     fine = OF_STIFFNESS / fastest if fastest > 0.0 else math.inf
@@ -163,22 +146,17 @@ def _spring_frequency(model: PendulumModel) -> float:
     return math.sqrt(model.spring_stiffness / model.inertia)
 
 
-def run(options: PendulumOptions, progress: Progress | None = None) -> Outcome:
+def run(robot: Robot, options: PendulumOptions, progress: Progress | None = None) -> Outcome:
     """Release the pendulum, with whatever acts at its joint.
 
-    Parameters
-    ----------
-    options : PendulumOptions
-        Link, joint mechanics, start, integrator.
-    progress : callable, optional
-        Called with the simulated time [s].
+    ``progress`` is called with the simulated time [s].
 
     Raises
     ------
     InvalidValueError
         If an option makes no sense.
     """
-    config = pendulum_config(options)
+    config = config_of(robot, options)
     model = PendulumModel.from_robot(config.robot, options.gravity)
     rate = math.radians(options.velocity_target)
     settings, longest_step = _settings(options, model, _away(model, config.start, rate))
@@ -212,15 +190,15 @@ def run(options: PendulumOptions, progress: Progress | None = None) -> Outcome:
     )
 
 
-def diagram(options: PendulumOptions) -> tuple[Diagram, Start]:
+def diagram(robot: Robot, options: PendulumOptions) -> tuple[Diagram, Start]:
     """Build the diagram that ``run`` simulates; return it with its start."""
-    config = pendulum_config(options)
+    config = config_of(robot, options)
     return build(config), start_at_targets(config.robot)
 
 
-def robot(options: PendulumOptions) -> Robot:
-    """Return the robot that moves."""
-    return pendulum_config(options).robot
+def config_of(robot: Robot, options: PendulumOptions) -> PendulumConfig:
+    """Return the config of the pendulum's diagram."""
+    return PendulumConfig(robot=robot, q0=options.start(), gravity=options.gravity)
 
 
 def _settings(

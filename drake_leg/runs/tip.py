@@ -1,121 +1,35 @@
-"""The common part of all runs in which a foot or a tool follows a commanded motion."""
+"""What a foot or a tool did, compared with the motion that it was to follow."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from pydrake.multibody.tree import MultibodyForces
-from pydrake.systems.framework import Diagram
 from scipy.integrate import trapezoid
 
 from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
-from drake_leg.diagrams.ellipse import EllipseConfig
-from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
-from drake_leg.diagrams.mechanism import start_on_motion
-from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.kinematics.khalil import Array, jacobian
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import Robot
-from drake_leg.runs.foresight import foresee, require_passable, singularity_findings
-from drake_leg.runs.options import StepOptions
 from drake_leg.runs.outcome import finer, inaccuracy
-from drake_leg.simulation.integrator import ROW_INTERVAL, IntegratorSettings
+from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.recording import lettered, numbered, without_sign_jumps
-from drake_leg.simulation.run import Progress, Run, simulate
+from drake_leg.simulation.run import Run
 
 OFF_COMMAND = 1e-6  # [m]: a tip that is farther from its command than this is off it
 BAND = 1e-3  # [m]: the same for a tip that something disturbs
 
-STEPS_PER_PERIOD = 150
-STEP_OF_LIMITED_RATES = 0.010  # [s], longest step where rates may meet their limits in kinks
-STEP_OF_LIMITED_TORQUES = 0.005  # [s], the same of torques
-STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
-STEP_OF_PULL = 0.25  # greatest step times the square root of the motion's stiffness
-STEP_OF_FILTER = 1.5  # greatest step over the filters' time constant; 2 is unstable with Euler
 
-Config = TypeVar("Config", HexabotLegConfig, EllipseConfig, ScaraConfig)
+def tip_columns(robot: Robot, run: Run, command: Sequence[str]) -> dict[str, Array]:
+    """Collect time, input, command, joints, tip and torques by header.
 
-
-class Followed(NamedTuple):
-    """A tip's simulated motion, with its settings and the singularities met."""
-
-    run: Run
-    settings: IntegratorSettings
-    met: dict[str, Any]  # entries of the summary: singularities foreseen and met
-
-
-def follow(
-    config: Config,
-    build: Callable[[Config], Diagram],
-    options: StepOptions,
-    progress: Progress | None,
-    *,
-    lag: float | None = None,
-) -> Followed:
-    """Forecast singularities, then simulate.
-
-    Parameters
-    ----------
-    build : callable
-        Wires the diagram of the config.
-    lag : float, optional
-        Time constant of the joints' input filters [s].
-
-    Raises
-    ------
-    InvalidValueError
-        If an option makes no sense.
-    SingularConfigurationError
-        If the robot is singular where it starts, or will be and its inverse is exact.
-    """
-    control, disturbance, name = config.control, config.disturbance, config.robot.name
-    settings = options.integrator_settings(longest_step(config.motion, control, disturbance, lag))
-    forecast = foresee(
-        config.movable, config.motion, control, config.q0, options.duration, lagging=lag is not None
-    )
-    require_passable(name, config.movable, control, config.q0, None if options.force else forecast)
-    run = simulate(
-        build(config),
-        start=start_on_motion,
-        duration=options.duration,
-        settings=settings,
-        progress=progress,
-    )
-    met = singularity_findings(config.movable, run, forecast, name, disturbed=disturbance.acts)
-    return Followed(run, settings, met)
-
-
-def longest_step(
-    motion: SineStep, control: Control, disturbance: Disturbance, lag: float | None = None
-) -> float:
-    """Choose the longest step [s] that resolves all that is fast in a run: at most 40 ms."""
-    steps = [ROW_INTERVAL, 2.0 * math.pi / (STEPS_PER_PERIOD * motion.frequency)]
-    if control.inverse.method == "limited":
-        steps.append(STEP_OF_LIMITED_RATES)
-    if control.correction > 0.0:
-        steps.append(STEP_OF_CORRECTION / control.correction)
-    if disturbance.torque_limit is not None:
-        steps.append(STEP_OF_LIMITED_TORQUES)
-    if disturbance.pull > 0.0:
-        steps.append(STEP_OF_PULL / math.sqrt(disturbance.pull))
-    if lag is not None:
-        steps.append(STEP_OF_FILTER * lag)
-    return min(steps)
-
-
-def tip_columns(
-    robot: Robot, run: Run, command: Sequence[str] = ("dx[m/s]", "dy[m/s]", "dz[m/s]")
-) -> dict[str, Array]:
-    """Collect the recorded columns of a motion-driven robot, by header.
-
-    They are time, input, command, joints, tip and torques; ``command`` has the headers of the
-    three commanded velocities.
+    ``command`` has the headers of the three commanded velocities.
     """
     kinds = [segment.row.joint for segment in robot.moving]
     length = ["rad" if kind == "revolute" else "m" for kind in kinds]
@@ -139,14 +53,9 @@ def tip_columns(
 
 
 def exact_tip(start: Array, motion: SineStep, time: Array, q: Array | None) -> dict[str, Array]:
-    """Name the exact values of the columns of a tip's run: column name, without unit, to values.
+    """Name the exact values of a tip's columns by column, without unit.
 
-    Parameters
-    ----------
-    start : (3,) ndarray
-        Where the motion starts [m].
-    q : (rows, 3) ndarray or None
-        Exact joint angles [rad], where they are known.
+    ``start`` (3,) is where the motion starts [m], ``q`` (rows, 3) the exact angles [rad], if known.
     """
     exact = lettered("", "xyz", "", start + motion.displacement(time))
     exact |= lettered("v", "xyz", "", motion.velocity(time))
@@ -172,13 +81,7 @@ def control_findings(control: Control, robot: Robot) -> dict[str, Any]:
 def tip_findings(
     run: Run, start: Array, motion: SineStep, disturbance: Disturbance
 ) -> dict[str, Any]:
-    """Compare the tip's motion with its exact path from ``start``, (3,) [m].
-
-    Returns
-    -------
-    dict
-        Entries of the summary, in m and m/s.
-    """
+    """Compare the tip's motion with its exact path from ``start``, (3,) [m], for the summary."""
     moved = run.scopes["foot positions"] - start
     along = np.array(motion.direction)
     velocity_error = run.scopes["foot velocities"] - motion.velocity(run.time)
@@ -235,19 +138,10 @@ def tip_inaccuracy(
     settings: IntegratorSettings,
     what: str,
 ) -> str | None:
-    """Explain that the integration is the cause of a tip's visible error.
+    """Explain that the integration is the cause of a tip's visible error, if it is.
 
-    Parameters
-    ----------
-    findings : mapping
-        Those of ``tip_findings``, with the filters' time constant if there are any.
-    what : str
-        Foot or tool.
-
-    Returns
-    -------
-    str or None
-        None where the error cannot be seen, or where one of the options explains it.
+    ``findings`` are those of ``tip_findings``, with the filters' time constant if there are any;
+    ``what`` is foot or tool.
     """
     explained = (
         findings["disturbance"] is not None
@@ -293,6 +187,25 @@ def push_torques(robot: Robot, run: Run, disturbance: Disturbance) -> Array:
     Jv = jacobian(robot.rows, q)[:, 3:, :]
     torques: Array = np.einsum("rij,ri->rj", Jv, disturbance.push.at_time(run.time))
     return torques
+
+
+def exceeded_limits(robot: Robot, run: Run) -> list[str]:
+    """Report which joints exceeded their speed or effort limits."""
+    said = []
+    for index, segment in enumerate(robot.moving):
+        slides = segment.row.joint == "prismatic"
+        of_speed = (1.0, "m/s") if slides else (math.degrees(1.0), "deg/s")
+        for what, scope, limit, (size, unit) in (
+            ("speed", "joint velocities", segment.mechanics.velocity, of_speed),
+            ("effort", "joint torques", segment.mechanics.effort, (1.0, "N" if slides else "N*m")),
+        ):
+            greatest = float(np.abs(run.scopes[scope][:, index]).max())
+            if limit is not None and greatest > limit:
+                said.append(
+                    f"joint {segment.joint} takes {what} {size * greatest:.4g} {unit}, its limit "
+                    f"is {size * limit:.4g} {unit}"
+                )
+    return said
 
 
 def _greatest(vectors: Array) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.units import require_positive
+from drake_leg.units import require_number, require_positive
 
 # Not among them: velocity_implicit_euler, which loses the states of Integrator blocks.
 INTEGRATORS = (
@@ -52,6 +52,7 @@ class IntegratorSettings:
             )
         if self.accuracy is None:
             return
+        require_number("the accuracy", self.accuracy)
         if not 1e-14 <= self.accuracy <= 0.1:
             raise InvalidValueError(
                 f"the accuracy is {self.accuracy!r}; it must be in 1e-14 ... 0.1"

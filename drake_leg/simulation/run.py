@@ -17,7 +17,7 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, PrismaticJoint
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
-from pydrake.systems.framework import Context, Diagram, EventStatus
+from pydrake.systems.framework import Context, Diagram, EventStatus, System
 from pydrake.systems.primitives import VectorLogSink
 
 from drake_leg.diagrams.disturbance import is_disturbed
@@ -81,8 +81,8 @@ class Run:
 
 def simulate(
     diagram: Diagram,
-    *,
     duration: float,
+    *,
     start: Start | None = None,
     max_step: float | None = None,
     settings: IntegratorSettings | None = None,
@@ -122,8 +122,8 @@ def simulate(
     Raises
     ------
     InvalidValueError
-        If the duration is not positive, or needs more steps than the budget, or if Drake refuses
-        the initial state.
+        If there is no diagram with scopes, if the duration is not positive or needs more steps than
+        the budget, or if Drake refuses the initial state.
     SingularConfigurationError, JointLimitError
         If the robot is singular, or outside its joint limits, at the start.
 
@@ -137,7 +137,23 @@ def simulate(
     >>> sorted(result.scopes)
     ['acceleration', 'energy', 'q', 'w']
     """
-    settings = settings or IntegratorSettings()
+    if not isinstance(diagram, Diagram):
+        raise InvalidValueError(
+            f"{_named(diagram)} is not a Diagram",
+            advice="build one, as with `build_hexabot_leg()`, or put it into one with Drake's "
+            "DiagramBuilder",
+        )
+    if not any(isinstance(system, VectorLogSink) for system in diagram.GetSystems()):
+        raise InvalidValueError(
+            "the diagram has no scope, so that nothing would be recorded",
+            advice="add one with add_scope",
+        )
+    require_callable("start", start)
+    require_callable("longest_step", longest_step)
+    require_callable("progress", progress)
+    settings = IntegratorSettings() if settings is None else settings
+    if not isinstance(settings, IntegratorSettings):
+        raise InvalidValueError(f"settings is {settings!r}; it must be an IntegratorSettings")
     if max_step is not None:
         settings = replace(settings, max_step=max_step)
     require_positive("the duration", duration, "s")
@@ -173,6 +189,17 @@ def simulate(
         wall_time=wall_time,
         stopped_by=cause,
     )
+
+
+def require_callable(name: str, value: object) -> None:
+    """Refuse an optional function that cannot be called."""
+    if value is not None and not callable(value):
+        raise InvalidValueError(f"{name} is {value!r}; it must be a function")
+
+
+def _named(system: object) -> str:
+    """Write what was given; a system of Drake has no readable repr."""
+    return f"a {type(system).__name__}" if isinstance(system, System) else repr(system)
 
 
 def _simulator(diagram: Diagram, settings: IntegratorSettings) -> Simulator:

@@ -207,6 +207,6 @@ def test_of_two_processes_at_one_place_exactly_one_gets_it(overwrite):
 
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
 def test_a_signal_before_the_streams_are_ready_is_answered(number, monkeypatch, capsys):
-    monkeypatch.setattr("drake_leg.cli.streams.tolerant_streams", come(number))
+    monkeypatch.setattr("drake_leg.cli.tolerant_streams", come(number))
     assert main(["list"]) == 128 + number
     assert capsys.readouterr().err == "drake-leg: interrupted\n"

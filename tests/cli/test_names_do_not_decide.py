@@ -119,11 +119,11 @@ def test_a_wheel_is_no_pendulum_and_says_what_it_cannot_do(name, tmp_path, capsy
 
 def test_the_reports_scara_is_compared_in_its_own_task(drake_frames):
     """A file's SCARA keeps height and yaw as the reports' does, and moves as that does."""
-    from drake_leg.runs.leg import run_robot
+    from drake_leg.runs.catalogue import RUNS
     from drake_leg.runs.options import ScaraOptions, StraightOptions
-    from drake_leg.runs.scara import run as run_scara
+    from drake_leg.runs.step import run as run_robot
 
-    own = run_scara(ScaraOptions(duration=1.0))
+    own = RUNS["scara"].run(ScaraOptions(duration=1.0))
     lift = float(own.recording["q4"][0])
     other = read_robot(named(SCARA, "leg_b"), "leg_b")
     same = run_robot(other, StraightOptions(duration=1.0, q0=[30.0, 90.0, -120.0, lift]))

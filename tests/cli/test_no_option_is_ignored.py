@@ -10,14 +10,8 @@ from drake_leg.cli.entry import _build_parser
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import StateTarget
 from drake_leg.robot.robots import LEG_B
+from drake_leg.runs import pendulum, step
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.configs import (
-    ellipse_config,
-    leg_of,
-    pendulum_config,
-    scara_config,
-    straight_config,
-)
 from drake_leg.runs.options import StraightOptions
 
 ROOT = Path(__file__).parents[2]
@@ -180,13 +174,6 @@ def with_targets():
 
 
 KINDS = {name: kind.options for name, kind in RUNS.items()} | {"robot.toml": StraightOptions}
-CONFIGS = {
-    "leg-a": lambda options: straight_config(leg_of(options), options),
-    "leg-b": lambda options: straight_config(leg_of(options), options),
-    "robot.toml": lambda options: straight_config(with_targets(), options),
-    "ellipse": ellipse_config,
-    "scara": scara_config,
-}
 
 # What must be given beside an option for it to mean something.
 BESIDE = {
@@ -222,7 +209,8 @@ CASES = [(name, f.name) for name, kind in KINDS.items() for f in dataclasses.fie
 def effect(name, **given):
     """What a run does by its options."""
     options = KINDS[name](**given)
-    config = CONFIGS.get(name, pendulum_config)(options)
+    robot = with_targets() if name == "robot.toml" else options.robot()
+    config = (pendulum if name.startswith("pendulum") else step).config_of(robot, options)
     steps = options.integrator_settings(0.001)
     return config, steps, options.duration, getattr(options, "force", None)
 

@@ -8,13 +8,12 @@ from pathlib import Path
 import pytest
 
 from drake_leg.cli import main, run
-from drake_leg.cli.run_options import kind_of
 from drake_leg.cli.terminal import Pictures
 from drake_leg.files import LIST, ResultsFolder
 from drake_leg.robot.robots import hexabot_leg
 from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.runs import outcome
-from drake_leg.runs.catalogue import RUNS
+from drake_leg.runs.catalogue import RUNS, run_kind
 from drake_leg.scene.media import Replay, Still
 from drake_leg.simulation.recording import read_csv
 
@@ -85,7 +84,7 @@ class Made:
 
 
 def options_of(name):
-    kind = kind_of(name)
+    kind = run_kind(name)
     own = {"q0": [90.0, -50.0, -90.0]} if name.endswith(".toml") else {}
     return kind, kind.options(duration=0.2, **own)
 
@@ -249,7 +248,7 @@ def test_what_came_to_a_replays_place_meanwhile_stays(no_figures, monkeypatch, c
 
 
 def test_results_whose_place_was_taken_meanwhile_are_beside_it(no_figures, monkeypatch, capsys):
-    monkeypatch.setattr("drake_leg.cli.run.kind_of", taking_the_place(monkeypatch))
+    monkeypatch.setattr("drake_leg.cli.run.run_kind", taking_the_place(monkeypatch))
     status, out, err = told(capsys, "run", "leg-b", "--out", "out", "--duration", "0.2")
     assert status == 2
     assert out.startswith("wrote out-2: 6 rows")
@@ -261,17 +260,17 @@ def test_results_whose_place_was_taken_meanwhile_are_beside_it(no_figures, monke
 
 
 def taking_the_place(monkeypatch):
-    from drake_leg.runs import tip
+    from drake_leg.runs import step
 
-    simulate = tip.simulate
+    simulate = step.simulate
 
     def simulated(*arguments, **keywords):
         Path("out").mkdir()
         Path("out/thesis.tex").touch()
         return simulate(*arguments, **keywords)
 
-    monkeypatch.setattr(tip, "simulate", simulated)
-    return kind_of
+    monkeypatch.setattr(step, "simulate", simulated)
+    return run_kind
 
 
 # --- other commands --------------------------------------------------------------------------

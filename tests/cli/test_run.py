@@ -115,7 +115,7 @@ def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkey
 
 @pytest.mark.parametrize("file", ["file/leg.html", "/proc/leg.html", "/proc/new/leg.html"])
 def test_a_show_that_cannot_be_written_is_refused_before_the_run(here, capsys, monkeypatch, file):
-    monkeypatch.setattr("drake_leg.runs.tip.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.step.simulate", None)
     (here / "file").touch()
     status, out, err = run(capsys, "leg-b", "--out", "out", "--replay", file)
     assert (status, out) == (2, "")
@@ -128,14 +128,14 @@ def test_a_show_that_cannot_be_written_is_refused_before_the_run(here, capsys, m
 def test_what_no_video_can_be_made_with_is_said_before_the_run(
     here, capsys, monkeypatch, module, said
 ):
-    monkeypatch.setattr("drake_leg.runs.tip.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.step.simulate", None)
     monkeypatch.setitem(sys.modules, module, None)
     err = refused(capsys, here, "leg-b", "--out", "out", "--video", "leg.mp4")
     assert f"needs {said}, which cannot be imported (import of {module} halted" in err
 
 
 def test_figures_without_pillow_are_refused_before_the_run(here, capsys, monkeypatch):
-    monkeypatch.setattr("drake_leg.runs.tip.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.step.simulate", None)
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
     assert "pip install --force-reinstall pillow" in refused(capsys, here, "leg-b", "--out", "out")
 

@@ -16,8 +16,8 @@ from drake_leg.errors import (
 from drake_leg.kinematics.euler import rotation_matrices
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
-from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
+from drake_leg.runs.step import run as run_robot
 
 
 def options(robot, q, **changes):

@@ -11,13 +11,15 @@ from drake_leg.kinematics.khalil import jacobian
 from drake_leg.models.plant import build_plant
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics
 from drake_leg.robot.robots import LEG_B
-from drake_leg.runs.configs import disturbance_of
-from drake_leg.runs.ellipse import run as run_ellipse
-from drake_leg.runs.leg import run as run_leg
-from drake_leg.runs.leg import run_robot
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import EllipseOptions, LegBOptions, ScaraOptions, StraightOptions
-from drake_leg.runs.scara import run as run_scara
+from drake_leg.runs.step import disturbance_of
+from drake_leg.runs.step import run as run_robot
 from drake_leg.runs.tip import push_torques
+
+run_leg = RUNS["leg-b"].run
+run_ellipse = RUNS["ellipse"].run
+run_scara = RUNS["scara"].run
 
 UP = [0.0, 0.0, 0.1]  # [N], ten times the leg's weight
 

@@ -8,11 +8,13 @@ import pytest
 from drake_leg.errors import ForeseenSingularityError, InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B
-from drake_leg.runs.ellipse import run as run_ellipse
-from drake_leg.runs.leg import run as run_leg
-from drake_leg.runs.leg import run_robot
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import EllipseOptions, LegBOptions, ScaraOptions, StraightOptions
-from drake_leg.runs.scara import run as run_scara
+from drake_leg.runs.step import run as run_robot
+
+run_leg = RUNS["leg-b"].run
+run_ellipse = RUNS["ellipse"].run
+run_scara = RUNS["scara"].run
 
 
 def straight(duration=4.0, **changes):

@@ -9,9 +9,11 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.robot.robots import LEG_B
-from drake_leg.runs.leg import run_robot
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import FreePendulumOptions, SpringPendulumOptions, StraightOptions
-from drake_leg.runs.pendulum import run as run_pendulum
+from drake_leg.runs.step import run as run_robot
+
+run_pendulum = RUNS["pendulum"].run
 
 OPTIONS = StraightOptions(q0=[90.0, -50.0, -90.0], amplitude=0.07, duration=4.0)
 

@@ -8,10 +8,12 @@ from drake_leg.errors import InvalidValueError, JointLimitError, SingularConfigu
 from drake_leg.kinematics.khalil import foot_pose, jacobian
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_A, LEG_B
-from drake_leg.runs.ellipse import run as run_ellipse
-from drake_leg.runs.leg import run as run_leg
-from drake_leg.runs.leg import run_robot
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions, StraightOptions
+from drake_leg.runs.step import run as run_robot
+
+run_leg = RUNS["leg-b"].run
+run_ellipse = RUNS["ellipse"].run
 
 HEADER = (
     "time[s],input[m/s],dx[m/s],dy[m/s],dz[m/s],q1[rad],q2[rad],q3[rad],qdot1[rad/s],"

@@ -11,8 +11,8 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import hexabot_leg
 from drake_leg.robot.toml_reader import read_robot
-from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
+from drake_leg.runs.step import run as run_robot
 from drake_leg.singularity.forecast import Forecast
 from drake_leg.singularity.inverse import MARGIN
 from drake_leg.units import AT_LIMIT
@@ -172,7 +172,7 @@ def faults(seed):
 @pytest.fixture
 def nothing_foreseen(monkeypatch):
     """Leave out what lies ahead, which takes longer than these short runs."""
-    monkeypatch.setattr("drake_leg.runs.tip.foresee", lambda *_, **__: Forecast())
+    monkeypatch.setattr("drake_leg.runs.step.foresee", lambda *_, **__: Forecast())
 
 
 @pytest.mark.slow

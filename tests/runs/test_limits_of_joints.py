@@ -11,8 +11,8 @@ from drake_leg.kinematics.khalil import jacobian
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B
 from drake_leg.robot.toml_reader import read_robot
-from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
+from drake_leg.runs.step import run as run_robot
 from drake_leg.singularity.inverse import MARGIN
 from drake_leg.units import AT_LIMIT, beyond, in_words, joint_entries
 

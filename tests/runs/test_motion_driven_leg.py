@@ -13,9 +13,11 @@ from drake_leg.kinematics.chain import movable
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, inverse_kinematics
 from drake_leg.robot.robots import LEG_B
-from drake_leg.runs.ellipse import run as run_ellipse
-from drake_leg.runs.leg import run as run_leg
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions
+
+run_leg = RUNS["leg-b"].run
+run_ellipse = RUNS["ellipse"].run
 
 Q0 = np.radians([90.0, -50.0, -90.0])
 AMPLITUDE, DURATION = 0.070, 20.0

@@ -128,7 +128,7 @@ def test_the_damped_pendulum_starts_at_its_state_target_under_either_name():
 def test_two_different_state_targets_are_refused():
     with pytest.raises(InvalidValueError, match="40 deg and the state target 50 deg"):
         DampedPendulumOptions(q0=[40.0], target=50.0).start()
-    with pytest.raises(InvalidValueError, match="one finite angle"):
+    with pytest.raises(InvalidValueError, match="target is nan; it must be a finite number"):
         DampedPendulumOptions(target=NAN).start()
 
 

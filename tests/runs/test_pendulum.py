@@ -7,12 +7,14 @@ from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import (
     DampedPendulumOptions,
     FreePendulumOptions,
     SpringPendulumOptions,
 )
-from drake_leg.runs.pendulum import run as run_pendulum
+
+run_pendulum = RUNS["pendulum"].run
 
 MASS, LENGTH, WIDTH, GRAVITY = 1000 * 0.4 * 0.01 * 0.01, 0.4, 0.01, 9.80665
 INERTIA = MASS * (LENGTH**2 + WIDTH**2) / 12 + MASS * LENGTH**2 / 4

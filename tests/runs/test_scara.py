@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import ScaraOptions
-from drake_leg.runs.scara import run as run_scara
+
+run_scara = RUNS["scara"].run
 
 
 @cache

@@ -29,8 +29,8 @@ from drake_leg.pictures.plots.style import (
     widen_flat_axis,
 )
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.leg import run_robot
 from drake_leg.runs.options import StraightOptions
+from drake_leg.runs.step import run as run_robot
 from drake_leg.simulation.recording import Recording
 
 ALONG_X = ["input_and_velocity", "velocity_and_position", "input_velocity_and_position"]

@@ -1,0 +1,83 @@
+"""What the command line says to what it cannot parse."""
+
+import pytest
+
+from drake_leg.cli import main
+
+
+def refused(capsys, *words):
+    with pytest.raises(SystemExit) as stop:
+        main(words)
+    out, err = capsys.readouterr()
+    assert (stop.value.code, out, err.count("\n")) == (2, "", 1)
+    return err
+
+
+def test_the_bare_program_prints_its_help(capsys):
+    assert main([]) == 2
+    out, err = capsys.readouterr()
+    assert out.startswith("usage: drake-leg")
+    assert err == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        ("run leg-b --out x --ampl 0.05", "did you mean --amplitude"),
+        ("run leg-b --out x --ampl=0.05", "did you mean --amplitude"),
+        ("run leg-b --out x --amplitued 0.05", "did you mean --amplitude"),
+        ("view leg-b --st a.png", "did you mean --still"),
+        ("doctor leg-b --foo 0.1,0,0", "did you mean --foot"),
+        ("--vers", "did you mean --version"),
+    ],
+)
+def test_an_option_is_written_in_full(capsys, words, meant):
+    assert refused(capsys, *words.split()).endswith(f"{meant}\n")
+
+
+def test_what_is_like_no_option_is_not_guessed(capsys):
+    assert refused(capsys, "run", "leg-b", "--out", "x", "--colour", "red").endswith("red\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "written"),
+    [
+        ("run leg-b --out x --q0 90 -50 -90", "--q0=90,-50,-90"),
+        ("run leg-b --out x --q0 -90 50 90", "--q0=-90,50,90"),
+        ("run leg-b --out x --direction 0 .5 1", "--direction=0,.5,1"),
+        ("doctor leg-b --q 90 -50 -90", "--q=90,-50,-90"),
+    ],
+)
+def test_numbers_are_written_with_commas(capsys, words, written):
+    assert f"write commas between numbers, as {written}\n" in refused(capsys, *words.split())
+
+
+def test_a_single_number_gets_no_commas(capsys):
+    assert "commas" not in refused(capsys, *["run", "leg-b", "--out", "x", "--duration", "2", "3"])
+
+
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        ("--foot 0.1,0,0", 0),
+        ("--foot 9,0,0", 1),
+        ("--foot 9,0,0 --json", 1),
+        ("--foot 9,0,0 --q 90,-50,-90", 1),
+        ("--foot 0.1,0,0 --q 90,-50,-90", 0),
+    ],
+)
+def test_a_foot_out_of_reach_is_no_success(capsys, words, status):
+    assert main(["doctor", "leg-b", *words.split()]) == status
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("leg-c", "there is no robot 'leg-c': did you mean leg-b"),
+        ("arm", "the robots are pendulum, leg-a, leg-b, scara"),
+    ],
+)
+def test_a_derivation_is_of_any_robot(capsys, name, said):
+    assert main(["derive", name]) == 2
+    assert said in capsys.readouterr().err
