@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from numbers import Real
 from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Any, ClassVar, get_args, get_origin
+from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
@@ -314,8 +314,6 @@ class StepOptions(RunOptions):
 class LegOptions(StepOptions, DampingOptions):
     """The hexabot leg, in variant B's posture by default."""
 
-    variant: ClassVar[LegVariant] = "B"
-
     q0: list[float] = option(list(LEG_B_POSTURE), Q0, "deg", takes=ANGLES)
     amplitude: float = option(0.070, AMPLITUDE, "m/s")
     direction: list[float] = option([1.0, 0.0, 0.0], DIRECTION, takes=VECTOR)
@@ -324,10 +322,10 @@ class LegOptions(StepOptions, DampingOptions):
     l3: float = option(HEXABOT_LENGTHS[2], "length of the tibia", "m")
     density: float = option(WATER, "of the solids", "kg/m^3")
 
-    def robot(self) -> Robot:
+    def robot(self, variant: LegVariant = "B") -> Robot:
         """Return the leg."""
         return hexabot_leg(
-            self.variant,
+            variant,
             l1=self.l1,
             l2=self.l2,
             l3=self.l3,
@@ -366,9 +364,11 @@ class LegBOptions(LegOptions, StraightOptions):
 class LegAOptions(LegBOptions):
     """The straight step of variant A, from the same foot position."""
 
-    variant: ClassVar[LegVariant] = "A"
-
     q0: list[float] = option(list(LEG_A_POSTURE), Q0, "deg", takes=ANGLES)
+
+    def robot(self, variant: LegVariant = "A") -> Robot:
+        """Return the leg."""
+        return super().robot(variant)
 
 
 @dataclass(kw_only=True)

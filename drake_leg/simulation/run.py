@@ -81,7 +81,7 @@ class Run:
 
 def simulate(
     diagram: Diagram,
-    duration: float,
+    duration: float | None = None,
     *,
     start: Start | None = None,
     max_step: float | None = None,
@@ -100,7 +100,7 @@ def simulate(
     diagram : Diagram
         With per-step logs as scopes.
     duration : float
-        Simulated time [s].
+        Simulated time [s]; it must be given.
     start : callable, optional
         ``start(diagram, context)`` sets the initial state. By default the joints start on their
         prescribed motion, or, where no motion drives them, at the diagram's default state.
@@ -156,6 +156,8 @@ def simulate(
         raise InvalidValueError(f"settings is {settings!r}; it must be an IntegratorSettings")
     if max_step is not None:
         settings = replace(settings, max_step=max_step)
+    if duration is None:
+        raise InvalidValueError("there is no duration", advice="give it, as `duration=2.0`")
     require_positive("the duration", duration, "s")
     if duration / settings.max_step > STEP_BUDGET:
         raise InvalidValueError(

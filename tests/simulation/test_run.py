@@ -6,12 +6,15 @@ from functools import cache
 import numpy as np
 import pytest
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource
 from scipy.optimize import brentq
 
 from drake_leg.diagrams import ellipse, hexabot_leg, pendulum, scara
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.motions import SineStep
+from drake_leg.models.plant import build_plant
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.robot.robots import pendulum as pendulum_robot
@@ -420,3 +423,42 @@ def test_nothing_holds_a_simulation_that_is_over(monkeypatch, progress, amplitud
         kept.append(leg_run(duration=1.0, amplitude=amplitude, progress=progress))
     gc.collect()
     assert [reference() for reference in integrators] == [None]
+
+
+def pendulum_diagram():
+    return pendulum.build(pendulum.PendulumConfig())
+
+
+WRONG = [
+    (
+        lambda: simulate(build_plant(LEG_B)),
+        "a MultibodyPlant is not a Diagram: build one",
+    ),
+    (lambda: simulate("D"), "'D' is not a Diagram"),
+    (lambda: simulate(None, 1.0), "None is not a Diagram"),
+    (lambda: simulate(pendulum_diagram()), "there is no duration: give it, as `duration=2.0`"),
+    (lambda: simulate(pendulum_diagram(), "x"), "the duration is 'x'; it must be a number"),
+    (lambda: simulate(pendulum_diagram(), duration=[1.0]), r"the duration is \[1\.0\]"),
+    (lambda: simulate(pendulum_diagram(), 1.0, start=3), "start is 3; it must be a function"),
+    (lambda: simulate(pendulum_diagram(), 1.0, progress="p"), "progress is 'p'; it must be a func"),
+    (
+        lambda: simulate(pendulum_diagram(), 1.0, longest_step=1),
+        "longest_step is 1; it must",
+    ),
+    (lambda: simulate(pendulum_diagram(), 1.0, settings=0), "settings is 0; it must be an Integr"),
+    (lambda: simulate(pendulum_diagram(), 1.0, max_step="a"), "the greatest step is 'a'"),
+    (lambda: IntegratorSettings(accuracy="fine"), "the accuracy is 'fine'; it must be a number"),
+    (lambda: simulate(without_scopes(), 1.0), r"has no scope, .*: add one with add_scope"),
+]
+
+
+def without_scopes():
+    builder = DiagramBuilder()
+    builder.AddNamedSystem("constant", ConstantVectorSource([1.0]))
+    return builder.Build()
+
+
+@pytest.mark.parametrize(("call", "said"), WRONG, ids=[said[:30] for _, said in WRONG])
+def test_a_wrong_argument_is_refused_in_a_sentence(call, said):
+    with pytest.raises(InvalidValueError, match=said):
+        call()
