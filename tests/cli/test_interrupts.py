@@ -93,10 +93,10 @@ def test_a_second_signal_waits_until_the_first_ones_data_are_saved(
 
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
 def test_two_signals_end_a_comparison_that_takes_for_ever(number, monkeypatch, capsys):
-    from drake_leg.runs import leg
+    from drake_leg.runs import step
 
     act = come(signal.SIGINT, number)
-    monkeypatch.setattr(leg, "outcome_of", before_it(leg.outcome_of, act))
+    monkeypatch.setattr(step, "outcome_of", before_it(step.outcome_of, act))
     assert main(["run", "leg-b", "--out", "out", "--duration", "0.2"]) == 128 + number
     assert "interrupted" in capsys.readouterr().err
     assert inside() == []
@@ -105,9 +105,9 @@ def test_two_signals_end_a_comparison_that_takes_for_ever(number, monkeypatch, c
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
 def test_a_signal_between_the_end_and_the_saving_waits(number, monkeypatch, capsys):
     """The outcome is being put together, which may take a while."""
-    from drake_leg.runs import leg
+    from drake_leg.runs import step
 
-    monkeypatch.setattr(leg, "outcome_of", before_it(leg.outcome_of, come(number)))
+    monkeypatch.setattr(step, "outcome_of", before_it(step.outcome_of, come(number)))
     assert main(["run", "leg-b", "--out", "out", "--duration", "0.2"]) == 128 + number
     assert summary_of("out")["stop_reason"] is None
     assert inside("out") == [LIST, "recording.csv", "summary.json"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from drake_leg.cli import listing, main
+from drake_leg.cli import entry, main
 
 MODEL = str(Path(__file__).parents[2] / "notebooks" / "leg.slx")
 
@@ -123,7 +123,7 @@ def unforeseen(monkeypatch):
     def fail(chosen):
         raise KeyError("a\nb")
 
-    monkeypatch.setattr(listing, "_list", fail)
+    monkeypatch.setattr(entry, "_list", fail)
 
 
 def test_an_error_that_nobody_foresaw_is_one_sentence(unforeseen, capsys):
