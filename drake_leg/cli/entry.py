@@ -68,8 +68,6 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(allow_abbrev=False, **settings)
 
     def error(self, message: str) -> NoReturn:
-        if re.fullmatch(r"unrecognized arguments:( -?[\d.]+,?)+", message):
-            message += ": put commas and no blanks between numbers, as in --q 90,-50,-90"
         self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
 
 
@@ -132,8 +130,8 @@ def _unrecognized(
     known = (commands[name] if name else parser)._option_string_actions
     spaced = _SPACED.search(" ".join(words))
     if spaced and "," in str(getattr(known.get(spaced[1]), "metavar", "")):
-        numbers = ",".join(spaced[2].split())
-        return f"{sentence}: write commas between numbers, as {spaced[1]}={numbers}"
+        numbers = ",".join(spaced[2].replace(",", " ").split())
+        return f"{sentence}: put commas and no blanks between numbers, as in {spaced[1]}={numbers}"
     for word in unknown:
         option = word.partition("=")[0]
         if option.startswith("--"):

@@ -46,10 +46,13 @@ def test_what_is_like_no_option_is_not_guessed(capsys):
         ("run leg-b --out x --q0 -90 50 90", "--q0=-90,50,90"),
         ("run leg-b --out x --direction 0 .5 1", "--direction=0,.5,1"),
         ("doctor leg-b --q 90 -50 -90", "--q=90,-50,-90"),
+        ("doctor leg-b --q 90, -50, -90", "--q=90,-50,-90"),
     ],
 )
 def test_numbers_are_written_with_commas(capsys, words, written):
-    assert f"write commas between numbers, as {written}\n" in refused(capsys, *words.split())
+    assert f"put commas and no blanks between numbers, as in {written}\n" in refused(
+        capsys, *words.split()
+    )
 
 
 def test_a_single_number_gets_no_commas(capsys):
