@@ -452,7 +452,7 @@ class _Search:
         return np.bincount(pairs, come.ravel(), minlength=count * count).reshape(count, count)
 
     def sweep(self, *, rightward: bool) -> None:
-        """Sort every column by the mean place of its neighbours in the previous column."""
+        """Sort every column by the mean place of its neighbors in the previous column."""
         columns = list(range(len(self.order.members)))
         for column in columns if rightward else reversed(columns):
             channel = column if rightward else column + 1

@@ -1,6 +1,6 @@
 """Lays out a block diagram: columns, order, heights, and channels for the wires.
 
-Heights minimise the bends of the wires by a linear programme, after Gansner, Koutsofios, North and
+Heights minimize the bends of the wires by a linear programme, after Gansner, Koutsofios, North and
 Vo, "A technique for drawing directed graphs", 1993, section 4: bends are charged by their height,
 so that most wires become straight. Ports of bars and boxes slide along their sides.
 """
@@ -442,7 +442,7 @@ class _Programme:
         for left, ports in ((False, order.inputs[spot]), (True, order.outputs[spot])):
             ends = [self._variable() for _ in ports]
             self.end.update({End(spot, left, port): y for port, y in zip(ports, ends, strict=True)})
-            if len(ends) == 1 and size.centred:
+            if len(ends) == 1 and size.centered:
                 for sign in (1.0, -1.0):
                     self.rows.append(({ends[0]: 2 * sign, top: -sign, bottom: -sign}, 0.0))
                 continue

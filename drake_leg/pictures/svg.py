@@ -23,7 +23,7 @@ LABELLED = ("box", "plant", "sum")  # whose ports' labels are inside
 PORT_PAD = 12.0  # [px], from the first and last port to the block's edge
 Point = tuple[float, float]
 _FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
-# Every kind of colour-blind eyes can tell blue from black and grey; the mechanical
+# Every kind of colour-blind eyes can tell blue from black and gray; the mechanical
 # blocks' lines are thicker, too.
 _LIGHT = {
     "paper": "#ffffff",
@@ -58,7 +58,7 @@ class DrawnBlock:
     inputs: tuple[str, ...] = ()  # labels of the ports, "" for a port without one
     outputs: tuple[str, ...] = ()
     physical: bool = False  # drawn as Simscape's blocks are
-    loose: bool = False  # whether its ports may be in any order: they are labelled
+    loose: bool = False  # whether its ports may be in any order: they are labeled
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,7 +213,7 @@ class Size:
     width: float  # [px]
     height: float  # [px], at least
     elastic: bool = False  # whether it may be higher
-    centred: bool = True  # whether a single port is at half its height
+    centered: bool = True  # whether a single port is at half its height
 
 
 def size_of(block: DrawnBlock) -> Size:

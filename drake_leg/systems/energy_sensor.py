@@ -23,7 +23,7 @@ class EnergySensor(LeafSystem):
     Parameters
     ----------
     plant : MultibodyPlant
-        Finalised.
+        Finalized.
 
     Examples
     --------

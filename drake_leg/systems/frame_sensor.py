@@ -82,7 +82,7 @@ class FrameSensor(LeafSystem):
     Parameters
     ----------
     plant : MultibodyPlant
-        Finalised.
+        Finalized.
     frame : Frame
         F, a frame of the plant.
     base : Frame, optional
@@ -101,7 +101,7 @@ class FrameSensor(LeafSystem):
     Raises
     ------
     InvalidValueError
-        If the plant is not finalised, a frame is another plant's, or a choice is unknown.
+        If the plant is not finalized, a frame is another plant's, or a choice is unknown.
 
     References
     ----------

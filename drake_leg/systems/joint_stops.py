@@ -32,7 +32,7 @@ class JointStops(LeafSystem):
     Parameters
     ----------
     plant : MultibodyPlant
-        Finalised.
+        Finalized.
     mechanics : mapping of str to JointMechanics
         By joint name; limits without a stop are ignored.
 

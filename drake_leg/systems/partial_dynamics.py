@@ -17,12 +17,12 @@ _ONE_AXIS = ("revolute", "prismatic")
 
 
 def require_plant(plant: MultibodyPlant) -> None:
-    """Require a finalised plant.
+    """Require a finalized plant.
 
     Raises
     ------
     InvalidValueError
-        If it is not a plant, or not finalised.
+        If it is not a plant, or not finalized.
     """
     if not isinstance(plant, MultibodyPlant):
         raise InvalidValueError(
@@ -31,7 +31,7 @@ def require_plant(plant: MultibodyPlant) -> None:
         )
     if not plant.is_finalized():
         raise InvalidValueError(
-            f"the plant {plant.get_name()!r} is not finalised; call its Finalize() before"
+            f"the plant {plant.get_name()!r} is not finalized; call its Finalize() before"
         )
 
 
@@ -119,7 +119,7 @@ class PartialInverseDynamics(LeafSystem):
     Parameters
     ----------
     plant : MultibodyPlant
-        Finalised, continuous, with default parameters.
+        Finalized, continuous, with default parameters.
     joints : sequence of Joint
         D, each of one axis.
 

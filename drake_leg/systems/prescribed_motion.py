@@ -60,7 +60,7 @@ class PrescribedMotion(Diagram):
     Parameters
     ----------
     plant : MultibodyPlant
-        Finalised; without ``joints``, fully actuated and on a fixed base.
+        Finalized; without ``joints``, fully actuated and on a fixed base.
     joints : iterable of str or Joint, optional
         The driven joints, revolute or prismatic; all by default.
     stiffness : float

@@ -30,7 +30,7 @@ class RelativeMotion:
     Parameters
     ----------
     plant : MultibodyPlant
-        Finalised.
+        Finalized.
     frame : Frame
         F, a frame of the plant.
     base : Frame, optional
@@ -43,7 +43,7 @@ class RelativeMotion:
     Raises
     ------
     InvalidValueError
-        If the plant is not finalised, a frame is another plant's, or a choice is unknown.
+        If the plant is not finalized, a frame is another plant's, or a choice is unknown.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class RelativeMotion:
     def acceleration(self, vdot: Array) -> Array:
         """Acceleration of F's origin, the derivative of the velocity as observed in O.
 
-        ``vdot`` (n_v,) has the plant's generalised accelerations; the result is in E [m/s^2].
+        ``vdot`` (n_v,) has the plant's generalized accelerations; the result is in E [m/s^2].
         """
         a_B = self._spatial_acceleration(vdot, self._F, self._B, self._E)[3:]
         if self._O_is_B:

@@ -233,7 +233,7 @@ def test_a_frame_of_another_plant_is_refused(plants):
 
 def test_a_plant_under_construction_is_refused():
     plant = MultibodyPlant(time_step=0.0)
-    with pytest.raises(InvalidValueError, match="not finalised; call its Finalize"):
+    with pytest.raises(InvalidValueError, match="not finalized; call its Finalize"):
         RelativeMotion(plant, plant.world_frame())
 
 

@@ -127,7 +127,7 @@ class Sketch:
         return float(x), float(y)
 
     def text(self, at: Point, label: str, colour: str = INK, size: float = 10.0) -> None:
-        """Write a label, centred."""
+        """Write a label, centered."""
         self.axes.text(*at, label, color=colour, fontsize=size, ha="center", va="center", zorder=5)
         half = 0.25 * self.unit
         self.axes.update_datalim([(at[0] - half, at[1] - half), (at[0] + half, at[1] + half)])
