@@ -148,9 +148,9 @@ def _build_parser(only: str | None = None) -> argparse.ArgumentParser:
         description="A pendulum, a leg of a six-legged robot and a SCARA arm on Drake: "
         "from their Khalil tables to simulated, compared and plotted runs.",
         epilog="COMMAND --help explains each option with its unit and default. Exit status: "
-        "0 all well, 1 a check found something wrong, a run's error shows or a picture could not "
-        "be made, 2 bad input, 3 a run, proof or derivation stopped before its end, 70 an "
-        "unexpected error, 130 interrupted, 128 + n ended by signal n.",
+        "0 all well, 1 a check found something wrong, a foot is out of reach, a run's error shows "
+        "or a picture could not be made, 2 bad input, 3 a run, proof or derivation stopped before "
+        "its end, 70 an unexpected error, 130 interrupted, 128 + n ended by signal n.",
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", parser_class=_Parser)
