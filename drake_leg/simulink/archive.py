@@ -9,8 +9,11 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
+from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
+
+from defusedxml.common import DefusedXmlException
+from defusedxml.ElementTree import ParseError, XMLParser
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
 from drake_leg.files import read_bytes
@@ -70,27 +73,20 @@ class Parts:
         return content
 
 
-class _Tree(TreeBuilder):
-    """A tree of elements without a document type, so that no entity can be declared either."""
-
-    def doctype(self, *_: str | None) -> None:
-        raise InvalidValueError(
-            "declares a document type or an entity, which no Simulink file does: save the model "
-            "again in Simulink"
-        )
-
-
 def parse_markup(content: bytes, part: str) -> Element:
     """Parse one part, which must have no document type and no entities."""
-    tree = _Tree()
-    parser = XMLParser(target=tree)
+    tree = TreeBuilder()
+    parser = XMLParser(target=tree, forbid_dtd=True)
     if content.count(b"<") - content.count(b"</") > MOST_ELEMENTS:
         raise _too_large(part)
     try:
         parser.feed(content)
         root: Element = parser.close()
-    except InvalidValueError as error:
-        raise InvalidValueError(f"its part {part} {error}") from None
+    except DefusedXmlException:
+        raise InvalidValueError(
+            f"its part {part} declares a document type or an entity, which no Simulink file does: "
+            "save the model again in Simulink"
+        ) from None
     except ParseError as error:
         _require_shallow(tree.close(), part)
         raise InvalidValueError(
