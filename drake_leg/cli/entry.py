@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import os
 import re
 import sys
@@ -125,6 +124,8 @@ def _unrecognized(
     parser: argparse.ArgumentParser, unknown: Sequence[str], words: Sequence[str], name: str | None
 ) -> str:
     """Say which words are no options of a command, and what was meant."""
+    import difflib  # not needed for help
+
     sentence = f"unrecognized arguments: {' '.join(unknown)}"
     commands = next(a.choices for a in parser._actions if isinstance(a.choices, dict))
     known = (commands[name] if name else parser)._option_string_actions
