@@ -35,7 +35,6 @@ WORDS: dict[object, str] = {
     str: "text",
     NoneType: "None",
 }
-NUMBERS: dict[object, type] = {float: Real, int: Integral}
 # By the name of a class: how to get an object of it.
 ADVICE = {
     "Diagram": "build one, as build_pendulum(PendulumConfig())",
@@ -68,18 +67,46 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 def require_fields(data: DataclassInstance) -> None:
     """Refuse a dataclass with a field that is not of the type of its annotation.
 
+    A list or an array in the place of a tuple becomes a tuple.
+
     Raises
     ------
     InvalidValueError
         With the value.
     """
-    _require_types({f.name: getattr(data, f.name) for f in fields(data)}, _hints(type(data)))
+    values, hints = {f.name: getattr(data, f.name) for f in fields(data)}, _hints(type(data))
+    _require_types(values, hints)
+    for name, value in values.items():
+        if get_origin(hints[name]) is tuple and not isinstance(value, tuple):
+            object.__setattr__(data, name, tuple(value))
+
+
+def require_callable(name: str, value: object) -> None:
+    """Refuse an optional function that cannot be called."""
+    if value is not None and not callable(value):
+        raise InvalidValueError(f"{name} is {shown(value)}; it must be a function")
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a real number that fits into a float, and neither True nor False."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return False
+    try:
+        float(value)
+    except OverflowError:
+        return False
+    return True
 
 
 def shown(value: object) -> str:
     """Write a value in a line, or its type if that is too long to read."""
-    text = " ".join(repr(value).split())
-    if len(text) <= MOST_SHOWN and "object at 0x" not in text:
+    if isinstance(value, int) and abs(value) >= 10**MOST_SHOWN:
+        return f"{float(value):g}" if is_number(value) else "an integer too large for a float"
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # of an integer in it, with thousands of digits
+        text = ""
+    if text and len(text) <= MOST_SHOWN and "object at 0x" not in text:
         return text
     return _with_article(type(value).__name__)
 
@@ -115,8 +142,8 @@ def _fits(value: object, hint: object) -> bool:
         return any(value is each or value == each for each in get_args(hint))
     if get_origin(hint) is tuple:
         return _fits_tuple(value, get_args(hint))
-    if hint in NUMBERS:
-        return isinstance(value, NUMBERS[hint]) and not isinstance(value, bool)
+    if hint in (int, float):
+        return is_number(value) and isinstance(value, Integral if hint is int else Real)
     return isinstance(value, hint) if isinstance(hint, type) else True
 
 

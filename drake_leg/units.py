@@ -8,9 +8,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from numbers import Real
 from typing import Any, Literal
 
+from drake_leg.arguments import is_number, shown
 from drake_leg.errors import InvalidValueError
 
 AngleUnit = Literal["deg", "rad"]
@@ -307,8 +307,8 @@ def joint_entries(name: str, q: Sequence[float], slides: Sequence[bool]) -> dict
 
 def require_number(what: str, value: object) -> None:
     """Refuse what is not a real number."""
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise InvalidValueError(f"{what} is {value!r}; it must be a number")
+    if not is_number(value):
+        raise InvalidValueError(f"{what} is {shown(value)}; it must be a number")
 
 
 def require_finite(what: str, value: float) -> None:
@@ -327,7 +327,7 @@ def require_three(what: str, values: Iterable[float]) -> None:
     except InvalidValueError:
         parts = ()
     if len(parts) != 3:
-        raise InvalidValueError(f"{what} is {values!r}; it must be three finite numbers")
+        raise InvalidValueError(f"{what} is {shown(values)}; it must be three finite numbers")
 
 
 def require_kind(what: str, value: object, *kinds: type) -> None:

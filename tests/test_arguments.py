@@ -1,6 +1,7 @@
 """Wrong arguments to the front door's diagrams, blocks and pictures are refused in a sentence."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ REFUSED = {
     "block_diagram": [(dl.LEG_B,), (PLANT,), (None,), ("leg-b",)],
     "build_pendulum": [(LEG(),), (dl.PENDULUM,), (None,)],
     "build_ellipse": [(LEG(),), (dl.LEG_B,), ("ellipse",)],
-    "build_hexabot_leg": [(dl.LEG_B,), (dl.ScaraConfig(),), (0.05,)],
+    "build_hexabot_leg": [(dl.LEG_B,), (dl.ScaraConfig(),), (0.05,), (dl.EllipseConfig(),)],
     "build_scara": [(LEG(),), (dl.SCARA,), (None,)],
     "add_scope": [(1, 2, 3), (None, "q", None)],
     "DriftCorrection": [(1, (0, 0)), ("2", (0, 0, 0)), (1, None), (1, "abc"), (1, 0.5)],
@@ -42,20 +43,32 @@ REFUSED_SETTINGS = {
         {"q0": 1.0},
         {"q0": (1.0, 2.0)},
         {"q0": ("a", 1, 2)},
+        {"q0": (10**400, 0.0, 0.0)},
         {"motion": 0.05},
+        {"motion": dl.EllipticStep()},
         {"gain": "2"},
+        {"gain": 10**400},
         {"gravity": "x"},
+        {"gravity": 10**5000},
         {"filter_time_constant": "x"},
         {"feedback": 3},
         {"feedback": "felt"},
         {"task": 3},
+        {"task": 10**5000},
         {"task": "both"},
         {"control": 3},
         {"control": Control(q0_error=(0.1,))},
         {"disturbance": "push"},
     ],
     "EllipseConfig": [{"motion": dl.SineStep()}, {"q0": None}, {"robot": dl.SCARA.name}],
-    "ScaraConfig": [{"R": "x"}, {"motion": 3}, {"robot": dl.LEG_B}, {"q0": (1.0,)}, {"q0": None}],
+    "ScaraConfig": [
+        {"R": "x"},
+        {"motion": 3},
+        {"motion": dl.EllipticStep()},
+        {"robot": dl.LEG_B},
+        {"q0": (1.0,)},
+        {"q0": None},
+    ],
     "PendulumConfig": [{"q0": (1.0,)}, {"q0": "x"}, {"robot": dl.LEG_B}, {"gravity": None}],
 }
 FIRST = {"FrameSensor": (PLANT, WORLD), "block_diagram": (SWING,), "InputFilter": (2,)}
@@ -106,6 +119,33 @@ def test_a_sentence_tells_the_remedy():
 def test_arrays_and_lists_are_taken_for_tuples():
     assert LEG(q0=np.array([1.57, -0.87, -1.57])).start[0] == 1.57
     assert LEG(q0=[1, 0.5, -1], gain=np.float64(2.0)).gain == 2.0
+    assert LEG(q0=np.array(LEG().q0)) == LEG()
+
+
+@pytest.mark.parametrize("direction", [np.array([1.0, 0.0, 0.0]), [0.0, 1.0, 0.0]])
+def test_a_diagram_follows_an_array_or_a_list(direction):
+    given = dl.build_hexabot_leg(LEG(motion=dl.SineStep(direction=direction)))
+    same = dl.build_hexabot_leg(LEG(motion=dl.SineStep(direction=tuple(direction))))
+    names = [[system.get_name() for system in one.GetSystems()] for one in (given, same)]
+    assert names[0] == names[1]
+
+
+def test_the_motion_of_another_diagram_is_refused_with_the_one_to_build():
+    with pytest.raises(InvalidValueError, match=r"EllipticStep, and .* on a line: .*build_ellipse"):
+        dl.build_hexabot_leg(dl.EllipseConfig())
+
+
+def planar():
+    links = [dl.LEG_B.segments[1], dl.LEG_B.segments[2]]
+    rows = [replace(one, row=replace(one.row, alpha=0.0)) for one in links]
+    return replace(dl.LEG_B, name="planar", segments=(*rows, dl.LEG_B.segments[3]))
+
+
+def test_an_ellipse_is_refused_where_the_foot_cannot_rise():
+    q0 = (0.5, 0.8)
+    assert dl.EllipseConfig(robot=planar(), q0=q0, motion=dl.EllipticStep(lift=0.0)).q0 == q0
+    with pytest.raises(InvalidValueError, match=r"cannot go along \(0, 0, 1\): make the lift 0"):
+        dl.EllipseConfig(robot=planar(), q0=q0)
 
 
 @pytest.mark.parametrize(

@@ -133,19 +133,19 @@ def _teleop(chosen: argparse.Namespace) -> int:
     try:
         with _start_server(chosen, f"{robot.title}, driven by A D, S W, F R") as server:
             _say(f"{KEYS}\nat the start sigma_min is {_mm(start)}, {start.sentence or IDLE}")
-            step = drive_robot(robot, q, server, say=_say, keep=chosen.task, once=chosen.once)
+            step = drive_robot(robot, q, server, say=_say, task=chosen.task, once=chosen.once)
     except KeyboardInterrupt:
         return 0
     print(f"the robot was left at --q {as_typed(robot, step.q.tolist())}")
     return 0
 
 
-def _start(robot: Robot, q: list[float], keep: str | None) -> Step:
+def _start(robot: Robot, q: list[float], task: str | None) -> Step:
     """Describe where the robot starts, or refuse a singular posture."""
     from drake_leg.scene.driven_foot import DrivenFoot
     from drake_leg.singularity.families import singular_words
 
-    drive = DrivenFoot(robot, keep)
+    drive = DrivenFoot(robot, task)
     try:
         return drive.at_rest(q)
     except SingularConfigurationError as error:

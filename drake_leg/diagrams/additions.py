@@ -15,6 +15,7 @@ from drake_leg.arguments import require_fields, shown
 from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.motions import SineStep
 from drake_leg.robot.robot import Segment
 from drake_leg.singularity.inverse import Inverse
 from drake_leg.systems.drift_correction import DriftCorrection
@@ -102,6 +103,21 @@ def require_radians(q0: Sequence[float], joints: Sequence[Segment]) -> None:
                     f"joint {joint.joint} starts at {q:g} rad, which is more than two turns",
                     advice=f"if degrees were meant, give math.radians({q:g})",
                 )
+
+
+def require_straight(motion: SineStep) -> None:
+    """Refuse a motion that is not along a line, for a diagram with a single sine.
+
+    Raises
+    ------
+    InvalidValueError
+        With the kind of the motion.
+    """
+    if not motion.is_straight:
+        raise InvalidValueError(
+            f"the motion is an {type(motion).__name__}, and this diagram moves the foot on a line",
+            advice="give a SineStep; build_ellipse makes an ellipse",
+        )
 
 
 class Command(NamedTuple):

@@ -21,6 +21,8 @@ from drake_leg.diagrams.mechanism import add_scope
 from drake_leg.diagrams.wiring import built
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import UP, EllipticStep
+from drake_leg.kinematics.movable import Movable
+from drake_leg.singularity.stroke import require_direction
 
 ELLIPSE = EllipticStep()
 
@@ -39,7 +41,7 @@ class EllipseConfig(HexabotLegConfig):
     Raises
     ------
     InvalidValueError
-        If a value makes no sense.
+        If a value makes no sense, or the foot cannot move along the ellipse.
 
     Examples
     --------
@@ -54,6 +56,15 @@ class EllipseConfig(HexabotLegConfig):
         super().__post_init__()
         if self.gain != 1.0:
             raise InvalidValueError(f"the gain is {self.gain!r}; an ellipse has no gain block")
+
+    def _require_motion(self, moved: Movable) -> None:
+        require_direction(self.robot, moved, self.q0, self.motion.direction)
+        if self.motion.lift:
+            try:
+                require_direction(self.robot, moved, self.q0, UP.tolist())
+            except InvalidValueError as error:
+                error.advice = "make the lift 0, or choose a robot whose foot can rise"
+                raise
 
 
 @checked

@@ -35,6 +35,7 @@ from drake_leg.diagrams.additions import (
     JointMotion,
     connect_feedback,
     require_radians,
+    require_straight,
     with_correction,
     with_direction,
     with_filters,
@@ -89,7 +90,8 @@ class HexabotLegConfig:
     Raises
     ------
     InvalidValueError
-        If a value makes no sense, or the foot cannot move in that direction.
+        If a value makes no sense, the motion is an ellipse, or the foot cannot move in that
+        direction.
 
     Examples
     --------
@@ -120,13 +122,18 @@ class HexabotLegConfig:
             require_angle("an angle of q0", angle)
         if not LEAST <= abs(self.gain) <= MOST:
             raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
-        require_direction(self.robot, moved, self.q0, self.motion.direction)
+        self._require_motion(moved)
         if self.feedback not in FEEDBACKS:
             raise InvalidValueError(
                 f"the feedback is {self.feedback!r}; it must be {' or '.join(FEEDBACKS)}"
             )
         if self.filter_time_constant is not None:
             require_positive("the filter's time constant", self.filter_time_constant, "s")
+
+    def _require_motion(self, moved: Movable) -> None:
+        """Refuse a motion that the diagram does not make, or that the foot cannot follow."""
+        require_straight(self.motion)
+        require_direction(self.robot, moved, self.q0, self.motion.direction)
 
     @property
     def start(self) -> tuple[float, ...]:
@@ -165,6 +172,11 @@ def build(config: HexabotLegConfig) -> Diagram:
     Diagram
         To be started with ``mechanism.start_on_motion``.
 
+    Raises
+    ------
+    InvalidValueError
+        If the motion is an ellipse, which ``build_ellipse`` makes.
+
     Examples
     --------
     >>> from drake_leg import HexabotLegConfig, SineStep, build_hexabot_leg, simulate
@@ -173,6 +185,7 @@ def build(config: HexabotLegConfig) -> Diagram:
     >>> step.scopes["foot velocities"][-1].round(4).tolist()  # 0.05 sin(1), 0, 0 [m/s]
     [0.0421, 0.0, -0.0]
     """
+    require_straight(config.motion)
     builder = DiagramBuilder()
     motion = config.motion
 

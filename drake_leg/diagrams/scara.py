@@ -30,6 +30,7 @@ from drake_leg.diagrams.additions import (
     Command,
     Control,
     require_radians,
+    require_straight,
     through_matrix,
     with_correction,
 )
@@ -98,6 +99,7 @@ class ScaraConfig:
         require_radians(self.q0, self.robot.moving[:3])
         for angle in self.start:
             require_angle("an angle of q0", angle)
+        require_straight(self.motion)
         if self.motion.direction[2] != 0.0:
             raise InvalidValueError(
                 f"the direction is {self.motion.direction!r}; the SCARA's tool keeps its height, "

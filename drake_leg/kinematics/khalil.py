@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.robot import JointType, Row
 from drake_leg.units import AT_LIMIT
@@ -26,11 +27,11 @@ FLAT = 4e-16  # of the longest side squared: rounding of a flat triangle's sides
 
 
 def real_numbers(what: str, values: ArrayLike) -> Array:
-    """Values as a float64 array of any shape; what is no real number is refused."""
+    """Values as a float64 array of any shape; what is not a real number is refused."""
     try:
         return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidValueError(f"{what} is {values!r}; it must be real numbers") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidValueError(f"{what} is {shown(values)}; it must be real numbers") from None
 
 
 def finite_vectors(what: str, values: ArrayLike, size: int) -> Array:

@@ -73,6 +73,7 @@ class SineStep:
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
         require_three("the direction", self.direction)
+        object.__setattr__(self, "direction", tuple(self.direction))
         if not math.isclose(math.hypot(*self.direction), 1.0, rel_tol=1e-12):
             raise InvalidValueError(f"the direction is {self.direction!r}; it must have length 1")
 

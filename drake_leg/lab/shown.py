@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 
-from drake_leg.errors import PictureError
+from drake_leg.arguments import require_callable, shown
+from drake_leg.errors import InvalidValueError, PictureError
 from drake_leg.files import ResultsFolder
 from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
+from drake_leg.units import require_kind
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,7 @@ def errata(*numbers: int) -> Errata:
     Raises
     ------
     InvalidValueError
-        If there is no erratum with such a number.
+        If there is no erratum with such a number, or it is not a whole number.
 
     Examples
     --------
@@ -70,6 +73,12 @@ def errata(*numbers: int) -> Errata:
     >>> first.source
     'Report A'
     """
+    given: tuple[object, ...] = numbers
+    for number in given:
+        if not isinstance(number, Integral):
+            raise InvalidValueError(
+                f"the number of an erratum is {shown(number)}; it must be a whole number"
+            )
     return Errata(tuple(map(erratum_of, numbers or texts_by_number())))
 
 
@@ -99,6 +108,8 @@ def report(
 
     Raises
     ------
+    InvalidValueError
+        If the folder is not a path, or progress is not a function.
     OutputError
         If the folder cannot be written.
 
@@ -113,6 +124,8 @@ def report(
     """
     from drake_leg.lab.page.page import write_report
 
+    require_kind("folder", folder, str, Path)
+    require_callable("progress", progress)
     target = ResultsFolder(Path(folder), overwrite=overwrite)
     with target.begun() as scratch:
         failures = write_report(scratch, progress or (lambda _done: None))

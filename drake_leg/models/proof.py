@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from drake_leg.arguments import require_callable, shown
 from drake_leg.errors import InvalidValueError, TimeBudgetError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.feet import greatest_reach, random_configurations
@@ -179,8 +180,8 @@ def prove(
     Raises
     ------
     InvalidValueError
-        If samples or the seed is not a whole number within its bounds, or the budget is not
-        positive.
+        If samples or the seed is not a whole number within its bounds, the budget is not positive,
+        or progress is not a function.
 
     Examples
     --------
@@ -195,6 +196,7 @@ def prove(
     _require_whole("samples", samples, 1, MOST_SAMPLES)
     _require_whole("the seed", seed, 0)
     require_positive("the budget", budget, "s")
+    require_callable("progress", progress)
     q = random_configurations(robot, samples, np.random.default_rng(seed))
     found, missing = _compute(_testimonies(robot), q, TimeBudget(budget), progress)
     size = greatest_reach(robot)
@@ -221,7 +223,7 @@ def _require_whole(what: str, value: object, least: int, most: float = math.inf)
         or not least <= int(value) <= most
     ):
         span = f"{least} to {most}" if math.isfinite(most) else f"at least {least}"
-        raise InvalidValueError(f"{what} is {value!r}; it must be a whole number, {span}")
+        raise InvalidValueError(f"{what} is {shown(value)}; it must be a whole number, {span}")
 
 
 def _testimonies(robot: Robot) -> list[_Testimony]:

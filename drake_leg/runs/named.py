@@ -15,13 +15,13 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from drake_leg.arguments import require_callable
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder
 from drake_leg.pictures.plots.of_runs import figures_of_run
 from drake_leg.robot.robot import Robot, html_table
 from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.outcome import Outcome, figure_files
-from drake_leg.simulation.run import require_callable
 
 DPI = 110  # of the figure that a notebook shows
 

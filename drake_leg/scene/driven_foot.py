@@ -48,14 +48,14 @@ class DrivenFoot:
 
     Motion that lowers the smallest singular value of the foot's Jacobian is slowed below ``slow``
     and stopped at ``stop``. No joint exceeds its greatest rate or moves further out of its limits.
-    A command is projected onto the directions in which the foot can move. ``keep`` is whether the
-    foot may turn, as ``movable`` takes it.
+    A command is projected onto the directions in which the foot can move. The ``task`` is that of
+    ``movable``.
     """
 
     rate = GREATEST_RATE  # [rad/s or m/s] of a joint
 
-    def __init__(self, robot: Robot, keep: str | None = None) -> None:
-        self.robot, self.moved = robot, movable(robot, task=keep)
+    def __init__(self, robot: Robot, task: str | None = None) -> None:
+        self.robot, self.moved = robot, movable(robot, task=task)
         self.stop, self.slow = STOP * self.moved.length, SLOW * self.moved.length  # sigma_min [m]
         self._whole = WholeFoot(self.moved)
         diagram = build(self.moved)

@@ -14,6 +14,7 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 from PIL import Image
 
+from drake_leg.arguments import require_callable
 from drake_leg.errors import InvalidValueError, require_import, require_pillow
 from drake_leg.files import check_file, whole_file, write_text
 from drake_leg.scene.artists import (
@@ -196,7 +197,8 @@ def write_video(
     Raises
     ------
     InvalidValueError
-        If the record is not a motion of this robot, or is longer than 600 s.
+        If the record is not a motion of this robot, or is longer than 600 s, or progress is not a
+        function.
     BrokenPackageError
         If Pillow cannot be imported, or PyAV for an MP4.
     NoRenderingError
@@ -212,6 +214,7 @@ def write_video(
     5
     """
     require_kind("target", target, str, Path)
+    require_callable("progress", progress)
     path, motion, seen_from = Path(target), _short(what, record, "video"), as_view(view)
     with whole_file(path, endings=VIDEOS, overwrite=overwrite) as scratch:
         require_video(path)

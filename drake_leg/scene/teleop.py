@@ -129,7 +129,7 @@ def drive_robot(
     server: Server,
     *,
     say: Callable[[str], None],
-    keep: str | None = None,
+    task: str | None = None,
     once: bool = False,
     wait: Callable[[float], None] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
@@ -137,11 +137,10 @@ def drive_robot(
     """Let a user drive a robot's foot from a page, until the page quits or Ctrl-C.
 
     It starts at q (n,) [rad or m]. ``say`` is called with each new message of the guard, also when
-    it releases the foot. ``keep`` is whether the foot may turn, as ``movable`` takes it. With
-    ``once`` it ends after one step. ``wait`` is called with the time until the next step, ``clock``
-    tells the time [s].
+    it releases the foot. The ``task`` is that of ``movable``. With ``once`` it ends after one step.
+    ``wait`` is called with the time until the next step, ``clock`` tells the time [s].
     """
-    drive = DrivenFoot(robot, keep)
+    drive = DrivenFoot(robot, task)
     start = step = drive.at_rest(q)
     scene = teleop_scene(drive, start.q)
     trace = Trace(scene.size)

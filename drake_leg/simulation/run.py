@@ -20,6 +20,7 @@ from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Context, Diagram, EventStatus, System
 from pydrake.systems.primitives import VectorLogSink
 
+from drake_leg.arguments import require_callable
 from drake_leg.diagrams.disturbance import is_disturbed
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import (
@@ -191,12 +192,6 @@ def simulate(
         wall_time=wall_time,
         stopped_by=cause,
     )
-
-
-def require_callable(name: str, value: object) -> None:
-    """Refuse an optional function that cannot be called."""
-    if value is not None and not callable(value):
-        raise InvalidValueError(f"{name} is {value!r}; it must be a function")
 
 
 def _named(system: object) -> str:
