@@ -111,9 +111,9 @@ def test_drake_reads_an_explicit_inertia():
         ({"mass": math.nan}, "mass"),
         ({"moments": (1.0, 1.0, 2.1)}, "less than the other two"),
         ({"moments": (0.0, 1.0, 1.0)}, "must be positive"),
-        ({"moments": (1.0, 1.0, math.inf)}, "not finite"),
+        ({"moments": (1.0, 1.0, math.inf)}, "must be three finite numbers"),
         ({"products": (1.5, 0.0, 0.0)}, "must be positive"),
-        ({"centre": (math.nan, 0.0, 0.0)}, "not finite"),
+        ({"centre": (math.nan, 0.0, 0.0)}, "must be three finite numbers"),
     ],
 )
 def test_an_inertia_that_no_body_has_is_refused(body, said):

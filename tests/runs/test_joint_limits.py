@@ -117,11 +117,11 @@ def test_a_target_of_high_priority_binds_the_motion_and_one_of_low_does_not():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"upper_limit": float("nan")}, "upper limit is nan"),
+        ({"upper_limit": float("nan")}, "upper_limit is nan"),
         ({"lower_limit": 10.0, "upper_limit": 5.0}, "the lower one must be less"),
         ({"upper_limit": 60.0, "limit_stiffness": 0.0}, "limit's stiffness is 0.0"),
         ({"upper_limit": 60.0, "limit_width": -1.0}, "limit's transition width is -0.017"),
-        ({"velocity_target": float("inf")}, "state target is inf"),
+        ({"velocity_target": float("inf")}, "velocity_target is inf"),
     ],
 )
 def test_senseless_limits_are_refused(changes, words):
