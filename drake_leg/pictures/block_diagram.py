@@ -24,8 +24,7 @@ from drake_leg.arguments import checked
 from drake_leg.colours import Background
 from drake_leg.diagrams.wiring import LiveWire, plant_of, wires
 from drake_leg.pictures.drawing import Drawing, draw
-from drake_leg.pictures.mechanical import SIGNAL_WIDTH, values_text
-from drake_leg.pictures.of_plant import link_picture, mechanism_picture
+from drake_leg.pictures.mechanical import SIGNAL_WIDTH, link_picture, mechanism_picture, values_text
 from drake_leg.pictures.of_simulink import model_pictures
 from drake_leg.pictures.svg import (
     ALL,

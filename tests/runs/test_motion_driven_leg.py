@@ -137,5 +137,5 @@ def test_the_ellipse_has_the_filters_too():
 
 @pytest.mark.parametrize("tau", [0.0, -1.0, float("nan")])
 def test_a_senseless_time_constant_is_refused(tau):
-    with pytest.raises(InvalidValueError, match="filter('s time constant|_time_constant) is"):
+    with pytest.raises(InvalidValueError, match=r"filter('s time constant|_time_constant) is"):
         run_leg(LegBOptions(filter_time_constant=tau))

@@ -10,7 +10,7 @@ from drake_leg.models.plant import build_plant
 from drake_leg.pictures.block_diagram import run_pictures
 from drake_leg.pictures.drawing import draw
 from drake_leg.pictures.layout import lay_out
-from drake_leg.pictures.of_plant import link_picture, mechanism_picture
+from drake_leg.pictures.mechanical import link_picture, mechanism_picture
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_A, LEG_B, ROBOTS, pendulum
 
