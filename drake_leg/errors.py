@@ -81,7 +81,7 @@ class PlaceError(OutputError):
 
 
 class UnreadableFileError(InvalidValueError, OutputError):
-    """A file that is no regular file, is too large, or cannot be read.
+    """A file that is not a regular file, is too large, or cannot be read.
 
     Attributes
     ----------

@@ -287,7 +287,8 @@ def check_target(target: Path, *, overwrite: bool) -> None:
             if stranger is not None:
                 raise PlaceError(
                     target,
-                    f"holds {stranger}, which is no result of this program, and is not overwritten",
+                    f"holds {stranger}, which is not a result of this program, and is not "
+                    "overwritten",
                 )
             if Path.cwd().is_relative_to(target.resolve()):
                 raise PlaceError(target, "is the folder that you are in")

@@ -28,7 +28,7 @@ WIDTH = 30  # characters of the bar
 class ProgressBar:
     """Shows the progress of something that takes more than a second.
 
-    On a stream that is no terminal it writes a line every ten seconds instead. In a ``with``
+    On a stream that is not a terminal it writes a line every ten seconds instead. In a ``with``
     statement it is updated even while no progress is reported.
     """
 

@@ -455,7 +455,7 @@ def test_an_existing_folder_is_refused_without_overwrite_and_kept(refused, tmp_p
 def test_a_folder_of_something_else_is_refused_even_with_overwrite(refused, tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "thesis.tex").write_text("mine", encoding="utf-8")
-    refused("pendulum", "--overwrite", named="holds thesis.tex, which is no result", out="out")
+    refused("pendulum", "--overwrite", named="holds thesis.tex, which is not a result", out="out")
 
 
 def test_results_are_overwritten_on_request(run, tmp_path):

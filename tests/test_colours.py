@@ -1,4 +1,4 @@
-"""The palette is Okabe and Ito's, and codes and numbers say the same colours."""
+"""The palette is Okabe and Ito's, and codes and numbers say the same colors."""
 
 import matplotlib as mpl
 import pytest

@@ -260,7 +260,7 @@ STRANGERS = ["thesis.docx", "notes.txt", "notes.csv", "photo.png", ".hidden", "s
 def test_a_folder_with_anything_else_in_it_is_never_replaced(tmp_path, stranger):
     out = results(tmp_path / "out")
     (out / stranger).write_text("mine", encoding="utf-8")
-    with pytest.raises(OutputError, match=f"holds {stranger}, which is no result of .*, and"):
+    with pytest.raises(OutputError, match=f"holds {stranger}, which is not a result of .*, and"):
         check_target(out, overwrite=True)
     assert (out / stranger).read_text(encoding="utf-8") == "mine"
 
@@ -296,7 +296,7 @@ def test_what_a_file_manager_leaves_is_no_hindrance(tmp_path):
 def test_a_folder_with_a_folder_in_it_is_never_replaced(tmp_path):
     out = results(tmp_path / "out")
     (out / "deeper.csv").mkdir()
-    with pytest.raises(OutputError, match="which is no result of"):
+    with pytest.raises(OutputError, match="which is not a result of"):
         check_target(out, overwrite=True)
 
 
@@ -304,7 +304,7 @@ def test_a_folder_of_pictures_that_are_not_ours_is_never_replaced(tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     (out / "holiday.png").write_bytes(b"")
-    with pytest.raises(OutputError, match="which is no result of"):
+    with pytest.raises(OutputError, match="which is not a result of"):
         check_target(out, overwrite=True)
 
 

@@ -99,7 +99,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _require_working_folder() -> None:
-    """Refuse to work in a folder that has been removed, where neither we nor Drake can."""
+    """Refuse to work in a folder that has been removed, where Drake cannot work either."""
     try:
         os.getcwd()  # noqa: PTH109 - no path is wanted
     except OSError:
@@ -123,7 +123,7 @@ def _join_negative_values(words: Sequence[str]) -> list[str]:
 def _unrecognized(
     parser: argparse.ArgumentParser, unknown: Sequence[str], words: Sequence[str], name: str | None
 ) -> str:
-    """Say which words are no options of a command, and what was meant."""
+    """Say which words are not options of a command, and what was meant."""
     import difflib  # not needed for help
 
     sentence = f"unrecognized arguments: {' '.join(unknown)}"
@@ -132,7 +132,7 @@ def _unrecognized(
     spaced = _SPACED.search(" ".join(words))
     if spaced and "," in str(getattr(known.get(spaced[1]), "metavar", "")):
         numbers = ",".join(spaced[2].replace(",", " ").split())
-        return f"{sentence}: put commas and no blanks between numbers, as in {spaced[1]}={numbers}"
+        return f"{sentence}: put commas without spaces between numbers, as in {spaced[1]}={numbers}"
     for word in unknown:
         option = word.partition("=")[0]
         if option.startswith("--"):

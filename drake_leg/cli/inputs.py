@@ -1,4 +1,4 @@
-"""What commands take: a robot by its name or file, and a posture in degrees and metres."""
+"""What commands take: a robot by its name or file, and a posture in degrees and meters."""
 
 from __future__ import annotations
 

@@ -27,8 +27,8 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
         "Turn a run's recorded motion into a page that opens from disk, with a play "
-        "button, a time slider and the reports' views (.html), or into a video (.mp4, .gif), for "
-        "which no display is needed."
+        "button, a time slider and the reports' views (.html), or into a video (.mp4, .gif). "
+        "Neither needs a display."
     )
     parser.add_argument("run", type=Path, metavar="DIR", help="folder that 'drake-leg run' made")
     parser.add_argument(
@@ -111,7 +111,7 @@ class _RecordedRun:
 
     @property
     def of_toml(self) -> bool:
-        """Whether the robot was read from a file; then it is none of the reports', by any name."""
+        """Whether the robot was read from a file; then it is not one of the reports'."""
         return str(self.summary.get("run")).lower().endswith(".toml")
 
     def title(self, robot: str) -> str:

@@ -283,7 +283,7 @@ def add_shows(parser: argparse.ArgumentParser) -> None:
 
 
 def _shows(chosen: argparse.Namespace) -> dict[str, Path]:
-    """Return the files to write besides the folder of results, by option."""
+    """Return the files to write in addition to the folder of results, by option."""
     given = {"replay": chosen.replay, "video": chosen.video}
     return {option: path for option, path in given.items() if path is not None}
 

@@ -69,7 +69,7 @@ def configure_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--strict",
         action="store_true",
-        help="also count cross sections, colours and the converters' input filters",
+        help="also count cross sections, colors and the converters' input filters",
     )
     add_run_options(parser)
     parser.set_defaults(command=_compare)

@@ -113,7 +113,9 @@ def numbers(option: str, text: str, count: int | None = None) -> list[float]:
         try:
             values.append(float(part))
         except ValueError:
-            advice = "put commas and no blanks between the numbers" if len(part.split()) > 1 else ""
+            advice = (
+                "put commas without spaces between the numbers" if len(part.split()) > 1 else ""
+            )
             raise InvalidValueError(
                 f"{option} is {text!r}, in which {part!r} is not a number", advice=advice
             ) from None

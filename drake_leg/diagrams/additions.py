@@ -41,7 +41,7 @@ class Control:
     """How the joints follow a command: inverse, drift correction, and error of the start."""
 
     inverse: Inverse = EXACT_INVERSE
-    correction: float = 0.0  # K, of the drift correction [1/s]; 0 is no correction
+    correction: float = 0.0  # K, of the drift correction [1/s]; 0: none
     q0_error: tuple[float, ...] = ()  # [rad or m], start minus q0; empty: none
 
     def __post_init__(self) -> None:

@@ -93,7 +93,7 @@ def is_disturbed(diagram: Diagram) -> bool:
     """Return whether the joints of a diagram may leave their prescribed motion.
 
     They may under a push, where the torque is computed for other masses, and behind a torque limit;
-    a Saturation elsewhere in the diagram is no disturbance.
+    a Saturation elsewhere in the diagram is not a disturbance.
     """
     pushed = any(isinstance(system, FootPush) for system in diagram.GetSystems())
     mistaken = any(

@@ -43,7 +43,7 @@ class PendulumConfig:
     Raises
     ------
     InvalidValueError
-        If the robot is no pendulum, or an angle or gravity makes no sense.
+        If the robot is not a pendulum, or an angle or gravity makes no sense.
 
     Examples
     --------

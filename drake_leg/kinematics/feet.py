@@ -363,7 +363,7 @@ def _scara_feet(
     if yaw is None:
         if q is None:
             raise InvalidValueError(
-                "a SCARA's tool has a yaw besides its place",
+                "a SCARA's tool has a yaw in addition to its position",
                 advice="give `yaw`, or the posture whose yaw it keeps by `q`",
             )
         yaw, whose = float(sum(q[:3])), "that of the posture"

@@ -65,7 +65,7 @@ class PendulumModel:
         """
         segment, body = robot.segments[0], _body(robot)
         if body is None:
-            raise InvalidValueError(f"{robot.name!r} is no pendulum of one brick")
+            raise InvalidValueError(f"{robot.name!r} is not a pendulum of one brick")
         solid, brick = body
         own = mass_properties(solid)
         return cls(

@@ -190,6 +190,9 @@ def _tracks_of_net(
     return tracks
 
 
+# --- the order within columns ----------------------------------------------------------------
+
+
 @dataclass
 class Order:
     """The order of the spots in each column, and of the ports on each side of a block."""
@@ -202,7 +205,7 @@ class Order:
 def order_of(picture: Picture, columns: Columns) -> Order:
     """Order blocks, lanes and loose ports so that few wires cross.
 
-    Barycentres first; then every spot is tried at every place in its column until the cost stops
+    Barycenters first; then every spot is tried at every place in its column until the cost stops
     falling.
     """
     sides = [
@@ -233,7 +236,7 @@ def sifted(
     """Move every item of a row once to its best place; return the new order.
 
     ``passing[i, j]`` is the cost of item i passing item j, from above to below. ``more`` returns
-    what it costs an item besides to pass each one, in the order of now.
+    the further cost of an item that passes each other one, in their current order.
     """
     order = list(range(len(passing)))
     for item in range(len(passing)):
@@ -404,7 +407,7 @@ class _Search:
     ) -> bool:
         """Move every item of a row to its best place; ``named`` are its spots or ports.
 
-        ``penalties[i, j]`` is the cost of item i above item j, besides their crossings.
+        ``penalties[i, j]`` is the cost of item i above item j, in addition to their crossings.
         """
         if len(row) < 2:
             return False

@@ -1,6 +1,6 @@
 """Lays out a block diagram: columns, order, heights, and channels for the wires.
 
-Heights minimize the bends of the wires by a linear programme, after Gansner, Koutsofios, North and
+Heights minimize the bends of the wires by a linear program, after Gansner, Koutsofios, North and
 Vo, "A technique for drawing directed graphs", 1993, section 4: bends are charged by their height,
 so that most wires become straight. Ports of bars and boxes slide along their sides.
 """
@@ -393,7 +393,7 @@ def caption_height(lines: int) -> float:
 
 
 class _Programme:
-    """The linear programme of one picture: variables, constraints and costs."""
+    """The linear program of one picture: variables, constraints and costs."""
 
     def __init__(self, picture: Picture, columns: Columns, order: Order) -> None:
         self.columns = columns

@@ -162,7 +162,7 @@ def connection_of(name: str) -> DrawnBlock:
 def link_picture(plant: MultibodyPlant, link: str, *, title: str, shape: str = "solid") -> Picture:
     """Read one link of a plant with the frames that ``models.sdf`` writes; not yet laid out.
 
-    Its frames are at its base, its centre of gravity and its end: report B, figure 5, the thigh.
+    Its frames are at its base, its center of gravity and its end: report B, figure 5, the thigh.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def link_picture(plant: MultibodyPlant, link: str, *, title: str, shape: str = "
     chain = Chain()
     start = chain.add(connection_of(names[0]))
     chain.label(start, names[0])
-    centre = chain.transform(start, base.inverse() @ cog, f"{link} to its centre of gravity")
+    centre = chain.transform(start, base.inverse() @ cog, f"{link} to its center of gravity")
     chain.label(centre, names[1])
     if body.default_mass() > 0.0:
         chain.add(solid_of(body, shape), centre)
@@ -250,7 +250,7 @@ class _Mechanism:
             X_BS = None
         if not fixed and body.default_mass() > 0.0:
             X_BC = RigidTransform(body.default_com())
-            frame = chain.transform(frame, X_BF.inverse() @ X_BC, f"{body.name()} to its centre")
+            frame = chain.transform(frame, X_BF.inverse() @ X_BC, f"{body.name()} to its center")
             if not (X_BF.inverse() @ X_BC).IsNearlyEqualTo(RigidTransform(), SAME):
                 self._label(body, frame, X_BC)
             X_BF = X_BC

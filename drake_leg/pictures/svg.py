@@ -23,7 +23,7 @@ LABELLED = ("box", "plant", "sum")  # whose ports' labels are inside
 PORT_PAD = 12.0  # [px], from the first and last port to the block's edge
 Point = tuple[float, float]
 _FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
-# Every kind of colour-blind eyes can tell blue from black and gray; the mechanical
+# Every kind of color-blind eyes can tell blue from black and gray; the mechanical
 # blocks' lines are thicker, too.
 _LIGHT = {
     "paper": "#ffffff",
@@ -68,7 +68,7 @@ class Net:
     source: tuple[int, int]  # index of the block, and of its output
     targets: tuple[tuple[int, int], ...]  # index of the block, and of its input
     label: str = ""
-    physical: bool = False  # drawn in the colour of Simscape's lines
+    physical: bool = False  # drawn in the color of Simscape's lines
     arrow: bool = True  # a mechanical connection has no direction
     wide: bool = False  # a vector
 
@@ -169,6 +169,8 @@ def text_at(
     )
 
 
+# --- sizes of blocks -------------------------------------------------------------------------
+
 _FIXED = {
     "sine": (40.0, 40.0),
     "constant": (34.0, 30.0),
@@ -202,7 +204,7 @@ class Box:
 
     @property
     def middle(self) -> tuple[float, float]:
-        """The centre."""
+        """The center."""
         return self.x + self.width / 2, self.y + self.height / 2
 
 
@@ -241,6 +243,8 @@ def size_of(block: DrawnBlock) -> Size:
     height = max(40.0, ports, LINE * len(block.text) + 14.0)
     return Size(width, max(height, 74.0 if block.glyph == "plant" else 0.0), True, False)
 
+
+# --- glyphs ----------------------------------------------------------------------------------
 
 Glyph = Callable[[DrawnBlock, Box], str]
 

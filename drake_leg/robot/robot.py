@@ -80,7 +80,7 @@ class Row:
 
 @dataclass(frozen=True, kw_only=True)
 class Brick:
-    """A box, its edges along the axes of its own frame, its origin at its centre."""
+    """A box, its edges along the axes of its own frame, its origin at its center."""
 
     length: float  # [m], along x
     width: float  # [m], along y
@@ -93,7 +93,7 @@ class Brick:
 
 @dataclass(frozen=True, kw_only=True)
 class Cylinder:
-    """A cylinder about the z axis of its own frame, its origin at its centre."""
+    """A cylinder about the z axis of its own frame, its origin at its center."""
 
     radius: float  # [m]
     length: float  # [m], along z
@@ -105,7 +105,7 @@ class Cylinder:
 
 @dataclass(frozen=True, kw_only=True)
 class Sphere:
-    """A ball, its origin at its centre."""
+    """A ball, its origin at its center."""
 
     radius: float  # [m]
 
@@ -122,7 +122,7 @@ class Solid:
 
     shape: Shape
     density: float  # [kg/m^3]
-    centre: tuple[float, float, float]  # [m], p_LS: centre of the solid in its link's frame
+    centre: tuple[float, float, float]  # [m], p_LS: center of the solid in its link's frame
     colour: Colour
 
     def __post_init__(self) -> None:
@@ -136,12 +136,12 @@ class Solid:
 class Inertial:
     """Explicit mass properties, where they do not follow from a homogeneous solid.
 
-    The inertia matrix is about the centre of mass, along the axes of the link's frame; its
+    The inertia matrix is about the center of mass, along the axes of the link's frame; its
     products are the entries of the matrix, as in SDF.
     """
 
     mass: float  # [kg]
-    centre: tuple[float, float, float]  # [m], p_LC: centre of mass in the link's frame
+    centre: tuple[float, float, float]  # [m], p_LC: center of mass in the link's frame
     moments: tuple[float, float, float]  # [kg*m^2], Ixx, Iyy, Izz
     products: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [kg*m^2], Ixy, Ixz, Iyz
 
@@ -197,7 +197,7 @@ class Link:
 
     @property
     def centre_of_mass(self) -> tuple[float, float, float]:
-        """Centre of mass in the link's frame, p_LC [m]; the origin where there is no mass."""
+        """Center of mass in the link's frame, p_LC [m]; the origin where there is no mass."""
         body = self.inertial or self.solid
         return body.centre if body else (0.0, 0.0, 0.0)
 
@@ -207,7 +207,7 @@ class Segment:
     """A row of the table with its joint and link, or with only a frame."""
 
     row: Row
-    joint: str | None = None  # name of the joint; None for a mere frame
+    joint: str | None = None  # name of the joint; None for a frame alone
     link: Link | None = None
     mechanics: JointMechanics = NO_MECHANICS
 
@@ -228,9 +228,9 @@ class Segment:
 
 
 def link_colour(row: int) -> Colour:
-    """Colour of a link that has none of its own, by its row in the table, from 1.
+    """Color of a link that has none of its own, by its row in the table, from 1.
 
-    Colours repeat after ``len(LINK_COLOURS)`` rows.
+    Colors repeat after ``len(LINK_COLOURS)`` rows.
     """
     return LINK_COLOURS[(row - 1) % len(LINK_COLOURS)]
 
@@ -342,19 +342,19 @@ class Robot:
         variables = (f"q{number}" for number in itertools.count(1))
         for index, segment in enumerate(self.segments, start=1):
             row = segment.row
-            r, theta = f"{row.r:g}", _angle(row.theta)
+            r, theta = f"{row.r:g}", angle_text(row.theta)
             if row.joint == "revolute":
                 theta = _sum(next(variables), row.theta, theta)
             elif row.joint == "prismatic":
                 r = _sum(next(variables), row.r, r)
             sigma = "~" if row.sigma is None else row.sigma
             link = segment.link.name if segment.link else ""
-            cells = (index, sigma, f"{row.d:g}", _angle(row.alpha), r, theta)
+            cells = (index, sigma, f"{row.d:g}", angle_text(row.alpha), r, theta)
             rows.append((*cells, segment.joint or "", link))
         return html_table(headings, rows, title=f"{self.title} ({self.source})")
 
 
-def _angle(angle: float) -> str:
+def angle_text(angle: float) -> str:
     """Write an angle [rad], as a multiple of π where it is one."""
     named = {0.0: "0", math.pi / 2: "π/2", -math.pi / 2: "−π/2", math.pi: "π"}
     return named.get(angle, f"{angle:.4g}")
@@ -367,7 +367,7 @@ def _sum(variable: str, offset: float, text: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class MassProperties:
-    """Mass and principal moments about the solid's centre, along its own axes."""
+    """Mass and principal moments about the solid's center, along its own axes."""
 
     mass: float  # [kg]
     moments: tuple[float, float, float]  # [kg*m^2], about x, y, z
@@ -383,7 +383,7 @@ def volume(shape: Shape) -> float:
 
 
 def bounding_radius(shape: Shape) -> float:
-    """Distance of a shape's farthest point from its centre [m]."""
+    """Distance of a shape's farthest point from its center [m]."""
     if isinstance(shape, Brick):
         return math.hypot(shape.length, shape.width, shape.height) / 2
     if isinstance(shape, Cylinder):
@@ -423,7 +423,7 @@ def frame_name(index: int) -> str:
 
 
 def place_name(link: str, place: str) -> str:
-    """Name a frame on a link: its base, its centre of gravity or its end."""
+    """Name a frame on a link: its base, its center of gravity or its end."""
     return f"{link}_{place}"
 
 

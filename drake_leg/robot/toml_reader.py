@@ -153,7 +153,7 @@ def read_solid(table: object, where: str, inertial: Inertial | None, row: int) -
     """Read the solid of a row, from the value of its key.
 
     ``where`` is the file and row, with which every error begins. With an ``inertial`` the density
-    may be left out; the row's number, from 1, chooses a colour if none is given.
+    may be left out; the row's number, from 1, chooses a color if none is given.
     """
     every = {key for _, names in SHAPES.values() for key in names}
     shape_keys = Keys(table, where, ("shape", *sorted(every), *_SOLID_KEYS), _INSTEAD_OF_SOLID)

@@ -86,8 +86,8 @@ def _body_lines(link: Link) -> Iterator[str]:
 def _inertial_lines(body: Inertial) -> Iterator[str]:
     yield "[row.inertial]"
     yield _line("mass", body.mass, "[kg]")
-    yield _line("centre", body.centre, "[m] centre of mass in the link's frame")
-    yield _line("moments", body.moments, "[kg*m^2] Ixx, Iyy, Izz about the centre of mass")
+    yield _line("centre", body.centre, "[m] center of mass in the link's frame")
+    yield _line("moments", body.moments, "[kg*m^2] Ixx, Iyy, Izz about the center of mass")
     yield _line("products", body.products, "[kg*m^2] Ixy, Ixz, Iyz of the inertia matrix")
 
 

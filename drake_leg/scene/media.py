@@ -148,6 +148,9 @@ def sketching() -> str | None:
     )
 
 
+# --- videos ----------------------------------------------------------------------------------
+
+
 def require_video(target: Path) -> None:
     """Refuse to make a video without Pillow, without PyAV for an MP4, or without OpenGL."""
     require_pillow()
@@ -287,6 +290,8 @@ def _encode_gif(target: Path, images: Iterator[Pixels]) -> None:
     )
 
 
+# --- replays ---------------------------------------------------------------------------------
+
 RATE = 30.0  # poses a second, at least; the page interpolates between them
 FRAME = (
     '<iframe title="{title}" srcdoc="{page}" style="width: 100%; height: 34rem; '
@@ -376,6 +381,9 @@ def replay(
     title = f"{heading}: replay"
     page = web_page(scene, "replay.html", title=title, data=data, heading=heading, note=note)
     return Replay(heading, page)
+
+
+# --- files of either kind --------------------------------------------------------------------
 
 
 def check_show(target: Path, *, overwrite: bool) -> None:

@@ -412,7 +412,7 @@ def open_browser(url: str) -> bool:
 def require_own(host: str | None, origin: str | None, names: tuple[str, ...]) -> None:
     """Refuse requests that another site sends through a browser of this machine.
 
-    Then the Host header is none of this machine's names, or Origin is another host.
+    Then the Host header is not one of this machine's names, or Origin is another host.
     """
     name = (host or "").lower().rpartition(":")[0] if _has_port(host) else (host or "").lower()
     known = name in map(str.lower, names) or ("*" in names and _is_address(name))

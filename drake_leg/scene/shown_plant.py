@@ -72,7 +72,7 @@ class Part:
         return self._on_box(signs)
 
     def ends(self) -> Array:
-        """Where the axes of that box end, (6, 3) [m]; of a ball its centre, (1, 3)."""
+        """Where the axes of that box end, (6, 3) [m]; of a ball its center, (1, 3)."""
         ends = np.concatenate([np.eye(3), -np.eye(3)])
         return self._on_box(np.zeros((1, 3)) if isinstance(self.shape, Sphere) else ends)
 
@@ -344,7 +344,7 @@ class ShownPlant:
         ]
 
     def _ends_of(self, body: RigidBody) -> list[Array]:
-        """End of a body, or its centre of mass, p_B [m]."""
+        """End of a body, or its center of mass, p_B [m]."""
         return self._end_of(body) or [np.nan_to_num(body.default_com())]
 
     def _choose_frames(self) -> list[Frame]:
@@ -434,7 +434,7 @@ class ShownPlant:
         ends = [first.point(end) for end in self._end_of(body) + tables]
         if not ends:
             ends = [end for part in self._shapes[body.index()] for end in part.ends()]
-        # The last frame may be inside the body, as the pendulum's centre of gravity is, or beyond
+        # The last frame may be inside the body, as the pendulum's center of gravity is, or beyond
         # its end, as a tool is.
         start = first.point(first.place)
         return first.frame, max(

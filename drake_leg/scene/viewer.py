@@ -28,7 +28,7 @@ ACTIONS = ("joints", "start", "clear", "quit")
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
-    """The slider of one of a plant's positions, in degrees or millimetres."""
+    """The slider of one of a plant's positions, in degrees or millimeters."""
 
     position: int  # index among the plant's positions
     joint: str
@@ -36,7 +36,7 @@ class Slider:
     low: float
     high: float
     value: float
-    unit: float  # what one degree or millimetre is in rad or m
+    unit: float  # what one degree or millimeter is in rad or m
 
 
 def joint_sliders(plant: ShownPlant, q: ArrayLike | None = None) -> tuple[Slider, ...]:

@@ -34,7 +34,7 @@ from drake_leg.scene.scene import (
 )
 from drake_leg.scene.server import MOST_PIECES
 
-Entry = tuple[str, tuple[Colour, ...]]  # of a legend: words, and the colours of what they name
+Entry = tuple[str, tuple[Colour, ...]]  # of a legend: words, and the colors of what they name
 AXES: tuple[Entry, ...] = (("x", (RED,)), ("y", (GREEN,)), ("z", (BLUE,)))
 
 

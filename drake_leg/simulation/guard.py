@@ -14,7 +14,7 @@ from drake_leg.systems.foot_push import FootPush
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 
-NEARLY_SINGULAR = 0.02  # normalised determinant below which the joints must follow closely
+NEARLY_SINGULAR = 0.02  # normalized determinant below which the joints must follow closely
 LARGEST_LAG = 1e-6  # [rad or m] of the joints behind their prescribed motion there
 GROWTH = 1.2  # from one step to the next, at most
 

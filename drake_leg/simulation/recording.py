@@ -170,7 +170,7 @@ def _rows(path: Path) -> list[list[str]]:
 
 
 def _numbers(where: str, header: Sequence[str], row: Sequence[str]) -> list[float]:
-    """Read a row, or say which of its values is no number."""
+    """Read a row, or say which of its values is not a number."""
     if len(row) != len(header):
         raise OutputError(f"{where}, has {len(row)} values for {len(header)} columns")
     numbers = []
@@ -179,7 +179,7 @@ def _numbers(where: str, header: Sequence[str], row: Sequence[str]) -> list[floa
             numbers.append(float(text))
         except ValueError:
             raise OutputError(
-                f"{where}, has {text!r} in the column {name}, which is no number: correct "
+                f"{where}, has {text!r} in the column {name}, which is not a number: correct "
                 "the file, or carry out the run again"
             ) from None
     return numbers

@@ -113,7 +113,7 @@ def _require_shallow(root: Element | None, part: str) -> None:
 def _too_large(part: str) -> InvalidValueError:
     return InvalidValueError(
         f"its part {part} is deeper than {DEEPEST} levels or longer than {MOST_ELEMENTS} elements, "
-        "which no model is"
+        "as no model is"
     )
 
 
@@ -130,7 +130,7 @@ def parameters(element: Element) -> dict[str, str]:
 
 
 def one_line(text: str) -> str:
-    """Return a name with its line breaks as blanks."""
+    """Return a name with its line breaks as spaces."""
     return " ".join(text.splitlines())
 
 

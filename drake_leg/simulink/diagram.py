@@ -26,7 +26,7 @@ class Mask:
 
     type: str = ""
     values: dict[str, str] = field(default_factory=dict)  # name to text, of all its parameters
-    literal: frozenset[str] = frozenset()  # parameters whose text is no expression
+    literal: frozenset[str] = frozenset()  # parameters whose text is not an expression
     computed: frozenset[str] = frozenset()  # names that its initialization sets
 
 
@@ -171,6 +171,8 @@ def _fitting(path: str, name: str, tag: str, charts: list[_Chart]) -> list[_Char
 def _plain(name: str) -> str:
     return " ".join(one_line(name).split())
 
+
+# --- what a file says of blocks and ports ----------------------------------------------------
 
 _PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")
 _PHYSICAL = ("lconn", "rconn")

@@ -176,6 +176,8 @@ def _unknown(block: Block, name: str, value: object) -> InvalidValueError:
     )
 
 
+# --- solids ----------------------------------------------------------------------------------
+
 SHAPES = {"Brick Solid": "brick", "Cylindrical Solid": "cylinder", "Spherical Solid": "sphere"}
 DIMENSIONS = {
     "brick": ("BrickDimensions",),
@@ -203,7 +205,7 @@ class SolidProperties:
     density: float | None  # [kg/m^3]; None where the mass is given
     mass: float  # [kg]; 0 where it follows from a shape that is not known
     moments: tuple[float, ...] = ()  # [kg*m^2], given, or of a plant's body
-    offsets: tuple[float, ...] = ()  # centre of mass [m] and products [kg*m^2]; none means zero
+    offsets: tuple[float, ...] = ()  # center of mass [m] and products [kg*m^2]; none means zero
     colour: tuple[float, ...] = ()  # red, green, blue in 0...1
 
 
@@ -212,11 +214,11 @@ def read_solid(block: Block) -> SolidProperties:
     get = block.parameters.get
     shape = _shape(block)
     size = _size(block, shape)
-    unsaid = "PointMass" if block.kind == "Inertia" else "CalculateFromGeometry"
-    outright = get("InertiaType", unsaid) != "CalculateFromGeometry"
-    weighed = outright or get("BasedOnType") == "Mass"
-    density = None if weighed else number(get("Density"))
-    moments, offsets = _inertia(block) if outright else ((), ())
+    default = "PointMass" if block.kind == "Inertia" else "CalculateFromGeometry"
+    has_inertia = get("InertiaType", default) != "CalculateFromGeometry"
+    has_mass = has_inertia or get("BasedOnType") == "Mass"
+    density = None if has_mass else number(get("Density"))
+    moments, offsets = _inertia(block) if has_inertia else ((), ())
     return SolidProperties(
         shape=shape,
         size=size,
@@ -266,6 +268,8 @@ def _inertia(block: Block) -> tuple[tuple[float, ...], tuple[float, ...]]:
         return (0.0, 0.0, 0.0), centre
     return vector(get("MomentsOfInertia")), centre + vector(get("ProductsOfInertia"))
 
+
+# --- the physical network --------------------------------------------------------------------
 
 BASE, FOLLOWER = "lconn:1", "rconn:1"
 RIGID = ("Rigid Transform", "Weld Joint")

@@ -19,7 +19,7 @@ class Block:
     """One block; library blocks carry the path of their library block as their source."""
 
     sid: str  # unique in the model; may hold colons
-    name: str  # line breaks read as blanks
+    name: str  # line breaks read as spaces
     type: str  # BlockType in the file: "Sin", "Integrator", "Reference", ...
     source: str  # of a Reference: "sm_lib/Joints/Revolute Joint"; otherwise ""
     system: str  # SID of the subsystem that holds it; "" at the top

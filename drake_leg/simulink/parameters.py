@@ -173,6 +173,8 @@ def _shortened(text: str) -> str:
     return repr(text if len(text) <= 60 else text[:57] + "...")
 
 
+# --- values of parameters --------------------------------------------------------------------
+
 _UNIT_SUFFIXES = ("Units", "_unit")
 _LIBRARIES = "Simulink, Simscape and Simscape Multibody"
 

@@ -39,13 +39,13 @@ def read_model(path: Path) -> Model:
     -------
     Model
         All blocks that are not commented out, those of subsystems included; the parts that a
-        MATLAB Function block is made of are no blocks, and a block that is commented through is a
+        MATLAB Function block is made of are not blocks, and a block that is commented through is a
         wire.
 
     Raises
     ------
     InvalidValueError
-        With the file, the block and the parameter, if it is no such file, is damaged, or has a
+        With the file, the block and the parameter, if it is not such a file, is damaged, or has a
         block that is not known or a number that cannot be evaluated.
     """
     path = Path(path)

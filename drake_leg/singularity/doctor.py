@@ -320,7 +320,7 @@ def examine_posture(
     frequency = 1.0 if frequency is None else frequency
     require_positive("the frequency", frequency, "rad/s")
     way = (1.0, 0.0, 0.0) if direction is None else direction
-    unit(way)  # refuses what is no direction, also where there is no stroke
+    unit(way)  # refuses what is not a direction, even where there is no stroke
     geometry = geometry_of(robot)
     least = 3 if isinstance(geometry, ScaraGeometry) else None
     q = joint_positions("q", robot, q, least=least)

@@ -110,7 +110,7 @@ class Damped(Movable):
 
     With the singular value decomposition J = U S V^T, the rates of an exact inverse grow like
     1/sigma along the last right singular vector w. Damping replaces that factor by
-    ``sigma / (sigma^2 + lambda^2)``. The rates are those that minimise
+    ``sigma / (sigma^2 + lambda^2)``. The rates are those that minimize
     ``|J qdot - v|^2 + lambda^2 |qdot - b|^2`` with
 
     ``lambda = (below / 2) (1 - (sigma / below)^2)`` where sigma < below [m], and 0 elsewhere,

@@ -17,7 +17,7 @@ LOOK = 1e-4  # [rad or m] of the fastest joint, trial step that shows where the 
 
 TIME_LEFT = 5e-10  # [s] before the instant of a singularity, at which a run stops
 APPROACH = 0.03  # part of the determinant that a step changes, at most
-NEAR, NEAR_APPROACH = 0.3, 0.02  # below this normalised determinant, at most this part
+NEAR, NEAR_APPROACH = 0.3, 0.02  # below this normalized determinant, at most this part
 LARGEST_TURN = 0.05  # [rad or m] of a joint in a step
 SHRINK = 1.5  # factor from one trial step to the next
 SMALLEST_STEP = 1e-13  # [s]
@@ -141,7 +141,7 @@ def step_towards(
 ) -> float | None:
     """Shorten a step [s] so that it approaches a singularity but does not cross it.
 
-    ``now`` is the normalised determinant, positive on the side where the robot started. Where
+    ``now`` is the normalized determinant, positive on the side where the robot started. Where
     joints may not move as commanded, they are ``disturbed``: the sensed rates are used. None where
     the singularity is nearer than ``TIME_LEFT``.
     """

@@ -84,7 +84,7 @@ class Equations:
 
 
 def _require_texts(wanted: tuple[str, ...]) -> None:
-    """Refuse what is no number or title of an equation, as text."""
+    """Refuse what is not the number or the title of an equation, as text."""
     for name in wanted:
         if not isinstance(name, str):
             raise InvalidValueError(
@@ -96,7 +96,7 @@ def _require_texts(wanted: tuple[str, ...]) -> None:
 def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     """Derive a robot's matrices and equations from its Khalil table, in symbols.
 
-    Transforms between neighbours and to the base, the Jacobian by two methods and their
+    Transforms between neighbors and to the base, the Jacobian by two methods and their
     difference, its determinant, and the singular postures.
 
     Parameters

@@ -21,7 +21,7 @@ Path = tuple[int, ...]
 Parts = tuple[tuple[Path, sp.Expr], ...]
 Change = Callable[[sp.Expr], sp.Expr | None]  # of a part; None leaves it as it is
 
-DEGREE, RADIAN = sp.Symbol("deg"), sp.Symbol("rad")
+DEGREE = sp.Symbol("deg")
 UNITS = {"deg": math.pi / 180.0, "rad": 1.0}
 MOST_PARTS = 5000  # of a formula with its definitions
 DEEPEST = 200  # parts within parts

@@ -68,7 +68,7 @@ def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = Tru
     Raises
     ------
     InvalidValueError
-        With the text, why it is no formula, and what to write.
+        With the text, why it is not a formula, and what to write.
     """
     name, _, right = text.rpartition("=")
     if name and re.search(r"[-+*/=<>≠≈]", name):
@@ -87,7 +87,7 @@ def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = Tru
         ) from None
     except InvalidValueError as error:
         reason = str(error)
-        verb = "" if reason.startswith("has ") else "is no formula: "
+        verb = "" if reason.startswith("has ") else "is not a formula: "
         remedy = "" if "; " in reason else "; write it with + - * / ^, brackets and cos(θ1)"
         raise InvalidValueError(f"{quoted(right)} {verb}{reason}{remedy}") from None
     _require_small(parsed, text)
@@ -225,7 +225,7 @@ class _Parser:
     def _signed_number(self) -> sp.Expr:
         minus = self._skip("-")
         if self._next.kind != "number":
-            raise InvalidValueError("it has ^ without a number behind it; write c1^2 or cos(θ1)^2")
+            raise InvalidValueError("it has ^ without a number after it; write c1^2 or cos(θ1)^2")
         number = _constant(self._take().text)
         return negative(number) if minus else number
 
@@ -316,14 +316,14 @@ class _Parser:
     def _index(self) -> sp.Expr:
         """Read joints' numbers in brackets: (23), (2+3), (2,3)."""
         if not self._index_follows():
-            raise InvalidValueError("an angle's subscript is no joint's number; write θ1 or θ23")
+            raise InvalidValueError("an angle's subscript is not a joint's number; write θ1 or θ23")
         self._open()
         formula: sp.Expr | None = None
         while not self._skip(")"):
             minus = self._skip("-")
             self._skip("+", ",")
             if self._next.kind != "number":
-                raise InvalidValueError("an angle's subscript is no sum; write θ_{2+3}")
+                raise InvalidValueError("an angle's subscript is not a sum; write θ_{2+3}")
             angle = _angles(self._take().text)
             if formula is None:
                 formula = angle
@@ -381,7 +381,7 @@ class _Parser:
         if self._index_follows():
             return self._index()
         if self._next.text != "(":
-            raise InvalidValueError("it has _ without an angle behind it; write c1 or cos(θ1)")
+            raise InvalidValueError("it has _ without an angle after it; write c1 or cos(θ1)")
         return self._bracket()
 
     def _bare_argument(self, function: str) -> sp.Expr:
@@ -403,7 +403,7 @@ class _Parser:
         if self._skip("°"):
             factors.append(DEGREE)
         if not factors:
-            raise InvalidValueError(f"{function} has no angle behind it; write {function}(θ1)")
+            raise InvalidValueError(f"{function} has no angle after it; write {function}(θ1)")
         argument = factors[0]
         for factor in factors[1:]:
             argument = product(argument, factor)
@@ -420,7 +420,7 @@ class _Parser:
         ends = after is END or (after.kind == "sign" and after.text in "+-)")
         if self._next.text in ("+", "-") and self._peek(1).kind == "angle" and ends:
             raise InvalidValueError(
-                f"{function} has two angles behind it without brackets; write {function}(θ2 + θ3)"
+                f"{function} has two angles after it without brackets; write {function}(θ2 + θ3)"
             )
 
 

@@ -56,8 +56,8 @@ def joints_of_one_axis(plant: MultibodyPlant, joints: Iterable[str | Joint]) -> 
     for joint in found:
         if not isinstance(joint, Joint) or joint.GetParentPlant() is not plant:
             raise InvalidValueError(
-                f"{shown(joint)} is no joint of the plant {plant.get_name()!r}; give its joints or "
-                "their names"
+                f"{shown(joint)} is not a joint of the plant {plant.get_name()!r}; give its joints "
+                "or their names"
             )
     if not found:
         raise InvalidValueError("no joint is named; name at least one revolute or prismatic joint")

@@ -156,7 +156,8 @@ class RelativeMotion:
 def _own(plant: MultibodyPlant, frame: Frame) -> Frame:
     if not isinstance(frame, Frame):
         raise InvalidValueError(
-            f"{shown(frame)} is no frame; take one from the plant, as plant.GetFrameByName('foot')"
+            f"{shown(frame)} is not a frame; take one from the plant, as "
+            "plant.GetFrameByName('foot')"
         )
     if frame.GetParentPlant() is not plant:
         raise InvalidValueError(

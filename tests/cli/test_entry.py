@@ -50,7 +50,7 @@ def test_what_is_like_no_option_is_not_guessed(capsys):
     ],
 )
 def test_numbers_are_written_with_commas(capsys, words, written):
-    assert f"put commas and no blanks between numbers, as in {written}\n" in refused(
+    assert f"put commas without spaces between numbers, as in {written}\n" in refused(
         capsys, *words.split()
     )
 

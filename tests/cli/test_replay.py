@@ -166,7 +166,9 @@ def test_a_value_that_is_no_number_is_found(capsys):
     file = Path("leg/recording.csv")
     file.write_text(file.read_text().replace("\n0.1,", "\nzero,"))
     said = refused(capsys, "leg", "--out", "a.html")
-    assert "leg/recording.csv, line 3, has 'zero' in the column time[s], which is no number" in said
+    assert (
+        "leg/recording.csv, line 3, has 'zero' in the column time[s], which is not a number" in said
+    )
 
 
 # --- units, and what is not whole ------------------------------------------------------------

@@ -49,7 +49,7 @@ def test_blanks_between_numbers_are_refused_with_a_hint(command, typed, capsys):
     except SystemExit as end:
         status = end.code
     assert status == 2
-    assert "put commas and no blanks between" in capsys.readouterr().err
+    assert "put commas without spaces between" in capsys.readouterr().err
 
 
 def test_a_robot_from_a_file_starts_inside_its_limits(tmp_path, monkeypatch, capsys):

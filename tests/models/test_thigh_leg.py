@@ -229,7 +229,7 @@ def test_the_file_sets_only_what_differs_from_the_femur():
 
 
 def bricks(name):
-    """Every visual of a file: its size, its colour, and where its body is."""
+    """Every visual of a file: its size, its color, and where its body is."""
     builder = DiagramBuilder()
     plant, scene = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     parser = Parser(plant)

@@ -44,7 +44,7 @@ HEIGHT = 0.2  # of the trunk above the ground [m]
 
 
 def hexapod(time_step=0.0):
-    """A trunk that floats, with six legs of one joint each, over a ground of ten metres."""
+    """A trunk that floats, with six legs of one joint each, over a ground of ten meters."""
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, time_step)
     plant.set_name("hexapod")

@@ -59,7 +59,7 @@ def arm(*rows):
 
 
 def rods(robot):
-    """Frame, end and colour of every rod."""
+    """Frame, end and color of every rod."""
     for part in shown(robot).parts(0.2):
         if part.path.startswith("rod"):
             end = part.X_FP[:3, 3] + part.X_FP[:3, 2] * part.shape.length() / 2.0

@@ -104,9 +104,9 @@ def test_a_recording_without_rows_comes_back(tmp_path):
         ("time[s],q[rad]\n0.0,1.0,2.0\n", "line 2, has 3 values for 2 columns"),
         (
             "time[s],q[rad]\n0.0,one\n",
-            r"line 2, has 'one' in the column q\[rad\], which is no number: correct",
+            r"line 2, has 'one' in the column q\[rad\], which is not a number: correct",
         ),
-        ("time[s],q[rad]\n0.0,1.0\n0.1,\n", "line 3, has '' in the column q.*no number"),
+        ("time[s],q[rad]\n0.0,1.0\n0.1,\n", "line 3, has '' in the column q.*not a number"),
     ],
 )
 def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, text, said):

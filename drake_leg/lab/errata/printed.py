@@ -1,4 +1,4 @@
-"""Report B's matrices, right and as printed, in the report's symbols and millimetres.
+"""Report B's matrices, right and as printed, in the report's symbols and millimeters.
 
 The right ones are derived from the robots' tables; the printed ones differ by the misprints listed
 here.
@@ -95,7 +95,7 @@ class PrintedMatrices:
         return evaluate(self.printed[name].subs(self.sigmas), values)
 
     def product(self, values: Mapping[str, float], wrong: str = "") -> Array:
-        """Multiply the transforms between neighbours, one of them as it is printed: T04 [-, mm]."""
+        """Multiply the transforms between neighbors, one of them as it is printed: T04 [-, mm]."""
         T04 = np.eye(4)
         for name in NEIGHBOURS:
             T04 = T04 @ (self.value(name, values) if name == wrong else self._right(name, values))

@@ -81,8 +81,8 @@ class Reader:
     ) -> sp.Expr:
         """Read a formula of q1, q2, ..., other symbols and numbers, and put all definitions in.
 
-        ``own`` are definitions that hold for this formula alone, ``names`` symbols in it besides
-        the print's own.
+        ``own`` are definitions that hold for this formula alone, ``names`` symbols in it that
+        are not the print's own.
         """
         definitions = {**self._definitions, **(own or {})}
         formula = self._parse(text, {*self._names, *definitions, *names})
@@ -244,7 +244,7 @@ def unused_definitions(printed: Printed) -> Iterator[Finding]:
 
 
 def _texts(printed: Printed) -> Iterator[str]:
-    """List the formulas of a print besides its definitions."""
+    """List the formulas of a print that are not definitions."""
     for matrix in printed.matrices:
         for row in matrix.entries:
             yield from row
@@ -303,7 +303,7 @@ _Rule = Callable[[Sequence[Cell], int], Cell | None]  # finds the cell of a numb
 
 
 def cell_values(robot: Robot, metres: float) -> dict[Cell, float]:
-    """List the cells of a table that are not zero [rad, or the print's unit of so many metres]."""
+    """List the cells of a table that are not zero [rad, or the print's unit of so many meters]."""
     units = {"d": metres, "r": metres, "alpha": 1.0, "theta": 1.0}
     return {
         Cell(index, column): getattr(row, column) / unit
@@ -364,7 +364,7 @@ def readings(
 ) -> list[Binding]:
     """List what the declared symbols can stand for, the likeliest first, at most ``MOST``.
 
-    A symbol without a cell is a mere number; of the ``known`` ones it is said, or written into a
+    A symbol without a cell is just a number; of the ``known`` ones it is said, or written into a
     table.
     """
     return _distinct(itertools.islice(_all_readings(symbols, values, known), MOST))

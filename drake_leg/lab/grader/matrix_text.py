@@ -95,6 +95,8 @@ def kind_of_name(text: str) -> Kind | None:
         return None
 
 
+# --- entries ---------------------------------------------------------------------------------
+
 LONGEST = 20_000  # characters
 _OPENING, _CLOSING = "([{", ")]}"
 _FRAME = "⎡⎢⎣⎤⎥⎦⎛⎜⎝⎞⎟⎠│┌┐└┘"

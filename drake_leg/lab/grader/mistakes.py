@@ -267,7 +267,7 @@ def _turned(matrix: Matrix, named: Sequence[tuple[str, Mask]]) -> Iterator[Mista
 
 
 def _in_other_units(matrix: Matrix, lengths: Mask) -> Iterator[Mistake]:
-    """Write lengths in metres where the print is in millimetres."""
+    """Write lengths in meters where the print is in millimeters."""
     for unit, size in matrix.units.items():
         if unit != matrix.unit:
             fault = f"its lengths are in {unit} and should be in {matrix.unit}"

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,16 @@ from typing import Any
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.lab.grader.matrix_text import kind_of_name, rows_of_text, spaced_cells
-from drake_leg.lab.grader.tables import Finding, Table, TableRow, unreadable
+from drake_leg.lab.grader.tables import (
+    COLUMNS,
+    Finding,
+    Table,
+    TableRow,
+    column_named,
+    delimiter_of,
+    is_heading,
+    unreadable,
+)
 from drake_leg.robot.toml_keys import Document, Keys, parse_document, shown
 from drake_leg.symbolic.spelling import quoted
 
@@ -29,8 +38,7 @@ METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
 _SETTINGS = ("title", "angles", "lengths")
 _KEYS = (*_SETTINGS, "symbols", "cells", "where", "joints", "table", "matrix", "singular")
-_COLUMNS = ("sigma", "d", "alpha", "r", "theta")
-_TABLE_KEYS = ("frame", *_COLUMNS)
+_TABLE_KEYS = ("frame", *COLUMNS["khalil"])
 _MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
 # Joints by their letters, and what stands for a fixed row; Khalil's own sign for that is 2.
 _SIGMAS = dict.fromkeys(("r", "revolute", "rotation", "rotoid"), "0")
@@ -253,8 +261,6 @@ def _entry(keys: Keys, cell: object) -> str:
 
 # --- text ------------------------------------------------------------------------------------
 
-_FRAME_WORDS = ("frame", "number", "i", "j", "row", "link", "joint", "n", "#")
-_SPELLINGS = {"α": "alpha", "σ": "sigma", "θ": "theta", "ϑ": "theta"}
 _REMARKS = ("joint", "cells", "caption", "rows")
 _STATEMENT = re.compile(
     r"\s*(?:\$\$?|\\\[|\\\()?\s*(?P<name>[^=;\t]{1,60}?)\s*+&?\s*+:?=(?P<rest>.*)$"
@@ -363,7 +369,7 @@ class _TextReader:
                 self._add_equation(name, value, number)
             if equations or _is_prose(bare):
                 return
-        sign = self._sign if self._heading and self._sign in line else _delimiter(line)
+        sign = self._sign if self._heading and self._sign in line else delimiter_of(line)
         try:
             (cells,) = csv.reader([line], delimiter=sign, skipinitialspace=True)
         except csv.Error as error:
@@ -378,15 +384,15 @@ class _TextReader:
         if not any(cells):
             self._heading = None
             return
-        if cells[0].startswith(_COMMENTS) and not _is_heading(cells):
+        if cells[0].startswith(_COMMENTS) and not is_heading(cells):
             return
         if len(cells) == 1:
             cells = self._spaced(cells[0])
         first, *others = cells
         if re.fullmatch("singular(?:ity|ities)?", first.casefold()):
             self._add_to("singular", ", ".join(others))
-        elif _is_heading(cells):
-            self._heading, self._sign = [_column(cell) for cell in cells], sign
+        elif is_heading(cells):
+            self._heading, self._sign = [column_named(cell) for cell in cells], sign
         elif self._heading is not None:
             self._add_to("table", self._table_row(self._heading, cells, number))
         elif len(cells) == 2 and not _has_columns_of_one(first, others[0]):
@@ -407,7 +413,7 @@ class _TextReader:
         words = spaced_cells(line)
         if self._heading is not None and len(words) == len(self._heading):
             return words
-        return line.split() if _is_heading(line.split()) else [line]
+        return line.split() if is_heading(line.split()) else [line]
 
     def _table_row(self, heading: list[str], cells: list[str], number: int) -> dict[str, str]:
         if len(cells) != len(heading):
@@ -557,21 +563,6 @@ def _begins_anew(line: str) -> bool:
     return found is not None and not found["name"].strip().startswith(("dtype", ")", "]", "[", "&"))
 
 
-def _delimiter(line: str) -> str:
-    """Find the sign that separates a line's cells: of a heading all, otherwise the first."""
-    for sign in "\t|;,":
-        if _is_heading(line.split(sign)):
-            return sign
-    if line.lstrip().startswith("|"):
-        return "|"
-    depth = 0
-    for letter in line:
-        depth += (letter in "([{") - (letter in ")]}")
-        if letter in ",;\t|" and depth <= 0:
-            return letter
-    return ","
-
-
 def _equations(line: str) -> list[tuple[str, str]]:
     """Read ``L1 = 50, L2 = 100;`` as two; nothing where = is behind a line's first delimiter."""
     line = re.sub(
@@ -590,7 +581,7 @@ def _is_prose(line: str) -> bool:
     """Whether a line is words alone, that claim nothing, and no heading."""
     if not _PROSE.fullmatch(line) or "singular" in line.casefold():
         return False
-    return not _is_heading(line.split())
+    return not is_heading(line.split())
 
 
 def _number(text: str) -> float | None:
@@ -606,20 +597,3 @@ def _has_columns_of_one(name: str, value: str) -> bool:
     if kind == "position" and len(re.findall(r"\d", name)) == 1:
         return _number(value) is None
     return kind in ("position", "jacobian", "determinant")
-
-
-def _is_heading(cells: Iterable[str]) -> bool:
-    """Whether cells name all columns of a table."""
-    return set(_COLUMNS) <= set(map(_column, cells))
-
-
-def _column(heading: str) -> str:
-    """Recognize a column by the last word of its heading: ``Angle around Z, ϑ`` is theta."""
-    words = re.sub(r"[$\\{}]|\([^()]*\)|\[[^\[\]]*\]", "", heading).casefold()
-    last = re.split(r"[\s,;]+", words.strip(" ,;"))[-1]
-    last = re.sub(r"(?:_[a-z]?(?:-1|\+1)?|[ᵢⱼ])$", "", last)
-    last = re.sub(r"^(.|sigma|alpha|theta)[ijn](?:-1)?$", r"\1", last)  # σj
-    last = _SPELLINGS.get(last, last)
-    if last in _COLUMNS:
-        return last
-    return "frame" if last in _FRAME_WORDS else ""

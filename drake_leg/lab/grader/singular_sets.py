@@ -95,7 +95,7 @@ class Alternative:
 def alternatives_of(text: str, reader: Reader) -> list[Alternative]:
     """Read a set of postures, of which the set is all alternatives together.
 
-    An introduction such as "|J| = 0 when" is skipped; what is no set of equations is refused.
+    An introduction such as "|J| = 0 when" is skipped; what is not a set of equations is refused.
     """
     if len(text) > LONGEST:
         raise InvalidValueError(f"{quoted(text)} has {len(text)} characters; write fewer")

@@ -124,7 +124,7 @@ def _opposite(sum_: sp.Expr) -> sp.Expr:
 
 
 def _other_units(formula: sp.Expr, vocabulary: Vocabulary) -> Iterator[Change]:
-    """Read metres as millimetres."""
+    """Read meters as millimeters."""
     for unit, size in vocabulary.units.items():
         if unit != vocabulary.unit:
             words = f"lengths are in {unit} and should be in {vocabulary.unit}"

@@ -94,6 +94,8 @@ _WORDS: dict[Kind, str] = {
     "nothing": "empty",
     "other": "neither a number nor a formula",
 }
+_FRAME_WORDS = ("frame", "number", "i", "j", "row", "link", "joint", "n", "#")
+_SPELLINGS = {"α": "alpha", "σ": "sigma", "θ": "theta", "ϑ": "theta"}
 _NUMBER = re.compile(r"[-+]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})(?:e[-+]?\d{1,2})?")
 
 
@@ -270,6 +272,43 @@ def repaired(table: Table) -> Table:
     return replace(table, rows=tuple(rows))
 
 
+# --- headings --------------------------------------------------------------------------------
+
+
+def is_heading(cells: Iterable[str]) -> bool:
+    """Whether cells name all columns of a table."""
+    return set(COLUMNS["khalil"]) <= set(map(column_named, cells))
+
+
+def column_named(heading: str) -> str:
+    """Recognize a column by the last word of its heading: ``Angle around Z, ϑ`` is theta."""
+    words = re.sub(r"[$\\{}]|\([^()]*\)|\[[^\[\]]*\]", "", heading).casefold()
+    last = re.split(r"[\s,;]+", words.strip(" ,;"))[-1]
+    last = re.sub(r"(?:_[a-z]?(?:-1|\+1)?|[ᵢⱼ])$", "", last)
+    last = re.sub(r"^(.|sigma|alpha|theta)[ijn](?:-1)?$", r"\1", last)  # σj
+    last = _SPELLINGS.get(last, last)
+    if last in COLUMNS["khalil"]:
+        return last
+    return "frame" if last in _FRAME_WORDS else ""
+
+
+def delimiter_of(line: str) -> str:
+    """Find the sign that separates a line's cells: of a heading all, otherwise the first."""
+    for sign in "\t|;,":
+        if is_heading(line.split(sign)):
+            return sign
+    if line.lstrip().startswith("|"):
+        return "|"
+    depth = 0
+    for letter in line:
+        depth += (letter in "([{") - (letter in ")]}")
+        if letter in ",;\t|" and depth <= 0:
+            return letter
+    return ","
+
+
+# --- slips -----------------------------------------------------------------------------------
+
 LONG = 10.0  # [m], a longer link is probably in mm
 SHORT = 1.0  # [mm], a shorter link is probably in m
 TURN = 2.0 * math.pi  # [rad]
@@ -302,7 +341,7 @@ def lint_table(table: Table) -> list[Finding]:
 
 
 def _lint_row(table: Table, row: TableRow, place: str) -> Iterator[Finding]:
-    """Look for cells that make no sense in their columns, or that belong to a neighbour."""
+    """Look for cells that make no sense in their columns, or that belong to a neighbor."""
     if table.convention == "khalil" and "a" in row.cells:
         yield Finding(
             place,
@@ -481,7 +520,7 @@ def lint_sizes(robot: Robot) -> Iterator[Finding]:
                 f"row {index}",
                 f"the inertia of {segment.link.name} has a radius of gyration of "
                 f"{1000 * radius:.3g} mm, and the link is {1000 * size:.3g} mm long",
-                "moments are in kg*m^2 about the centre of mass, at most mass times the square "
+                "moments are in kg*m^2 about the center of mass, at most mass times the square "
                 "of half the length",
                 severity="warning",
             )

@@ -27,7 +27,7 @@ from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
 from drake_leg.lab.page.contents import SUBJECTS, Item, PosedRobot, angles, option
 from drake_leg.lab.page.pieces import number, piece, power, prose
 from drake_leg.models.proof import DrakeWitness
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, angle_text
 from drake_leg.runs.options import LegBOptions
 from drake_leg.singularity.doctor import examine, examine_posture
 from drake_leg.singularity.families import LegFamilies
@@ -174,19 +174,17 @@ def khalil_table(robot: Robot) -> Markup:
     rows = []
     position = 0
     for index, row in enumerate(robot.rows, start=1):
-        r, theta = f"{row.r:g}", f"{row.theta:g}"
+        r, theta = f"{row.r:g}", angle_text(row.theta)
         if row.joint != "fixed":
             position += 1
             variable = Markup("<i>q</i><sub>{}</sub>").format(position)
+            offset, text = (row.theta, theta) if row.joint == "revolute" else (row.r, r)
+            if offset:
+                variable += f" + {text}"
             r, theta = (r, variable) if row.joint == "revolute" else (variable, theta)
         sigma = "~" if row.sigma is None else row.sigma
-        rows.append((index, sigma, f"{row.d:g}", _turn(row.alpha), r, theta))
+        rows.append((index, sigma, f"{row.d:g}", angle_text(row.alpha), r, theta))
     return piece("table", ("frame", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]"), rows)
-
-
-def _turn(angle: float) -> str:
-    named = {0.0: "0", math.pi / 2: "π/2", -math.pi / 2: "−π/2", math.pi: "π"}
-    return named.get(angle, f"{angle:.4g}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -247,7 +245,7 @@ def _numbers(value: Array) -> list[list[str]]:
 
 
 def _unit(name: str, comparison: Comparison, subject: PosedRobot) -> Markup | str:
-    """Write the unit of a determinant, and its value in the reports' millimetres."""
+    """Write the unit of a determinant, and its value in the reports' millimeters."""
     if not name.startswith("det J") or comparison.value is None:
         return ""
     power = _length_power(subject)

@@ -60,7 +60,7 @@ def step_frequency(recording: Recording) -> float | None:
 def sine_frequency(recording: Recording) -> float | None:
     """Find the frequency of a foot that moves as a sine, a quarter period behind its velocity.
 
-    In rad/s; None if velocity or position is no such sine: damped, limited, pushed, late.
+    In rad/s; None if velocity or position is not such a sine: damped, limited, pushed, late.
     """
     frequency = step_frequency(recording)
     if frequency is None:

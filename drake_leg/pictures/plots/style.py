@@ -28,7 +28,7 @@ FORMATS = ("png", "svg", "pdf")
 
 GREY, INK, GRID, BODY = "#6B6B6B", "#1A1A1A", "#D9D9D9", "#D5DCE3"
 
-# Told apart without their colours, too.
+# Told apart without their colors, too.
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE)
 STYLES: tuple[Any, ...] = ("-", "--", "-.", ":")
 LONG, SPARSE = (0, (7, 1.5, 1, 1.5, 1, 1.5)), (0, (1, 2.5))
@@ -78,7 +78,7 @@ LONGEST = 80  # letters that fit on a line of a legend
 
 PLOT_WIDTH = 6.4  # [inch]; the lettering can be read where a plot fills a phone's screen
 
-# What each colour becomes on a dark page.
+# What each color becomes on a dark page.
 DARK = {
     "#ffffff": "#17181a",
     "#000000": "#e8e8ea",
@@ -189,13 +189,13 @@ def svg_text(figure: Figure, *, background: Background = "white") -> str:
 
 
 def for_light_and_dark(svg: str) -> str:
-    """Make a figure's SVG follow the reader's colour scheme, by a style sheet of its own."""
+    """Make a figure's SVG follow the reader's color scheme, by a style sheet of its own."""
     rules = "".join(
         f'[style*="{paint}: {light.lower()}"] {{ {paint}: {dark} !important; }}\n'
         for light, dark in DARK.items()
         for paint in ("fill", "stroke")
     )
-    ink = f"svg {{ fill: {DARK['#000000']}; }}\n"  # what has no colour of its own is black
+    ink = f"svg {{ fill: {DARK['#000000']}; }}\n"  # what has no color of its own is black
     sheet = f"<style>@media (prefers-color-scheme: dark) {{\n{ink}{rules}}}</style>"
     head, defs, rest = svg.partition("<defs>")
     return f"{head}{sheet}\n{defs}{rest}"

@@ -4,7 +4,7 @@ const shareGestures = (pane) => {
   "use strict";
   if (window.parent === window) return;
   const BRIEFLY = 2200; // [ms], that a hint stands
-  const NOTCH = 50; // [px], from which on a step of the wheel is no pinch on a touchpad
+  const NOTCH = 50; // [px], from which on a step of the wheel is not a pinch on a touchpad
   const hint = Object.assign(document.createElement("p"), { id: "page-hint", hidden: true });
   hint.setAttribute("aria-hidden", "true");
   pane.append(hint);

@@ -132,7 +132,7 @@ if (live) (() => {
     say("lost", word, "the foot halts");
   });
 
-  // The ball at the foot has the colour of the guard's state.
+  // The ball at the foot has the color of the guard's state.
   const { THREE } = MeshCat;
   const material = new THREE.MeshLambertMaterial();
   const ball = new THREE.Mesh(new THREE.SphereGeometry(data.ball.radius, 24, 16), material);

@@ -73,7 +73,7 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     model : Model
         As read from a file.
     strict : bool
-        Whether cross sections, colours and the converters' filters count.
+        Whether cross sections, colors and the converters' filters count.
 
     Raises
     ------
@@ -127,6 +127,9 @@ def _extra(sides: Sides, verdicts: Iterable[Verdict]) -> Iterator[Verdict]:
         if wire not in covered:
             source, target = f"{wire.source}.{wire.output}", f"{wire.target}.{wire.input}"
             yield extra("wire", **{"from": source, "to": target})
+
+
+# --- the joints' motion ----------------------------------------------------------------------
 
 
 def compare_motions(sides: Sides, joints: Roles) -> Iterator[Verdict]:
@@ -239,6 +242,8 @@ def _check_filter(sides: Sides, converter: Block) -> Check:
     live = sides.live.input_filter()
     return check(converter, "input filter", ours, live, counts=False)
 
+
+# --- carriers, scopes and wires --------------------------------------------------------------
 
 UNCONNECTED = "an output that stays unconnected"
 SHOWN_IN = ("1", "cm", "mm", "deg", "rpm")  # units of what a scope shows

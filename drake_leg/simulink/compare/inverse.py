@@ -163,7 +163,7 @@ class _Probe:
         return sorted(changing, key=lambda atom: (int(atom.what), atom.index))
 
     def others(self, postures: Array, rates: list[Atom]) -> dict[Atom, Array]:
-        """Evaluate the outputs that are no rates: output -> (k,), at k postures."""
+        """Evaluate the outputs that are not rates: output -> (k,), at k postures."""
         called = [self.outputs(q, self._trial) for q in postures]
         return {
             atom: np.array([values[atom] for values in called])
@@ -351,6 +351,8 @@ def _determinant_sign(values: Array, inverses: Array) -> int:
     return int(np.sign(ratio[0])) * bool(np.ptp(ratio) <= SAME * abs(ratio[0]))
 
 
+# --- the function in the model ---------------------------------------------------------------
+
 SINE = (("Frequency", "rad/s"), ("Phase", "rad"), ("Amplitude", "m/s"))
 TIMED = {"SineType": "Time based", "TimeSource": "Use simulation time"}
 STILL = ("Constant", "Ground")
@@ -372,7 +374,7 @@ def match_inverse(sides: Sides) -> InverseFunction | None:
     """Match the MATLAB Function that makes the joint rates; None where one side has none.
 
     A function of another law, or one that could not be read, is taken for the inverse Jacobian by
-    the order of its inputs and outputs: what is wired around it need not be wrong for that.
+    the order of its inputs and outputs, since the wires around it may be right all the same.
     """
     name = next(iter(sides.live.of_type(InverseJacobian)), None)
     sid = _function(sides)

@@ -38,7 +38,7 @@ UNITS = {  # of a revolute joint's parameters, and of a prismatic one's
 }
 DEFAULTS = {"JointMode": "Normal"}
 GOALS = {"joint": "the next joint", "foot": "the sensed frame", "solid": "the solid"}
-LEADS_TO = {"solid": "centre of body", "joint": "frame of joint", "foot": "frame"}
+LEADS_TO = {"solid": "center of body", "joint": "frame of joint", "foot": "frame"}
 SAME_PLACE = 1e-9  # [m]
 ZERO = (0.0, 0.0, 0.0)
 

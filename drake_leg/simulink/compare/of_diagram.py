@@ -104,13 +104,15 @@ class Mechanism:
     bodies: tuple[tuple[Place, ...], ...]  # one more than joints: the world's places come first
 
 
+# --- the plant's links -----------------------------------------------------------------------
+
 DIGITS = 12  # of a size or a density that follows from moments of inertia
 SHAPES = {Brick: "brick", Cylinder: "cylinder", Sphere: "sphere"}
 MOVING = {RevoluteJoint: "revolute", PrismaticJoint: "prismatic"}
 
 
 class Links:
-    """A finalised plant's links: the world and what each moving joint carries, with welds."""
+    """A finalized plant's links: the world and what each moving joint carries, with welds."""
 
     def __init__(self, plant: MultibodyPlant) -> None:
         self._context = plant.CreateDefaultContext()
@@ -140,7 +142,7 @@ def read_plant(
 
     The joints move about or along the z axes of their frames, as in every plant built from a
     Khalil table. `foot` is the frame that is sensed; `driven` tells whether the joints follow a
-    prescribed motion; `solids` of the links have the shape and colour, which a plant without a
+    prescribed motion; `solids` of the links have the shape and color, which a plant without a
     scene does not keep; `stops` are the mechanics of the joints whose limits push back.
     """
     links = Links(plant)
@@ -269,6 +271,8 @@ def _spring(plant: MultibodyPlant, joint: PlantJoint) -> tuple[float, float]:
     stiffness = torques[0] - torques[1]
     return (stiffness, torques[0] / stiffness) if stiffness else (0.0, 0.0)
 
+
+# --- signals ---------------------------------------------------------------------------------
 
 LINEAR = (Adder, Demultiplexer, Gain, MatrixGain, Multiplexer, PassThrough)
 INSTANTS = (0.0, 0.3, 0.7, 1.1)  # [s], at which a sine is tried

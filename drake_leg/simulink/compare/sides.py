@@ -235,6 +235,8 @@ def _before(place: Place, pairs: list[Pair]) -> Pair | None:
     return max(on_way, key=lambda pair: len(pair[0].way), default=None)
 
 
+# --- both sides -----------------------------------------------------------------------------
+
 MOST_TURNED = 6  # joints that are tried with their ends exchanged
 ANGLE_UNITS = tuple(float(parse_unit(unit).factor) for unit in ("rad", "deg", "rev", "rpm"))
 
@@ -245,7 +247,7 @@ class LiveModel:
 
     diagram: Diagram
     root: Context  # as a run starts
-    robot: Robot  # for the shapes and colours of its solids
+    robot: Robot  # for the shapes and colors of its solids
     duration: float  # [s]
     scheme: str  # the integrator's name
 

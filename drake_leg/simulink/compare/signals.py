@@ -170,6 +170,8 @@ def function_role(what: str, index: int = 0) -> Atom:
     return Atom(kind="function", of="inverse Jacobian", what=what, index=index)
 
 
+# --- the laws of linear blocks ---------------------------------------------------------------
+
 Inputs = Sequence[Signal]  # by port; zero where nothing is connected
 Law = Callable[[Block, Inputs, int], Signal | None]  # None where the law cannot be followed
 
@@ -266,7 +268,7 @@ def _generator(block: Block, inputs: Inputs, place: int) -> Signal:
 
 
 def _product(block: Block, inputs: Inputs, place: int) -> Signal | None:
-    """Follow a product in which one factor at most is no constant."""
+    """Follow a product in which one factor at most is not a constant."""
     signs = str(block.parameters.get("Inputs", "2"))
     if signs.strip("*") and not signs.isdigit():
         return None

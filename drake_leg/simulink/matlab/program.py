@@ -254,6 +254,8 @@ def _repeated(rounds: Callable[[Frame], Iterator[None]], body: _Step) -> _Step:
     return loop
 
 
+# --- text evaluated without a function -------------------------------------------------------
+
 Numbers = float | tuple[float, ...] | tuple[tuple[float, ...], ...]
 
 

@@ -1,4 +1,4 @@
-"""MATLAB text cut into tokens; blanks inside brackets become the commas that they mean."""
+"""MATLAB text cut into tokens; spaces inside brackets become the commas that they mean."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def tokenize(text: str) -> list[Token]:
     """Cut MATLAB text into tokens.
 
     Comments and continuations are left out. Inside brackets a line break is a semicolon, and
-    blanks between two elements are a comma: ``[1 -2]`` has two elements, ``[1 - 2]`` has one. The
+    spaces between two elements are a comma: ``[1 -2]`` has two elements, ``[1 - 2]`` has one. The
     last token is of kind ``"stop"``.
     """
     return _Scanner(_without_block_comments(text)).scan()
@@ -64,7 +64,7 @@ class _Scanner:
         self._text, self._at, self._line = text, 0, 1
         self._found: list[Token] = []
         self._open: list[Token] = []  # brackets
-        self._gap = False  # whether blanks came before the next token
+        self._gap = False  # whether spaces came before the next token
 
     def scan(self) -> list[Token]:
         while self._at < len(self._text):
@@ -127,7 +127,7 @@ class _Scanner:
         )
 
     def _starts(self, kind: str, text: str) -> bool:
-        """Tell whether a token after a blank begins an element of a matrix."""
+        """Tell whether a token after a space begins an element of a matrix."""
         if text in ("+", "-") and kind == "symbol":
             return not _LOOSE.match(self._text, self._at)
         return kind in ("number", "name", "text") or text in ("(", "[", "~")

@@ -375,6 +375,8 @@ def power(left: Value, right: Value) -> Grid:
     return np.linalg.matrix_power(inverse(base) if exponent < 0 else base, abs(exponent))
 
 
+# --- operators -------------------------------------------------------------------------------
+
 Operator = Callable[[Value, Value], Value]
 COMPLEX = "is complex; only real numbers are supported"
 

@@ -195,7 +195,7 @@ def test_a_matrix_of_another_shape_is_named():
 def test_an_entry_that_is_no_formula_is_named_with_what_is_right():
     entries = (("c2", "-s2 +", "0", "50"), *RIGHT_T12[1:])
     (said,) = leg_sentences("T12", entries)
-    assert said.startswith("T12 (1, 2) (not understood): '-s2 +' is no formula")
+    assert said.startswith("T12 (1, 2) (not understood): '-s2 +' is not a formula")
     assert said.endswith("it should be -s2")
 
 
@@ -290,14 +290,14 @@ def test_a_joint_that_is_not_the_robots_is_refused():
 )
 def test_a_definition_that_is_no_formula_is_refused_with_the_files_name(part):
     right = {"matrices": (PrintedMatrix(name="T12", entries=RIGHT_T12),)}
-    with pytest.raises(InvalidValueError, match=r"^print: (joints|where): .* is no formula"):
+    with pytest.raises(InvalidValueError, match=r"^print: (joints|where): .* is not a formula"):
         grade(LEG_B, Printed(origin="print", lengths="mm", **{**right, **part}))
 
 
 def test_a_matrixs_own_definition_that_is_no_formula_is_not_understood():
     (finding,) = grade(LEG_B, leg_print("T12", RIGHT_T12, where={"sigma1": "2 +"}))
     assert not finding.understood
-    assert "is no formula" in finding.fault
+    assert "is not a formula" in finding.fault
 
 
 def test_craigs_t06_typed_with_one_wrong_sign_is_found_out():

@@ -139,7 +139,7 @@ def test_a_slip_in_the_file_is_one_sentence(document, said):
 def test_a_definition_that_is_no_formula_is_refused(tmp_path):
     path = tmp_path / "print.csv"
     path.write_text("lengths,mm\nsigma1,2 +\nT01,1,0,0,0\n", encoding="utf-8")
-    with pytest.raises(InvalidValueError, match="where: '2 \\+' is no formula"):
+    with pytest.raises(InvalidValueError, match="where: '2 \\+' is not a formula"):
         grade(SCARA, read_printed(path))
 
 

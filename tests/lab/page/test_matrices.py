@@ -11,7 +11,8 @@ import sympy as sp
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.lab.page import mathematics
 from drake_leg.lab.page.contents import SUBJECTS, chapters
-from drake_leg.lab.page.mathematics import comparisons, methods
+from drake_leg.lab.page.mathematics import comparisons, khalil_table, methods
+from drake_leg.robot.robots import LEG_B
 from drake_leg.symbolic.catalogue import derived, derived_equations
 from drake_leg.symbolic.equations import html
 
@@ -111,3 +112,10 @@ def test_sympy_derives_the_same(name):
         )
         checked.add(matrix)
     assert {"T01", "T12", "T23", "T34", "J"} <= checked
+
+
+def test_a_table_keeps_the_offset_of_a_joint():
+    bent = replace(LEG_B.segments[0], row=replace(LEG_B.segments[0].row, theta=0.3))
+    robot = replace(LEG_B, segments=(bent, *LEG_B.segments[1:]))
+    assert "<i>q</i><sub>1</sub> + 0.3</td>" in khalil_table(robot)
+    assert "<i>q</i><sub>1</sub></td>" in khalil_table(LEG_B)
