@@ -479,14 +479,15 @@ def _grade_caption(matrix: Matrix, robot: Robot) -> Iterator[Finding]:
     """Compare a caption's "first two DOF" with the joints that a matrix spans."""
     found = re.search(r"(\w+)\s+(?:dof\b|degrees? of freedom)", matrix.caption, re.IGNORECASE)
     word = found[1].lower() if found else ""
-    if not word.isdigit() and word not in _NUMBERS:
+    if not word.isdecimal() and word not in _NUMBERS:
         return
     joints = _spanned_joints(matrix.claim, robot)
-    if joints != (int(word) if word.isdigit() else _NUMBERS.index(word)):
+    if joints != (int(word) if word.isdecimal() else _NUMBERS.index(word)):
+        right = _NUMBERS[joints] if joints < len(_NUMBERS) else str(joints)
         yield Finding(
             f"{matrix.claim.name}, caption",
-            f"it says {word} degrees of freedom, and the matrix spans {_NUMBERS[joints]} joints",
-            f"write {_NUMBERS[joints]}",
+            f"it says {word} degrees of freedom, and the matrix spans {right} joints",
+            f"write {right}",
             kind="caption",
             matrix=matrix.claim.name,
         )

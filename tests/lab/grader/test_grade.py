@@ -3,12 +3,14 @@
 import re
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.lab.grader.grade import grade, rotation_fault
+from drake_leg.lab.grader.claims import Claim
+from drake_leg.lab.grader.grade import _grade_caption, grade, rotation_fault
 from drake_leg.lab.grader.printed import Printed, PrintedMatrix, read_printed
 from drake_leg.lab.grader.slips import Vocabulary, explain
 from drake_leg.lab.grader.tables import Table, TableRow
@@ -73,6 +75,13 @@ def test_erratum_15_the_first_two_dof_are_three(scara):
     fault, remedy = scara["J, caption"]
     assert fault == "it says two degrees of freedom, and the matrix spans three joints"
     assert remedy == "write three"
+
+
+@pytest.mark.parametrize(("word", "remedies"), [("three", ["write 12"]), ("12", []), ("²", [])])
+def test_a_caption_may_count_more_than_nine_joints(word, remedies):
+    claim = Claim(name="J", kind="jacobian", rows=(3, 4, 5), shape=(3, 12))
+    matrix = SimpleNamespace(caption=f"{word} DOF", claim=claim)
+    assert [finding.remedy for finding in _grade_caption(matrix, LEG_B)] == remedies
 
 
 def test_the_scaras_table_jacobian_and_determinant_are_right(scara):
