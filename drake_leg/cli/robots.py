@@ -76,7 +76,7 @@ def configure_check(parser: argparse.ArgumentParser) -> None:
         "Look for slips in a robot's table, then compare its chain with SymPy's "
         "derivation, with Drake's plant of its SDF and with exact differences, at random "
         "configurations. With --printed, grade printed tables, transforms and Jacobians against "
-        "the robot instead. In a printed table alone (CSV or TOML) only slips are looked for."
+        "the robot instead. A printed table alone (CSV or TOML) is only searched for slips."
     )
     parser.epilog = (
         "Exit status: 0 all is right, 1 something is wrong, 2 bad input, or nothing is "

@@ -130,7 +130,7 @@ def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
             yield from (f"  {line(item)}" for item in items)
     yield ""
     if found.agrees:
-        but = f", but for the {len(found.tolerated)} above" if found.tolerated else ""
+        but = f", except for the {len(found.tolerated)} above" if found.tolerated else ""
         yield f"Every block and wire of the model has its counterpart, and the values agree{but}."
     else:
         yield (

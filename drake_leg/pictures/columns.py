@@ -372,7 +372,7 @@ class _Search:
         return self.total(), copies[0], copies[1], copies[2]
 
     def _improve_column(self, column: int) -> bool:
-        """Improve a column, unless nothing changed there since that was last in vain."""
+        """Improve a column, unless nothing changed there since that last failed."""
         if self.last_visit[column] > max(self.last_change[max(column - 1, 0) : column + 2]):
             return False
         self.visits += 1

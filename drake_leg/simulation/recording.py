@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
 from drake_leg.files import LARGEST_RECORDING, opened
-from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.khalil import Array, real_numbers
 from drake_leg.robot.robot import html_table
+from drake_leg.units import require_kind
 
 MOST_NAMES = 6  # of columns that an error's sentence lists
 
@@ -25,13 +26,13 @@ class Recording:
 
     Parameters
     ----------
-    columns : mapping of str to (rows,) ndarray
-        Header to values.
+    columns : mapping of str to (rows,) array_like
+        Header to values; lists become arrays.
 
     Raises
     ------
     InvalidValueError
-        If the columns differ in length.
+        If the columns differ in length, or are not named rows of numbers.
 
     Examples
     --------
@@ -46,6 +47,18 @@ class Recording:
     columns: Mapping[str, Array]
 
     def __post_init__(self) -> None:
+        require_kind("the columns of a recording", self.columns, Mapping)
+        columns = {}
+        for header, values in self.columns.items():
+            require_kind("the header of a column", header, str)
+            column = f"the column {header.partition('[')[0]}"
+            array = values if isinstance(values, np.ndarray) else real_numbers(column, values)
+            if array.ndim != 1:
+                raise InvalidValueError(
+                    f"{column} has shape {array.shape}; it must be a row of numbers"
+                )
+            columns[header] = array
+        object.__setattr__(self, "columns", columns)
         lengths = {name: len(values) for name, values in self.columns.items()}
         if len(set(lengths.values())) > 1:
             raise InvalidValueError(f"the columns differ in length: {lengths}")
@@ -125,8 +138,8 @@ def read_csv(path: Path) -> Recording:
     Raises
     ------
     OutputError
-        If the file cannot be read, has no header, was cut short, or holds something that is no
-        number.
+        If the file cannot be read, has no header, was cut short, or holds something that is
+        not a number.
     """
     rows = _rows(path)
     if not rows:

@@ -141,8 +141,8 @@ def simulate(
     if not isinstance(diagram, Diagram):
         raise InvalidValueError(
             f"{_named(diagram)} is not a Diagram",
-            advice="build one, as with `build_hexabot_leg()`, or put it into one with Drake's "
-            "DiagramBuilder",
+            advice="build one, as build_hexabot_leg(HexabotLegConfig()), or put it into one with "
+            "Drake's DiagramBuilder",
         )
     if not any(isinstance(system, VectorLogSink) for system in diagram.GetSystems()):
         raise InvalidValueError(

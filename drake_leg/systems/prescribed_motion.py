@@ -236,5 +236,5 @@ def _require_actuators(plant: MultibodyPlant) -> None:
         raise InvalidValueError(
             f"{plant.get_name()!r} has {plant.num_positions()} joint positions and "
             f"{plant.num_actuators()} actuators; every joint needs one to follow a prescribed "
-            "motion, or name the joints that shall follow one"
+            "motion, or name the joints that follow one"
         )

@@ -184,3 +184,11 @@ def test_a_missing_column_is_said_with_a_few_that_there_are():
     recording = Recording({f"c{index}[m]": np.zeros(1) for index in range(32)})
     with pytest.raises(InvalidValueError, match=r"'q'; the recording has c0\[m\], .* and 26 more$"):
         recording["q"]
+
+
+def test_lists_become_arrays(tmp_path):
+    swing = Recording({"time[s]": [0.0, 1.0], "q[rad]": [0.5, 0.25]})
+    np.testing.assert_array_equal(swing["q"], np.array([0.5, 0.25]))
+    assert "<td>0.25</td>" in swing._repr_html_()
+    swing.write_csv(tmp_path / "swing.csv")
+    np.testing.assert_array_equal(read_csv(tmp_path / "swing.csv")["q"], swing["q"])

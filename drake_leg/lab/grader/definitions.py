@@ -323,7 +323,7 @@ def names_of_cells(binding: Binding, spelled: Mapping[str, str]) -> dict[Cell, s
 
 
 def same(a: float, b: float) -> bool:
-    """Whether two lengths are the same but for their signs and rounding."""
+    """Whether two lengths are the same except for their signs and rounding."""
     return math.isclose(abs(a), abs(b), rel_tol=_NEAR)
 
 

@@ -75,7 +75,7 @@ class Condition:
 
     @property
     def names(self) -> set[str]:
-        """Its symbols but for the integer."""
+        """Its symbols except the integer."""
         return (names_in(self.left) | names_in(self.right)) - {self.integer or ""}
 
 

@@ -83,7 +83,7 @@ def _tand(x: Any) -> Any:  # noqa: ANN401
 
 
 def _mod(x: Any, y: Any) -> Any:  # noqa: ANN401
-    """Remainder with the divisor's sign; a quotient that is whole but for rounding leaves 0."""
+    """Remainder with the divisor's sign; a quotient that is whole except for rounding leaves 0."""
     quotient = np.divide(x, y)
     meets = np.abs(quotient - _rounded(quotient)) <= _EPS * np.abs(quotient)
     return np.where(np.equal(y, 0), x, np.where(meets, 0.0, np.mod(x, y)))
