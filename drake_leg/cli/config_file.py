@@ -65,7 +65,7 @@ def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptio
     except UnreadableFileError as error:
         raise UnreadableFileError(f"the config {path}", error.reason) from None
     except RecursionError:
-        raise InvalidValueError(f"the config {path} is nested too deep") from None
+        raise InvalidValueError(f"the config {path} is nested too deeply") from None
     except (ValueError, YAMLError) as error:
         reason = " ".join(str(error).split())
         raise InvalidValueError(

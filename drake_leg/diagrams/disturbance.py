@@ -92,7 +92,7 @@ def add_push(builder: DiagramBuilder, plant: MultibodyPlant, frame: Frame, push:
 def is_disturbed(diagram: Diagram) -> bool:
     """Return whether the joints of a diagram may leave their prescribed motion.
 
-    They may under a push, where the torque is computed for other masses, and behind a torque limit;
+    They may under a push, where the torque is computed for other masses, and after a torque limit;
     a Saturation elsewhere in the diagram is not a disturbance.
     """
     pushed = any(isinstance(system, FootPush) for system in diagram.GetSystems())

@@ -73,7 +73,7 @@ class HexabotLegConfig:
     motion : SineStep
         Amplitude, frequency and direction of the foot's motion.
     gain : float
-        Of a gain block behind the sine, whose own amplitude is ``amplitude / gain``; 1: no block.
+        Of a gain block after the sine, whose own amplitude is ``amplitude / gain``; 1: no block.
     gravity : float
         Along -z [m/s^2].
     filter_time_constant : float, optional
@@ -213,7 +213,7 @@ def build(config: HexabotLegConfig) -> Diagram:
 
 
 def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command) -> None:
-    """Add everything behind the Mux: inverse Jacobian, integrators, leg, sensors, scopes."""
+    """Add everything after the Mux: inverse Jacobian, integrators, leg, sensors, scopes."""
     robot, control = config.robot, config.control
     joints = len(config.start)
 

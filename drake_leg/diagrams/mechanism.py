@@ -45,7 +45,7 @@ class Mechanism(NamedTuple):
     q: OutputPort  # sensed joint positions [rad or m]
     qdot: OutputPort  # sensed joint velocities
     foot: FrameSensor
-    torque: OutputPort  # as applied, behind the torque limit if there is one
+    torque: OutputPort  # as applied, after the torque limit if there is one
     is_disturbed: bool  # whether the joints may leave their motion
 
 

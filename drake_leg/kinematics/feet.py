@@ -323,7 +323,7 @@ def feet(
     if yaw is not None:
         otherwise = ", or give the orientation by `rpy`" if len(robot.moving) > 3 else ""
         raise InvalidValueError(
-            f"a yaw is for a SCARA's tool; {robot.name!r} is none",
+            f"a yaw is for a SCARA's tool; {robot.name!r} is not a SCARA",
             advice=f"leave it out{otherwise}",
         )
     if rpy is not None and len(robot.moving) <= 3:

@@ -231,7 +231,8 @@ class Push:
         require_three("the push", self.force)
         if not all(abs(part) <= MOST for part in self.force):
             raise InvalidValueError(
-                f"the push is {list(self.force)}; it must be three finite numbers in N, as 0,0,0.1"
+                f"the push is {list(self.force)}; it must be three finite numbers in N, "
+                "as (0, 0, 0.1)"
             )
         require_non_negative("the instant of the push", self.at, "s")
         require_positive("the time that the push lasts", self.lasting, "s")

@@ -41,7 +41,7 @@ def foresee(
     """Forecast which singularity a motion meets.
 
     ``q0`` [rad or m] is what the command assumes at the start; the joints are ``lagging`` behind it
-    in input filters. The forecast is empty where nothing is known: behind such filters, and for a
+    in input filters. The forecast is empty where nothing is known: with such filters, and for a
     chain without closed form that does not start where the command assumes.
     """
     start = control.start(q0)

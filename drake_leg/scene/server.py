@@ -427,7 +427,7 @@ def parse_command(text: bytes) -> Command:
     try:
         command = json.loads(text)
     except (ValueError, RecursionError):
-        raise InvalidValueError("a command is an object of JSON; this is no JSON") from None
+        raise InvalidValueError("a command is an object of JSON; this is not JSON") from None
     if not isinstance(command, dict):
         raise InvalidValueError("a command is an object of JSON, such as {}")
     return command

@@ -149,7 +149,7 @@ def open_meshcat() -> Meshcat:
             meshcat = Meshcat(settings)
     except RuntimeError:
         raise MeshcatError(
-            "Meshcat, which pages are made from, finds none of the ports 7000 to 7999 free"
+            "Meshcat, which pages are made from, finds no free port from 7000 to 7999"
         ) from None
     for path in ("/Grid", "/Axes"):
         meshcat.SetProperty(path, "visible", False)

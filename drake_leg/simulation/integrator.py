@@ -48,7 +48,7 @@ class IntegratorSettings:
         if self.max_step > ROW_INTERVAL:
             raise InvalidValueError(
                 f"the greatest step is {self.max_step!r} s; it must be at most {ROW_INTERVAL} s, "
-                "for the steps are the rows of the recording"
+                "since the steps are the rows of the recording"
             )
         if self.accuracy is None:
             return

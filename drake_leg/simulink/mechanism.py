@@ -376,7 +376,7 @@ class Step:
 class Walk:
     """A walk over the frames of a network, block by block, that numbers the rigid bodies.
 
-    Reach a frame or take a block to begin, then iterate for the blocks behind; do so again for
+    Reach a frame or take a block to begin, then iterate for the blocks beyond; do so again for
     parts that are not connected with the first one. Blocks come in the order of
     ``rank(block, body)``, where ``body`` carries the frame at which the block is met, and those of
     equal rank in the order in which they are met. A block of rank None is not entered.

@@ -95,7 +95,7 @@ def unit(direction: ArrayLike) -> Array:
     d = one_vector("the direction", direction, 3)
     greatest = float(np.abs(d).max())
     if greatest == 0.0:
-        raise InvalidValueError("the direction is zero; it must point somewhere, as 1,0,0")
+        raise InvalidValueError("the direction is zero; it must point somewhere, as (1, 0, 0)")
     scaled = d / greatest
     one: Array = scaled / np.linalg.norm(scaled)
     return one

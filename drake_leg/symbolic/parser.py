@@ -83,7 +83,7 @@ def parse_formula(text: str, declared: Collection[str] = (), *, weak: bool = Tru
         parsed = _Parser(tokens, declared).whole()
     except RecursionError:
         raise InvalidValueError(
-            f"{quoted(right)} is nested too deep; define parts of it separately"
+            f"{quoted(right)} is nested too deeply; define parts of it separately"
         ) from None
     except InvalidValueError as error:
         reason = str(error)

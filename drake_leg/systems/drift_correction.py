@@ -15,7 +15,7 @@ from drake_leg.units import require_non_negative, require_three
 class DriftCorrection(Diagram):
     """Adds a multiple of the position error to a commanded velocity: ``v + K (p_d - p)``.
 
-    The commanded position ``p_d`` is the integral of v. With an exact inverse behind the block the
+    The commanded position ``p_d`` is the integral of v. With an exact inverse after the block the
     error obeys ``de/dt = -K e``: it decays with the time constant 1 / K, wherever the foot starts.
 
     ================ ===== ===== ======= ==============================================

@@ -64,9 +64,9 @@ def test_a_command_is_carried_out_and_answered(service):
 @pytest.mark.parametrize(
     ("method", "path", "body", "headers", "status", "said"),
     [
-        ("POST", "/command", "no json", JSON, 400, "this is no JSON"),
-        ("POST", "/command", b"\xff\xfe", JSON, 400, "this is no JSON"),
-        ("POST", "/command", "[" * 4000, JSON, 400, "this is no JSON"),
+        ("POST", "/command", "no json", JSON, 400, "this is not JSON"),
+        ("POST", "/command", b"\xff\xfe", JSON, 400, "this is not JSON"),
+        ("POST", "/command", "[" * 4000, JSON, 400, "this is not JSON"),
         ("POST", "/command", "[1]", JSON, 400, "a command is an object of JSON"),
         ("POST", "/command", '{"do": "wrong"}', JSON, 400, "this is wrong"),
         ("POST", "/command", "{}", {"Content-Type": "text/plain"}, 415, "application/json"),

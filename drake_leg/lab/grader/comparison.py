@@ -245,7 +245,7 @@ def _explain(slopes: Array, differences: Array, margin: float, below: float) -> 
 
 
 def _decimals(formula: sp.Expr) -> Iterator[tuple[Path, float]]:
-    """List the numbers with digits behind the point, each with half a unit of its last one."""
+    """List the numbers with digits after the point, each with half a unit of its last one."""
     for path, part in parts(formula):
         if part.is_Float:
             _, digits, exponent = Decimal(repr(float(part))).as_tuple()

@@ -359,7 +359,7 @@ class _MatrixGrader:
         return spelled_as(matrix.spelling, f"at {sampler.posture(0)} it should be {right:.6g}")
 
     def _grade_rotation(self, matrix: Matrix, wrong: Sequence[Place]) -> Iterator[Finding]:
-        """Report a rotation part that is none; right entries count as exactly right."""
+        """Report a rotation part that is not a rotation; right entries count as exactly right."""
         R = np.full((COUNT, 3, 3), np.nan)
         right = matrix.meaning.at(self._comparison.sampler.as_it_is)
         for (i, j), formula in matrix.formulas.items():

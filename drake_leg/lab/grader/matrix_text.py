@@ -280,7 +280,7 @@ def _inside(text: str) -> str | None:
 
 
 def _depths(text: str) -> Iterator[tuple[int, str, int]]:
-    """Count how many brackets are open behind every letter."""
+    """Count how many brackets are open after every letter."""
     depth = 0
     for index, letter in enumerate(text):
         depth += (letter in _OPENING) - (letter in _CLOSING)

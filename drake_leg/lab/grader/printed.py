@@ -538,7 +538,7 @@ def _is_name(text: str) -> bool:
 
 
 def _end_of_block(lines: list[str], at: int, rest: str) -> int:
-    """Find the line behind a matrix: where its brackets are closed, or an empty one."""
+    """Find the line after a matrix: where its brackets are closed, or an empty one."""
     block = rest
     for end in range(at + 1, min(at + _LONGEST_BLOCK, len(lines) + 1)):
         latex = block.count(r"\begin") or block.count("⎡")
@@ -564,7 +564,7 @@ def _begins_anew(line: str) -> bool:
 
 
 def _equations(line: str) -> list[tuple[str, str]]:
-    """Read ``L1 = 50, L2 = 100;`` as two; nothing where = is behind a line's first delimiter."""
+    """Read ``L1 = 50, L2 = 100;`` as two; nothing where = is after a line's first delimiter."""
     line = re.sub(
         r"^(?:\$\$?|\\\[|\\\()|(?:\$\$?|\\\]|\\\))[.,;]?$|\\\\$", "", line.strip()
     ).strip()

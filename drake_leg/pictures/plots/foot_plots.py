@@ -221,7 +221,7 @@ def singularity(recording: Recording, title: str) -> Figure:
 
 
 def input_and_velocity(recording: Recording, title: str, gain: float) -> Figure:
-    """Draw the sine's output and the foot's velocity behind a gain (B 10)."""
+    """Draw the sine's output and the foot's velocity after a gain (B 10)."""
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
     time = recording["time"]
     axes.plot(time, recording["input"], color=GREY, linewidth=3.5, alpha=0.6, label="input (sine)")

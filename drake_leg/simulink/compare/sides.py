@@ -1,7 +1,7 @@
 """Both sides of a comparison, with their mechanisms aligned link by link in one unit of length.
 
 Both chains are compared in the frame of the joint that carries a link, so that one wrong offset
-is one difference and not one for every link behind it. Where a joint's two frames are turned about
+is one difference and not one for every link after it. Where a joint's two frames are turned about
 its axis, or moved along it, by the same amount on both of its sides, nothing moves differently;
 this freedom is used up before links are compared.
 """
@@ -287,7 +287,7 @@ class Sides:
     def rates(self) -> dict[int, tuple[str, Scalar | None]]:
         """Map each joint to its integrator's SID and to the rate that it has because of it.
 
-        The rate is the scalar that is integrated, times the factor behind the integrator.
+        The rate is the scalar that is integrated, times the factor after the integrator.
         """
         found = {}
         for sid, joint in self.chain.joints.items():
@@ -363,7 +363,7 @@ def joint_roles(sides: Sides) -> Roles:
 def same_factors(ours: Scalar, live: Scalar) -> bool:
     """Tell whether all atoms but sines and integrals have the same factors.
 
-    A factor behind an integrator is one of the rate that it integrates.
+    A factor after an integrator is one of the rate that it integrates.
     """
     return all(
         atom in live.terms and close(factor, live.terms[atom])

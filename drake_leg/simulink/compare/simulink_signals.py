@@ -72,8 +72,8 @@ class SimulinkSignals:
     """The signals of a flattened model.
 
     A block that does something for which there is no law here, with one input, counts as if it
-    passed the signal on: it has no counterpart in the diagram, but what lies behind it may. The
-    outputs of a MATLAB Function that could not be read are as many as the blocks behind it take.
+    passed the signal on: it has no counterpart in the diagram, but what follows it may. The
+    outputs of a MATLAB Function that could not be read are as many as the blocks after it take.
 
     Parameters
     ----------
@@ -321,7 +321,7 @@ class SimulinkSignals:
         return [self._size_taken(f"{block.sid}#out:{i + 1}") for i in range(code.outputs)]
 
     def _size_taken(self, source: str) -> int:
-        """Find the size that the Demuxes behind an output ask for."""
+        """Find the size that the Demuxes after an output ask for."""
         targets = (target.partition("#")[0] for target in self._targets_of.get(source, ()))
         demuxes = [self.blocks[sid] for sid in targets if self.blocks[sid].type == "Demux"]
         return max((min(least_size(demux), MOST_INPUTS) for demux in demuxes), default=1)

@@ -278,7 +278,7 @@ def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
     Raises
     ------
     InvalidValueError
-        With a short reason, to stand behind what the text belongs to and a colon.
+        With a short reason, to follow the name of what the text belongs to, and a colon.
     """
     try:
         with np.errstate(all="ignore"):
