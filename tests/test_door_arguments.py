@@ -67,6 +67,7 @@ CALLS = {
         lambda: dl.write_video("a.gif", dl.PENDULUM, ([0.0], [[0.0]]), progress=3),
         "progress is 3; it must be a function",
     ),
+    "view, announce": (lambda: dl.view(dl.LEG_B, announce=3), "announce is 3; it must be a func"),
     "movable, huge": (lambda: dl.movable(dl.LEG_B, [10**400, 0, 0]), "it must be real numbers"),
     "movable, nothing": (lambda: dl.movable(None), "None is not a Robot"),
     "movable, word": (lambda: dl.movable(dl.LEG_B, "x"), "q0 is 'x'; it must be real numbers"),

@@ -96,7 +96,7 @@ def option(
 
 
 def type_of(option: "dataclasses.Field[Any]") -> type:
-    """Return what an option takes besides None: float, list (of numbers), str or bool."""
+    """Return what an option takes other than None: float, list (of numbers), str or bool."""
     kind: Any = next(kind for kind in _types(option) if kind is not NoneType)
     origin: type = get_origin(kind) or kind
     return origin

@@ -294,7 +294,7 @@ def _require_mass(robot: Robot) -> None:
 
 
 class _View(NamedTuple):
-    """What the comparison of one kind of run has besides what all have."""
+    """What only one kind of run has to compare, in addition to what all have."""
 
     start: Array  # (3,) [m], of the foot or tool
     q: Array | None  # (rows, 3) [rad], exact; None where there is no closed form

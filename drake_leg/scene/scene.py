@@ -256,9 +256,11 @@ def motion_of(what: Showable, record: Record) -> PlantMotion:
 
 def _recorded(plant: ShownPlant, recording: Recording) -> PlantMotion:
     names = [header.partition("[")[0] for header in recording.columns]
-    joints = sorted((name for name in names if re.fullmatch(r"q\d*", name)), key=_number)
+    joints = [name for name in names if re.fullmatch(r"q\d*", name)]
     if len(joints) != len(plant.coordinates):
         raise OtherRobotError(plant.name, len(joints), len(plant.coordinates))
+    if joints != ["q"]:
+        joints = [f"q{number}" for number in range(1, len(joints) + 1)]
     kinds = [ANGLE_UNITS if one.turns else LENGTH_UNITS for one in plant.coordinates]
     q = [_in_si(recording, *column) for column in zip(joints, kinds, strict=True)]
     time = _in_si(recording, "time", TIME_UNITS)
@@ -278,10 +280,6 @@ def _in_si(recording: Recording, name: str, units: Mapping[str, float]) -> Array
             f"the recording's column {name} is in {unit!r}; it must be in {' or '.join(units)}"
         )
     return values * units[unit] if unit else values
-
-
-def _number(name: str) -> int:
-    return int(name[1:] or 1)
 
 
 @dataclass(frozen=True, kw_only=True)

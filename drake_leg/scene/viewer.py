@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from drake_leg.arguments import require_callable
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.scene import TRACE, Scene, View, as_view, at_rest, scene_of
@@ -149,8 +150,8 @@ def view(
     Raises
     ------
     InvalidValueError
-        If there is nothing to show, ``q`` does not have n finite numbers, there is no such view, or
-        no browser can be opened and ``announce`` is not given.
+        If there is nothing to show, ``q`` does not have n finite numbers, there is no such view,
+        ``announce`` is not a function, or it is not given and no browser can be opened.
     ServerError
         If it cannot listen there.
 
@@ -163,6 +164,7 @@ def view(
     >>> q = view(LEG_B, [radians(90), radians(-50), radians(-90)], announce=print)  # doctest: +SKIP
     http://localhost:7000
     """
+    require_callable("announce", announce)
     motion, first = at_rest(what, q), as_view(view)
     with Server(host, port) as server:
         if announce is not None:

@@ -93,6 +93,12 @@ def test_a_recording_may_have_lists():
         motion_of(LEG_B, recording(**{"q1[rad]": ["a", "b", "c"]}))
 
 
+def test_a_recording_without_one_joint_is_not_read_as_another():
+    columns = {"time": TIME, "q1": Q[:, 0], "q2": Q[:, 1], "q4": Q[:, 2]}
+    with pytest.raises(InvalidValueError, match="no column 'q3'; the recording has time, q1, q2"):
+        motion_of(LEG_B, Recording(columns))
+
+
 def test_a_recording_of_another_robot_is_refused():
     with pytest.raises(OtherRobotError, match=r"tip is up to 0\.\d+ m away .*'leg_a'"):
         motion_of(LEG_A, recording())

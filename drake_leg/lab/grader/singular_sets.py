@@ -497,11 +497,11 @@ def _left_out(alternatives: Sequence[Alternative], arm: _Arm, words: _Words) -> 
     points = arm.zeros([arm.determinant])
     rare = RARE * len(points)
     missing = points[~np.any([arm.holds(a, points) for a in alternatives], axis=0)]
-    besides: tuple[str, Function] = (
+    unclaimed: tuple[str, Function] = (
         "the other zeros of the determinant",
         lambda points: np.zeros(len(points)),
     )
-    for said, factor in (*words.factors, besides) if len(missing) else ():
+    for said, factor in (*words.factors, unclaimed) if len(missing) else ():
         there = arm.is_zero(factor, missing)
         family, missing = missing[there], missing[~there]
         if len(family) > rare:
