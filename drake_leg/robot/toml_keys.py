@@ -26,7 +26,7 @@ _REMEDIES = {
 }
 
 
-def shown(value: object) -> str:
+def as_toml(value: object) -> str:
     """Write a value as in the file, shortened to fit into a sentence."""
     if isinstance(value, bool):
         return str(value).lower()
@@ -51,7 +51,7 @@ class Keys:
         instead: Mapping[str, str] | None = None,
     ) -> None:
         if not isinstance(table, dict):
-            raise InvalidValueError(f"{where} is {shown(table)}; it must be a table of keys")
+            raise InvalidValueError(f"{where} is {as_toml(table)}; it must be a table of keys")
         self.where = where
         self._table = table
         for key in table:
@@ -86,17 +86,17 @@ class Keys:
         """Printable text on one line."""
         value = self.value(key, default)
         if not isinstance(value, str) or not value.isprintable():
-            raise self.error(f"{key} is {shown(value)}; it must be text in quotes, on one line")
+            raise self.error(f"{key} is {as_toml(value)}; it must be text in quotes, on one line")
         return value
 
     def choice(self, key: str, choices: Sequence[T], default: Any = REQUIRED) -> T:  # noqa: ANN401
         """One of a few values of the same type: 0 is neither 0.0 nor false."""
-        words = " or ".join(shown(choice) for choice in choices)
+        words = " or ".join(as_toml(choice) for choice in choices)
         value = self.value(key, default, remedy=f"it must be {words}")
         for choice in choices:
             if type(choice) is type(value) and choice == value:
                 return choice
-        raise self.error(f"{key} is {shown(value)}; it must be {words}")
+        raise self.error(f"{key} is {as_toml(value)}; it must be {words}")
 
     def flag(self, key: str, default: bool) -> bool:
         """True or false."""
@@ -131,16 +131,16 @@ class Keys:
         """Three finite numbers."""
         value = self.value(key, default, remedy=f"it must be three numbers [{unit}]")
         if not isinstance(value, list | tuple) or len(value) != 3:
-            raise self.error(f"{key} is {shown(value)}; it must be three numbers [{unit}]")
+            raise self.error(f"{key} is {as_toml(value)}; it must be three numbers [{unit}]")
         x, y, z = (self._checked(f"{key}[{i}]", part, unit) for i, part in enumerate(value))
         return x, y, z
 
     def _checked(self, key: str, value: object, unit: str) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.error(f"{key} is {shown(value)}; it must be a number [{unit}]")
+            raise self.error(f"{key} is {as_toml(value)}; it must be a number [{unit}]")
         if not abs(value) <= GREATEST:  # so that nan is refused too
             raise self.error(
-                f"{key} is {shown(value)}; it must be a finite number [{unit}] of at most "
+                f"{key} is {as_toml(value)}; it must be a finite number [{unit}] of at most "
                 f"{GREATEST:g}"
             )
         return float(value)

@@ -106,7 +106,7 @@ def _types(option: "dataclasses.Field[Any]") -> tuple[Any, ...]:
     return get_args(option.type) if isinstance(option.type, UnionType) else (option.type,)
 
 
-def checked(option: "dataclasses.Field[Any]", value: object) -> object:
+def _converted(option: "dataclasses.Field[Any]", value: object) -> object:
     """Convert a value to the type of an option, or refuse it."""
     kind = type_of(option)
     if value is None and NoneType in _types(option):
@@ -165,7 +165,7 @@ class RunOptions:
 
     def __post_init__(self) -> None:
         for each in dataclasses.fields(self):
-            setattr(self, each.name, checked(each, getattr(self, each.name)))
+            setattr(self, each.name, _converted(each, getattr(self, each.name)))
 
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
         """Return the integrator's settings; ``default_step`` [s] is the longest step by default."""

@@ -50,10 +50,10 @@ from drake_leg.lab.errata.printed import (
     SIGMAS_RIGHT,
     PrintedMatrices,
     angle_values,
+    in_one_line,
     leg_b_matrices,
     rotation_defect,
     scara_matrices,
-    shown,
 )
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
@@ -246,8 +246,8 @@ def _no_rotation(
     """Measure a printed transform that is not a rotation, and the foot that it gives [mm]."""
     volume, deviation = rotation_defect(matrices.value(name, values))
     return {
-        "printed": shown(matrices.printed[name]),
-        "right": shown(matrices.right[name]),
+        "printed": in_one_line(matrices.printed[name]),
+        "right": in_one_line(matrices.right[name]),
         "determinant": volume,
         "deviation": deviation,
         "away": math.dist(matrices.product(values, name)[:3, 3], foot),
@@ -367,7 +367,10 @@ def _shifted_table() -> Values:
         Row(joint="fixed"),
     )
     wrong, true = (examine(jacobian(rows, _start())[3:]).rank for rows in (literal, LEG_B.rows))
-    tables = {"printed": shown(LEG_B_TABLE_PRINTED[1:]), "right": shown(LEG_B_TABLE_RIGHT[1:])}
+    tables = {
+        "printed": in_one_line(LEG_B_TABLE_PRINTED[1:]),
+        "right": in_one_line(LEG_B_TABLE_RIGHT[1:]),
+    }
     return {**tables, "wrong": wrong, "true": true}
 
 
@@ -384,7 +387,7 @@ def _first_rows(name: str) -> Values:
     for kind, sigmas in (("printed", SIGMAS_PRINTED), ("right", SIGMAS_RIGHT)):
         rows = getattr(matrices, kind)[name][:2, :]
         used = (f"{sigma} = {text(value)}" for sigma, value in sigmas.items() if rows.has(sigma))
-        found |= {kind: shown(rows), f"{kind}_sigmas": ", ".join(used)}
+        found |= {kind: in_one_line(rows), f"{kind}_sigmas": ", ".join(used)}
     return found
 
 
@@ -492,7 +495,7 @@ def _tool() -> Array:
 
 def _third_rows(name: str) -> Values:
     matrices = scara_matrices()
-    return {kind: shown(getattr(matrices, kind)[name][2, :]) for kind in ("printed", "right")}
+    return {kind: in_one_line(getattr(matrices, kind)[name][2, :]) for kind in ("printed", "right")}
 
 
 def _height() -> Values:

@@ -174,7 +174,7 @@ def _abbreviated(entry: sp.Expr) -> sp.Expr:
     return entry
 
 
-def shown(rows: sp.Matrix | Sequence[Sequence[str]]) -> str:
+def in_one_line(rows: sp.Matrix | Sequence[Sequence[str]]) -> str:
     """Write a matrix, or the rows of a table, in one line, with semicolons between the rows."""
     if isinstance(rows, sp.MatrixBase):
         rows = texts(rows)

@@ -31,7 +31,7 @@ from drake_leg.lab.grader.tables import (
     is_heading,
     unreadable,
 )
-from drake_leg.robot.toml_keys import Document, Keys, parse_document, shown
+from drake_leg.robot.toml_keys import Document, Keys, as_toml, parse_document
 from drake_leg.symbolic.spelling import quoted
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
@@ -148,7 +148,7 @@ def printed_of_document(
     singular = keys.value("singular", [])
     singular = [singular] if isinstance(singular, str) else singular
     if not isinstance(singular, list) or not all(isinstance(text, str) for text in singular):
-        raise keys.error(f'singular is {shown(singular)}; it must be text, as "θ3 = kπ"')
+        raise keys.error(f'singular is {as_toml(singular)}; it must be text, as "θ3 = kπ"')
     if table is None and not read and not singular:
         if where.endswith(".toml"):
             raise keys.error("there is neither a [[table]] nor a [[matrix]] in it")
@@ -203,7 +203,7 @@ def _table(keys: Keys, angles: str | None, lengths: str | None) -> Table:
 def _cell(keys: Keys, key: str) -> str:
     value = keys.value(key)
     if isinstance(value, bool) or not isinstance(value, str | int | float):
-        raise keys.error(f"{key} is {shown(value)}; it must be text or a number")
+        raise keys.error(f"{key} is {as_toml(value)}; it must be text or a number")
     text = str(value)
     return _SIGMAS.get(text.strip(" $").casefold(), text) if key == "sigma" else text
 
@@ -225,15 +225,15 @@ def _matrix(part: object, where: str) -> PrintedMatrix | Finding:
         raise keys.error("entries is not a list of rows")
     for row in entries:
         if not isinstance(row, list) or not row:
-            raise keys.error(f"the row {shown(row)} is not a list of entries")
+            raise keys.error(f"the row {as_toml(row)} is not a list of entries")
         if len(row) != len(entries[0]):
-            fault = f"the row {shown(row)} is not as long as the first one; write all its entries"
+            fault = f"the row {as_toml(row)} is not as long as the first one; write all its entries"
             return unreadable(name, fault, name)
     rows = keys.value("rows", [])
     if isinstance(rows, str):
         rows = rows.replace(",", " ").split()
     if not isinstance(rows, list) or not all(isinstance(row, str) for row in rows):
-        raise keys.error(f"rows is {shown(rows)}; it must be a list of text, as x, y, yaw")
+        raise keys.error(f"rows is {as_toml(rows)}; it must be a list of text, as x, y, yaw")
     return PrintedMatrix(
         name=name,
         entries=tuple(tuple(_entry(keys, cell) for cell in row) for row in entries),
@@ -255,7 +255,7 @@ def _pasted(name: str, text: str) -> list[list[str]]:
 
 def _entry(keys: Keys, cell: object) -> str:
     if isinstance(cell, bool) or not isinstance(cell, str | int | float):
-        raise keys.error(f"the entry {shown(cell)} is neither text nor a number")
+        raise keys.error(f"the entry {as_toml(cell)} is neither text nor a number")
     return str(cell)
 
 

@@ -20,9 +20,9 @@ from drake_leg.lab.errata.printed import (
     SIGMAS_PRINTED,
     SIGMAS_RIGHT,
     angle_values,
+    in_one_line,
     leg_b_matrices,
     scara_matrices,
-    shown,
     texts,
 )
 from drake_leg.robot.robot import Row
@@ -169,7 +169,7 @@ def test_vectors_and_angles_are_in_parentheses():
 
 def test_a_matrix_is_shown_in_one_line():
     theta = sp.Symbol("θ1")
-    assert shown(sp.Matrix([[2 * sp.cos(theta), -1], [0, theta]])) == "[2·cos(θ1), −1; 0, θ1]"
+    assert in_one_line(sp.Matrix([[2 * sp.cos(theta), -1], [0, theta]])) == "[2·cos(θ1), −1; 0, θ1]"
 
 
 PRINTED_WRONGLY = {
