@@ -30,8 +30,8 @@ from drake_leg.simulink.mechanism import (
     Frame,
     PhysicalNetwork,
     SolidProperties,
-    Step,
     Walk,
+    WalkStep,
     read_solid,
     rigid_transform,
 )
@@ -226,7 +226,7 @@ class _Drawing:
         ports = self._network.ports.get(block.sid, ())
         return 1 if len(ports) == 1 and not block.kind.endswith(_LEAVES) else 2
 
-    def _attach(self, step: Step) -> None:
+    def _attach(self, step: WalkStep) -> None:
         """Draw a block at its frames that were reached before; its others lead on from it."""
         index, network = len(self._chain.blocks), self._network
         near, far = (

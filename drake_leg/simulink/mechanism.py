@@ -363,7 +363,7 @@ def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class WalkStep:
     """A block in a walk over the frames, and the rigid body from which it is entered."""
 
     block: Block
@@ -403,7 +403,7 @@ class Walk:
             if rank is not None:
                 heappush(self._met, (rank, next(self._meetings), sid))
 
-    def take(self, block: Block) -> Step:
+    def take(self, block: Block) -> WalkStep:
         """Enter a block by the frames that are reached, and reach its others through it."""
         self.taken.add(block.sid)
         ports = _two_ports(block) or self._network.ports.get(block.sid, ())
@@ -418,9 +418,9 @@ class Walk:
         for port, frame in zip(ports, frames, strict=True):
             (near if frame in self.reached else far).append(port)
             self.reach(frame, body if not bodies and far == [port] else beyond)
-        return Step(block=block, near=tuple(near), far=tuple(far), body=body, beyond=beyond)
+        return WalkStep(block=block, near=tuple(near), far=tuple(far), body=body, beyond=beyond)
 
-    def __iter__(self) -> Iterator[Step]:
+    def __iter__(self) -> Iterator[WalkStep]:
         while self._met:
             *_, sid = heappop(self._met)
             if sid not in self.taken:

@@ -137,7 +137,7 @@ def _jacobians(robot: Robot) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chain:
+class SampledChain:
     """A Khalil table of n rows, of which m move, at N samples."""
 
     joints: tuple[JointType, ...]  # of the rows
@@ -196,7 +196,7 @@ class Chain:
         return twists(self, X_B[:, 1:], X_B[:, -1, :3, 3])
 
 
-def chain_of(rows: Sequence[Row], q: Array, metres: float) -> Chain:
+def chain_of(rows: Sequence[Row], q: Array, metres: float) -> SampledChain:
     """Write a robot's table for samples of its joint positions (N, m) [rad or m].
 
     The chain's unit of lengths has so many ``metres``.
@@ -206,7 +206,7 @@ def chain_of(rows: Sequence[Row], q: Array, metres: float) -> Chain:
         return np.tile([getattr(row, name) / unit for row in rows], (len(q), 1))
 
     sliding = [rows[index].joint == "prismatic" for index in moving_rows(rows)]
-    return Chain(
+    return SampledChain(
         joints=tuple(row.joint for row in rows),
         d=column("d", metres),
         alpha=column("alpha", 1.0),
@@ -224,7 +224,7 @@ def running_products(steps: Array) -> Array:
     return np.stack(products, axis=1)
 
 
-def twists(chain: Chain, axes: Array, point: Array) -> Array:
+def twists(chain: SampledChain, axes: Array, point: Array) -> Array:
     """Twist at a point P (N, 3) per unit of each joint's rate, (N, 6, m), rotation first.
 
     ``[z; z x OP]``, or ``[0; z]`` for a sliding joint, which turns nothing; ``axes`` (N, n, 4, 4)
@@ -239,7 +239,7 @@ def twists(chain: Chain, axes: Array, point: Array) -> Array:
     return np.stack(columns, axis=-1)
 
 
-def right_values(claim: Claim, chain: Chain) -> Array:
+def right_values(claim: Claim, chain: SampledChain) -> Array:
     """Evaluate what is claimed at N samples, (N, r, c), in the chain's unit of lengths."""
     if claim.is_pose:
         return claimed_part(claim, between(chain.frames(), *claim.frames))

@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, table_length
-from drake_leg.lab.grader.claims import Chain, Claim, chain_of, claim_of, right_values, scales
+from drake_leg.lab.grader.claims import (
+    Claim,
+    SampledChain,
+    chain_of,
+    claim_of,
+    right_values,
+    scales,
+)
 from drake_leg.lab.grader.definitions import Binding, Cell, Reader, cell_values, same
 from drake_leg.lab.grader.printed import Format, Printed, PrintedMatrix
 from drake_leg.lab.grader.tables import Finding, unreadable
@@ -50,7 +57,7 @@ class Samples:
     """Values at which a print's formulas and the robot are evaluated."""
 
     values: Mapping[str, Any]  # symbol to number or (N,) array; angles in rad, lengths as printed
-    chain: Chain  # in the print's unit of lengths
+    chain: SampledChain  # in the print's unit of lengths
 
     @cached_property
     def _evaluator(self) -> Evaluator:
@@ -129,7 +136,7 @@ class Sampler:
 class Meaning:
     """The values of a matrix, right or mistaken, at samples; evaluated once per set of samples."""
 
-    def __init__(self, of_chain: Callable[[Chain], Array]) -> None:
+    def __init__(self, of_chain: Callable[[SampledChain], Array]) -> None:
         self._of_chain = of_chain
         self._found: list[tuple[Samples, Array]] = []
 
@@ -290,7 +297,7 @@ class Matrix:
     margin: Array  # (r, c), how far from what is right counts as right
     entries: Mapping[Place, Entry]
 
-    def right(self, chain: Chain) -> Array:
+    def right(self, chain: SampledChain) -> Array:
         """Evaluate what is right, (N, r, c)."""
         return right_values(self.claim, chain)
 

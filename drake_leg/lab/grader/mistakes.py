@@ -18,7 +18,7 @@ import numpy as np
 
 from drake_leg.kinematics.khalil import Array, moving_rows
 from drake_leg.lab.grader.claims import (
-    Chain,
+    SampledChain,
     between,
     claimed_part,
     running_products,
@@ -40,7 +40,7 @@ class Mistake:
     kind: str  # a word or a few, the same for all matrices
     fault: str
     remedy: str
-    printed: Callable[[Chain], Array]  # the matrix with the mistake, (N, r, c)
+    printed: Callable[[SampledChain], Array]  # the matrix with the mistake, (N, r, c)
     rough: float = 1.0  # times the usual margin: numbers that people round
     exact: bool = False  # whether it must explain every entry that can be read
 
@@ -58,7 +58,7 @@ def mistakes(matrix: Matrix, names: Names) -> Iterator[Mistake]:
 
 # --- another table ---------------------------------------------------------------------------
 
-_Change = Callable[[Chain], Chain]
+_Change = Callable[[SampledChain], SampledChain]
 _Place = tuple[str, int]  # a column of a chain, and a row or a joint
 _Slip = tuple[str, str, str, _Change]  # kind, fault, remedy and the table with the mistake
 
@@ -66,7 +66,7 @@ _Slip = tuple[str, str, str, _Change]  # kind, fault, remedy and the table with 
 def table_mistakes(matrix: Matrix, names: Names) -> Iterator[Mistake]:
     """List the mistakes that come from a table with one slip in it."""
 
-    def printed(change: _Change, chain: Chain) -> Array:
+    def printed(change: _Change, chain: SampledChain) -> Array:
         return matrix.right(change(chain))
 
     for slips in (_other_variables, _other_twists, partial(_other_lengths, names), _other_zeros):
@@ -84,12 +84,12 @@ def table_mistakes(matrix: Matrix, names: Names) -> Iterator[Mistake]:
         )
 
 
-def _at(place: _Place, chain: Chain) -> Array:
+def _at(place: _Place, chain: SampledChain) -> Array:
     values: Array = getattr(chain, place[0])[:, place[1]]
     return values
 
 
-def _put(chain: Chain, *cells: tuple[_Place, Array | float]) -> Chain:
+def _put(chain: SampledChain, *cells: tuple[_Place, Array | float]) -> SampledChain:
     columns: dict[str, Any] = {}
     for (column, index), values in cells:
         columns.setdefault(column, getattr(chain, column).copy())[:, index] = values
@@ -204,7 +204,7 @@ def _turn_zero(index: int, angle: float) -> _Change:
 # --- of any matrix ---------------------------------------------------------------------------
 
 
-def _of(matrix: Matrix, whole: Callable[[Chain], Array]) -> Callable[[Chain], Array]:
+def _of(matrix: Matrix, whole: Callable[[SampledChain], Array]) -> Callable[[SampledChain], Array]:
     """Extract what is claimed from another pose or Jacobian."""
     return lambda chain: claimed_part(matrix.claim, whole(chain))
 
@@ -230,7 +230,7 @@ def _transposed(matrix: Matrix) -> Iterator[Mistake]:
 def _reordered(matrix: Matrix) -> Iterator[Mistake]:
     """Put columns, then rows in another order."""
 
-    def printed(order: Sequence[int], axis: int, chain: Chain) -> Array:
+    def printed(order: Sequence[int], axis: int, chain: SampledChain) -> Array:
         right: Array = np.take(matrix.right(chain), order, axis=axis)
         return right
 
@@ -298,7 +298,7 @@ def _pose_mistakes(matrix: Matrix) -> Iterator[Mistake]:
         rotation = matrix.part(slice(3), slice(3))
         named += [("the upper part", rotation | lengths), ("the rotation part", rotation)]
 
-        def rotation_transposed(chain: Chain) -> Array:
+        def rotation_transposed(chain: SampledChain) -> Array:
             X = matrix.right(chain).copy()
             X[:, :3, :3] = np.swapaxes(X[:, :3, :3], -1, -2).copy()
             return X
@@ -335,7 +335,7 @@ def _of_frames(matrix: Matrix, a: int, b: int) -> Mistake:
 def _other_products(matrix: Matrix) -> Iterator[Mistake]:
     """Multiply in another order, or leave a factor out."""
 
-    def product(order: Sequence[int], chain: Chain) -> Array:
+    def product(order: Sequence[int], chain: SampledChain) -> Array:
         return running_products(chain.steps()[:, list(order)])[:, -1]
 
     def said(order: Sequence[int]) -> str:
@@ -363,7 +363,7 @@ def _classic(matrix: Matrix) -> Iterator[Mistake]:
     """Take the classic transform for Khalil's: z first, then x of the row or of the next one."""
     first, last = matrix.claim.frames
 
-    def product(following: int, chain: Chain) -> Array:
+    def product(following: int, chain: SampledChain) -> Array:
         steps = chain.about_z() @ np.roll(chain.about_x(), -following, axis=1)
         return running_products(steps[:, first:last])[:, -1]
 
@@ -414,7 +414,7 @@ def _inverse_jacobian(matrix: Matrix) -> Iterator[Mistake]:
     if matrix.claim.shape[0] != matrix.claim.shape[1]:
         return
 
-    def inverted(chain: Chain) -> Array:
+    def inverted(chain: SampledChain) -> Array:
         """Invert where that can be done; elsewhere it has no numbers."""
         J = matrix.right(chain)
         regular = np.linalg.cond(J) < 1e12
@@ -438,41 +438,41 @@ def _with_pi(matrix: Matrix, whose: str, inside: Mask) -> Iterator[Mistake]:
 
 def _other_jacobians(
     matrix: Matrix,
-) -> Iterator[tuple[str, str, str, Callable[[Chain], Array]]]:
+) -> Iterator[tuple[str, str, str, Callable[[SampledChain], Array]]]:
     """List Jacobians (6, m) of other points, frames, axes and joints: fault, remedy, kind."""
     rows = matrix.robot.rows
     count = len(rows)
 
-    def of_origin(last: int, chain: Chain) -> Array:
+    def of_origin(last: int, chain: SampledChain) -> Array:
         X_B = chain.frames()
         beyond = np.array(chain.moving) >= last
         return np.where(beyond, 0.0, twists(chain, X_B[:, 1:], X_B[:, last, :3, 3]))
 
-    def of_base(chain: Chain) -> Array:
+    def of_base(chain: SampledChain) -> Array:
         return twists(chain, chain.frames()[:, 1:], np.zeros((len(chain.q), 3)))
 
-    def from_base(chain: Chain) -> Array:
+    def from_base(chain: SampledChain) -> Array:
         X_B = chain.frames()
         axes = X_B[:, 1:].copy()
         axes[..., :3, 3] = 0.0
         return twists(chain, axes, X_B[:, -1, :3, 3])
 
-    def expressed_in(index: int, chain: Chain) -> Array:
+    def expressed_in(index: int, chain: SampledChain) -> Array:
         R = np.swapaxes(chain.frames()[:, index, :3, :3], -1, -2)
         J = chain.jacobian()
         return np.concatenate([R @ J[:, :3], R @ J[:, 3:]], axis=1)
 
-    def about_axes_before(chain: Chain) -> Array:
+    def about_axes_before(chain: SampledChain) -> Array:
         X_B = chain.frames()
         return twists(chain, X_B[:, :-1], X_B[:, -1, :3, 3])
 
-    def about(column: int, chain: Chain) -> Array:
+    def about(column: int, chain: SampledChain) -> Array:
         X_B = chain.frames()
         axes = X_B[:, 1:].copy()
         axes[..., 2] = axes[..., column]
         return twists(chain, axes, X_B[:, -1, :3, 3])
 
-    def with_other_joint(index: int, chain: Chain) -> Array:
+    def with_other_joint(index: int, chain: SampledChain) -> Array:
         """Take the joint for one of the other type; the pose stays."""
         joints = list(chain.joints)
         joints[index] = "prismatic" if joints[index] == "revolute" else "revolute"

@@ -24,8 +24,8 @@ from drake_leg.simulink.mechanism import (
     Frame,
     PhysicalNetwork,
     SolidProperties,
-    Step,
     Walk,
+    WalkStep,
     about,
     inverse,
     network_of,
@@ -39,7 +39,7 @@ SENSORS = ("6-DOF Joint", "Transform Sensor")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chain:
+class ModelChain:
     """A mechanism, and which block of the model became what of it."""
 
     mechanism: Mechanism
@@ -59,7 +59,7 @@ class Route:
 
     network: PhysicalNetwork
     starts: tuple[Frame, ...]
-    steps: tuple[Step, ...]  # over joints and what is rigid, one body after the other
+    steps: tuple[WalkStep, ...]  # over joints and what is rigid, one body after the other
     grounded: bool
     poses: dict[str, Array]  # SID of what is rigid -> X_BF
 
@@ -119,7 +119,7 @@ def _outermost_base(network: PhysicalNetwork) -> list[Frame]:
     return [base for base in bases if base not in inner][:1] or bases[:1]
 
 
-def read_chain(route: Route, *, taken_as_drawn: Sequence[int] = ()) -> Chain:
+def read_chain(route: Route, *, taken_as_drawn: Sequence[int] = ()) -> ModelChain:
     """Read the chain that a model's physical connections make.
 
     Joints with the numbers ``taken_as_drawn`` have base and follower exchanged by mistake: their
@@ -170,7 +170,7 @@ def read_chain(route: Route, *, taken_as_drawn: Sequence[int] = ()) -> Chain:
         if block.kind in (*MOVING, *RIGID, *SOLIDS) and block.sid not in used
     ]
     unconnected = "it is connected to nothing that leads to the World Frame"
-    return Chain(
+    return ModelChain(
         mechanism=Mechanism(joints=tuple(joints), bodies=tuple(map(tuple, places))),
         joints={joint.sid: joint.number for joint in joints},
         grounded=route.grounded,

@@ -20,7 +20,7 @@ from pydrake.systems.framework import Context, Diagram
 from drake_leg.diagrams.wiring import plant_of
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot
-from drake_leg.simulink.compare.chain import Chain, find_route, read_chain
+from drake_leg.simulink.compare.chain import ModelChain, find_route, read_chain
 from drake_leg.simulink.compare.findings import Verdict, different
 from drake_leg.simulink.compare.of_diagram import (
     DiagramSignals,
@@ -99,7 +99,7 @@ def scale_of(simulink: Mechanism, drake: Mechanism) -> float:
     return 1.0 if math.isclose(factor, 1.0, rel_tol=SAME) else factor
 
 
-def shrunk(chain: Chain, scale: float) -> Chain:
+def shrunk(chain: ModelChain, scale: float) -> ModelChain:
     """Divide all lengths of a model's chain by a factor."""
     if scale == 1.0:
         return chain
@@ -258,7 +258,7 @@ class Sides:
 
     model: Model  # as drawn
     flat: Model  # without subsystems
-    chain: Chain
+    chain: ModelChain
     ours: SimulinkSignals
     run: LiveModel
     plant: MultibodyPlant
@@ -403,10 +403,10 @@ def _mechanism(run: LiveModel, plant: MultibodyPlant) -> Mechanism:
     )
 
 
-def _aligned(flat: Model, drake: Mechanism) -> tuple[Chain, list[AlignedLink], float]:
+def _aligned(flat: Model, drake: Mechanism) -> tuple[ModelChain, list[AlignedLink], float]:
     """Align the mechanisms in one unit of length; joints that point backwards the likelier way."""
 
-    def aligned(chain: Chain) -> list[AlignedLink]:
+    def aligned(chain: ModelChain) -> list[AlignedLink]:
         sensor = next((b for b in flat.blocks if b.sid == chain.sensor), None)
         orientation = sensor is not None and senses_rotation(sensor)
         return align(chain.mechanism, drake, orientation=orientation)
@@ -422,7 +422,7 @@ def _aligned(flat: Model, drake: Mechanism) -> tuple[Chain, list[AlignedLink], f
     scale = scale_of(chain.mechanism, drake)
     both = [(reading, aligned(reading)) for reading in (shrunk(one, scale) for one in readings)]
 
-    def unlikeliness(pair: tuple[Chain, list[AlignedLink]]) -> int:
+    def unlikeliness(pair: tuple[ModelChain, list[AlignedLink]]) -> int:
         return 2 * sum(len(link.misses) for link in pair[1]) + len(pair[0].exchanged)
 
     return (*min(both, key=unlikeliness), scale)
