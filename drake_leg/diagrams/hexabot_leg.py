@@ -9,6 +9,10 @@ The signal blocks, left to right::
 
 The acceleration takes the same route through separate blocks, such as ``Mux of the derivatives``:
 motion-driven joints need the derivatives of their motion.
+
+What a block computes is in ``systems/``. ``mechanism.add_mechanism`` adds the joints, the leg and
+the sensors, which are the blue blocks of Simscape. The functions ``with_...`` of ``additions`` add
+what a plain step does without: by default they return the signal as it is, and add no block.
 """
 
 from __future__ import annotations
@@ -153,7 +157,7 @@ class HexabotLegConfig:
 
     @cached_property
     def inverted(self) -> Movable:
-        """The same robot with the inverse that ``control`` chooses."""
+        """The same robot, its Jacobian inverted as ``control`` says: exactly, damped or limited."""
         lag = self.filter_time_constant or 0.0
         return self.control.inverse.of(self.movable, self.robot.moving, lag)
 
@@ -170,7 +174,7 @@ def build(config: HexabotLegConfig) -> Diagram:
     Returns
     -------
     Diagram
-        To be started with ``mechanism.start_on_motion``.
+        For ``simulate``, which starts it with its joints on their prescribed motion.
 
     Raises
     ------
@@ -225,16 +229,17 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
         builder.AddNamedSystem(f"Integrator {i}", Integrator([q]))
         for i, q in enumerate(config.start, start=1)
     ]
-    converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(joints))
+    converters = builder.AddNamedSystem("Simulink-PS Converters", Multiplexer(joints))  # to one q
     leg = add_mechanism(  # the leg itself, driven by its joints' motion, and its sensors
         builder,
         robot,
         gravity=config.gravity,
-        stiffness=control.pull(config.disturbance),
+        stiffness=control.pull(config.disturbance),  # of the joints' hold on their motion
         disturbance=config.disturbance,
     )
 
-    # Wires: the command to the inverse Jacobian; a correction and a task add blocks to them.
+    # Wires: the command to the inverse Jacobian. A drift correction adds blocks to them, and so
+    # does a robot whose foot cannot move along each of x, y and z.
     wanted = with_correction(
         builder,
         control.correction,
@@ -247,6 +252,8 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
     wanted = with_task(builder, config.movable.twists, wanted)
     builder.Connect(wanted.v, inverse_jacobian.GetInputPort("v"))
     builder.Connect(wanted.a, inverse_jacobian.GetInputPort("a"))
+
+    # Wires: the joints' positions, sensed or integrated, back to the inverse Jacobian.
     connect_feedback(
         builder,
         config.feedback,
@@ -255,7 +262,7 @@ def add_leg(builder: DiagramBuilder, config: HexabotLegConfig, command: Command)
         integrated=converters.get_output_port(),
     )
 
-    # Wires: the joints' rates through the integrators to the leg; filters add blocks to them.
+    # Wires: the joints' rates through the integrators to the leg. Input filters add blocks to them.
     builder.Connect(inverse_jacobian.GetOutputPort("qdot"), demux.get_input_port())
     for i, integrator in enumerate(integrators):
         builder.Connect(demux.get_output_port(i), integrator.get_input_port())
