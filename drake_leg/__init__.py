@@ -54,7 +54,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 - ``simulate``: run a diagram and collect its scopes; stops before a singularity.
 - ``run``: carry out a named run and compare it with its exact motion.
-- ``Recording``: named columns with units, to CSV and back.
+- ``Recording``: named columns with units, to CSV; ``Recording.read_csv`` reads one back.
 
 **Pictures** (a notebook shows them)
 

@@ -12,6 +12,7 @@ from typing import (
     TYPE_CHECKING,
     Literal,
     ParamSpec,
+    TypeGuard,
     TypeVar,
     Union,
     get_args,
@@ -28,6 +29,8 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 MOST_SHOWN = 60  # characters of a value
+MOST_DIGITS = 20  # of an integer; a greater one is written as 1e+20
+MOST_PARTS = 6  # of a list or a tuple that is written part by part
 WORDS: dict[object, str] = {
     bool: "True or False",
     float: "a number",
@@ -100,8 +103,11 @@ def is_number(value: object) -> bool:
 
 def shown(value: object) -> str:
     """Write a value in a line, or its type if that is too long to read."""
-    if isinstance(value, int) and abs(value) >= 10**MOST_SHOWN:
+    if _is_long(value):
         return f"{float(value):g}" if is_number(value) else "an integer too large for a float"
+    if isinstance(value, list | tuple) and len(value) <= MOST_PARTS and any(map(_is_long, value)):
+        text = ", ".join(map(shown, value))
+        return f"[{text}]" if isinstance(value, list) else f"({text})"
     try:
         text = " ".join(repr(value).split())
     except ValueError:  # of an integer in it, with thousands of digits
@@ -109,6 +115,11 @@ def shown(value: object) -> str:
     if text and len(text) <= MOST_SHOWN and "object at 0x" not in text:
         return text
     return _with_article(type(value).__name__)
+
+
+def _is_long(value: object) -> TypeGuard[int]:
+    """Whether a value is an integer of more digits than a reader counts."""
+    return isinstance(value, int) and abs(value) >= 10**MOST_DIGITS
 
 
 def _with_article(name: str) -> str:

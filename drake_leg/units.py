@@ -315,7 +315,7 @@ def require_finite(what: str, value: float) -> None:
     """Refuse what is not a finite number."""
     require_number(what, value)
     if not math.isfinite(value):
-        raise InvalidValueError(f"{what} is {value!r}; it must be a finite number")
+        raise InvalidValueError(f"{what} is {float(value)!r}; it must be a finite number")
 
 
 def require_three(what: str, values: Iterable[float]) -> None:
@@ -334,7 +334,7 @@ def require_kind(what: str, value: object, *kinds: type) -> None:
     """Refuse what is an instance of none of these classes."""
     if not isinstance(value, kinds):
         names = " or ".join(kind.__name__ for kind in kinds).replace("NoneType", "None")
-        raise InvalidValueError(f"{what} is {value!r}; it must be a {names}")
+        raise InvalidValueError(f"{what} is {shown(value)}; it must be a {names}")
 
 
 def require_positive(what: str, value: float, unit: str) -> None:

@@ -14,7 +14,7 @@ from drake_leg.cli.terminal import as_options
 from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.simulation.recording import read_csv
+from drake_leg.simulation.recording import Recording
 
 COMMON = {
     "robot", "duration_s", "stopped_at_s", "stop_reason", "rows", "real_time_factor",
@@ -54,7 +54,7 @@ def run(no_figures, tmp_path, capsys):
         capsys.readouterr()
         return (
             status,
-            read_csv(tmp_path / out / "recording.csv"),
+            Recording.read_csv(tmp_path / out / "recording.csv"),
             json.loads((tmp_path / out / "summary.json").read_text(encoding="utf-8")),
         )
 
@@ -164,7 +164,7 @@ def test_the_summary_has_its_keys_and_no_unit_is_missing(carried_out):
 
 def test_the_recording_can_be_read_and_is_finite_and_fine_enough(carried_out):
     name, out = carried_out
-    recording = read_csv(out / "recording.csv")
+    recording = Recording.read_csv(out / "recording.csv")
     time = recording["time"]
     assert time[0] == 0.0
     assert time[-1] == DURATIONS.get(name, 1.0)
@@ -488,7 +488,7 @@ def test_a_run_into_a_singularity_exits_with_3_and_saves_its_files(no_figures, t
     assert "singular" in sentence
     assert printed.out.startswith(f"wrote {out}")
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-    recording = read_csv(out / "recording.csv")
+    recording = Recording.read_csv(out / "recording.csv")
     assert summary["stopped_at_s"] == recording["time"][-1]
     assert summary["stopped_at_s"] == pytest.approx(2.651398, abs=1e-6)
     assert as_options(summary["stop_reason"]) in sentence
@@ -542,7 +542,10 @@ def test_an_interrupt_exits_with_130_and_saves_what_was_recorded(
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
     assert summary["stop_reason"] == "interrupted"
     assert 0.5 < summary["stopped_at_s"] < 0.6
-    assert read_csv(tmp_path / "out" / "recording.csv")["time"][-1] == summary["stopped_at_s"]
+    assert (
+        Recording.read_csv(tmp_path / "out" / "recording.csv")["time"][-1]
+        == summary["stopped_at_s"]
+    )
 
 
 @pytest.mark.parametrize(

@@ -143,10 +143,10 @@ class _RecordedRun:
 def _motion(run: _RecordedRun, robot_name: str | None) -> PlantMotion:
     """Read how a robot moved, the recorded one or the one that was named."""
     from drake_leg.scene.scene import OtherRobotError, motion_of
-    from drake_leg.simulation.recording import read_csv
+    from drake_leg.simulation.recording import Recording
 
     robot = run.robot() if robot_name is None else robot_source(robot_name).robot()
-    recording = read_csv(run.recording)
+    recording = Recording.read_csv(run.recording)
     found, rows = len(recording["time"]), run.summary.get("rows")
     if isinstance(rows, int) and rows != found:
         raise _incomplete(run, f"has {found} rows", f"{rows}")

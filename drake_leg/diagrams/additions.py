@@ -16,13 +16,12 @@ from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.robot.robot import Segment
 from drake_leg.singularity.inverse import Inverse
 from drake_leg.systems.drift_correction import DriftCorrection
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.speed_limit import SpeedLimit
-from drake_leg.units import exact_degrees, require_angle, require_non_negative
+from drake_leg.units import require_angle, require_non_negative
 
 CORRECTION = "Drift Correction"
 SPEED_LIMIT = "Speed Limit"
@@ -33,7 +32,6 @@ TOP_SPEED = 1.25  # of a corrected command, times the greatest speed of the unco
 OF_KINKS = 400.0  # [1/s^2], stiffness of a motion within limits: 20 rad/s
 LEAST_TOP = 0.5  # [1/s], of the arm's length: the limit of a corrected command at least
 EXACT_INVERSE = Inverse()
-TWO_TURNS = 4.0 * math.pi  # [rad], the largest angle that is not asked about
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,24 +83,6 @@ class Control:
 
 
 EXACT = Control()
-
-
-def require_radians(q0: Sequence[float], joints: Sequence[Segment]) -> None:
-    """Refuse a start beyond two turns, which looks like degrees, unless it was converted from them.
-
-    Raises
-    ------
-    InvalidValueError
-        With the angle.
-    """
-    for q, joint in zip(q0, joints, strict=False):
-        if joint.row.joint == "revolute" and abs(q) > TWO_TURNS:
-            degrees = exact_degrees(q)
-            if degrees is None or degrees != round(degrees, 6):
-                raise InvalidValueError(
-                    f"joint {joint.joint} starts at {q:g} rad, which is more than two turns",
-                    advice=f"if degrees were meant, give math.radians({q:g})",
-                )
 
 
 def require_straight(motion: SineStep) -> None:

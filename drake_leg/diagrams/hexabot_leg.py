@@ -30,7 +30,7 @@ from pydrake.systems.primitives import (
     Sine,
 )
 
-from drake_leg.arguments import checked, require_fields
+from drake_leg.arguments import checked, require_fields, shown
 from drake_leg.diagrams.additions import (
     EXACT,
     FEEDBACKS,
@@ -38,7 +38,6 @@ from drake_leg.diagrams.additions import (
     Control,
     JointMotion,
     connect_feedback,
-    require_radians,
     require_straight,
     with_correction,
     with_direction,
@@ -50,7 +49,7 @@ from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.diagrams.wiring import built
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.chain import movable
+from drake_leg.kinematics.chain import movable, require_radians
 from drake_leg.kinematics.khalil import Array, foot_pose
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
@@ -58,7 +57,14 @@ from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import LEG_B, LEG_B_POSTURE
 from drake_leg.singularity.stroke import require_direction
 from drake_leg.systems.inverse_jacobian import InverseJacobian
-from drake_leg.units import LEAST, MOST, STANDARD_GRAVITY, require_angle, require_positive
+from drake_leg.units import (
+    LEAST,
+    MOST,
+    STANDARD_GRAVITY,
+    require_angle,
+    require_non_negative,
+    require_positive,
+)
 
 POSTURE = tuple(map(math.radians, LEG_B_POSTURE))
 STEP = SineStep()
@@ -120,16 +126,19 @@ class HexabotLegConfig:
         require_fields(self)
         if not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; its numbers must be finite")
+        require_non_negative("gravity", self.gravity, "m/s^2")
         moved = self.movable
         require_radians(self.q0, self.robot.moving)
         for angle in self.start:
             require_angle("an angle of q0", angle)
         if not LEAST <= abs(self.gain) <= MOST:
-            raise InvalidValueError(f"the gain is {self.gain!r}; it must be finite and not zero")
+            raise InvalidValueError(
+                f"the gain is {shown(self.gain)}; it must be finite and not zero"
+            )
         self._require_motion(moved)
         if self.feedback not in FEEDBACKS:
             raise InvalidValueError(
-                f"the feedback is {self.feedback!r}; it must be {' or '.join(FEEDBACKS)}"
+                f"the feedback is {shown(self.feedback)}; it must be {' or '.join(FEEDBACKS)}"
             )
         if self.filter_time_constant is not None:
             require_positive("the filter's time constant", self.filter_time_constant, "s")

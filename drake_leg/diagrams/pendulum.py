@@ -15,16 +15,16 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPo
 from pydrake.systems.primitives import Adder, Demultiplexer
 
 from drake_leg.arguments import checked, require_fields
-from drake_leg.diagrams.additions import require_radians
 from drake_leg.diagrams.mechanism import add_scope, add_stops
 from drake_leg.diagrams.wiring import built, plant_of
+from drake_leg.kinematics.chain import require_radians
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.models.plant import build_plant
 from drake_leg.robot.joint_mechanics import initial_state
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import PENDULUM
 from drake_leg.systems.energy_sensor import EnergySensor
-from drake_leg.units import STANDARD_GRAVITY, require_angle
+from drake_leg.units import STANDARD_GRAVITY, require_angle, require_non_negative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +59,7 @@ class PendulumConfig:
 
     def __post_init__(self) -> None:
         require_fields(self)
+        require_non_negative("gravity", self.gravity, "m/s^2")
         PendulumModel.from_robot(self.robot)
         if self.q0 is not None:
             require_radians([self.q0], self.robot.moving)

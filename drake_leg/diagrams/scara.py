@@ -29,7 +29,6 @@ from drake_leg.diagrams.additions import (
     EXACT,
     Command,
     Control,
-    require_radians,
     require_straight,
     through_matrix,
     with_correction,
@@ -38,13 +37,14 @@ from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.mechanism import Mechanism, add_mechanism, add_mechanism_scopes, add_scope
 from drake_leg.diagrams.wiring import built
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.chain import require_radians
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.scara import MovableScara, ScaraGeometry, lift_position, tool_position
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import SCARA, SCARA_POSTURE
 from drake_leg.systems.inverse_jacobian import InverseJacobian
-from drake_leg.units import STANDARD_GRAVITY, require_angle
+from drake_leg.units import STANDARD_GRAVITY, require_angle, require_non_negative
 
 POSTURE = tuple(map(math.radians, SCARA_POSTURE))
 LINE = SineStep(amplitude=0.050)
@@ -93,6 +93,7 @@ class ScaraConfig:
 
     def __post_init__(self) -> None:
         require_fields(self)
+        require_non_negative("gravity", self.gravity, "m/s^2")
         lift_position(self.geometry, self.R)
         if len(self.q0) != 3 or not all(map(math.isfinite, self.q0)):
             raise InvalidValueError(f"q0 is {self.q0!r}; it must be three finite angles")

@@ -19,6 +19,7 @@ from typing import Self
 import numpy as np
 from scipy.linalg.lapack import dgeqrf, dgesdd, dgetrf
 
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.khalil import (
@@ -37,12 +38,14 @@ from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
 from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
 from drake_leg.kinematics.scara import ScaraGeometry, is_scara
-from drake_leg.robot.robot import Robot, Row, require_robot
+from drake_leg.robot.robot import Robot, Row, Segment, require_robot
+from drake_leg.units import exact_degrees
 
 TASKS = ("position", "pose")
 SAMPLES = 256  # random postures in which a chain's freedoms are measured
 LEAST_LEVER = 1e-3  # of the chain's length: a shorter lever does not count as moving the foot
 RANK_TOLERANCE = 1e-9  # of the greatest singular value
+TWO_TURNS = 4.0 * math.pi  # [rad], the largest angle that is not asked about
 
 
 def foot_frame(rows: Sequence[Row], q: Floats) -> Frame:
@@ -340,7 +343,7 @@ def movable(robot: Robot, q0: Sequence[float] | None = None, task: str | None = 
     """
     require_robot(robot)
     if task is not None and task not in TASKS:
-        raise InvalidValueError(f"the task is {task!r}; it must be {' or '.join(TASKS)}")
+        raise InvalidValueError(f"the task is {shown(task)}; it must be {' or '.join(TASKS)}")
     posture = [0.0] * len(robot.moving) if q0 is None else joint_positions("q0", robot, q0)
     if is_hexabot_leg(robot) and task != "pose":
         return MovableLeg(LegGeometry.from_robot(robot))
@@ -376,17 +379,39 @@ def _constant_span(robot: Robot, task: str | None) -> Array | None:
 def joint_positions(
     what: str, robot: Robot, q: Sequence[float], *, least: int | None = None
 ) -> list[float]:
-    """Check joint positions [rad or m]: one for each joint that moves, or ``least`` at least."""
+    """Check joint positions [rad or m]: one for each joint that moves, or ``least`` at least.
+
+    Angles that look like degrees are refused as in ``require_radians``.
+    """
     values, count = real_numbers(what, q), len(robot.moving)
     if values.ndim != 1:
-        found = f"has shape {values.shape}" if values.ndim else f"is {q!r}"
+        found = f"has shape {values.shape}" if values.ndim else f"is {shown(q)}"
         raise InvalidValueError(f"{what} {found}; it must be {count} joint positions")
     if not (least or count) <= len(values) <= count:
         raise InvalidValueError(
             f"{what} has {len(values)} numbers; {robot.name} has {count} joint positions"
         )
     positions: list[float] = one_vector(what, values, len(values)).tolist()
+    require_radians(positions, robot.moving)
     return positions
+
+
+def require_radians(q: Sequence[float], joints: Sequence[Segment]) -> None:
+    """Refuse an angle beyond two turns, unless it was converted from degrees: it looks like them.
+
+    Raises
+    ------
+    InvalidValueError
+        With the angle.
+    """
+    for angle, joint in zip(q, joints, strict=False):
+        if joint.row.joint == "revolute" and abs(angle) > TWO_TURNS:
+            degrees = exact_degrees(angle)
+            if degrees is None or degrees != round(degrees, 6):
+                raise InvalidValueError(
+                    f"joint {joint.joint} is at {angle:g} rad, which is more than two turns",
+                    advice=f"if degrees were meant, give math.radians({angle:g})",
+                )
 
 
 def joints_in_words(robot: Robot) -> str:

@@ -201,7 +201,7 @@ def angle_rates(sequence: str, angles: ArrayLike, angular_velocity: ArrayLike) -
     """Derivatives of the Euler angles (..., 3) [rad/s]: a Bushing or Gimbal joint's rates.
 
     ``rates = E(angles)^-1 w_BF``, with w_BF (..., 3) in the axes of the base frame [rad/s]. They
-    grow without bound towards gimbal lock, as the angles truly turn ever faster there. Within
+    grow without bound toward gimbal lock, as the angles truly turn ever faster there. Within
     ``LOCK`` of it they are the smallest rates for the part of w_BF that any rates can make; they
     are never NaN or infinite.
     """

@@ -29,7 +29,11 @@ FLAT = 4e-16  # of the longest side squared: rounding of a flat triangle's sides
 def real_numbers(what: str, values: ArrayLike) -> Array:
     """Values as a float64 array of any shape; what is not a real number is refused."""
     try:
-        return np.asarray(values, dtype=np.float64)
+        array = np.asarray(values)
+        kinds = {type(part) for part in array.flat} if array.dtype.kind == "O" else set()
+        if array.dtype.kind not in "biufO" or kinds & {str, bytes}:
+            raise TypeError(array.dtype)
+        return np.asarray(array, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise InvalidValueError(f"{what} is {shown(values)}; it must be real numbers") from None
 

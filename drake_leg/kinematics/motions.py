@@ -14,8 +14,8 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.movable import Floats
 from drake_leg.units import (
     MOST,
+    require_finite,
     require_non_negative,
-    require_number,
     require_positive,
     require_three,
 )
@@ -69,7 +69,7 @@ class SineStep:
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)  # d, unit vector
 
     def __post_init__(self) -> None:
-        require_number("the amplitude", self.amplitude)
+        require_finite("the amplitude", self.amplitude)
         require_positive("the size of the amplitude", abs(self.amplitude) or 1.0, "m/s")
         require_positive("the frequency", self.frequency, "rad/s")
         require_three("the direction", self.direction)
@@ -175,7 +175,7 @@ class EllipticStep(SineStep):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require_number("the lift", self.lift)
+        require_finite("the lift", self.lift)
         require_non_negative("the size of the lift", abs(self.lift), "m")
         if self.direction[2] != 0.0:
             raise InvalidValueError(

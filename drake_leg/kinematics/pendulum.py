@@ -65,7 +65,9 @@ class PendulumModel:
         """
         segment, body = robot.segments[0], _body(robot)
         if body is None:
-            raise InvalidValueError(f"{robot.name!r} is not a pendulum of one brick")
+            raise InvalidValueError(
+                f"{robot.name!r} is not a one-brick pendulum", advice="use PENDULUM"
+            )
         solid, brick = body
         own = mass_properties(solid)
         return cls(
@@ -266,7 +268,7 @@ def rest_angle(model: PendulumModel, q_end: float) -> float | None:
 
 
 def instability(model: PendulumModel, q: Array, qdot: Array) -> float:
-    """Greatest rate at which neighbouring motions diverge on a motion q, qdot (n,) [1/s].
+    """Greatest rate at which neighboring motions diverge on a motion q, qdot (n,) [1/s].
 
     Upright it is the positive root of ``s^2 + (c / I) s = m g (L/2) / I``; it is 0 where the motion
     is stable everywhere.

@@ -11,6 +11,7 @@ from html import escape
 from types import NoneType
 from typing import Literal
 
+from drake_leg.arguments import shown
 from drake_leg.colours import (
     BLUE,
     GREEN,
@@ -128,8 +129,8 @@ class Solid:
     def __post_init__(self) -> None:
         require_kind("the shape of a solid", self.shape, Brick, Cylinder, Sphere)
         require_positive("the density", self.density, "kg/m^3")
-        require_three("the centre of a solid", self.centre)
-        require_three("the colour of a solid", self.colour)
+        require_three("the center of a solid", self.centre)
+        require_three("the color of a solid", self.colour)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -483,6 +484,6 @@ def require_robot(robot: object) -> None:
     """Refuse what is not a Robot, such as the name of one."""
     if not isinstance(robot, Robot):
         raise InvalidValueError(
-            f"{robot!r} is not a Robot",
+            f"{shown(robot)} is not a Robot",
             advice="take one from drake_leg, such as LEG_B, or load one with load_robot",
         )

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import (
@@ -115,7 +116,7 @@ def run_kind(what: str | Path | Robot) -> RunKind:
         return RunKind(title=what.title, motion=STEP, options=StraightOptions, own=what)
     near = difflib.get_close_matches(str(what), RUNS, n=1)
     raise InvalidValueError(
-        f"there is no run {what!r}; the runs are {', '.join(RUNS)}",
+        f"there is no run {shown(what)}; the runs are {', '.join(RUNS)}",
         advice=f"did you mean {near[0]}"
         if near
         else "a robot of your own is given as a Robot or as the path of its TOML file",

@@ -145,7 +145,7 @@ class DrivenFoot:
         return self._described(q, share, state, sentences.get(state, ""))
 
     def _rest(self, q: Array) -> Step:
-        """Describe a posture at rest, and what the guard would do towards a near singularity."""
+        """Describe a posture at rest, and what the guard would do toward a near singularity."""
         left = room(self.moved, self.sigma_min(q))
         near = singular_words(self.moved.geometry, q)
         if left <= 1.0 - FREE:

@@ -17,7 +17,9 @@ from scipy.spatial import ConvexHull
 
 from drake_leg.colours import PURPLE, rgb
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.chain import require_radians
 from drake_leg.kinematics.khalil import Array, one_vector, real_numbers
+from drake_leg.robot.robot import Robot
 from drake_leg.scene.shown_plant import (
     Part,
     Showable,
@@ -223,6 +225,8 @@ def at_rest(what: Showable, q: ArrayLike | None = None) -> PlantMotion:
     """Make the motion of a plant at rest: one row, at time 0; by default at its own positions."""
     plant = shown(what)
     posture = one_vector("q", plant.positions(q), plant.plant.num_positions())
+    if isinstance(what, Robot):
+        require_radians(posture.tolist(), what.moving)
     return PlantMotion(shown=plant, time=np.zeros(1), q=posture.reshape(1, -1))
 
 
@@ -255,7 +259,7 @@ def motion_of(what: Showable, record: Record) -> PlantMotion:
 
 
 def _recorded(plant: ShownPlant, recording: Recording) -> PlantMotion:
-    names = [header.partition("[")[0] for header in recording.columns]
+    names = [header.partition("[")[0].strip() for header in recording.columns]
     joints = [name for name in names if re.fullmatch(r"q\d*", name)]
     if len(joints) != len(plant.coordinates):
         raise OtherRobotError(plant.name, len(joints), len(plant.coordinates))

@@ -20,6 +20,7 @@ from typing import Any, Self, cast
 
 import numpy as np
 
+from drake_leg.arguments import shown
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.scene import TRACE_SPACING
@@ -219,7 +220,8 @@ class Server:
         ):
             whole = "" if isinstance(port, int) else "a whole number "
             raise InvalidValueError(
-                f"the port is {port!r}; it must be {whole}in {_SMALLEST_PORT} ... {_LARGEST_PORT}"
+                f"the port is {shown(port)}; it must be {whole}in {_SMALLEST_PORT} ... "
+                f"{_LARGEST_PORT}"
             )
         addresses = _addresses(host)
         self._listeners = _listen(host, addresses, port)

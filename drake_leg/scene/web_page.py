@@ -106,7 +106,7 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
             {
                 "label": view.label,
                 "field": view.field,
-                "axes": view.axes.T.tolist(),  # right, up, towards the camera
+                "axes": view.axes.T.tolist(),  # right, up, toward the camera
                 "target": scene.framing(view).target.tolist(),
             }
             for view in VIEWS.values()

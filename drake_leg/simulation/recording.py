@@ -7,10 +7,12 @@ import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
 from drake_leg.files import LARGEST_RECORDING, opened
 from drake_leg.kinematics.khalil import Array, real_numbers
@@ -42,17 +44,34 @@ class Recording:
     >>> swing = Recording({"time[s]": time, "q[rad]": 0.1 * np.cos(time)})
     >>> swing["q"].max(), swing.unit("q")
     (np.float64(0.1), 'rad')
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     swing.write_csv(Path(folder) / "swing.csv")
+    ...     Recording.read_csv(Path(folder) / "swing.csv")["q"].max()
+    np.float64(0.1)
     """
 
     columns: Mapping[str, Array]
 
     def __post_init__(self) -> None:
+        if isinstance(self.columns, str | Path):
+            raise InvalidValueError(
+                f"the columns of a recording are {shown(self.columns)}; they must be a mapping from "
+                "headers to values",
+                advice="read a file with Recording.read_csv(path)",
+            )
         require_kind("the columns of a recording", self.columns, Mapping)
+        if not self.columns:
+            raise InvalidValueError(
+                "a recording has no columns", advice="give one at least, as {'time[s]': [0.0, 0.1]}"
+            )
         columns = {}
         for header, values in self.columns.items():
             require_kind("the header of a column", header, str)
-            column = f"the column {header.partition('[')[0]}"
-            array = values if isinstance(values, np.ndarray) else real_numbers(column, values)
+            column = f"the column {_name(header)}"
+            is_numeric = isinstance(values, np.ndarray) and values.dtype.kind in "biuf"
+            array = values if is_numeric else real_numbers(column, values)
             if array.ndim != 1:
                 raise InvalidValueError(
                     f"{column} has shape {array.shape}; it must be a row of numbers"
@@ -85,12 +104,12 @@ class Recording:
 
     def _header(self, name: str) -> str:
         for header in self.columns:
-            if name in (header, header.partition("[")[0]):
+            if name in (header, _name(header)):
                 return header
-        shown = ", ".join(list(self.columns)[:MOST_NAMES])
+        first = ", ".join(list(self.columns)[:MOST_NAMES])
         others = len(self.columns) - MOST_NAMES
         raise InvalidValueError(
-            f"there is no column {name!r}; the recording has {shown}"
+            f"there is no column {name!r}; the recording has {first}"
             + (f" and {others} more" if others > 0 else "")
         )
 
@@ -114,7 +133,7 @@ class Recording:
         headings = ("column", "unit", "first", "last", "least", "greatest")
         return html_table(headings, rows, title=f"Recording, {count} rows")
 
-    def write_csv(self, path: Path) -> None:
+    def write_csv(self, path: Path | str) -> None:
         """Write the columns with 17 significant digits, so that they are read back exactly.
 
         Raises
@@ -122,8 +141,9 @@ class Recording:
         OutputError
             If it cannot be written.
         """
+        require_kind("the path of a recording", path, str, Path)
         try:
-            with path.open("w", newline="", encoding="utf-8") as file:
+            with Path(path).open("w", newline="", encoding="utf-8") as file:
                 writer = csv.writer(file)
                 writer.writerow(self.columns)
                 rows = zip(*(values.tolist() for values in self.columns.values()), strict=True)
@@ -131,30 +151,48 @@ class Recording:
         except OSError as error:
             raise OutputError(f"{path} cannot be written: {error.strerror}") from error
 
+    @classmethod
+    def read_csv(cls, path: Path | str) -> Self:
+        """Read back, bit by bit, what ``write_csv`` wrote, such as the recording of a run.
 
-def read_csv(path: Path) -> Recording:
-    """Read back, bit by bit, what ``Recording.write_csv`` wrote.
+        Parameters
+        ----------
+        path : Path or str
+            A CSV file whose first line names the columns, as ``time[s],q[rad]``.
 
-    Raises
-    ------
-    OutputError
-        If the file cannot be read, has no header, was cut short, or holds something that is
-        not a number.
-    """
-    rows = _rows(path)
-    if not rows:
-        raise OutputError(f"{path} is empty; a recording starts with a line of column names")
-    header, body = rows[0], rows[1:]
-    for name in header:
-        if header.count(name) > 1:
-            raise OutputError(
-                f"{path} has {header.count(name)} columns {name!r}; names must differ"
-            )
-    rows_of_numbers = [
-        _numbers(f"{path}, line {number}", header, row) for number, row in enumerate(body, start=2)
-    ]
-    values = np.array(rows_of_numbers, dtype=np.float64).reshape(-1, len(header))
-    return Recording(dict(zip(header, values.T, strict=True)))
+        Returns
+        -------
+        Recording
+            Its columns in the order of the file.
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be read, has no header, was cut short, or holds something that is
+            not a number.
+        """
+        require_kind("the path of a recording", path, str, Path)
+        path = Path(path)
+        rows = _rows(path)
+        if not rows:
+            raise OutputError(f"{path} is empty; a recording starts with a line of column names")
+        header, body = rows[0], rows[1:]
+        for name in header:
+            if header.count(name) > 1:
+                raise OutputError(
+                    f"{path} has {header.count(name)} columns {name!r}; names must differ"
+                )
+        rows_of_numbers = [
+            _numbers(f"{path}, line {number}", header, row)
+            for number, row in enumerate(body, start=2)
+        ]
+        values = np.array(rows_of_numbers, dtype=np.float64).reshape(-1, len(header))
+        return cls(dict(zip(header, values.T, strict=True)))
+
+
+def _name(header: str) -> str:
+    """Name of a column without its unit."""
+    return header.partition("[")[0].strip()
 
 
 def _rows(path: Path) -> list[list[str]]:

@@ -310,10 +310,7 @@ def examine_posture(
     """
     require_robot(robot)
     if frequency is not None and direction is None:
-        raise InvalidValueError(
-            f"the frequency is {frequency!r} rad/s, of a sine along no direction",
-            advice="give `direction`, too",
-        )
+        raise InvalidValueError("a frequency needs a direction", advice="give `direction`, too")
     for name, value in (("yaw", yaw), ("rpy", rpy)):
         if value is not None and foot is None:
             raise InvalidValueError(f"{name} goes with a point", advice="give `foot`, too")

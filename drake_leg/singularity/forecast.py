@@ -256,7 +256,7 @@ def _forecast(
 
 
 def _posture_at(families: Families, q0: Sequence[float], path: Path, first: Approach) -> Array:
-    """Limit of the posture towards an encounter, at which a joint may be undetermined."""
+    """Limit of the posture toward an encounter, at which a joint may be undetermined."""
     points = path(first.parameter * (1.0 - np.array(BACK)))
     reference = families.posture(points[-1], q0)
     if first.family == "hip-axis":

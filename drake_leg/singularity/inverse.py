@@ -45,7 +45,7 @@ class _Joint(NamedTuple):
     settling: float  # [s]
 
     def allowed(self, room: float) -> float:
-        """Greatest rate towards a limit at the distance ``room``."""
+        """Greatest rate toward a limit at the distance ``room``."""
         rate = room / (self.settling if room >= 0.0 else RETREAT)
         return min(max(rate, -self.most), self.most)
 
@@ -116,7 +116,7 @@ class Damped(Movable):
     ``lambda = (below / 2) (1 - (sigma / below)^2)`` where sigma < below [m], and 0 elsewhere,
 
     sigma being the smallest singular value: there the inverse is exact. The rates and their slopes
-    are continuous. The small ``b``, along w towards more regular postures, is proportional to the
+    are continuous. The small ``b``, along w toward more regular postures, is proportional to the
     command: a leg that is pushed against the boundary rests just before it and not on it, and so
     keeps the side on which its knee is bent. Rates are at most about ``1.3 |v| / below``.
 
@@ -237,7 +237,7 @@ class Damped(Movable):
         return self._box is None or not any(self._box.regime(q, qdot))
 
     def _rest(self, v: Array, here: _Damping) -> Array:
-        """Rates towards which damping pulls: at rest sigma is about ``FLOOR`` of the damping."""
+        """Rates toward which damping pulls: at rest sigma is about ``FLOOR`` of the damping."""
         rest: Array = FLOOR * float(np.linalg.norm(v)) / self._strongest * here.outwards
         return rest
 

@@ -38,7 +38,7 @@ class Braked(NamedTuple):
 
 
 def room(robot: Movable, sigma_min: float) -> float:
-    """Share of a velocity towards a singularity that may act, from the smallest singular value [m].
+    """Share of a velocity toward a singularity that may act, from the smallest singular value [m].
 
     It is at least 1 where nothing is slowed, and at most 0 where the foot stops.
     """

@@ -9,10 +9,12 @@ from numpy.typing import ArrayLike
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Demultiplexer, LinearSystem, MatrixGain, Multiplexer
 
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.units import require_positive
 
 TIME_CONSTANT = 0.001  # [s], Simscape's default
+MOST_SIGNALS = 1000  # of a filter, whose matrices grow with the square of their number
 
 Order = Literal[1, 2]
 
@@ -38,7 +40,7 @@ class InputFilter(Diagram):
     Parameters
     ----------
     size : int
-        n, the number of signals.
+        n, the number of signals, at most 1000.
     time_constant : float
         tau, of each lag [s].
     order : {1, 2}
@@ -49,8 +51,8 @@ class InputFilter(Diagram):
     Raises
     ------
     InvalidValueError
-        If the time constant is not positive, the order not 1 or 2, or ``initial`` has not n finite
-        numbers.
+        If the size is not 1 to 1000, the time constant not positive, the order not 1 or 2, or
+        ``initial`` has not n finite numbers.
 
     Examples
     --------
@@ -72,22 +74,24 @@ class InputFilter(Diagram):
     ) -> None:
         super().__init__()
         require_positive("the filter's time constant", time_constant, "s")
-        if isinstance(size, bool) or not isinstance(size, int | np.integer) or size < 1:
+        whole = isinstance(size, int | np.integer) and not isinstance(size, bool)
+        if not whole or not 1 <= size <= MOST_SIGNALS:
             raise InvalidValueError(
-                f"the filter's size is {size!r}; it must be the number of signals, 1 or more"
+                f"the filter's size is {shown(size)}; it must be the number of signals, "
+                f"1 to {MOST_SIGNALS}"
             )
         if order not in (1, 2):
-            raise InvalidValueError(f"the filter's order is {order!r}; it must be 1 or 2")
+            raise InvalidValueError(f"the filter's order is {shown(order)}; it must be 1 or 2")
         self.time_constant = time_constant
         self.order = order
         self.has_initial = initial is not None
         try:
             start = np.zeros(size) if initial is None else np.asarray(initial, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             start = np.zeros(0)
         if start.shape != (size,) or not np.isfinite(start).all():
             raise InvalidValueError(
-                f"the filter's initial output is {initial!r}; it must be {size} finite numbers"
+                f"the filter's initial output is {shown(initial)}; it must be {size} finite numbers"
             )
         self._size = size
 

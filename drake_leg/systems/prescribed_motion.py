@@ -64,7 +64,7 @@ class PrescribedMotion(Diagram):
     joints : iterable of str or Joint, optional
         The driven joints, revolute or prismatic; all by default.
     stiffness : float
-        k, of the pull towards the motion [1/s^2].
+        k, of the pull toward the motion [1/s^2].
     believed : MultibodyPlant, optional
         Model that the torque is computed for, by default the plant itself: the same joints, with
         other masses.

@@ -14,7 +14,7 @@ from drake_leg.cli import main
 from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
 from drake_leg.runs import outcome
-from drake_leg.simulation.recording import read_csv
+from drake_leg.simulation.recording import Recording
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 NAMES = [number.name for number in SIGNALS]
@@ -49,7 +49,7 @@ def come(number, *more):
 def summary_of(folder):
     """See that the data are whole."""
     summary = json.loads((Path(folder) / "summary.json").read_text(encoding="utf-8"))
-    assert summary["rows"] == len(read_csv(Path(folder) / "recording.csv")["time"])
+    assert summary["rows"] == len(Recording.read_csv(Path(folder) / "recording.csv")["time"])
     return summary
 
 

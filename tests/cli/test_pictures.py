@@ -15,7 +15,7 @@ from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.runs import outcome
 from drake_leg.runs.catalogue import RUNS, run_kind
 from drake_leg.scene.media import Replay, Still
-from drake_leg.simulation.recording import read_csv
+from drake_leg.simulation.recording import Recording
 
 DATA = {LIST, "recording.csv", "summary.json"}
 REPORT = "please report this, with the command that you gave"
@@ -37,7 +37,7 @@ def told(capsys, *words):
 def whole(folder):
     """See that the data of a run are whole."""
     summary = json.loads((Path(folder) / "summary.json").read_text(encoding="utf-8"))
-    recording = read_csv(Path(folder) / "recording.csv")
+    recording = Recording.read_csv(Path(folder) / "recording.csv")
     assert len(recording["time"]) == summary["rows"]
     assert recording["time"][-1] == summary["duration_s"]
 

@@ -14,7 +14,7 @@ from drake_leg.cli import main
 from drake_leg.robot.robots import LEG_B, hexabot_leg
 from drake_leg.scene.scene import PlantMotion
 from drake_leg.scene.shown_plant import shown
-from drake_leg.simulation.recording import Recording, read_csv
+from drake_leg.simulation.recording import Recording
 
 
 def write_run(folder, robot):
@@ -186,7 +186,7 @@ def page_of(capsys):
 
 def test_units_in_the_headers_are_heeded(capsys):
     before = page_of(capsys)
-    recording = read_csv(Path("leg/recording.csv"))
+    recording = Recording.read_csv(Path("leg/recording.csv"))
     columns = {"time[ms]": 1e3 * recording["time"]}
     columns |= {f"q{i}[deg]": np.degrees(recording[f"q{i}"]) for i in (1, 2, 3)}
     columns |= {f"{letter}[mm]": 1e3 * recording[letter] for letter in "xyz"}

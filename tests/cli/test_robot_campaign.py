@@ -21,7 +21,7 @@ from drake_leg.kinematics.feet import greatest_reach, random_configurations
 from drake_leg.models.proof import DrakeWitness
 from drake_leg.robot.toml_reader import load_robot
 from drake_leg.scene.driven_foot import DrivenFoot
-from drake_leg.simulation.recording import read_csv
+from drake_leg.simulation.recording import Recording
 
 # Work that is stopped at its budget may be in a weak reference's callback, which is only reported.
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"
@@ -240,7 +240,7 @@ def run_and_replay(subject):
         assert status in (2, 3)
         return
     summary = json.loads((subject.folder / "run" / "summary.json").read_text(encoding="utf-8"))
-    recording = read_csv(subject.folder / "run" / "recording.csv")
+    recording = Recording.read_csv(subject.folder / "run" / "recording.csv")
     joints = np.column_stack([recording[f"q{i}"] for i in range(1, subject.count + 1)])
     feet = np.array([subject.witness.foot(q)[:3, 3] for q in joints])
     way = 0.01 * (1.0 - np.cos(recording["time"]))

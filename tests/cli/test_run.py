@@ -11,7 +11,7 @@ import pytest
 
 from drake_leg.cli import main
 from drake_leg.scene import media
-from drake_leg.simulation.recording import read_csv
+from drake_leg.simulation.recording import Recording
 
 
 @pytest.fixture(autouse=True)
@@ -50,7 +50,7 @@ def test_a_disturbed_run_says_in_its_line_what_it_cost(no_figures, here, capsys)
     assert "m off at the end, torques up to 0.0075 N*m, at their limit for 0.0" in out
     cost = json.loads((here / "out" / "summary.json").read_text(encoding="utf-8"))["disturbance"]
     assert (cost["push_n"], cost["push_at_s"], cost["push_for_s"]) == ([0.0, 0.0, -0.1], 1.5, 0.2)
-    assert "tau_asked1[N*m]" in read_csv(here / "out" / "recording.csv").columns
+    assert "tau_asked1[N*m]" in Recording.read_csv(here / "out" / "recording.csv").columns
 
 
 def test_a_config_file_disturbs_too(no_figures, here, capsys):
@@ -196,7 +196,7 @@ def test_ctrl_c_leaves_a_whole_readable_recording(here, words):
     assert "interrupted" in err
     assert "Traceback" not in err
     summary = json.loads((here / "out" / "summary.json").read_text(encoding="utf-8"))
-    recording = read_csv(here / "out" / "recording.csv")
+    recording = Recording.read_csv(here / "out" / "recording.csv")
     assert summary["stop_reason"] == "interrupted"
     assert summary["rows"] == len(recording["time"])
     assert recording["time"][-1] == summary["stopped_at_s"] > 0.5
@@ -238,7 +238,7 @@ def test_a_disk_that_is_full_at_the_figures_costs_these_alone(here):
     assert last == "drake-leg: the data in out are whole"
     for sentence in figures:
         assert re.match(r"drake-leg: the figure \w+: out cannot be written \(File too", sentence)
-    assert len(read_csv(here / "out" / "recording.csv")["time"]) == rows
+    assert len(Recording.read_csv(here / "out" / "recording.csv")["time"]) == rows
     assert [path.name for path in here.iterdir()] == ["out"]
 
 

@@ -76,10 +76,10 @@ def test_the_way_and_the_time_are_those_of_the_displacement():
 @pytest.mark.parametrize(
     ("motion", "change", "message"),
     [
-        (SineStep, {"amplitude": math.nan}, "the size of the amplitude is nan m/s"),
+        (SineStep, {"amplitude": math.nan}, "the amplitude is nan; it must be a finite number"),
         (SineStep, {"frequency": 0.0}, "the frequency is 0.0 rad/s"),
         (SineStep, {"direction": (1.0, 1.0, 0.0)}, "must have length 1"),
-        (EllipticStep, {"lift": math.inf}, "the size of the lift is inf m"),
+        (EllipticStep, {"lift": math.inf}, "the lift is inf; it must be a finite number"),
         (EllipticStep, {"direction": (0.6, 0.0, 0.8)}, "must be horizontal"),
     ],
 )

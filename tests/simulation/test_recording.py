@@ -11,7 +11,6 @@ from drake_leg.simulation.recording import (
     Recording,
     lettered,
     numbered,
-    read_csv,
     without_sign_jumps,
 )
 
@@ -71,7 +70,7 @@ def assert_same_bits(first, second):
 def test_numbers_come_back_to_the_bit(tmp_path):
     written = Recording({"time[s]": np.array(AWKWARD), "q1[rad]": np.array(AWKWARD[::-1])})
     written.write_csv(tmp_path / "recording.csv")
-    assert_same_bits(written, read_csv(tmp_path / "recording.csv"))
+    assert_same_bits(written, Recording.read_csv(tmp_path / "recording.csv"))
 
 
 @given(arrays(np.float64, (4, 3), elements=st.floats(allow_nan=False)))
@@ -79,7 +78,7 @@ def test_any_numbers_come_back_to_the_bit(tmp_path_factory, values):
     path = tmp_path_factory.mktemp("csv") / "recording.csv"
     written = Recording(numbered("q", ["rad", "rad", "m"], values))
     written.write_csv(path)
-    assert_same_bits(written, read_csv(path))
+    assert_same_bits(written, Recording.read_csv(path))
 
 
 def test_the_first_line_is_the_header_and_every_row_a_line(tmp_path):
@@ -93,7 +92,7 @@ def test_the_first_line_is_the_header_and_every_row_a_line(tmp_path):
 def test_a_recording_without_rows_comes_back(tmp_path):
     written = Recording({"time[s]": np.zeros(0), "q[rad]": np.zeros(0)})
     written.write_csv(tmp_path / "a.csv")
-    assert_same_bits(written, read_csv(tmp_path / "a.csv"))
+    assert_same_bits(written, Recording.read_csv(tmp_path / "a.csv"))
 
 
 @pytest.mark.parametrize(
@@ -113,7 +112,7 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, text, sa
     path = tmp_path / "bad.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(OutputError, match=said) as caught:
-        read_csv(path)
+        Recording.read_csv(path)
     assert "bad.csv" in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -121,27 +120,27 @@ def test_a_file_that_is_no_recording_is_refused_in_a_sentence(tmp_path, text, sa
 def test_a_file_of_bytes_that_are_no_text_is_refused(tmp_path):
     (tmp_path / "bad.csv").write_bytes(b"\xff\xfe\x00\x00")
     with pytest.raises(OutputError, match=r"bad.csv cannot be read"):
-        read_csv(tmp_path / "bad.csv")
+        Recording.read_csv(tmp_path / "bad.csv")
 
 
 def test_a_header_that_names_two_columns_alike_is_refused(tmp_path):
     path = tmp_path / "bad.csv"
     path.write_text("time[s],q[rad],q[rad]\n0.0,1.0,2.0\n", encoding="utf-8")
     with pytest.raises(OutputError, match=r"q\[rad\]"):
-        read_csv(path)
+        Recording.read_csv(path)
 
 
 def test_a_file_with_an_endless_field_is_refused(tmp_path):
     path = tmp_path / "bad.csv"
     path.write_text("time[s]\n" + "1" * 200_000 + "\n", encoding="utf-8")
     with pytest.raises(OutputError, match=r"bad.csv"):
-        read_csv(path)
+        Recording.read_csv(path)
 
 
 @pytest.mark.parametrize("name", ["missing.csv", "", "a/b.csv"])
 def test_a_file_that_is_not_there_is_refused(tmp_path, name):
     with pytest.raises(OutputError, match="cannot be read"):
-        read_csv(tmp_path / name)
+        Recording.read_csv(tmp_path / name)
 
 
 def test_a_file_that_cannot_be_written_is_refused(tmp_path):
@@ -191,4 +190,4 @@ def test_lists_become_arrays(tmp_path):
     np.testing.assert_array_equal(swing["q"], np.array([0.5, 0.25]))
     assert "<td>0.25</td>" in swing._repr_html_()
     swing.write_csv(tmp_path / "swing.csv")
-    np.testing.assert_array_equal(read_csv(tmp_path / "swing.csv")["q"], swing["q"])
+    np.testing.assert_array_equal(Recording.read_csv(tmp_path / "swing.csv")["q"], swing["q"])

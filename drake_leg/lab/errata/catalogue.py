@@ -16,6 +16,7 @@ import numpy as np
 import sympy as sp
 from scipy.spatial.transform import Rotation
 
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, base_transforms, foot_pose, jacobian, row_transform
 from drake_leg.kinematics.leg import (
@@ -108,7 +109,8 @@ def erratum_of(number: int) -> Erratum:
     """Return the erratum with a number, computed once; refuse a number without one."""
     if number not in texts_by_number():
         raise InvalidValueError(
-            f"there is no erratum {number}; they are numbered from 1 to {len(texts_by_number())}"
+            f"there is no erratum {shown(number)}; they are numbered from 1 to "
+            f"{len(texts_by_number())}"
         )
     return _computed(number)
 
