@@ -57,8 +57,8 @@ class Recording:
     def __post_init__(self) -> None:
         if isinstance(self.columns, str | Path):
             raise InvalidValueError(
-                f"the columns of a recording are {shown(self.columns)}; they must be a mapping from "
-                "headers to values",
+                f"the columns of a recording are {shown(self.columns)}; they must be a "
+                "mapping from headers to values",
                 advice="read a file with Recording.read_csv(path)",
             )
         require_kind("the columns of a recording", self.columns, Mapping)

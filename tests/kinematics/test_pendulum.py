@@ -340,5 +340,5 @@ def test_a_robot_that_is_no_single_brick_is_refused_by_name():
     without_solid = replace(SCARA, segments=SCARA.segments[2:])
     cylinder = replace(SCARA, segments=SCARA.segments[3:])
     for robot in (LEG_A, without_solid, cylinder):
-        with pytest.raises(InvalidValueError, match=f"{robot.name!r} is not a pendulum"):
+        with pytest.raises(InvalidValueError, match=f"{robot.name!r} is not a one-brick pendulum"):
             PendulumModel.from_robot(robot)
