@@ -32,7 +32,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 **Diagrams** (Drake's, wired as in Simulink; each has a configuration)
 
-- ``build_pendulum``, ``PendulumConfig``: a pendulum let go.
+- ``build_pendulum``, ``PendulumConfig``: a pendulum released from rest.
 - ``build_hexabot_leg``, ``HexabotLegConfig``: a straight step of the leg, or of any chain.
 - ``build_ellipse``, ``EllipseConfig``: the leg's foot on an ellipse.
 - ``build_scara``, ``ScaraConfig``: the SCARA's tool on a straight line.

@@ -28,11 +28,12 @@ def build() -> Diagram:
     # Blocks, in the order of the signal
     along = builder.AddNamedSystem("along", Sine(AMPLITUDE, FREQUENCY, 0.0, 1))
     up = builder.AddNamedSystem("up", Sine(LIFT / 2 * FREQUENCY, FREQUENCY, np.pi / 2, 1))
+    # The block inverts the leg's Jacobian; movable gives the leg's kinematics
     inverse = builder.AddNamedSystem("inverseJacobian", dl.InverseJacobian(dl.movable(dl.LEG_B)))
     integrator = builder.AddNamedSystem("Integrator", Integrator(Q0))
     plant = builder.AddNamedSystem("leg", dl.build_plant(dl.LEG_B))
     motion = builder.AddNamedSystem("Prescribed Motion", dl.PrescribedMotion(plant))
-    joints = builder.AddNamedSystem("joint sensors", Demultiplexer([3, 3]))
+    joints = builder.AddNamedSystem("joint sensors", Demultiplexer([3, 3]))  # q, then qdot
     frame = plant.GetFrameByName("frame_4")
     foot = builder.AddNamedSystem("6-DOF Joint", dl.FrameSensor(plant, frame))
 

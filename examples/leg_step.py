@@ -29,11 +29,12 @@ def build() -> Diagram:
     sine = builder.AddNamedSystem("Sine Wave", Sine(AMPLITUDE, FREQUENCY, 0.0, 1))
     v = builder.AddNamedSystem("Direction", MatrixGain(DIRECTION.reshape(3, 1)))
     a = builder.AddNamedSystem("Direction of the derivative", MatrixGain(DIRECTION.reshape(3, 1)))
+    # The block inverts the leg's Jacobian; movable gives the leg's kinematics
     inverse = builder.AddNamedSystem("inverseJacobian", dl.InverseJacobian(dl.movable(dl.LEG_B)))
     integrator = builder.AddNamedSystem("Integrator", Integrator(Q0))
     plant = builder.AddNamedSystem("leg", dl.build_plant(dl.LEG_B))
     motion = builder.AddNamedSystem("Prescribed Motion", dl.PrescribedMotion(plant))
-    joints = builder.AddNamedSystem("joint sensors", Demultiplexer([3, 3]))
+    joints = builder.AddNamedSystem("joint sensors", Demultiplexer([3, 3]))  # q, then qdot
     frame = plant.GetFrameByName("frame_4")
     foot = builder.AddNamedSystem("6-DOF Joint", dl.FrameSensor(plant, frame))
 

@@ -39,11 +39,12 @@ def build() -> Diagram:
     """Wire the loop."""
     builder = DiagramBuilder()
     sine = builder.AddNamedSystem("Sine Wave", Sine(1.0, 1.0, 0.0, 1))
+    # The block inverts the robot's Jacobian; movable gives the robot's kinematics
     inverse = builder.AddNamedSystem("inverseJacobian", dl.InverseJacobian(dl.movable(ARM)))
     integrator = builder.AddNamedSystem("Integrator", Integrator(Q0))
     plant = builder.AddNamedSystem("plant", dl.build_plant(ARM))
     motion = builder.AddNamedSystem("Prescribed Motion", dl.PrescribedMotion(plant))
-    joints = builder.AddNamedSystem("joint sensors", Demultiplexer([3, 3]))
+    joints = builder.AddNamedSystem("joint sensors", Demultiplexer([3, 3]))  # q, then qdot
     frame = plant.GetFrameByName(f"frame_{len(ROWS)}")
     foot = builder.AddNamedSystem("6-DOF Joint", dl.FrameSensor(plant, frame))
     for derivative, port in (("y0", "v"), ("y1", "a")):

@@ -29,11 +29,12 @@ def build() -> Diagram:
     sine = builder.AddNamedSystem("Sine Wave", Sine(1.0, FREQUENCY, 0.0, 1))
     v = builder.AddNamedSystem("Velocity", MatrixGain(VELOCITY.reshape(4, 1)))
     a = builder.AddNamedSystem("Acceleration", MatrixGain(VELOCITY.reshape(4, 1)))
+    # The block inverts the arm's Jacobian; movable gives the arm's kinematics
     inverse = builder.AddNamedSystem("inverseJacobian", dl.InverseJacobian(dl.movable(dl.SCARA)))
     integrator = builder.AddNamedSystem("Integrator", Integrator(Q0))
     plant = builder.AddNamedSystem("scara", dl.build_plant(dl.SCARA))
     motion = builder.AddNamedSystem("Prescribed Motion", dl.PrescribedMotion(plant))
-    joints = builder.AddNamedSystem("joint sensors", Demultiplexer([4, 4]))
+    joints = builder.AddNamedSystem("joint sensors", Demultiplexer([4, 4]))  # q, then qdot
     frame = plant.GetFrameByName("frame_4")
     tool = builder.AddNamedSystem("6-DOF Joint", dl.FrameSensor(plant, frame, euler="ZYX"))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import dataclasses
 import doctest
 import inspect
 import json
@@ -190,6 +191,58 @@ def test_a_drake_diagram_shows_itself_in_a_notebook():
     command = [sys.executable, "-c", script]
     shown = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
     assert shown.strip().endswith("<svg")
+
+
+@pytest.mark.parametrize("inline", [False, True])
+def test_every_figure_shows_itself_once_in_a_notebook(inline):
+    script = (
+        "from IPython.core.interactiveshell import InteractiveShell\n"
+        "shell = InteractiveShell.instance()\n"
+        "import drake_leg as dl\n"
+        f"if {inline}: shell.run_line_magic('matplotlib', 'inline')\n"
+        "import matplotlib.pyplot as plt\n"
+        "step = dl.run('leg-b', duration=0.1).figures\n"
+        "for figure in (dl.frames_drawing(dl.LEG_B), *step.values()):\n"
+        "    data, _ = shell.display_formatter.format(figure)\n"
+        "    assert [kind for kind in data if kind != 'text/plain'] == ['image/png'], data.keys()\n"
+        "    assert plt.get_fignums() == []\n"
+        "print(len(step), 'shown')\n"
+    )
+    command = [sys.executable, "-c", script]
+    shown = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    assert re.search(r"^[1-9]\d* shown$", shown, re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [
+        ("HexabotLegConfig", "hip 90°, knee -50°, ankle -90°"),
+        ("EllipseConfig", "hip 90°, knee -50°, ankle -90°"),
+        ("ScaraConfig", "shoulder 30°, elbow 90°, wrist -120°"),
+        ("PendulumConfig", "pivot 0°"),
+    ],
+)
+def test_a_configuration_shows_its_settings(name, start):
+    config = load(name)()
+    html = config._repr_html_()
+    assert f"<td>{start}</td>" in html
+    assert f"<td>{config.robot.title} ({config.robot.name})</td>" in html
+    assert "<td>9.80665 m/s²</td>" in html
+    assert html.count("<tr>") == len(dataclasses.fields(config)) + 1
+
+
+def test_what_is_computed_is_written_in_a_line():
+    leg = load("LEG_B")
+    result = load("run")("leg-b", duration=0.1)
+    diagram = load("build_pendulum")(load("PendulumConfig")())
+    simulated = load("simulate")(diagram, duration=0.1)
+    posture = load("examine_posture")(leg, [0.0, 0.1, 0.2])
+    proof = load("prove")(leg, samples=2)
+    for what in (leg, result, result.recording, simulated, posture, proof):
+        assert repr(what) == str(what)
+        assert repr(what).startswith(f"<{type(what).__name__}")
+        assert len(repr(what)) < 80
+        assert "\n" not in repr(what)
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.ipynb")), ids=lambda p: p.stem)

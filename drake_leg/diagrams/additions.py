@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from pydrake.systems.framework import DiagramBuilder, OutputPort, System
@@ -16,12 +16,16 @@ from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import SineStep
+from drake_leg.robot.robot import Robot, Segment, html_table
 from drake_leg.singularity.inverse import Inverse
 from drake_leg.systems.drift_correction import DriftCorrection
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.speed_limit import SpeedLimit
 from drake_leg.units import require_angle, require_non_negative
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 CORRECTION = "Drift Correction"
 SPEED_LIMIT = "Speed Limit"
@@ -32,6 +36,14 @@ TOP_SPEED = 1.25  # of a corrected command, times the greatest speed of the unco
 OF_KINKS = 400.0  # [1/s^2], stiffness of a motion within limits: 20 rad/s
 LEAST_TOP = 0.5  # [1/s], of the arm's length: the limit of a corrected command at least
 EXACT_INVERSE = Inverse()
+UNITS = {  # of the settings of a configuration and its motion
+    "amplitude": "m/s",
+    "filter_time_constant": "s",
+    "frequency": "rad/s",
+    "gravity": "m/s²",
+    "lift": "m",
+    "R": "m",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,6 +110,47 @@ def require_straight(motion: SineStep) -> None:
             f"the motion is an {type(motion).__name__}, and this diagram moves the foot on a line",
             advice="give a SineStep; build_ellipse makes an ellipse",
         )
+
+
+def config_html(config: DataclassInstance, q0: Sequence[float], joints: Sequence[Segment]) -> str:
+    """Return a configuration's settings as an HTML table, for notebooks; angles in degrees."""
+    rows = []
+    for setting in fields(config):
+        value = getattr(config, setting.name)
+        text = _positions(q0, joints) if setting.name == "q0" else _in_words(value)
+        rows.append((setting.name, text + _unit(setting.name, value)))
+    return html_table(("setting", "value"), rows, title=type(config).__name__)
+
+
+def _positions(q: Sequence[float], joints: Sequence[Segment]) -> str:
+    """Write joint positions with their joints' names."""
+    return ", ".join(
+        f"{joint.joint} {math.degrees(position):.6g}°"
+        if joint.row.joint == "revolute"
+        else f"{joint.joint} {position:.6g} m"
+        for position, joint in zip(q, joints, strict=False)
+    )
+
+
+def _in_words(value: Any) -> str:  # noqa: ANN401 - of any setting
+    match value:
+        case Robot():
+            return f"{value.title} ({value.name})"
+        case SineStep():
+            named = ((each.name, getattr(value, each.name)) for each in fields(value))
+            return ", ".join(f"{name} {_in_words(part)}{_unit(name, part)}" for name, part in named)
+        case Control() | Disturbance():
+            changed = (e for e in fields(value) if getattr(value, e.name) != e.default)
+            return ", ".join(f"{e.name} {getattr(value, e.name)}" for e in changed) or "default"
+        case tuple():
+            return f"({', '.join(map(_in_words, value))})"
+        case float():
+            return f"{value:.6g}"
+    return "default" if value is None else str(value)
+
+
+def _unit(name: str, value: object) -> str:
+    return f" {UNITS[name]}" if name in UNITS and value is not None else ""
 
 
 class Command(NamedTuple):

@@ -37,6 +37,7 @@ from drake_leg.diagrams.additions import (
     Command,
     Control,
     JointMotion,
+    config_html,
     connect_feedback,
     require_straight,
     with_correction,
@@ -147,6 +148,9 @@ class HexabotLegConfig:
         """Refuse a motion that the diagram does not make, or that the foot cannot follow."""
         require_straight(self.motion)
         require_direction(self.robot, moved, self.q0, self.motion.direction)
+
+    def _repr_html_(self) -> str:
+        return config_html(self, self.q0, self.robot.moving)
 
     @property
     def start(self) -> tuple[float, ...]:

@@ -15,6 +15,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPo
 from pydrake.systems.primitives import Adder, Demultiplexer
 
 from drake_leg.arguments import checked, require_fields
+from drake_leg.diagrams.additions import config_html
 from drake_leg.diagrams.mechanism import add_scope, add_stops
 from drake_leg.diagrams.wiring import built, plant_of
 from drake_leg.kinematics.chain import require_radians
@@ -29,7 +30,7 @@ from drake_leg.units import STANDARD_GRAVITY, require_angle, require_non_negativ
 
 @dataclass(frozen=True, kw_only=True)
 class PendulumConfig:
-    """A pendulum released at rest; damping and spring are the robot's joint mechanics.
+    """A pendulum released from rest; damping and spring are the robot's joint mechanics.
 
     Parameters
     ----------
@@ -64,6 +65,9 @@ class PendulumConfig:
         if self.q0 is not None:
             require_radians([self.q0], self.robot.moving)
         require_angle("the state target", self.start)
+
+    def _repr_html_(self) -> str:
+        return config_html(self, [self.start], self.robot.moving)
 
     @property
     def start(self) -> float:

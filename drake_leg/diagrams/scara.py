@@ -29,6 +29,7 @@ from drake_leg.diagrams.additions import (
     EXACT,
     Command,
     Control,
+    config_html,
     require_straight,
     through_matrix,
     with_correction,
@@ -106,6 +107,9 @@ class ScaraConfig:
                 f"the direction is {self.motion.direction!r}; the SCARA's tool keeps its height, "
                 "so that the direction must be horizontal (third number 0)"
             )
+
+    def _repr_html_(self) -> str:
+        return config_html(self, self.q0, self.robot.moving)
 
     @property
     def start(self) -> tuple[float, ...]:

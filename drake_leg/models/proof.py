@@ -113,6 +113,9 @@ class Proof:
             return f"proved in part: none of these is above {TOLERANCE:g}"
         return f"proved: none is above {TOLERANCE:g}"
 
+    def __repr__(self) -> str:
+        return f"<Proof of {self.robot}: {self.verdict}>"
+
     def _repr_html_(self) -> str:
         rows = [
             (c.quantity, c.first, c.second, f"{c.difference:.1e}", "yes" if c.agrees else "NO")

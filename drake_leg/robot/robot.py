@@ -337,6 +337,9 @@ class Robot:
         """The segments with a joint position, in the table's order."""
         return tuple(s for s in self.segments if s.row.joint != "fixed")
 
+    def __repr__(self) -> str:
+        return f"<Robot {self.name}: {self.title}, {len(self.segments)} rows>"
+
     def _repr_html_(self) -> str:
         headings = ("row", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]", "joint", "link")
         rows = []

@@ -14,6 +14,8 @@ from drake_leg.errors import InvalidValueError
 GREATEST = 1e9  # in any unit; a larger value is a typing error, and its square may overflow
 REQUIRED: Any = object()  # marks a key without default
 
+SPELLINGS = {"center": "centre", "color": "colour"}  # other spellings of keys
+
 T = TypeVar("T")
 
 Document = dict[str, Any]
@@ -40,7 +42,8 @@ class Keys:
     Each method reads one key and checks its type, that it is finite, and its sign. Units appear
     in error messages only; a key without a default is required. An ``InvalidValueError`` with
     file, key and value is raised for an invalid value and for a key that is not ``known``;
-    ``instead`` maps common unknown keys to advice.
+    ``instead`` maps common unknown keys to advice. ``center`` and ``color`` are read as ``centre``
+    and ``colour``.
     """
 
     def __init__(
@@ -53,8 +56,15 @@ class Keys:
         if not isinstance(table, dict):
             raise InvalidValueError(f"{where} is {as_toml(table)}; it must be a table of keys")
         self.where = where
-        self._table = table
-        for key in table:
+        self._table = dict(table)
+        self._spelled: dict[str, str] = {}
+        for other, key in SPELLINGS.items():
+            if other in table and key in known:
+                if key in table:
+                    raise self.error(f"{key} and {other} are one key in two spellings; keep one")
+                self._table[key] = self._table.pop(other)
+                self._spelled[key] = other
+        for key in self._table:
             if key not in known:
                 advice = (instead or {}).get(key) or _advice(key, known)
                 raise self.error(f"there is no key {key!r}; {advice}")
@@ -73,6 +83,10 @@ class Keys:
     def has(self, key: str) -> bool:
         """Whether the table has a key."""
         return key in self._table
+
+    def spelled(self, key: str) -> str:
+        """Return a key as the file spells it."""
+        return self._spelled.get(key, key)
 
     def value(self, key: str, default: Any = REQUIRED, *, remedy: str = "") -> Any:  # noqa: ANN401 - of any type until it is checked
         """Any value."""
@@ -130,6 +144,7 @@ class Keys:
     def three(self, key: str, unit: str, default: Any = REQUIRED) -> tuple[float, float, float]:  # noqa: ANN401
         """Three finite numbers."""
         value = self.value(key, default, remedy=f"it must be three numbers [{unit}]")
+        key = self.spelled(key)
         if not isinstance(value, list | tuple) or len(value) != 3:
             raise self.error(f"{key} is {as_toml(value)}; it must be three numbers [{unit}]")
         x, y, z = (self._checked(f"{key}[{i}]", part, unit) for i, part in enumerate(value))

@@ -39,8 +39,6 @@ _SOLID_KEYS = ("density", "centre", "colour")
 _INERTIAL_KEYS = ("mass", "centre", "moments", "products")
 _INSTEAD_OF_SOLID = {
     "mass": "a mass goes with centre and moments under [row.inertial], beside the solid",
-    "color": "did you mean 'colour'?",
-    "center": "did you mean 'centre'?",
     "inertia": "inertia is moments and products, under [row.inertial], beside the solid",
     "type": "did you mean 'shape'?",
     "box": 'write shape = "brick", length, width, height',
@@ -49,7 +47,6 @@ _INSTEAD_OF_SOLID = {
     "material": "write density",
 }
 _INSTEAD_OF_INERTIAL = {
-    "center": "did you mean 'centre'?",
     **dict.fromkeys(("com", "cog", "origin"), "write centre, of mass in the link's frame"),
     "inertia": "write moments = [Ixx, Iyy, Izz] and products = [Ixy, Ixz, Iyz]",
     **dict.fromkeys(("Ixx", "Iyy", "Izz", "ixx", "iyy", "izz"), "write moments = [Ixx, Iyy, Izz]"),
@@ -164,7 +161,8 @@ def read_solid(table: object, where: str, inertial: Inertial | None, row: int) -
     of_mass = {} if inertial is None else {"default": inertial.mass / volume(shape)}
     colour = keys.three("colour", "0 to 1", link_colour(row))
     if not all(0.0 <= part <= 1.0 for part in colour):
-        raise keys.error(f"colour is {list(colour)}; red, green and blue go from 0 to 1")
+        spelled = keys.spelled("colour")
+        raise keys.error(f"{spelled} is {list(colour)}; red, green and blue go from 0 to 1")
     solid = keys.make(
         Solid,
         shape=shape,

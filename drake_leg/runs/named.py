@@ -74,6 +74,9 @@ class RunResult(Outcome):
     title: str
     figures: Figures
 
+    def __repr__(self) -> str:
+        return f"<RunResult {self.name}: {self.title}>"
+
     def _repr_html_(self) -> str:
         rows = [(key, _shown(value)) for key, value in self.summary.items() if _is_short(value)]
         parts = [html_table(("summary", ""), rows, title=self.title)]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from html import escape
 from pathlib import Path
+from types import NoneType
 
 from numpy.typing import ArrayLike
 from PIL import Image
@@ -366,6 +367,8 @@ def replay(
     >>> page.html.startswith("<!DOCTYPE html>")
     True
     """
+    require_kind("the title", title, str, NoneType)
+    require_kind("the note", note, str, NoneType)
     motion, first = _short(what, record, "replay"), as_view(view)
     rate = math.ceil(motion.duration * RATE) / motion.duration if motion.duration else RATE
     frames = motion.sampled(rate)

@@ -123,15 +123,21 @@ class Recording:
         """
         return np.stack([self[name] for name in names], axis=-1)
 
+    @property
+    def _rows(self) -> int:
+        return len(next(iter(self.columns.values()), ()))
+
+    def __repr__(self) -> str:
+        return f"<Recording: {self._rows} rows, {len(self.columns)} columns>"
+
     def _repr_html_(self) -> str:
         rows = []
         for header, values in self.columns.items():
             name, _, unit = header.partition("[")
             ends = (values[0], values[-1], values.min(), values.max()) if len(values) else ()
             rows.append((name, unit.removesuffix("]"), *(f"{value:.6g}" for value in ends)))
-        count = len(next(iter(self.columns.values()), ()))
         headings = ("column", "unit", "first", "last", "least", "greatest")
-        return html_table(headings, rows, title=f"Recording, {count} rows")
+        return html_table(headings, rows, title=f"Recording, {self._rows} rows")
 
     def write_csv(self, path: Path | str) -> None:
         """Write the columns with 17 significant digits, so that they are read back exactly.

@@ -69,10 +69,16 @@ class Run:
         for name, values in self.scopes.items():
             first, last = (", ".join(f"{value:.4g}" for value in values[i]) for i in (0, -1))
             rows.append((name, values.shape[1], first, last))
-        title = f"Simulated {self.time[-1]:.4g} s in {len(self.time)} rows"
-        if self.stop_reason:
-            title += f"; stopped: {self.stop_reason}"
-        return html_table(("scope", "size", "first", "last"), rows, title=title)
+        return html_table(("scope", "size", "first", "last"), rows, title=self._headline)
+
+    def __repr__(self) -> str:
+        return f"<Run: {self._headline}>"
+
+    @property
+    def _headline(self) -> str:
+        """The simulation in one line."""
+        stop = f"; stopped: {self.stop_reason}" if self.stop_reason else ""
+        return f"Simulated {self.time[-1]:.4g} s in {len(self.time)} rows{stop}"
 
     @property
     def real_time_factor(self) -> float:

@@ -195,6 +195,11 @@ class Diagnosis:
         several = len(self.nearness) > 1
         return "   (nearest)" if several and near is self.nearness[0] else ""
 
+    def __repr__(self) -> str:
+        rank = f"rank {self.rank.rank} of {self.rank.full_rank}"
+        nearest = f", nearest to {self.nearness[0].family}" if self.nearness else ""
+        return f"<Diagnosis: {rank}{nearest}>"
+
     def _repr_html_(self) -> str:
         feet = [] if self.feet is None else feet_entries(self.feet)
         return html_table(
@@ -446,7 +451,7 @@ def _whole_json(whole: WholeRank) -> dict[str, Any]:
 
 def _pose_entries(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     x, y, z = diagnosis.position
-    height = "not given, as the lift is not" if z is None else _rounded(z)
+    height = "z unknown: give the lift as a fourth number" if z is None else _rounded(z)
     roll, pitch, yaw = (_rounded(math.degrees(angle)) for angle in diagnosis.orientation)
     return [
         ("foot", f"({_rounded(x)}, {_rounded(y)}, {height}) m"),

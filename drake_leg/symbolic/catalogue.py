@@ -96,7 +96,7 @@ def _require_texts(wanted: tuple[str, ...]) -> None:
 def derive(robot: Robot, *wanted: str, budget: float = BUDGET) -> Equations:
     """Derive a robot's matrices and equations from its Khalil table, in symbols.
 
-    Transforms between neighbors and to the base, the Jacobian by two methods and their
+    Transforms between neighboring frames and to the base, the Jacobian by two methods and their
     difference, its determinant, and the singular postures.
 
     Parameters

@@ -14,6 +14,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 from drake_leg.kinematics.euler import gimbal_distance, require_sequence
 from drake_leg.kinematics.khalil import Array
 from drake_leg.systems.relative_motion import RelativeMotion, Where
+from drake_leg.units import require_kind
 
 
 class MeasurementFrame(TypedDict):
@@ -133,6 +134,8 @@ class FrameSensor(LeafSystem):
         rotation_matrix: bool = False,
     ) -> None:
         super().__init__()
+        require_kind("acceleration", acceleration, bool)
+        require_kind("rotation_matrix", rotation_matrix, bool)
         self._motion = RelativeMotion(
             plant, frame, base, expressed_in=expressed_in, observed_in=observed_in
         )

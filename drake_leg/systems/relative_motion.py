@@ -155,9 +155,10 @@ class RelativeMotion:
 
 def _own(plant: MultibodyPlant, frame: Frame) -> Frame:
     if not isinstance(frame, Frame):
+        name = frame if isinstance(frame, str) else "foot"
         raise InvalidValueError(
             f"{shown(frame)} is not a frame; take one from the plant, as "
-            "plant.GetFrameByName('foot')"
+            f"plant.GetFrameByName({name!r})"
         )
     if frame.GetParentPlant() is not plant:
         raise InvalidValueError(

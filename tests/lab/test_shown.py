@@ -107,3 +107,10 @@ def test_a_replay_is_a_page_in_a_frame_that_asks_for_nothing():
     assert html.count("<iframe") == html.count("</iframe>") == 1
     assert " src=" not in html.partition("srcdoc=")[0]
     assert len(html) < 4e6
+
+
+@pytest.mark.parametrize("text", ["title", "note"])
+def test_the_title_and_the_note_of_a_replay_are_text(text):
+    motion = np.linspace(0.0, 1.0, 5), np.full((5, 3), 0.3)
+    with pytest.raises(InvalidValueError, match=f"the {text} is 5; it must be a str or None"):
+        replay(LEG_B, motion, **{text: 5})

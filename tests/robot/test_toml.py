@@ -167,6 +167,14 @@ def test_the_reports_robots_are_read_back_as_they_were(robot, tmp_path):
     assert load_robot(path) == robot
 
 
+def test_american_spellings_of_keys_are_read_too():
+    coloured = ARM.replace("centre = [0.2, 0, 0]", "centre = [0.2, 0, 0]\ncolour = [0.1, 0.2, 0.3]")
+    american = coloured.replace("centre", "center").replace("colour", "color")
+    assert american.count("center") >= 2
+    assert "color = " in american
+    assert read_robot(american, "arm.toml") == read_robot(coloured, "arm.toml")
+
+
 def test_the_arm_is_read_back_as_it_was():
     arm = read_robot(ARM, "arm.toml")
     assert read_robot(robot_toml(arm), "elsewhere.toml") == arm
@@ -292,7 +300,14 @@ def test_any_robot_is_proved(robot):
         ("alpha = 90", "alpha = 90°", ["line 36", "alpha = 90°", 'angles = "deg"']),
         ("[[row]]\nsigma = 1", "[row]\nsigma = 1", ["two brackets"]),
         ("theta = 90", "teta = 90", ["row 1", "'teta'", "did you mean 'theta'?"]),
-        ("centre = [0.2", "center = [0.2", ["row 1, solid", "did you mean 'centre'?"]),
+        ("centre = [0.2", "cente = [0.2", ["row 1, solid", "did you mean 'centre'?"]),
+        ("centre = [0.2, 0, 0]", "center = [0.2, 0]", ["center is [0.2, 0]", "three numbers"]),
+        ("centre = [0.2, 0, 0]", "color = [2, 0, 0]", ["color is [2.0, 0.0, 0.0]"]),
+        (
+            "centre = [0.2, 0, 0]",
+            "centre = [0.2, 0, 0]\ncenter = [0.2, 0, 0]",
+            ["row 1, solid: centre and center are one key in two spellings; keep one"],
+        ),
         ("sigma = 0\n", "", ["row 1: sigma is missing", '0 or 1 or "~"']),
         ("alpha = 90\n", "", ["row 2: alpha is missing", "[deg]"]),
         ('name = "arm"\n', "", ["name is missing"]),

@@ -116,6 +116,11 @@ def test_a_scaras_lift_has_a_reach():
     assert [solution.within_limits for solution in high.solutions] == [True, True]
 
 
+def test_an_unknown_height_says_how_to_give_it():
+    (_, foot), *_ = examine_posture(SCARA, [0.5, 1.0, 0.0]).entries
+    assert foot.endswith("z unknown: give the lift as a fourth number) m")
+
+
 def test_a_scaras_yaw_is_told_or_the_postures(capsys):
     assert main(["doctor", "scara", "--foot", "0.2,0.2,0.4", "--yaw", "15"]) == 0
     text = capsys.readouterr().out

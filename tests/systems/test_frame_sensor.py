@@ -222,3 +222,8 @@ def test_bad_input_is_refused_in_one_sentence():
         FrameSensor(plant, frame, euler="RPY")
     with pytest.raises(InvalidValueError, match="'frame_4' is not of the plant"):
         FrameSensor(build_plant(LEG_B), frame)
+    with pytest.raises(InvalidValueError, match=r"plant\.GetFrameByName\('frame_4'\)"):
+        FrameSensor(plant, "frame_4")
+    for setting in ("acceleration", "rotation_matrix"):
+        with pytest.raises(InvalidValueError, match=f"{setting} is 'yes'; it must be a bool"):
+            FrameSensor(plant, frame, **{setting: "yes"})

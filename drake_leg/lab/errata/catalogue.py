@@ -154,7 +154,7 @@ def angles(q: Iterable[float]) -> str:
 # --- the pendulum ----------------------------------------------------------------------------
 
 MODEL = PendulumModel.from_robot(PENDULUM)
-RELEASE = 0.0  # [rad], where the free pendulum is let go: horizontal
+RELEASE = 0.0  # [rad], where the free pendulum is released: horizontal
 HANGING = math.pi / 2  # [rad]
 
 

@@ -95,7 +95,7 @@ class PrintedMatrices:
         return evaluate(self.printed[name].subs(self.sigmas), values)
 
     def product(self, values: Mapping[str, float], wrong: str = "") -> Array:
-        """Multiply the transforms between neighbors, one of them as it is printed: T04 [-, mm]."""
+        """Multiply the transforms of neighboring frames, one as it is printed: T04 [-, mm]."""
         T04 = np.eye(4)
         for name in NEIGHBOURS:
             T04 = T04 @ (self.value(name, values) if name == wrong else self._right(name, values))
@@ -137,8 +137,8 @@ def leg_b_matrices() -> PrintedMatrices:
 
 def _mm(length: float) -> sp.Number:
     """Write a length [m] in mm."""
-    millimetres = round(MM * length, 6)
-    return sp.Integer(millimetres) if millimetres.is_integer() else sp.Float(millimetres)
+    millimeters = round(MM * length, 6)
+    return sp.Integer(millimeters) if millimeters.is_integer() else sp.Float(millimeters)
 
 
 def _misprinted(

@@ -196,10 +196,10 @@ class SampledChain:
         return twists(self, X_B[:, 1:], X_B[:, -1, :3, 3])
 
 
-def chain_of(rows: Sequence[Row], q: Array, metres: float) -> SampledChain:
+def chain_of(rows: Sequence[Row], q: Array, meters: float) -> SampledChain:
     """Write a robot's table for samples of its joint positions (N, m) [rad or m].
 
-    The chain's unit of lengths has so many ``metres``.
+    The chain's unit of lengths has so many ``meters``.
     """
 
     def column(name: str, unit: float) -> Array:
@@ -208,11 +208,11 @@ def chain_of(rows: Sequence[Row], q: Array, metres: float) -> SampledChain:
     sliding = [rows[index].joint == "prismatic" for index in moving_rows(rows)]
     return SampledChain(
         joints=tuple(row.joint for row in rows),
-        d=column("d", metres),
+        d=column("d", meters),
         alpha=column("alpha", 1.0),
-        r=column("r", metres),
+        r=column("r", meters),
         theta=column("theta", 1.0),
-        q=q / np.where(sliding, metres, 1.0),
+        q=q / np.where(sliding, meters, 1.0),
     )
 
 
@@ -287,7 +287,7 @@ class RightForms:
 
     def __init__(self, robot: Robot, printed: Printed, reader: Reader, names: Names) -> None:
         self._chain = symbolic_chain(robot.rows)
-        self._metres = printed.metres
+        self._meters = printed.meters
         self._symbols = printed.symbols
         self._names = {
             symbol: names[Cell(index, column)]
@@ -328,7 +328,7 @@ class RightForms:
         lengths = {
             symbol: sp.Symbol(self._names[symbol])
             if symbol in self._names
-            else sp.Float(f"{value / self._metres:.9g}")
+            else sp.Float(f"{value / self._meters:.9g}")
             for symbol, value in chain.values.items()
         }
         texts = (_zeros_text(factor.subs(lengths)) for factor in found)
@@ -351,7 +351,7 @@ class RightForms:
     def _number(self, name: str, value: float) -> sp.Expr:
         if name.startswith(("alpha", "theta")):
             return sp.Float(value)
-        number = Fraction(value / self._metres).limit_denominator(10**6)
+        number = Fraction(value / self._meters).limit_denominator(10**6)
         return sp.Rational(number.numerator, number.denominator)
 
 

@@ -73,24 +73,24 @@ class Sampler:
 
     def __init__(self, robot: Robot, reader: Reader, rng: np.random.Generator) -> None:
         self._reader = reader
-        self.metres = 1.0 / reader.units["m"]
+        self.meters = 1.0 / reader.units["m"]
         values: dict[str, Any] = {**reader.units, **reader.symbols}
         joints: dict[str, Any] = {}  # q4 where the print writes another variable's formula for it
         variables: list[str] = []
         for index, segment in enumerate(robot.moving):
             turning = segment.row.joint == "revolute"
-            greatest = math.pi if turning else table_length(robot.rows) / self.metres
+            greatest = math.pi if turning else table_length(robot.rows) / self.meters
             formula = reader.joint(index)
             for name in sorted(names_in(formula) - set(values)):
                 values[name] = rng.uniform(-greatest, greatest, COUNT)
                 variables.append(name)
             joints[f"q{index + 1}"] = np.broadcast_to(evaluate(formula, values), COUNT)
-        units = [1.0 if s.row.joint == "revolute" else self.metres for s in robot.moving]
+        units = [1.0 if s.row.joint == "revolute" else self.meters for s in robot.moving]
         self.variables = tuple(variables)  # the print's symbols that vary with the posture
         self.q = np.stack(list(joints.values()), axis=-1) * units  # (N, m) [rad or m]
-        chain = chain_of(robot.rows, self.q, self.metres)
+        chain = chain_of(robot.rows, self.q, self.meters)
         self.as_it_is = Samples(values={**joints, **values}, chain=chain)
-        self.lengths = cell_values(robot, self.metres)
+        self.lengths = cell_values(robot, self.meters)
         self._factors = {cell: rng.uniform(_LEAST, _MOST, COUNT) for cell in self.lengths}
         self._drawn: dict[tuple[frozenset[str], frozenset[Any]], Samples] = {}
 
@@ -238,8 +238,8 @@ def _explain(slopes: Array, differences: Array, margin: float, below: float) -> 
     """Whether every number, moved by its half unit at most, can bring about the differences.
 
     ``slopes`` (N, n) is what half a unit of each of n numbers changes at N postures, and
-    ``differences`` (N,) what is right less what is printed. They may be ``margin`` more towards
-    smaller numbers, and ``below`` towards greater ones.
+    ``differences`` (N,) what is right less what is printed. They may be ``margin`` more toward
+    smaller numbers, and ``below`` toward greater ones.
     """
     spread = np.abs(slopes).sum(axis=-1)
     if not np.all(np.isfinite(spread)) or not np.all(np.abs(differences) <= spread + margin):
@@ -366,7 +366,7 @@ def read_matrix(
         caption=matrix.caption,
         shape=matrix.shape,
         spelling=" ".join([*cells, *matrix.where.values(), *printed.where.values()]),
-        margin=TOLERANCE * scales(claim, table_length(robot.rows) / printed.metres),
+        margin=TOLERANCE * scales(claim, table_length(robot.rows) / printed.meters),
         entries={
             (i, j): _read_entry(text.strip(), reader, own, known)
             for i, row in enumerate(matrix.entries)

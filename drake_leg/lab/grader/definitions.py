@@ -13,7 +13,7 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.matrix_text import NAMES
-from drake_leg.lab.grader.printed import METRES, Printed
+from drake_leg.lab.grader.printed import METERS, Printed
 from drake_leg.lab.grader.tables import Finding, repaired
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import (
@@ -51,7 +51,7 @@ class Reader:
         _require_free(said, printed.origin)
         _require_one_meaning(said, printed.origin)
         self.symbols = {plain(name): value for name, value in printed.symbols.items()}
-        self.units = {unit: metres / printed.metres for unit, metres in METRES.items()}
+        self.units = {unit: meters / printed.meters for unit, meters in METERS.items()}
         self._names = {*self.symbols, *map(plain, printed.where)}
         self.definitions(printed.where)  # refused before the joints' formulas are
         self.joints = {
@@ -302,9 +302,9 @@ Binding = Mapping[str, frozenset[Cell]]  # symbol to the cells that it stands fo
 _Rule = Callable[[Sequence[Cell], int], Cell | None]  # finds the cell of a number
 
 
-def cell_values(robot: Robot, metres: float) -> dict[Cell, float]:
+def cell_values(robot: Robot, meters: float) -> dict[Cell, float]:
     """List the cells of a table that are not zero [rad, or the print's unit of so many meters]."""
-    units = {"d": metres, "r": metres, "alpha": 1.0, "theta": 1.0}
+    units = {"d": meters, "r": meters, "alpha": 1.0, "theta": 1.0}
     return {
         Cell(index, column): getattr(row, column) / unit
         for index, row in enumerate(robot.rows)

@@ -199,7 +199,7 @@ class _Cell:
         """Evaluate it [m, rad]; bare numbers have the table's units, or degrees."""
         value = np.asarray(evaluate(formula, self._sampler.as_it_is.values))
         if self._column not in ANGLES:
-            return value * self._sampler.metres
+            return value * self._sampler.meters
         return np.asarray(np.radians(value)) if self._degrees else value
 
     def _right_value(self) -> Array:
@@ -209,7 +209,7 @@ class _Cell:
 
     def _right_text(self) -> str:
         """Write the robot's value, in the print's unit of lengths or in degrees."""
-        number = f"{self._right / self._sampler.metres:.9g}"
+        number = f"{self._right / self._sampler.meters:.9g}"
         if self._column in ANGLES:
             number = f"{math.degrees(self._right):.9g}°"
         if self._joint is None:

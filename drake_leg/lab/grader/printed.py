@@ -34,7 +34,7 @@ from drake_leg.lab.grader.tables import (
 from drake_leg.robot.toml_keys import Document, Keys, as_toml, parse_document
 from drake_leg.symbolic.spelling import quoted
 
-METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
+METERS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
 _SETTINGS = ("title", "angles", "lengths")
 _KEYS = (*_SETTINGS, "symbols", "cells", "where", "joints", "table", "matrix", "singular")
@@ -112,9 +112,9 @@ class Printed:
         return self.lengths or "m"
 
     @property
-    def metres(self) -> float:
+    def meters(self) -> float:
         """The unit of lengths in m."""
-        return METRES[self.unit]
+        return METERS[self.unit]
 
 
 def read_printed(path: Path) -> Printed:
@@ -141,7 +141,7 @@ def printed_of_document(
     """
     keys = Keys(document, where, _KEYS, {"row": "write a printed table's rows under [[table]]"})
     angles = keys.choice("angles", ("deg", "rad")) if keys.has("angles") else None
-    lengths = keys.choice("lengths", tuple(METRES)) if keys.has("lengths") else None
+    lengths = keys.choice("lengths", tuple(METERS)) if keys.has("lengths") else None
     table = _table(keys, angles, lengths) if keys.has("table") else None
     read = [_matrix(part, f"{where}: matrix {i}") for i, part in _parts(keys, "matrix")]
     unread = (*unread, *(part for part in read if isinstance(part, Finding)))

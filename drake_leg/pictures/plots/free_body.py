@@ -7,6 +7,7 @@ and with the forces on its bodies, above its table.
 from __future__ import annotations
 
 import math
+from types import NoneType
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch, direction, polar
 from drake_leg.pictures.plots.style import BODY, GREY, INK, new_figure
 from drake_leg.robot.robot import Robot, Segment, require_robot
+from drake_leg.units import require_kind
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two
 RIGHT, BACK, UP = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -61,6 +63,7 @@ def free_body(robot: Robot, *, title: str | None = None) -> Figure:
     >>> figure.savefig("leg.png")
     """
     require_robot(robot)
+    require_kind("the title", title, str, NoneType)
     heading = f"{title or robot.title}: bodies and frames"
     match geometry_of(robot):
         case LegGeometry():

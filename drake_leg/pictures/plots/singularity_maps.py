@@ -31,7 +31,15 @@ from drake_leg.kinematics.leg import (
 )
 from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position, task_jacobian, tool_position
-from drake_leg.pictures.plots.style import INK, LEGEND_BELOW, STYLE, TITLE, legend_above, new_figure
+from drake_leg.pictures.plots.style import (
+    INK,
+    LEGEND_BELOW,
+    STYLE,
+    TITLE,
+    ShownFigure,
+    legend_above,
+    new_figure,
+)
 from drake_leg.robot.robot import Robot
 from drake_leg.singularity.families import (
     axis_reach,
@@ -158,7 +166,7 @@ def _draw_folded(axes: Axes3D, leg: LegGeometry) -> None:
 
 def _space(title: str) -> tuple[Figure, Axes3D]:
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+        figure = ShownFigure(figsize=(6.4, 5.6), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.add_subplot(projection="3d")
         figure.suptitle(title, **TITLE)

@@ -104,6 +104,16 @@ MOST_NARROW_TICKS = 6
 FORMULA = re.compile(r"\$[^$]*\$")
 TIED = "\N{NO-BREAK SPACE}"
 POINTS = 72.0  # [1/inch]
+SHOWN_DPI = 100.0  # of figures that a notebook shows
+
+
+class ShownFigure(Figure):
+    """A figure that a notebook shows without ``%matplotlib inline``."""
+
+    def _repr_png_(self) -> bytes:
+        file = io.BytesIO()
+        self.savefig(file, format="png", dpi=SHOWN_DPI)
+        return file.getvalue()
 
 
 def new_figure(
@@ -111,7 +121,7 @@ def new_figure(
 ) -> tuple[Figure, list[Axes]]:
     """Make a figure with axes in rows, which share their x axis, and columns; sizes in inch."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
+        figure = ShownFigure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).ravel()
         figure.suptitle(title, **TITLE)

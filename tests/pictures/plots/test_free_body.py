@@ -12,6 +12,7 @@ from chains import POSTURES, random_chain
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.pictures.plots.free_body import free_body
 from drake_leg.pictures.plots.sketch import Sketch, direction
@@ -197,3 +198,8 @@ def test_the_svg_is_the_same_every_time():
     first, second = (svg_text(free_body(LEG_B)) for _ in range(2))
     assert first == second
     assert ET.fromstring(first).tag.endswith("svg")
+
+
+def test_a_title_is_text():
+    with pytest.raises(InvalidValueError, match="the title is 5; it must be a str or None"):
+        free_body(LEG_B, title=5)
