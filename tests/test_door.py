@@ -197,9 +197,10 @@ def test_a_drake_diagram_shows_itself_in_a_notebook():
 def test_every_figure_shows_itself_once_in_a_notebook(inline):
     script = (
         "from IPython.core.interactiveshell import InteractiveShell\n"
+        "from IPython.core.pylabtools import select_figure_formats\n"
         "shell = InteractiveShell.instance()\n"
         "import drake_leg as dl\n"
-        f"if {inline}: shell.run_line_magic('matplotlib', 'inline')\n"
+        f"if {inline}: select_figure_formats(shell, {{'png'}})\n"
         "import matplotlib.pyplot as plt\n"
         "step = dl.run('leg-b', duration=0.1).figures\n"
         "for figure in (dl.frames_drawing(dl.LEG_B), *step.values()):\n"

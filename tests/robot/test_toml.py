@@ -168,11 +168,10 @@ def test_the_reports_robots_are_read_back_as_they_were(robot, tmp_path):
 
 
 def test_american_spellings_of_keys_are_read_too():
-    coloured = ARM.replace("centre = [0.2, 0, 0]", "centre = [0.2, 0, 0]\ncolour = [0.1, 0.2, 0.3]")
-    american = coloured.replace("centre", "center").replace("colour", "color")
-    assert american.count("center") >= 2
+    american = ARM.replace("centre =", "center =").replace("colour =", "color =")
+    assert american.count("center =") >= 2
     assert "color = " in american
-    assert read_robot(american, "arm.toml") == read_robot(coloured, "arm.toml")
+    assert read_robot(american, "arm.toml") == read_robot(ARM, "arm.toml")
 
 
 def test_the_arm_is_read_back_as_it_was():
@@ -302,7 +301,7 @@ def test_any_robot_is_proved(robot):
         ("theta = 90", "teta = 90", ["row 1", "'teta'", "did you mean 'theta'?"]),
         ("centre = [0.2", "cente = [0.2", ["row 1, solid", "did you mean 'centre'?"]),
         ("centre = [0.2, 0, 0]", "center = [0.2, 0]", ["center is [0.2, 0]", "three numbers"]),
-        ("centre = [0.2, 0, 0]", "color = [2, 0, 0]", ["color is [2.0, 0.0, 0.0]"]),
+        ("colour = [1, 0.5, 0]", "color = [2, 0, 0]", ["color is [2.0, 0.0, 0.0]"]),
         (
             "centre = [0.2, 0, 0]",
             "centre = [0.2, 0, 0]\ncenter = [0.2, 0, 0]",
