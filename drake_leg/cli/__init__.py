@@ -33,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     with interruptible() as interrupts:
         try:
-            status = _result(arguments)
+            status = _result(arguments, interrupts)
         except KeyboardInterrupt:  # between the parts that answer it themselves
             status = _print_error("interrupted", INTERRUPTED)
         status = _of_signal(interrupts, status)
@@ -54,7 +54,7 @@ def _leave(status: int) -> NoReturn:
     os._exit(status)
 
 
-def _result(arguments: Sequence[str] | None) -> int:
+def _result(arguments: Sequence[str] | None, interrupts: Interrupts) -> int:
     with tolerant_streams():
         try:
             from drake_leg.cli import entry
@@ -63,7 +63,7 @@ def _result(arguments: Sequence[str] | None) -> int:
         except KeyboardInterrupt:
             return _print_error("interrupted", INTERRUPTED)
         except Exception as error:
-            if isinstance(error, ImportError) and _is_interrupt(error):
+            if interrupts.received is not None:  # a compiled module may turn Ctrl-C into an error
                 return _print_error("interrupted", INTERRUPTED)
             return _unexpected(error)
 
@@ -93,13 +93,6 @@ def _print_error(sentence: str, status: int) -> int:
     except OSError:  # the terminal has gone
         return status
     return status
-
-
-def _is_interrupt(error: BaseException | None) -> bool:
-    """Tell whether Ctrl-C made an import fail, as it does for a compiled module."""
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
-    return error is not None
 
 
 class _Tolerant(io.FileIO):

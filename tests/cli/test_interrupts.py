@@ -171,6 +171,21 @@ def start(*words):
     )
 
 
+@pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
+@pytest.mark.parametrize("turned_into", [ImportError, RuntimeError, SystemError])
+def test_an_interrupt_that_a_module_turned_into_an_error_is_one(
+    number, turned_into, monkeypatch, capsys
+):
+    def work(_arguments):
+        with pytest.raises(KeyboardInterrupt):
+            come(number)()
+        raise turned_into("initialization failed")
+
+    monkeypatch.setattr("drake_leg.cli.entry.main", work)
+    assert main(["list"]) == 128 + number
+    assert capsys.readouterr().err == "drake-leg: interrupted\n"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
 def test_a_process_that_is_told_to_end_at_any_moment_leaves_all_or_nothing(number, rng):
