@@ -186,7 +186,12 @@ if not TYPE_CHECKING:  # so that a misspelt name is an error to type checkers
 
             return version("drake-leg")
         if name not in _HOMES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+            from drake_leg.errors import did_you_mean
+
+            question = "" if name.startswith("_") else did_you_mean(name, _HOMES)
+            raise AttributeError(
+                f"module {__name__!r} has no attribute {name!r}{f': {question}' * bool(question)}"
+            )
         module, own_name = _HOMES[name]
         value: object = getattr(import_module(module), own_name)
         globals()[name] = value  # found without this function from now on

@@ -20,7 +20,7 @@ from typing import (
     get_type_hints,
 )
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, did_you_mean
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -39,15 +39,33 @@ WORDS: dict[object, str] = {
     NoneType: "None",
 }
 # By the name of a class: how to get an object of it.
+BUILDERS = {
+    "EllipseConfig": "build_ellipse",
+    "HexabotLegConfig": "build_hexabot_leg",
+    "PendulumConfig": "build_pendulum",
+    "ScaraConfig": "build_scara",
+}
 ADVICE = {
+    "Control": "make one, as Control(inverse=Inverse(method='damped')), with "
+    "from drake_leg.diagrams.additions import Control and "
+    "from drake_leg.singularity.inverse import Inverse",
+    "Disturbance": "make one, as Disturbance(mass_error=0.2), with "
+    "from drake_leg.diagrams.disturbance import Disturbance",
     "Diagram": "build one, as build_pendulum(PendulumConfig())",
     "DiagramBuilder": "make one with pydrake.systems.framework.DiagramBuilder()",
     "EllipticStep": "make one, as EllipticStep(lift=0.03)",
     "Frame": "take one from the plant, as plant.GetFrameByName('foot')",
+    "IntegratorSettings": "make one, as IntegratorSettings(scheme='radau3'), with "
+    "from drake_leg.simulation.integrator import IntegratorSettings",
+    "Inverse": "make one, as Inverse(method='damped'), with "
+    "from drake_leg.singularity.inverse import Inverse",
     "MultibodyPlant": "make one with build_plant(robot)",
     "OutputPort": "take one from a block, as block.get_output_port()",
     "Robot": "take one from drake_leg, such as LEG_B, or load one with load_robot",
     "SineStep": "make one, as SineStep(amplitude=0.05)",
+} | {
+    config: f"give {config}(robot=...), as {build}({config}())"
+    for config, build in BUILDERS.items()
 }
 
 
@@ -60,7 +78,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def checking(*arguments: P.args, **keywords: P.kwargs) -> R:
-        given = signature.bind(*arguments, **keywords).arguments
+        try:
+            given = signature.bind(*arguments, **keywords).arguments
+        except TypeError as error:
+            raise _unlike(function, signature, error, len(arguments), keywords) from None
         _require_types(given, _hints(function))
         return function(*arguments, **keywords)
 
@@ -135,11 +156,48 @@ def _require_types(values: Mapping[str, object], hints: Mapping[str, object]) ->
     for name, value in values.items():
         hint = hints.get(name, object)
         if not _fits(value, hint):
-            classes = [getattr(each, "__name__", "") for each in _choices(hint)]
-            advice = next((ADVICE[each] for each in classes if each in ADVICE), "")
             raise InvalidValueError(
-                f"{name} is {shown(value)}; it must be {_words(hint)}", advice=advice
+                f"{name} is {shown(value)}; it must be {_words(hint)}", advice=_advice(hint)
             )
+
+
+def _unlike(
+    function: Callable[..., object],
+    signature: inspect.Signature,
+    error: TypeError,
+    count: int,
+    keywords: Mapping[str, object],
+) -> InvalidValueError:
+    """Say which arguments are missing from a call of ``count`` and keywords, or too many."""
+    known = list(signature.parameters)
+    missing = [
+        name
+        for name, parameter in list(signature.parameters.items())[count:]
+        if parameter.default is parameter.empty and name not in keywords
+    ]
+    strange = [name for name in keywords if name not in known]
+    if strange:
+        problem = f"has no argument {strange[0]!r}; it takes {', '.join(known)}"
+    elif missing:
+        problem = f"needs {' and '.join(missing)}"
+    else:
+        problem = f"takes {', '.join(known)} ({error})"
+    advice = _advice(_hints(function)[missing[0]]) if missing else ""
+    if strange and not advice:
+        advice = did_you_mean(strange[0], known)
+    return InvalidValueError(f"{_called(function)} {problem}", advice=advice)
+
+
+def _called(function: Callable[..., object]) -> str:
+    """Name a function as drake_leg offers it: ``build`` of ``pendulum`` is ``build_pendulum``."""
+    name = function.__name__
+    return f"build_{function.__module__.rpartition('.')[2]}" if name == "build" else name
+
+
+def _advice(*hints: object) -> str:
+    """Say how to get an object of the first of these types for which that is known."""
+    classes = [getattr(each, "__name__", "") for hint in hints for each in _choices(hint)]
+    return next((ADVICE[each] for each in classes if each in ADVICE), "")
 
 
 def _choices(hint: object) -> tuple[object, ...]:

@@ -8,11 +8,12 @@ command line can show them as its options.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
 MOST_OF_A_TEXT = 300  # characters
+ALIKE = 0.7  # 1: the same; names less alike than this are not suggested
 
 
 class DrakeLegError(Exception):
@@ -120,6 +121,19 @@ def in_a_line(error: BaseException) -> str:
     return f"{type(error).__name__}: {text[:MOST_OF_A_TEXT]}" if text else type(error).__name__
 
 
+def did_you_mean(word: object, known: Iterable[str], otherwise: str = "") -> str:
+    """Ask about the known names that begin with a word, or else about the most similar one."""
+    import difflib  # not needed where nothing is wrong
+
+    names = {name.lower(): name for name in known}
+    typed = str(word).lower()
+    begun = [name for lower, name in names.items() if typed and lower.startswith(typed)]
+    near = begun or [
+        names[each] for each in difflib.get_close_matches(typed, names, n=1, cutoff=ALIKE)
+    ]
+    return f"did you mean {' or '.join(near)}?" if near else otherwise
+
+
 class SingularConfigurationError(DrakeLegError):
     """The inverse Jacobian is needed where it does not exist.
 
@@ -171,7 +185,7 @@ class ForeseenSingularityError(SingularConfigurationError):
             q=q,
             sigma_min=0.0,
             time=time,
-            problem=f"the {name} would become {description}",
+            problem=f"{name} would become {description}",
             advice="`force=True` goes up to there, `inverse='damped'` or `'limited'` goes on",
         )
 

@@ -158,9 +158,18 @@ def test_a_run_shows_its_summary_and_a_figure_and_writes_what_the_command_writes
     assert "rows</b>" in result.recording._repr_html_()
 
 
+def test_a_misspelt_name_of_the_door_is_guessed():
+    with pytest.raises(AttributeError, match=r"no attribute 'simulte': did you mean simulate\?"):
+        drake_leg.simulte  # noqa: B018
+    with pytest.raises(AttributeError, match=r"no attribute '_repr_'$"):
+        drake_leg._repr_  # noqa: B018
+
+
 def test_a_run_says_which_options_it_has():
-    with pytest.raises(InvalidValueError, match="no option 'amplitud': did you mean amplitude"):
+    with pytest.raises(InvalidValueError, match=r"no option 'amplitud': did you mean amplitude\?"):
         load("run")("leg-b", amplitud=0.05)
+    with pytest.raises(InvalidValueError, match=r"no option 'amp': did you mean amplitude\?"):
+        load("run")("leg-b", amp=0.05)
     with pytest.raises(InvalidValueError, match="there is no run 'leg'"):
         load("run")("leg")
     with pytest.raises(InvalidValueError, match="there is no figure 'nonsense'"):

@@ -107,8 +107,49 @@ CALLS = {
     "still, digits": (lambda: dl.still(dl.LEG_B, ("1", "2", "3")), "it must be real numbers"),
     "Recording, flat": (lambda: dl.Recording({"a": 1.0}), r"the column a has shape \(\)"),
     "errata, text": (lambda: dl.errata("1"), "an erratum is '1'; it must be a whole number"),
+    "errata, in text": (lambda: dl.errata("5"), r"give errata\(5\)"),
+    "errata, in a list": (lambda: dl.errata([5, 6]), r"give errata\(5, 6\)"),
+    "errata, True": (lambda: dl.errata(True), "an erratum is True; it must be a whole number"),
+    "errata, float": (lambda: dl.errata(5.0), "an erratum is 5.0; it must be a whole number"),
     "errata, list": (lambda: dl.errata([1]), r"an erratum is \[1\]; it must be a whole number"),
     "report, number": (lambda: dl.report(3), "folder is 3; it must be a str or Path"),
+    "report, nothing": (lambda: dl.report(None), "folder is None; it must be a str or Path"),
+    "block_diagram, path": (
+        lambda: dl.block_diagram(dl.build_pendulum(dl.PendulumConfig())).write(5),
+        "path is 5; it must be a str or Path",
+    ),
+    "Recording, path": (lambda: dl.Recording({}).write_csv(5), "path is 5; it must be a str or"),
+    "write_video, path": (lambda: dl.write_video(dl.LEG_B, "a.gif", None), "target is a Robot; it"),
+    "build, nothing": (lambda: dl.build_pendulum(), r"build_pendulum needs config: give Pend"),
+    "build, keyword": (
+        lambda: dl.build_hexabot_leg(robot=dl.LEG_B),
+        r"build_hexabot_leg has no argument 'robot'; it takes config: give HexabotLegConfig\(",
+    ),
+    "build, too many": (
+        lambda: dl.build_scara(dl.ScaraConfig(), 1),
+        r"build_scara takes config \(too many",
+    ),
+    "build, robot": (
+        lambda: dl.build_hexabot_leg(dl.LEG_B),
+        r"config is a Robot; .*: give HexabotLegConfig\(robot=...\), as build_hexabot_leg\(",
+    ),
+    "block_diagram, keyword": (
+        lambda: dl.block_diagram(None, prt="all"),
+        r"block_diagram has no argument 'prt'; .*: did you mean part\?",
+    ),
+    "HexabotLegConfig, control": (
+        lambda: dl.HexabotLegConfig(control="damped"),
+        "with from drake_leg.diagrams.additions import Control",
+    ),
+    "simulate, settings": (
+        lambda: dl.simulate(dl.build_pendulum(dl.PendulumConfig()), 1.0, settings="runge_kutta5"),
+        "with from drake_leg.simulation.integrator import IntegratorSettings",
+    ),
+    "simulate, config": (
+        lambda: dl.simulate(dl.HexabotLegConfig(), duration=1),
+        r"^diagram is a HexabotLegConfig; .*: build it first, as build_hexabot_leg\(config\)$",
+    ),
+    "simulate, robot": (lambda: dl.simulate(dl.LEG_B, 1.0), "^diagram is a Robot; it must be a D"),
     "report, progress": (lambda: dl.report("r", progress=3), "progress is 3; it must be a funct"),
     "write_video, progress": (
         lambda: dl.write_video("a.gif", dl.PENDULUM, ([0.0], [[0.0]]), progress=3),

@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from itertools import pairwise
 from typing import Any, NoReturn
 
 from drake_leg.cli.terminal import BAD_INPUT, FAILED, STOPPED_EARLY, fail, place_given_by
@@ -17,6 +18,7 @@ from drake_leg.errors import (
     OutputError,
     PictureError,
     SingularConfigurationError,
+    did_you_mean,
 )
 
 # Name -> module, whose function configure_NAME describes the command, and a line of help. Only the
@@ -45,6 +47,22 @@ COMMANDS = {
 }
 
 
+EXAMPLES = {
+    "run": "run leg-b --out results",
+    "replay": "replay results --out replay.html",
+    "view": "view leg-b",
+    "teleop": "teleop leg-b",
+    "report": "report --out report",
+    "derive": "derive leg-b",
+    "errata": "errata 5",
+    "doctor": "doctor leg-b --q 90,-50,-90",
+    "sdf": "sdf leg-b --out leg-b.sdf",
+    "check": "check leg-b",
+    "inspect": "inspect leg.slx",
+    "compare": "compare leg.slx leg-b",
+    "diagram": "diagram leg-b --out leg-b.svg",
+}
+
 # An option, and numbers with spaces between them.
 _SPACED = re.compile(r"(--[a-z][a-z0-9-]*)[ =](-?[\d.]\S*(?: -?[\d.]\S*)+)")
 
@@ -67,14 +85,34 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(allow_abbrev=False, **settings)
 
     def error(self, message: str) -> NoReturn:
+        option = re.fullmatch(r"argument (\S+): expected one argument", message)
+        lacking = re.fullmatch(r"the following arguments are required: (.*)", message)
+        if option:
+            takes = self._option_string_actions[option[1]].metavar
+            message = f"{option[1]} needs a value: write {option[1]} {takes}"
+        elif lacking:
+            names = lacking[1].split(", ")
+            message = f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'} missing"
+        example = EXAMPLES.get(self.prog.rpartition(" ")[2])
+        if example and (option or lacking):
+            message += f"{',' if option else ':'} as in drake-leg {example}"
         self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; by default the process's own arguments."""
     words = sys.argv[1:] if arguments is None else list(arguments)
-    name = next((word for word in words if word in COMMANDS), None)
+    if words[:1] == ["help"]:
+        words = [*words[1:2], "--help"]
+    first = next((word for word in words if not word.startswith("-")), None)
+    name = first if first in COMMANDS else None
     parser = _build_parser(only=name or "")
+    if first is not None and name is None:
+        known = did_you_mean(first, COMMANDS, f"the commands are {', '.join(COMMANDS)}")
+        parser.error(f"there is no command {first!r}: {known}")
+    for option, value in pairwise([*words, None]):
+        if re.fullmatch(r"--[a-z][a-z0-9-]*=", option) or (option[:2] == "--" and value == ""):
+            parser.error(f"{option.rstrip('=')} is empty: give it a value, or leave it out")
     chosen, unknown = parser.parse_known_args(_join_negative_values(words))
     if unknown:
         parser.error(_unrecognized(parser, unknown, words, name))
@@ -124,8 +162,6 @@ def _unrecognized(
     parser: argparse.ArgumentParser, unknown: Sequence[str], words: Sequence[str], name: str | None
 ) -> str:
     """Say which words are not options of a command, and what was meant."""
-    import difflib  # not needed for help
-
     sentence = f"unrecognized arguments: {' '.join(unknown)}"
     commands = next(a.choices for a in parser._actions if isinstance(a.choices, dict))
     known = (commands[name] if name else parser)._option_string_actions
@@ -136,9 +172,8 @@ def _unrecognized(
     for word in unknown:
         option = word.partition("=")[0]
         if option.startswith("--"):
-            begun = [each for each in known if each.startswith(option)]
-            near = begun or difflib.get_close_matches(option, known, n=1, cutoff=0.7)
-            return f"{sentence}: did you mean {' or '.join(near)}" if near else sentence
+            question = did_you_mean(option, known)
+            return f"{sentence}: {question}" if question else sentence
     return sentence
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from drake_leg.cli.terminal import numbers
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import read_text
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot, Segment
@@ -60,10 +59,9 @@ def robot_source(name: str) -> RobotSource:
     path = Path(name)
     if path.suffix.lower() == ".toml":
         return RobotSource(text=read_text(path), origin=path.name, where=name)
-    near = difflib.get_close_matches(name, ROBOT_NAMES, n=1)
-    advice = f"did you mean {near[0]}" if near else f"the robots are {', '.join(ROBOT_NAMES)}"
+    robots = f"the robots are {', '.join(ROBOT_NAMES)}; one of your own is a file ending in .toml"
     raise InvalidValueError(
-        f"there is no robot {name!r}: {advice}; one of your own is a file that ends in .toml"
+        f"there is no robot {name!r}", advice=did_you_mean(name, ROBOT_NAMES, robots)
     )
 
 

@@ -165,9 +165,12 @@ def _errata(chosen: argparse.Namespace) -> int:
 
     words = [word for word in chosen.numbers if not word.isdecimal()]
     if words:
+        parts = " ".join(chosen.numbers).replace(",", " ").split()
         raise InvalidValueError(
             f"{words[0]!r} is not the number of an erratum",
-            advice="write one as in drake-leg errata 5, or leave it out for all of them",
+            advice=f"write drake-leg errata {' '.join(parts)}"
+            if len(parts) > 1 and all(part.isdecimal() for part in parts)
+            else "write one as in drake-leg errata 5, or leave it out for all of them",
         )
     found = errata(*map(int, chosen.numbers))
     if chosen.json:

@@ -209,9 +209,10 @@ def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
     given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
     for name in given:
         if name not in known:
+            runs = list(_fields_by_name()[name])
             raise InvalidValueError(
-                f"{option_of(name)} means nothing to {chosen.name}; its options are "
-                f"{', '.join(map(option_of, known))}"
+                f"{chosen.name} has no option {option_of(name)}",
+                advice=f"only {', '.join(runs)} {'has' if len(runs) == 1 else 'have'} it",
             )
     values: dict[str, Any] = {name: _value(known[name], text) for name, text in given.items()}
     return dataclasses.replace(options, **values)

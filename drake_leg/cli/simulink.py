@@ -76,6 +76,11 @@ def configure_compare(parser: argparse.ArgumentParser) -> None:
 
 
 def _compare(chosen: argparse.Namespace) -> int:
+    endings = [Path(place).suffix.lower() for place in (chosen.model, chosen.name)]
+    if endings[1] == ".slx" and endings[0] != ".slx":
+        raise InvalidValueError(
+            "the model comes first", advice=f"drake-leg compare {chosen.name} {chosen.model}"
+        )
     kind = run_kind(chosen.name)
     options = options_of(kind, chosen)
     _refuse_options_of_runs(kind, options, chosen)

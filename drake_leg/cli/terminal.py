@@ -122,8 +122,11 @@ def numbers(option: str, text: str, count: int | None = None) -> list[float]:
     if not all(map(math.isfinite, values)):
         raise InvalidValueError(f"{option} is {text!r}; its numbers must be finite")
     if count is not None and len(values) != count:
+        whole, *decimals = text.split(",")
+        comma = count == 1 and len(decimals) == 1 and decimals[0].isdecimal()
         raise InvalidValueError(
-            f"{option} is {text!r}; it takes {count} number{'s' * (count > 1)}, not {len(values)}"
+            f"{option} is {text!r}; it takes {count} number{'s' * (count > 1)}, not {len(values)}",
+            advice=f"write a decimal point, as {whole}.{decimals[0]}" if comma else "",
         )
     return values
 

@@ -75,11 +75,21 @@ def errata(*numbers: int) -> Errata:
     """
     given: tuple[object, ...] = numbers
     for number in given:
-        if not isinstance(number, Integral):
+        if isinstance(number, bool) or not isinstance(number, Integral):
             raise InvalidValueError(
-                f"the number of an erratum is {shown(number)}; it must be a whole number"
+                f"the number of an erratum is {shown(number)}; it must be a whole number",
+                advice=_as_numbers(number),
             )
     return Errata(tuple(map(erratum_of, numbers or texts_by_number())))
+
+
+def _as_numbers(given: object) -> str:
+    """Say how numbers that were given as text or in a list are given."""
+    parts = given if isinstance(given, list | tuple) else [given]
+    words = [str(part).strip() for part in parts]
+    if words and all(word.isdecimal() for word in words):
+        return f"give errata({', '.join(words)})"
+    return "give it, as errata(5)"
 
 
 def report(

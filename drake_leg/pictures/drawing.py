@@ -23,6 +23,7 @@ from drake_leg.pictures.svg import (
     text_at,
     text_width,
 )
+from drake_leg.units import require_kind
 
 MARGIN = 18.0  # [px]
 HEADING = 15.0  # [px], size of a title
@@ -39,7 +40,14 @@ class Drawing:
     layouts: tuple[Layout, ...] = field(repr=False)
 
     def write(self, path: Path | str, *, overwrite: bool = False) -> None:
-        """Write an SVG file, whole or not at all."""
+        """Write an SVG file, whole or not at all.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written, or is there and may not be replaced.
+        """
+        require_kind("path", path, str, Path)
         write_text(Path(path), self.svg, ending=".svg", overwrite=overwrite)
 
     def _repr_html_(self) -> str:

@@ -6,14 +6,13 @@ Drake is imported only when a run is carried out, so that help is quick.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.arguments import shown
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import (
     DampedPendulumOptions,
@@ -87,7 +86,7 @@ RUNS = {
         title="Damped pendulum", shows="A 6, A 8", options=DampedPendulumOptions
     ),
     "pendulum-spring": RunKind(
-        title="Pendulum with a spring", shows="A 6 as it was meant", options=SpringPendulumOptions
+        title="Pendulum with a spring", shows="A 6, as intended", options=SpringPendulumOptions
     ),
     "leg-a": RunKind(title="Hexabot leg A", motion=STEP, shows="A 11-16", options=LegAOptions),
     "leg-b": RunKind(title="Hexabot leg B", motion=STEP, shows="B 8-12", options=LegBOptions),
@@ -114,12 +113,12 @@ def run_kind(what: str | Path | Robot) -> RunKind:
         what = load_robot(what)
     if isinstance(what, Robot):
         return RunKind(title=what.title, motion=STEP, options=StraightOptions, own=what)
-    near = difflib.get_close_matches(str(what), RUNS, n=1)
+    named = isinstance(what, str | Path)
+    given = repr(str(what)) if named else shown(what)
+    own = "a robot of your own is a file that ends in .toml"
     raise InvalidValueError(
-        f"there is no run {shown(what)}; the runs are {', '.join(RUNS)}",
-        advice=f"did you mean {near[0]}"
-        if near
-        else "a robot of your own is given as a Robot or as the path of its TOML file",
+        f"there is no run {given}; the runs are {', '.join(RUNS)}",
+        advice=did_you_mean(what, RUNS, own if named else f"{own}, or a Robot"),
     )
 
 

@@ -122,7 +122,7 @@ def singularity_findings(
         met = encounter_at(moved, q, float(run.time[-1]), greatest)
         findings["singularity"] = met.as_json()
         findings["stop_reason"] = (
-            f"the {name} became {met.describe()}: {_advice(met, disturbed=disturbed)}"
+            f"{name} became {met.describe()}: {_advice(met, disturbed=disturbed)}"
         )
     return findings
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from drake_leg.arguments import require_callable
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import ResultsFolder
 from drake_leg.pictures.plots.of_runs import figures_of_run
 from drake_leg.robot.robot import Robot, html_table
@@ -52,7 +51,8 @@ class Figures(Mapping[str, "Figure"]):
         drawers = self._drawers
         if name not in drawers:
             raise InvalidValueError(
-                f"there is no figure {name!r}; the run has {', '.join(drawers)}"
+                f"there is no figure {name!r}; the run has {', '.join(drawers)}",
+                advice=did_you_mean(name, drawers),
             )
         return drawers[name]()
 
@@ -148,8 +148,7 @@ def run(
     known = [field.name for field in dataclasses.fields(kind.options)]
     for option in options:
         if option not in known:
-            near = difflib.get_close_matches(option, known, n=1)
-            advice = f"did you mean {near[0]}" if near else f"its options are {', '.join(known)}"
+            advice = did_you_mean(option, known, f"its options are {', '.join(known)}")
             raise InvalidValueError(f"the run {name!r} has no option {option!r}: {advice}")
     chosen = kind.options(**options)
     if out is not None and not isinstance(out, str | PathLike):

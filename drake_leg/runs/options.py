@@ -213,7 +213,7 @@ class StepOptions(RunOptions):
         shown="1,0,0, or the first of y and z that the foot can follow",
         takes=VECTOR,
     )
-    force: bool = option(False, "go up to a singularity that is foreseen, and save the way there")
+    force: bool = option(False, "run up to the foreseen singularity and save the recording")
     inverse: str = option(
         EXACT, "of the Jacobian: exact stops where it is singular, damped and limited go on"
     )
@@ -245,9 +245,7 @@ class StepOptions(RunOptions):
     )
     push_at: float | None = option(None, "when the push begins", "s", shown="2")
     push_for: float | None = option(None, "how long the push lasts", "s", shown="0.1")
-    mass_error: float = option(
-        0.0, "of the computed torque: 0.2 believes all masses 20 % larger than they are"
-    )
+    mass_error: float = option(0.0, "of the computed torque: 0.2 assumes masses 20 % too large")
     torque_limit: float | None = option(
         None, "of every joint's motor", "N*m, or N of a joint that slides", shown="none"
     )

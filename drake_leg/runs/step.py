@@ -89,7 +89,7 @@ def run(robot: Robot, options: TipOptions, progress: Progress | None = None) -> 
     control, disturbance, motion = config.control, config.disturbance, config.motion
     lag = _filters(config)
     settings = options.integrator_settings(longest_step(motion, control, disturbance, lag))
-    moved, q0, name = config.movable, config.q0, robot.name
+    moved, q0, name = config.movable, config.q0, robot.title
     forecast = foresee(moved, motion, control, q0, options.duration, lagging=lag is not None)
     require_passable(name, moved, control, q0, None if options.force else forecast)
     done = simulate(

@@ -97,7 +97,7 @@ def still(
         Positions [rad or m]; by default the plant's default ones.
     view : {"3d", "right", "front", "top"}
         Where it is seen from.
-    motion : RunResult, Recording, VectorLog, or (time, q), optional
+    motion : RunResult, Run, Recording, VectorLog, or (time, q), optional
         A motion whose trace is drawn and whose whole extent is in the picture; as ``replay`` takes
         it.
     paper : Paper
@@ -184,7 +184,7 @@ def write_video(
         A name that ends in ``.mp4`` or ``.gif``.
     what : Robot, MultibodyPlant, Diagram, Path or str
         What moved: a robot, or any plant, as ``still`` takes it.
-    record : RunResult, Recording, VectorLog, or (time, q)
+    record : RunResult, Run, Recording, VectorLog, or (time, q)
         How it moved, as ``replay`` takes it.
     view : {"3d", "right", "front", "top"}
         Where it is seen from.
@@ -336,10 +336,10 @@ def replay(
     ----------
     what : Robot, MultibodyPlant, Diagram, Path or str
         What moved: a robot, or any plant, as ``still`` takes it.
-    record : RunResult, Recording, VectorLog, or (time, q)
-        How it moved: what ``run`` returned; a recording with the columns ``time`` and ``q1`` ...
-        ``qn``, or ``q`` for a single joint; the log of a ``VectorLogSink`` on the plant's state; or
-        times (rows,) [s], which rise, and positions (rows, n) [rad or m].
+    record : RunResult, Run, Recording, VectorLog, or (time, q)
+        How it moved: what ``run`` or ``simulate`` returned; a recording with the columns ``time``
+        and ``q1`` ... ``qn``, or ``q`` for a single joint; the log of a ``VectorLogSink`` on the
+        plant's state; or times (rows,) [s], which rise, and positions (rows, n) [rad or m].
     title : str, optional
         By default the robot's.
     note : str, optional

@@ -30,6 +30,7 @@ from drake_leg.scene.shown_plant import (
     size_of,
 )
 from drake_leg.simulation.recording import Recording, without_sign_jumps
+from drake_leg.simulation.run import Run
 from drake_leg.units import ANGLE_UNITS, LENGTH_UNITS, TIME_UNITS
 
 RED, GREEN, BLUE = (0.83, 0.15, 0.15), (0.10, 0.60, 0.18), (0.12, 0.33, 0.85)
@@ -48,6 +49,7 @@ MOST_POSTURES = 400  # of a motion that determine the size of its scene
 SLACK = 1e-9  # of a square of the floor: a point on its edge needs no other square
 WORLD_TRIAD = 1.5  # of the others: length of the world's axes
 DASH = 3  # pieces of a trace from one dash to the next; the last of them is the gap
+OF_JOINTS = ("joint positions", "q")  # names of their scope, in the diagrams of this package
 MOST_PIECES = 5000  # of a trace before those that lie on others are left out
 
 
@@ -56,9 +58,10 @@ class _HasRecording(Protocol):
     def recording(self) -> Recording: ...
 
 
-# A plant's motion: what a run returned, a recording, Drake's log, or time (rows,) and q (rows, q).
+# A plant's motion: what a run or a simulation returned, a recording, Drake's log, or time (rows,)
+# and q (rows, q).
 Record: TypeAlias = (
-    "PlantMotion | _HasRecording | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
+    "PlantMotion | _HasRecording | Run | Recording | VectorLog | tuple[ArrayLike, ArrayLike]"
 )
 
 
@@ -167,7 +170,7 @@ class OtherRobotError(InvalidValueError):
                 f"the recording's tip is up to {miss:.3g} m away from where {name!r} has it: "
                 "another robot moved, or one with other lengths"
             )
-        super().__init__(problem, advice="give the one that moved, `robot`")
+        super().__init__(problem, advice="pass the robot that moved, `robot`")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -241,7 +244,8 @@ def motion_of(what: Showable, record: Record) -> PlantMotion:
     if isinstance(record, PlantMotion):
         return record
     plant = shown(what)
-    recording = getattr(record, "recording", record)
+    recording = _of_scopes(record) if isinstance(record, Run) else record
+    recording = getattr(recording, "recording", recording)
     if isinstance(recording, Recording):
         return _recorded(plant, recording)
     if isinstance(record, VectorLog):
@@ -251,11 +255,21 @@ def motion_of(what: Showable, record: Record) -> PlantMotion:
     if not isinstance(record, tuple | list) or len(record) != 2:
         raise InvalidValueError(
             f"{shortened(record)} is not the record of a motion",
-            advice="give what run(...) returned, a Recording, the log of a VectorLogSink, or "
-            "(time, q), such as (result.time, result.scopes['joint positions']) of a simulation",
+            advice="give what run(...) or simulate(...) returned, a Recording, the log of a "
+            "VectorLogSink, or (time, q)",
         )
     time, q = (real_numbers(name, part) for name, part in zip(("time", "q"), record, strict=True))
     return PlantMotion(shown=plant, time=time, q=q)
+
+
+def _of_scopes(run: Run) -> Recording:
+    """Take the joint positions from the scopes of a simulation, and the foot where it has one."""
+    q = run.scopes[next((name for name in OF_JOINTS if name in run.scopes), OF_JOINTS[0])]
+    columns = {"time": run.time} | {f"q{i}": column for i, column in enumerate(q.T, start=1)}
+    foot = run.scopes.get("foot positions")
+    if foot is not None and foot.shape[1] == len("xyz"):
+        columns |= dict(zip("xyz", foot.T, strict=True))
+    return Recording(columns)
 
 
 def _recorded(plant: ShownPlant, recording: Recording) -> PlantMotion:

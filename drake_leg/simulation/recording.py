@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.arguments import shown
-from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError
+from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError, did_you_mean
 from drake_leg.files import LARGEST_RECORDING, opened
 from drake_leg.kinematics.khalil import Array, real_numbers
 from drake_leg.robot.robot import html_table
@@ -110,7 +110,8 @@ class Recording:
         others = len(self.columns) - MOST_NAMES
         raise InvalidValueError(
             f"there is no column {name!r}; the recording has {first}"
-            + (f" and {others} more" if others > 0 else "")
+            + (f" and {others} more" if others > 0 else ""),
+            advice=did_you_mean(name, map(_name, self.columns)),
         )
 
     def stack(self, *names: str) -> Array:

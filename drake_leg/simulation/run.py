@@ -17,10 +17,10 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, PrismaticJoint
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
-from pydrake.systems.framework import Context, Diagram, EventStatus, System
+from pydrake.systems.framework import Context, Diagram, EventStatus
 from pydrake.systems.primitives import VectorLogSink
 
-from drake_leg.arguments import require_callable
+from drake_leg.arguments import ADVICE, BUILDERS, require_callable, shown
 from drake_leg.diagrams.disturbance import is_disturbed
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import (
@@ -31,6 +31,7 @@ from drake_leg.errors import (
     SingularConfigurationError,
     StepBudgetError,
     UnstableRunError,
+    did_you_mean,
 )
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import html_table
@@ -53,12 +54,29 @@ Progress = Callable[[float], None]
 LongestStep = Callable[[float], float]  # time -> how far the next step may go, [s]
 
 
+class Scopes(dict[str, Array]):
+    """What scopes recorded, (rows, size) each, by the scope's name."""
+
+    def __missing__(self, name: object) -> Array:
+        """Refuse the name of a scope that is not there.
+
+        Raises
+        ------
+        InvalidValueError
+            With the names of those that are.
+        """
+        raise InvalidValueError(
+            f"there is no scope {shown(name)}; the simulation has {', '.join(self)}",
+            advice=did_you_mean(name, self),
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Run:
     """Result of a simulation: its time steps and scopes, and why it stopped."""
 
     time: Array  # [s], (rows,)
-    scopes: dict[str, Array]  # by scope name, (rows, size)
+    scopes: Scopes  # by scope name, (rows, size)
     stopped_at: float | None  # [s]; None when it ran through
     stop_reason: str | None
     wall_time: float  # [s], of AdvanceTo
@@ -145,9 +163,12 @@ def simulate(
     ['acceleration', 'energy', 'q', 'w']
     """
     if not isinstance(diagram, Diagram):
+        builder = BUILDERS.get(type(diagram).__name__)
         raise InvalidValueError(
-            f"{_named(diagram)} is not a Diagram",
-            advice="build one, as build_hexabot_leg(HexabotLegConfig()), or put it into one with "
+            f"diagram is {shown(diagram)}; it must be a Diagram",
+            advice=f"build it first, as {builder}(config)"
+            if builder
+            else "build one, as build_hexabot_leg(HexabotLegConfig()), or put it into one with "
             "Drake's DiagramBuilder",
         )
     if not any(isinstance(system, VectorLogSink) for system in diagram.GetSystems()):
@@ -160,7 +181,10 @@ def simulate(
     require_callable("progress", progress)
     settings = IntegratorSettings() if settings is None else settings
     if not isinstance(settings, IntegratorSettings):
-        raise InvalidValueError(f"settings is {settings!r}; it must be an IntegratorSettings")
+        raise InvalidValueError(
+            f"settings is {shown(settings)}; it must be an IntegratorSettings",
+            advice=ADVICE["IntegratorSettings"],
+        )
     if max_step is not None:
         settings = replace(settings, max_step=max_step)
     if duration is None:
@@ -198,11 +222,6 @@ def simulate(
         wall_time=wall_time,
         stopped_by=cause,
     )
-
-
-def _named(system: object) -> str:
-    """Write what was given; a system of Drake has no readable repr."""
-    return f"a {type(system).__name__}" if isinstance(system, System) else repr(system)
 
 
 def _simulator(diagram: Diagram, settings: IntegratorSettings) -> Simulator:
@@ -322,7 +341,7 @@ def _joint_at(plant: MultibodyPlant, position: int) -> Joint:
     )
 
 
-def _read_scopes(diagram: Diagram, context: Context) -> tuple[Array, dict[str, Array]]:
+def _read_scopes(diagram: Diagram, context: Context) -> tuple[Array, Scopes]:
     logs = {
         system.get_name(): system.FindLog(context)
         for system in diagram.GetSystems()
@@ -331,4 +350,4 @@ def _read_scopes(diagram: Diagram, context: Context) -> tuple[Array, dict[str, A
     rows = min(log.num_samples() for log in logs.values())
     first = next(iter(logs.values()))
     times = np.array(first.sample_times()[:rows])
-    return times, {name: np.array(log.data().T[:rows]) for name, log in logs.items()}
+    return times, Scopes({name: np.array(log.data().T[:rows]) for name, log in logs.items()})

@@ -115,19 +115,22 @@ def test_a_reports_equations_have_a_budget_too(capsys):
 @pytest.mark.parametrize(
     ("name", "advice"),
     [
-        ("leg-c", "did you mean leg-b"),
-        ("pendulm", "did you mean pendulum"),
-        ("robot", "the robots are pendulum, leg-a, leg-b, scara"),
+        ("leg-c", "did you mean leg-b?"),
+        ("LEG-B", "did you mean leg-b?"),
+        ("leg", "did you mean leg-a or leg-b?"),
+        ("pendulm", "did you mean pendulum?"),
+        (
+            "robot",
+            "the robots are pendulum, leg-a, leg-b, scara; one of your own is a file ending in "
+            ".toml",
+        ),
     ],
 )
 def test_an_unknown_name_is_refused(name, advice, capsys):
     assert main(["derive", name]) == 2
     printed = capsys.readouterr()
     assert printed.out == ""
-    assert printed.err == (
-        f"drake-leg: there is no robot {name!r}: {advice}; one of your own is a file that ends in "
-        ".toml\n"
-    )
+    assert printed.err == f"drake-leg: there is no robot {name!r}: {advice}\n"
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import pytest
 
 from drake_leg.cli import main
+from drake_leg.cli.entry import COMMANDS, EXAMPLES, _build_parser
 
 
 def refused(capsys, *words):
@@ -23,12 +24,12 @@ def test_the_bare_program_prints_its_help(capsys):
 @pytest.mark.parametrize(
     ("words", "meant"),
     [
-        ("run leg-b --out x --ampl 0.05", "did you mean --amplitude"),
-        ("run leg-b --out x --ampl=0.05", "did you mean --amplitude"),
-        ("run leg-b --out x --amplitued 0.05", "did you mean --amplitude"),
-        ("view leg-b --st a.png", "did you mean --still"),
-        ("doctor leg-b --foo 0.1,0,0", "did you mean --foot"),
-        ("--vers", "did you mean --version"),
+        ("run leg-b --out x --ampl 0.05", "did you mean --amplitude?"),
+        ("run leg-b --out x --ampl=0.05", "did you mean --amplitude?"),
+        ("run leg-b --out x --amplitued 0.05", "did you mean --amplitude?"),
+        ("view leg-b --st a.png", "did you mean --still?"),
+        ("doctor leg-b --foo 0.1,0,0", "did you mean --foot?"),
+        ("--vers", "did you mean --version?"),
     ],
 )
 def test_an_option_is_written_in_full(capsys, words, meant):
@@ -83,4 +84,57 @@ def test_a_foot_out_of_reach_is_no_success(capsys, words, status):
 )
 def test_a_derivation_is_of_any_robot(capsys, name, said):
     assert main(["derive", name]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["lst"], "there is no command 'lst': did you mean list?"),
+        (["runn", "leg-b"], "there is no command 'runn': did you mean run?"),
+        (["leg-b"], "there is no command 'leg-b': the commands are list, run, replay, view"),
+        (["run"], "NAME and --out are missing: as in drake-leg run leg-b --out results"),
+        (["diagram", "leg-b"], "--out is missing: as in drake-leg diagram leg-b --out leg-b.svg"),
+        (
+            ["run", "leg-b", "--out"],
+            "--out needs a value: write --out DIR, as in drake-leg run leg-b --out results",
+        ),
+        (["run", "leg-b", "--out="], "--out is empty: give it a value"),
+        (["run", "leg-b", "--out", ""], "--out is empty: give it a value"),
+    ],
+)
+def test_what_is_mistyped_or_left_out_is_said_in_a_sentence(capsys, words, said):
+    assert said in refused(capsys, *words)
+
+
+@pytest.mark.parametrize(
+    ("words", "start"),
+    [(["help"], "usage: drake-leg [-h]"), (["help", "list"], "usage: drake-leg list")],
+)
+def test_help_is_a_word_too(capsys, words, start):
+    with pytest.raises(SystemExit) as stop:
+        main(words)
+    assert stop.value.code == 0
+    assert capsys.readouterr().out.startswith(start)
+
+
+def test_every_example_can_be_parsed():
+    assert {"list", *EXAMPLES} == set(COMMANDS)
+    for command, example in EXAMPLES.items():
+        assert example.split()[0] == command
+        assert "command" in _build_parser(command).parse_args(example.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run LEG-B --out x", "did you mean leg-b?"),
+        ("run README.md --out x", "a robot of your own is a file that ends in .toml\n"),
+        ("run leg-b --amplitude 0,05 --out x", "write a decimal point, as 0.05"),
+        ("compare leg-b leg.slx", "the model comes first: drake-leg compare leg.slx leg-b"),
+        ("errata 5,6", "'5,6' is not the number of an erratum: write drake-leg errata 5 6\n"),
+    ],
+)
+def test_a_slip_is_answered_with_what_to_type(capsys, words, said):
+    assert main(words.split()) == 2
     assert said in capsys.readouterr().err

@@ -59,7 +59,7 @@ OF_RUNS_MEANINGLESS = [
     ("pendulum-damped --limit-damping 0", NO_LIMIT),
     ("pendulum-spring --limit-width 0.1", NO_LIMIT),
     ("pendulum-spring --target 30 --spring-stiffness 0", "nothing pulls there"),
-    ("leg-b --lift 0.04", "--lift means nothing to leg-b"),
+    ("leg-b --lift 0.04", "leg-b has no option --lift: only ellipse has it"),
 ]
 
 MEANINGLESS = [

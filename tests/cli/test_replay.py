@@ -159,7 +159,7 @@ def test_another_robot_than_the_one_that_moved_is_named(other, capsys):
     assert said == f"drake-leg: leg is a run of 'leg_b', not of {name!r}: leave --robot out\n"
     Path("leg/summary.json").unlink()
     said = refused(capsys, "leg", "--robot", other, "--out", "a.html")
-    assert "give the one that moved, --robot" in said
+    assert "pass the robot that moved, --robot" in said
 
 
 def test_a_value_that_is_no_number_is_found(capsys):

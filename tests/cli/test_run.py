@@ -74,7 +74,10 @@ def test_a_config_file_disturbs_too(no_figures, here, capsys):
         (["leg-b", "--mass-error", "1e300"], "drake-leg: "),
         (["leg-b", "--torque-limit", "0"], "torque limit"),
         (["leg-b", "--stiffness", "-4"], "stiffness"),
-        (["pendulum", "--push", "0,0,1"], "--push means nothing to pendulum"),
+        (
+            ["pendulum", "--push", "0,0,1"],
+            "pendulum has no option --push: only leg-a, leg-b, ellipse, scara have",
+        ),
         (["leg-b", "--replay", "a.mp4"], "--replay is a.mp4; its name must end in .html"),
         (["leg-b", "--video", "a.html"], "--video is a.html; its name must end in .mp4 or .gif"),
     ],

@@ -66,7 +66,7 @@ def test_what_is_no_run_is_refused_with_the_runs(what):
 
 
 def test_a_run_that_is_misspelt_is_guessed():
-    with pytest.raises(InvalidValueError, match=r"'leg_b'; .*: did you mean leg-b"):
+    with pytest.raises(InvalidValueError, match=r"'leg_b'; .*: did you mean leg-b\?"):
         run("leg_b")
 
 

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from drake_leg.diagrams import pendulum
+from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, PENDULUM_SIZE, ROBOTS, SCARA
@@ -30,6 +32,7 @@ from drake_leg.scene.scene import (
 )
 from drake_leg.scene.shown_plant import shown
 from drake_leg.simulation.recording import Recording
+from drake_leg.simulation.run import Scopes, simulate
 
 TIME = np.array([1.0, 1.5, 3.0])
 Q = np.array([[1.5, -0.9, -1.6], [1.6, -0.8, -1.5], [1.1, -0.5, -1.2]])
@@ -102,7 +105,7 @@ def test_a_recording_without_one_joint_is_not_read_as_another():
 def test_a_recording_of_another_robot_is_refused():
     with pytest.raises(OtherRobotError, match=r"tip is up to 0\.\d+ m away .*'leg_a'"):
         motion_of(LEG_A, recording())
-    with pytest.raises(OtherRobotError, match="positions of 3 joints and 'scara' has 4: give"):
+    with pytest.raises(OtherRobotError, match="positions of 3 joints and 'scara' has 4: pass"):
         motion_of(SCARA, recording())
     with pytest.raises(OtherRobotError, match="positions of 3 joints and 'pendulum' has 1: give"):
         motion_of(PENDULUM, recording())
@@ -123,6 +126,20 @@ def test_a_recording_of_another_robot_is_refused():
 def test_what_is_no_motion_is_refused(time, q, said):
     with pytest.raises(InvalidValueError, match=said):
         PlantMotion(shown=shown(LEG_B), time=time, q=q)
+
+
+def test_a_simulation_is_a_record_of_its_robot():
+    config = HexabotLegConfig()
+    done = simulate(build(config), duration=0.1)
+    motion = motion_of(LEG_B, done)
+    assert np.array_equal(motion.time, done.time)
+    assert np.array_equal(motion.q, done.scopes["joint positions"])
+    with pytest.raises(OtherRobotError, match=r"tip is up to .*: pass the robot that moved"):
+        motion_of(LEG_A, done)
+    swing = simulate(pendulum.build(pendulum.PendulumConfig()), duration=0.1)
+    assert np.array_equal(motion_of(PENDULUM, swing).q, swing.scopes["q"])
+    with pytest.raises(InvalidValueError, match="there is no scope 'joint positions'"):
+        motion_of(LEG_B, replace(swing, scopes=Scopes(w=swing.scopes["w"])))
 
 
 @pytest.mark.parametrize("record", [3, None, "leg", {}, (TIME,), (TIME, Q, Q), np.zeros((3, 3))])

@@ -1,5 +1,6 @@
 import gc
 import math
+import pickle
 import weakref
 from contextlib import suppress
 from functools import cache
@@ -433,10 +434,10 @@ def pendulum_diagram():
 WRONG = [
     (
         lambda: simulate(build_plant(LEG_B)),
-        "a MultibodyPlant is not a Diagram: build one",
+        "diagram is a MultibodyPlant; it must be a Diagram: build one",
     ),
-    (lambda: simulate("D"), "'D' is not a Diagram"),
-    (lambda: simulate(None, 1.0), "None is not a Diagram"),
+    (lambda: simulate("D"), "diagram is 'D'; it must be a Diagram"),
+    (lambda: simulate(None, 1.0), "diagram is None; it must be a Diagram"),
     (lambda: simulate(pendulum_diagram()), "there is no duration: give it, as `duration=2.0`"),
     (lambda: simulate(pendulum_diagram(), "x"), "the duration is 'x'; it must be a number"),
     (lambda: simulate(pendulum_diagram(), duration=[1.0]), r"the duration is \[1\.0\]"),
@@ -451,6 +452,17 @@ WRONG = [
     (lambda: IntegratorSettings(accuracy="fine"), "the accuracy is 'fine'; it must be a number"),
     (lambda: simulate(without_scopes(), 1.0), r"has no scope, .*: add one with add_scope"),
 ]
+
+
+def test_a_scope_that_is_not_there_is_refused_with_those_that_are():
+    scopes = simulate(pendulum_diagram(), 0.1).scopes
+    with pytest.raises(
+        InvalidValueError, match=r"no scope 'ener'; .* has q, w, .*: did you mean energy\?"
+    ):
+        scopes["ener"]
+    assert scopes.get("ener") is None
+    assert "ener" not in scopes
+    assert type(pickle.loads(pickle.dumps(scopes))) is type(scopes)
 
 
 def without_scopes():

@@ -64,7 +64,10 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     if printed.table is not None and printed.lengths is None and not printed.matrices:
         return [*lint_table(printed.table), *printed.unread]
     if printed.lengths is None:
-        raise InvalidValueError(f'{printed.origin}: lengths is missing; say lengths = "mm" or "m"')
+        raise InvalidValueError(
+            f'{printed.origin}: lengths is missing; say lengths = "mm" or "m", or, if this is not '
+            "a file of printed matrices, give one"
+        )
     if seed < 0:
         raise InvalidValueError(f"the seed is {seed}; it must not be negative")
     printed = with_lengths_as_symbols(printed, robot)
