@@ -110,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if first is not None and name is None:
         known = did_you_mean(first, COMMANDS, f"the commands are {', '.join(COMMANDS)}")
         parser.error(f"there is no command {first!r}: {known}")
-    for option, value in pairwise([*words, None]):
+    for option, value in pairwise([*words, "."]):
         if re.fullmatch(r"--[a-z][a-z0-9-]*=", option) or (option[:2] == "--" and value == ""):
             parser.error(f"{option.rstrip('=')} is empty: give it a value, or leave it out")
     chosen, unknown = parser.parse_known_args(_join_negative_values(words))
