@@ -118,7 +118,7 @@ CALLS = {
         lambda: dl.block_diagram(dl.build_pendulum(dl.PendulumConfig())).write(5),
         "path is 5; it must be a str or Path",
     ),
-    "Recording, path": (lambda: dl.Recording({}).write_csv(5), "path is 5; it must be a str or"),
+    "Recording, path": (lambda: dl.Recording({}).write_csv(5), "path of a recording is 5"),
     "write_video, path": (lambda: dl.write_video(dl.LEG_B, "a.gif", None), "target is a Robot; it"),
     "build, nothing": (lambda: dl.build_pendulum(), r"build_pendulum needs config: give Pend"),
     "build, keyword": (
