@@ -118,8 +118,14 @@ CALLS = {
         lambda: dl.block_diagram(dl.build_pendulum(dl.PendulumConfig())).write(5),
         "path is 5; it must be a str or Path",
     ),
-    "Recording, path": (lambda: dl.Recording({}).write_csv(5), "path of a recording is 5"),
-    "write_video, path": (lambda: dl.write_video(dl.LEG_B, "a.gif", None), "target is a Robot; it"),
+    "Recording, path": (
+        lambda: dl.Recording({"time[s]": [0.0]}).write_csv(5),
+        "path of a recording is 5",
+    ),
+    "write_video, path": (
+        lambda: dl.write_video(dl.LEG_B, "a.gif", None),
+        "target is <Robot leg_b",
+    ),
     "build, nothing": (lambda: dl.build_pendulum(), r"build_pendulum needs config: give Pend"),
     "build, keyword": (
         lambda: dl.build_hexabot_leg(robot=dl.LEG_B),
@@ -131,7 +137,7 @@ CALLS = {
     ),
     "build, robot": (
         lambda: dl.build_hexabot_leg(dl.LEG_B),
-        r"config is a Robot; .*: give HexabotLegConfig\(robot=...\), as build_hexabot_leg\(",
+        r"config is <Robot .*: give HexabotLegConfig\(robot=...\), as build_hexabot_leg\(",
     ),
     "block_diagram, keyword": (
         lambda: dl.block_diagram(None, prt="all"),
@@ -149,7 +155,7 @@ CALLS = {
         lambda: dl.simulate(dl.HexabotLegConfig(), duration=1),
         r"^diagram is a HexabotLegConfig; .*: build it first, as build_hexabot_leg\(config\)$",
     ),
-    "simulate, robot": (lambda: dl.simulate(dl.LEG_B, 1.0), "^diagram is a Robot; it must be a D"),
+    "simulate, robot": (lambda: dl.simulate(dl.LEG_B, 1.0), "^diagram is <Robot .* must be a Di"),
     "report, progress": (lambda: dl.report("r", progress=3), "progress is 3; it must be a funct"),
     "write_video, progress": (
         lambda: dl.write_video("a.gif", dl.PENDULUM, ([0.0], [[0.0]]), progress=3),
