@@ -24,19 +24,18 @@ Q0 = np.radians([90.0, -50.0, -90.0])  # hip, knee, ankle
 def build() -> Diagram:
     """Wire the loop."""
     builder = DiagramBuilder()
-
     # Blocks, in the order of the signal
     sine = builder.AddNamedSystem("Sine Wave", Sine(AMPLITUDE, FREQUENCY, 0.0, 1))
     v = builder.AddNamedSystem("Direction", MatrixGain(DIRECTION.reshape(3, 1)))
     a = builder.AddNamedSystem("Direction of the derivative", MatrixGain(DIRECTION.reshape(3, 1)))
-    # The block inverts the leg's Jacobian; movable gives the leg's kinematics
-    inverse = builder.AddNamedSystem("inverseJacobian", dl.InverseJacobian(dl.movable(dl.LEG_B)))
+    kinematics = dl.movable(dl.LEG_B)  # the leg's Jacobian and its inverse
+    inverse = builder.AddNamedSystem("inverseJacobian", dl.InverseJacobian(kinematics))
     integrator = builder.AddNamedSystem("Integrator", Integrator(Q0))
     plant = builder.AddNamedSystem("leg", dl.build_plant(dl.LEG_B))
     motion = builder.AddNamedSystem("Prescribed Motion", dl.PrescribedMotion(plant))
     joints = builder.AddNamedSystem("joint sensors", Demultiplexer([3, 3]))  # q, then qdot
-    frame = plant.GetFrameByName("frame_4")
-    foot = builder.AddNamedSystem("6-DOF Joint", dl.FrameSensor(plant, frame))
+    sensor = dl.FrameSensor(plant, plant.GetFrameByName("frame_4"))
+    foot = builder.AddNamedSystem("6-DOF Joint", sensor)
 
     # Wires, from the sine to the torques and back from the sensors
     builder.Connect(sine.GetOutputPort("y0"), v.get_input_port())

@@ -112,7 +112,7 @@ def test_a_disturbance_checks_itself(settings):
 def test_a_sentence_tells_the_remedy():
     with pytest.raises(InvalidValueError, match="such as LEG_B, or load one with load_robot"):
         LEG(robot="leg-b")
-    with pytest.raises(InvalidValueError, match=r"plant is a Robot; .* with build_plant\(robot\)"):
+    with pytest.raises(InvalidValueError, match=r"plant is <Robot .* with build_plant\(robot\)"):
         dl.EnergySensor(dl.LEG_B)
 
 

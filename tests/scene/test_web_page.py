@@ -72,5 +72,5 @@ def test_without_a_port_for_meshcat_there_is_no_page(monkeypatch):
         raise RuntimeError
 
     monkeypatch.setattr(web_pages, "Meshcat", none_free)
-    with pytest.raises(MeshcatError, match="none of the ports 7000 to 7999 free"):
+    with pytest.raises(MeshcatError, match="finds no free port from 7000 to 7999"):
         open_meshcat()
