@@ -95,49 +95,50 @@ _STOPS = {
     "UpperLimitDamping": "UpperLimitDampingCoefficient",
 }
 
-TURNING = also_named(
-    _MODES
-    + _TORQUES
-    + _TARGETS
-    + _LIMITS
-    + quantities(
-        "deg",
-        PositionTargetValue="0",
-        EquilibriumPosition="0",
-        LowerLimitTransitionRegionWidth="0.1",
-        UpperLimitTransitionRegionWidth="0.1",
-    )
-    + unbounded(quantities("deg", LowerLimitBound="-90", UpperLimitBound="90"))
-    + quantities("deg/s", VelocityTargetValue="0")
-    + quantities(
-        "N*m/deg", SpringStiffness="0", LowerLimitStiffness="1e4", UpperLimitStiffness="1e4"
-    )
-    + quantities(
-        "N*m/(deg/s)", DampingCoefficient="0", LowerLimitDamping="10", UpperLimitDamping="10"
-    ),
-    **_STOPS,
-)
 
-SLIDING = also_named(
-    _MODES
-    + _FORCES
-    + _TARGETS
-    + _LIMITS
-    + quantities(
-        "m",
-        PositionTargetValue="0",
-        EquilibriumPosition="0",
-        LowerLimitTransitionRegionWidth="1e-4",
-        UpperLimitTransitionRegionWidth="1e-4",
+def _joint(
+    unit: str,
+    effort: str,
+    senses: Parameters,
+    *,
+    width: str,
+    bound: str,
+    stiffness: str,
+    damping: str,
+) -> Parameters:
+    """Return the parameters of a joint of one axis, by its units and the defaults of its limits."""
+    return also_named(
+        _MODES
+        + senses
+        + _TARGETS
+        + _LIMITS
+        + quantities(
+            unit,
+            PositionTargetValue="0",
+            EquilibriumPosition="0",
+            LowerLimitTransitionRegionWidth=width,
+            UpperLimitTransitionRegionWidth=width,
+        )
+        + unbounded(quantities(unit, LowerLimitBound=f"-{bound}", UpperLimitBound=bound))
+        + quantities(f"{unit}/s", VelocityTargetValue="0")
+        + quantities(
+            f"{effort}/{unit}",
+            SpringStiffness="0",
+            LowerLimitStiffness=stiffness,
+            UpperLimitStiffness=stiffness,
+        )
+        + quantities(
+            f"{effort}/({unit}/s)",
+            DampingCoefficient="0",
+            LowerLimitDamping=damping,
+            UpperLimitDamping=damping,
+        ),
+        **_STOPS,
     )
-    + unbounded(quantities("m", LowerLimitBound="-1", UpperLimitBound="1"))
-    + quantities("m/s", VelocityTargetValue="0")
-    + quantities("N/m", SpringStiffness="0", LowerLimitStiffness="1e6", UpperLimitStiffness="1e6")
-    + quantities(
-        "N/(m/s)", DampingCoefficient="0", LowerLimitDamping="1e3", UpperLimitDamping="1e3"
-    ),
-    **_STOPS,
-)
+
+
+TURNING = _joint("deg", "N*m", _TORQUES, width="0.1", bound="90", stiffness="1e4", damping="10")
+SLIDING = _joint("m", "N", _FORCES, width="1e-4", bound="1", stiffness="1e6", damping="1e3")
 
 BALL = (
     _MODES
