@@ -111,6 +111,16 @@ def require_callable(name: str, value: object) -> None:
         raise InvalidValueError(f"{name} is {shown(value)}; it must be a function")
 
 
+def require_kind(what: str, value: object, *kinds: type, advice: str | None = None) -> None:
+    """Refuse what is an instance of none of these classes; by default, say how to get one."""
+    if not isinstance(value, kinds):
+        names = " or ".join(kind.__name__ for kind in kinds).replace("NoneType", "None")
+        raise InvalidValueError(
+            f"{what} is {shown(value)}; it must be {_with_article(names)}",
+            advice=_advice(*kinds) if advice is None else advice,
+        )
+
+
 def is_number(value: object) -> bool:
     """Whether a value is a real number that fits into a float, and neither True nor False."""
     if isinstance(value, bool) or not isinstance(value, Real):

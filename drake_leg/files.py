@@ -13,6 +13,7 @@ from io import BufferedReader
 from itertools import count
 from pathlib import Path
 
+from drake_leg.arguments import require_kind
 from drake_leg.errors import OutputError, PlaceError, UnreadableFileError
 from drake_leg.progress import held
 
@@ -107,7 +108,7 @@ def _too_large(size: int, most: int) -> str:
 # --- one file --------------------------------------------------------------------------------
 
 
-def write_text(target: Path, text: str, *, ending: str, overwrite: bool) -> None:
+def write_text(target: Path | str, text: str, *, ending: str, overwrite: bool) -> None:
     """Write a text file whole or not at all, as ``whole_file`` does."""
     with (
         whole_file(target, endings=(ending,), overwrite=overwrite) as scratch,
@@ -117,7 +118,7 @@ def write_text(target: Path, text: str, *, ending: str, overwrite: bool) -> None
 
 
 @contextmanager
-def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> Iterator[Path]:
+def whole_file(target: Path | str, *, endings: tuple[str, ...], overwrite: bool) -> Iterator[Path]:
     """Yield a path to write a file at; move the file to its place when it is whole.
 
     Raises
@@ -125,7 +126,11 @@ def whole_file(target: Path, *, endings: tuple[str, ...], overwrite: bool) -> It
     OutputError
         As ``check_file`` does, or if it cannot be written; then an older file stays as it was. If
         another file has taken the place in the meantime, it names the one that was written beside.
+    InvalidValueError
+        If the path is not one.
     """
+    require_kind("path", target, str, Path)
+    target = Path(target)
     check_file(target, endings=endings, overwrite=overwrite)
     with _write_errors(target), _scratch_beside(target) as folder:
         scratch = folder / target.name

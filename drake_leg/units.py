@@ -330,13 +330,6 @@ def require_three(what: str, values: Iterable[float]) -> None:
         raise InvalidValueError(f"{what} is {shown(values)}; it must be three finite numbers")
 
 
-def require_kind(what: str, value: object, *kinds: type) -> None:
-    """Refuse what is an instance of none of these classes."""
-    if not isinstance(value, kinds):
-        names = " or ".join(kind.__name__ for kind in kinds).replace("NoneType", "None")
-        raise InvalidValueError(f"{what} is {shown(value)}; it must be a {names}")
-
-
 def require_positive(what: str, value: float, unit: str) -> None:
     """Refuse a value that is not a positive, finite number of a sensible size."""
     require_number(what, value)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from numbers import Integral
 from pathlib import Path
 
-from drake_leg.arguments import require_callable, shown
+from drake_leg.arguments import require_callable, require_kind, shown
 from drake_leg.errors import InvalidValueError, PictureError
 from drake_leg.files import ResultsFolder
 from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
-from drake_leg.units import require_kind
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ from drake_leg.pictures.svg import (
     text_at,
     text_width,
 )
-from drake_leg.units import require_kind
 
 MARGIN = 18.0  # [px]
 HEADING = 15.0  # [px], size of a title
@@ -47,8 +46,7 @@ class Drawing:
         OutputError
             If it cannot be written, or is there and may not be replaced.
         """
-        require_kind("path", path, str, Path)
-        write_text(Path(path), self.svg, ending=".svg", overwrite=overwrite)
+        write_text(path, self.svg, ending=".svg", overwrite=overwrite)
 
     def _repr_html_(self) -> str:
         return self.svg

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from types import NoneType
 from typing import TYPE_CHECKING, Literal, Self
 
+from drake_leg.arguments import require_kind
 from drake_leg.errors import InvalidValueError
 from drake_leg.units import (
     DAMPING_UNITS,
     SPRING_UNITS,
     in_words,
     require_angle,
-    require_kind,
     require_non_negative,
     require_number,
     require_positive,

@@ -11,7 +11,7 @@ from html import escape
 from types import NoneType
 from typing import Literal
 
-from drake_leg.arguments import shown
+from drake_leg.arguments import require_kind, shown
 from drake_leg.colours import (
     BLUE,
     GREEN,
@@ -25,13 +25,7 @@ from drake_leg.colours import (
 )
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.units import (
-    LEAST,
-    require_finite,
-    require_kind,
-    require_positive,
-    require_three,
-)
+from drake_leg.units import LEAST, require_finite, require_positive, require_three
 
 JointType = Literal["revolute", "prismatic", "fixed"]
 

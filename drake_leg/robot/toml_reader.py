@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 
+from drake_leg.arguments import require_kind
 from drake_leg.files import read_text
 from drake_leg.robot.joint_mechanics import PRIORITIES, HardStop, JointMechanics, StateTarget
 from drake_leg.robot.robot import (
@@ -25,7 +26,7 @@ from drake_leg.robot.robot import (
     volume,
 )
 from drake_leg.robot.toml_keys import Keys, parse_document
-from drake_leg.units import AngleUnit, JointUnits, in_radians, joint_units, require_kind
+from drake_leg.units import AngleUnit, JointUnits, in_radians, joint_units
 
 # Of each shape: its class, and its dimensions in the order in which they are written.
 SHAPES: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {

@@ -15,7 +15,7 @@ from types import NoneType
 from numpy.typing import ArrayLike
 from PIL import Image
 
-from drake_leg.arguments import require_callable
+from drake_leg.arguments import require_callable, require_kind
 from drake_leg.errors import InvalidValueError, require_import, require_pillow
 from drake_leg.files import check_file, whole_file, write_text
 from drake_leg.scene.artists import (
@@ -38,7 +38,6 @@ from drake_leg.scene.scene import (
 )
 from drake_leg.scene.shown_plant import Showable
 from drake_leg.scene.web_page import pose_rows, stage_data, web_page
-from drake_leg.units import require_kind
 
 WIDTH, HEIGHT = 960, 720  # [pixels] of a still
 SMOOTHING = 2  # a still is rendered larger by this factor
@@ -71,8 +70,7 @@ class Still:
         OutputError
             If it cannot be written, or is there and may not be replaced.
         """
-        require_kind("path", path, str, Path)
-        with whole_file(Path(path), endings=(".png",), overwrite=overwrite) as scratch:
+        with whole_file(path, endings=(".png",), overwrite=overwrite) as scratch:
             scratch.write_bytes(self.png)
 
 
@@ -318,8 +316,7 @@ class Replay:
         OutputError
             If it cannot be written, or is there and may not be replaced.
         """
-        require_kind("path", path, str, Path)
-        write_text(Path(path), self.html, ending=".html", overwrite=overwrite)
+        write_text(path, self.html, ending=".html", overwrite=overwrite)
 
 
 def replay(

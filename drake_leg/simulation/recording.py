@@ -12,12 +12,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.arguments import shown
+from drake_leg.arguments import require_kind, shown
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError, did_you_mean
 from drake_leg.files import LARGEST_RECORDING, opened
 from drake_leg.kinematics.khalil import Array, real_numbers
 from drake_leg.robot.robot import html_table
-from drake_leg.units import require_kind
 
 MOST_NAMES = 6  # of columns that an error's sentence lists
 

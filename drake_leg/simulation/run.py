@@ -20,7 +20,7 @@ from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Context, Diagram, EventStatus
 from pydrake.systems.primitives import VectorLogSink
 
-from drake_leg.arguments import ADVICE, BUILDERS, require_callable, shown
+from drake_leg.arguments import BUILDERS, require_callable, require_kind, shown
 from drake_leg.diagrams.disturbance import is_disturbed
 from drake_leg.diagrams.mechanism import start_on_motion
 from drake_leg.errors import (
@@ -162,15 +162,16 @@ def simulate(
     >>> sorted(result.scopes)
     ['acceleration', 'energy', 'q', 'w']
     """
-    if not isinstance(diagram, Diagram):
-        builder = BUILDERS.get(type(diagram).__name__)
-        raise InvalidValueError(
-            f"diagram is {shown(diagram)}; it must be a Diagram",
-            advice=f"build it first, as {builder}(config)"
-            if builder
-            else "build one, as build_hexabot_leg(HexabotLegConfig()), or put it into one with "
-            "Drake's DiagramBuilder",
-        )
+    builder = BUILDERS.get(type(diagram).__name__)
+    require_kind(
+        "diagram",
+        diagram,
+        Diagram,
+        advice=f"build it first, as {builder}(config)"
+        if builder
+        else "build one, as build_hexabot_leg(HexabotLegConfig()), or put it into one with "
+        "Drake's DiagramBuilder",
+    )
     if not any(isinstance(system, VectorLogSink) for system in diagram.GetSystems()):
         raise InvalidValueError(
             "the diagram has no scope, so that nothing would be recorded",
@@ -180,11 +181,7 @@ def simulate(
     require_callable("longest_step", longest_step)
     require_callable("progress", progress)
     settings = IntegratorSettings() if settings is None else settings
-    if not isinstance(settings, IntegratorSettings):
-        raise InvalidValueError(
-            f"settings is {shown(settings)}; it must be an IntegratorSettings",
-            advice=ADVICE["IntegratorSettings"],
-        )
+    require_kind("settings", settings, IntegratorSettings)
     if max_step is not None:
         settings = replace(settings, max_step=max_step)
     if duration is None:

@@ -11,10 +11,10 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from drake_leg.arguments import require_kind
 from drake_leg.kinematics.euler import gimbal_distance, require_sequence
 from drake_leg.kinematics.khalil import Array
 from drake_leg.systems.relative_motion import RelativeMotion, Where
-from drake_leg.units import require_kind
 
 
 class MeasurementFrame(TypedDict):

@@ -9,7 +9,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, MultibodyForces
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from drake_leg.arguments import ADVICE, shown
+from drake_leg.arguments import require_kind, shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 
@@ -24,11 +24,7 @@ def require_plant(plant: MultibodyPlant) -> None:
     InvalidValueError
         If it is not a plant, or not finalized.
     """
-    if not isinstance(plant, MultibodyPlant):
-        raise InvalidValueError(
-            f"the plant is {shown(plant)}; it must be a MultibodyPlant",
-            advice=ADVICE["MultibodyPlant"],
-        )
+    require_kind("the plant", plant, MultibodyPlant)
     if not plant.is_finalized():
         raise InvalidValueError(
             f"the plant {plant.get_name()!r} is not finalized; call its Finalize() before"

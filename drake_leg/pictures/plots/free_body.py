@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from drake_leg.arguments import require_kind
 from drake_leg.colours import PURPLE
 from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.khalil import Array, base_transforms, chain_length
@@ -24,7 +25,6 @@ from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch, direction, polar
 from drake_leg.pictures.plots.style import BODY, GREY, INK, new_figure
 from drake_leg.robot.robot import Robot, Segment, require_robot
-from drake_leg.units import require_kind
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two
 RIGHT, BACK, UP = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
