@@ -42,7 +42,7 @@ def status_of(*words):
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
 
 
 @pytest.fixture
@@ -124,10 +124,8 @@ def carried_out(request, tmp_path_factory):
     """Every run once, without its pictures: name and folder."""
     name = request.param
     out = tmp_path_factory.mktemp("runs") / "new" / name
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
-        words = ("run", name, "--out", out, "--duration", DURATIONS.get(name, 1.0))
-        assert status_of(*words) == 0
+    words = ("run", name, "--out", out, "--duration", DURATIONS.get(name, 1.0))
+    assert status_of(*words, "--figures", "none") == 0
     return name, out
 
 
@@ -139,7 +137,8 @@ PICTURED = [
 @pytest.mark.parametrize("name", PICTURED)
 def test_a_run_leaves_a_recording_a_summary_and_pictures(name, tmp_path):
     out = tmp_path / "new" / name
-    assert status_of("run", name, "--out", out, "--duration", DURATIONS.get(name, 1.0)) == 0
+    words = ("run", name, "--out", out, "--duration", DURATIONS.get(name, 1.0))
+    assert status_of(*words, "--figures", "all") == 0
     names = {path.name for path in out.iterdir()}
     data = {LIST, "recording.csv", "summary.json"}
     pictures = {name for name in names if name.endswith((".png", ".svg", ".pdf"))}

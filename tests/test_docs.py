@@ -21,7 +21,7 @@ TEXT = "\n".join(PAGES.values())
 @pytest.fixture
 def unsaved(monkeypatch):
     """Draw pictures without saving them."""
-    monkeypatch.setattr("drake_leg.runs.outcome.save", lambda *arguments: None)
+    monkeypatch.setattr("drake_leg.runs.figures.save", lambda *arguments: None)
 
 
 def blocks(language, text=TEXT):
@@ -165,7 +165,7 @@ VIDEOS = (".gif", ".mp4")  # drawn picture by picture
 def test_a_pages_commands_work_one_after_the_other(page, tmp_path, monkeypatch, capsys):
     """As a reader types them, in one folder, but shorter; pictures of runs are other tests'."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
     for folder in ("notebooks", "tests"):
         Path(folder).symlink_to(ROOT / folder)
     Path("arm.toml").write_text(*blocks("toml"), encoding="utf-8")

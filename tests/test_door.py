@@ -146,7 +146,7 @@ def test_a_robot_shows_its_table(name):
 
 
 def test_a_run_shows_its_summary_and_a_figure_and_writes_what_the_command_writes(tmp_path):
-    result = load("run")("scara", duration=0.5, out=tmp_path / "move")
+    result = load("run")("scara", duration=0.5, out=tmp_path / "move", figures="svg")
     html = result._repr_html_()
     assert "max_position_error_m" in html
     assert "data:image/png;base64," in html

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 from yaml import MappingNode, SafeLoader, ScalarNode, YAMLError
@@ -50,18 +52,28 @@ CoreLoader.add_constructor(INT, CoreLoader.construct_whole)
 # --- options ---------------------------------------------------------------------------------
 
 
-def options_from_file(kind: type[RunOptions], name: str, path: Path) -> RunOptions:
+def options_from_file(
+    kind: type[RunOptions],
+    name: str,
+    path: Path,
+    others: Mapping[str, Callable[[object], Any]] = MappingProxyType({}),
+) -> tuple[RunOptions, dict[str, Any]]:
     """Read the options of a run from a YAML file; what it leaves out keeps its default.
 
-    Keys are names of options; ``name`` is the run's, for errors.
+    Keys are names of options; ``name`` is the run's, for errors. ``others`` are keys that are no
+    options of the run, with what checks and converts their values; the converted values that the
+    file has are the second result.
     """
-    keys = [field.name for field in dataclasses.fields(kind)]
+    keys = [*(field.name for field in dataclasses.fields(kind)), *others]
     try:
         content = _content(read_text(path))
         for key in content:
             if key not in keys:
                 raise ValueError(f"it has no key {key!r}")
-        return kind(**content)
+        found = {
+            key: convert(content.pop(key)) for key, convert in others.items() if key in content
+        }
+        return kind(**content), found
     except UnreadableFileError as error:
         raise UnreadableFileError(f"the config {path}", error.reason) from None
     except RecursionError:

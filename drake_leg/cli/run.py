@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,7 @@ from drake_leg.cli.terminal import (
 )
 from drake_leg.errors import InvalidValueError, OutputError, require_matplotlib
 from drake_leg.files import ResultsFolder
+from drake_leg.pictures.formats import CHOICES, CHOSEN, formats_of
 from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
 from drake_leg.runs.options import RunOptions, type_of
@@ -44,7 +45,7 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
         "Carry out one run and write recording.csv (its rows are the integrator's "
-        "own steps, at most 40 ms apart), summary.json and figures (PNG, SVG and PDF) into DIR."
+        "own steps, at most 40 ms apart), summary.json and figures into DIR."
     )
     parser.epilog = (
         "Lists are written with commas: --q0 -90,50,90. An option that a run does not "
@@ -57,6 +58,11 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
         "whose foot makes the straight step",
     )
     add_output(parser)
+    parser.add_argument(
+        "--figures",
+        metavar="FORMAT",
+        help=f"format of the figures: {', '.join(CHOICES)} (default {CHOSEN})",
+    )
     add_shows(parser)
     add_run_options(parser)
     parser.set_defaults(command=_run)
@@ -64,10 +70,11 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
 
 def _run(chosen: argparse.Namespace) -> int:
     kind = run_kind(chosen.name)
-    options = options_of(kind, chosen)
+    options, formats = _options_and_formats(kind, chosen)
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
     _check_shows(chosen)
-    require_matplotlib()
+    if formats:
+        require_matplotlib()
     with saved() as hold:
         outcome = _carried_out(chosen.name, kind, options, hold)
         with folder.begun() as scratch:
@@ -78,7 +85,8 @@ def _run(chosen: argparse.Namespace) -> int:
     pictures = Pictures()
     try:
         with at_work(chosen.name, "pictures"):
-            _draw(chosen.name, kind, outcome, folder, pictures)
+            if formats:
+                _draw(chosen.name, kind, outcome, formats, folder, pictures)
             made = _write_shows(chosen, kind.heading, outcome, folder, pictures)
     except KeyboardInterrupt:
         return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
@@ -109,13 +117,18 @@ def _carried_out(
 
 
 def _draw(
-    name: str, kind: RunKind, outcome: Outcome, folder: ResultsFolder, pictures: Pictures
+    name: str,
+    kind: RunKind,
+    outcome: Outcome,
+    formats: Sequence[str],
+    folder: ResultsFolder,
+    pictures: Pictures,
 ) -> None:
     """Add the figures to the data, one by one."""
     with pictures.trying(f"a figure of {name}"):
-        from drake_leg.runs.outcome import figure_files
+        from drake_leg.runs.figures import figure_files
 
-        for file_name, write in figure_files(kind.title, outcome):
+        for file_name, write in figure_files(kind.title, outcome, formats):
             with pictures.trying(f"the figure {file_name}"), folder.more() as scratch:
                 write(scratch)
 
@@ -200,11 +213,34 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
 
 def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
     """Combine the options: defaults, then the file's, then the command line's."""
-    options = kind.options()
-    if chosen.config:
-        from drake_leg.cli.config_file import options_from_file
+    options, _ = _from_file(kind, chosen, {})
+    return _overridden(kind, options, chosen)
 
-        options = options_from_file(kind.options, chosen.name, chosen.config)
+
+def _options_and_formats(
+    kind: RunKind, chosen: argparse.Namespace
+) -> tuple[RunOptions, tuple[str, ...]]:
+    """Combine the options, and find the formats of the figures in the same way."""
+    options, others = _from_file(kind, chosen, {"figures": formats_of})
+    formats = others.get("figures", CHOICES[CHOSEN])
+    if chosen.figures is not None:
+        formats = formats_of(chosen.figures)
+    return _overridden(kind, options, chosen), formats
+
+
+def _from_file(
+    kind: RunKind, chosen: argparse.Namespace, others: Mapping[str, Callable[[object], Any]]
+) -> tuple[RunOptions, dict[str, Any]]:
+    """Read the file, if there is one."""
+    if not chosen.config:
+        return kind.options(), {}
+    from drake_leg.cli.config_file import options_from_file
+
+    return options_from_file(kind.options, chosen.name, chosen.config, others)
+
+
+def _overridden(kind: RunKind, options: RunOptions, chosen: argparse.Namespace) -> RunOptions:
+    """Put the command line's options in the place of the file's."""
     known = {field.name: field for field in dataclasses.fields(kind.options)}
     given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
     for name in given:

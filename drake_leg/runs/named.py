@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
-from base64 import b64encode
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from typing import Any
-
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from drake_leg.arguments import require_callable
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import ResultsFolder
-from drake_leg.pictures.plots.of_runs import figures_of_run
+from drake_leg.pictures.formats import CHOSEN, formats_of
 from drake_leg.robot.robot import Robot, html_table
-from drake_leg.runs.catalogue import run_kind
-from drake_leg.runs.outcome import Outcome, figure_files
+from drake_leg.runs.catalogue import RunKind, run_kind
+from drake_leg.runs.outcome import Outcome
 
-DPI = 110  # of the figure that a notebook shows
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+OUTPUT = ("out", "figures", "overwrite", "progress")  # arguments of `run` that are no run's options
 
 
 class Figures(Mapping[str, "Figure"]):
@@ -35,10 +33,9 @@ class Figures(Mapping[str, "Figure"]):
     @property
     def _drawers(self) -> dict[str, Callable[[], Figure]]:
         """Functions that draw, made anew because they cannot be pickled."""
-        made = self._outcome
-        return dict(
-            figures_of_run(made.subject, self._title, made.robot, made.recording, made.summary)
-        )
+        from drake_leg.runs.figures import figure_drawers
+
+        return dict(figure_drawers(self._title, self._outcome))
 
     def __getitem__(self, name: str) -> Figure:
         """Draw a figure anew, so that it may be changed.
@@ -81,8 +78,11 @@ class RunResult(Outcome):
         rows = [(key, _shown(value)) for key, value in self.summary.items() if _is_short(value)]
         parts = [html_table(("summary", ""), rows, title=self.title)]
         if self.figures:
+            from drake_leg.runs.figures import png_address
+
             first, *others = self.figures
-            parts.append(f'<img alt="{first}" src="{_png(self.figures[first])}" width="720">')
+            source = png_address(self.figures[first])
+            parts.append(f'<img alt="{first}" src="{source}" width="720">')
             if others:
                 names = ", ".join(f"<code>{name}</code>" for name in others)
                 parts.append(f"<p>More figures: {names}.</p>")
@@ -93,6 +93,7 @@ def run(
     what: str | Path | Robot,
     *,
     out: Path | str | None = None,
+    figures: str = CHOSEN,
     overwrite: bool = False,
     progress: Callable[[float], None] | None = None,
     **options: Any,  # noqa: ANN401 - each run has its own
@@ -110,6 +111,8 @@ def run(
     out : Path or str, optional
         Folder to write ``recording.csv``, ``summary.json`` and the figures into. By default
         nothing is written.
+    figures : str
+        The format of the figures in ``out``: "png", "svg", "pdf", "all" of these, or "none".
     overwrite : bool
         Whether ``out`` may replace older results.
     progress : callable, optional
@@ -148,24 +151,37 @@ def run(
     known = [field.name for field in dataclasses.fields(kind.options)]
     for option in options:
         if option not in known:
-            advice = did_you_mean(option, known, f"its options are {', '.join(known)}")
+            others = f"its options are {', '.join(known)}"
+            advice = did_you_mean(option, [*known, *OUTPUT], others)
             raise InvalidValueError(f"the run {name!r} has no option {option!r}: {advice}")
     chosen = kind.options(**options)
     if out is not None and not isinstance(out, str | PathLike):
         raise InvalidValueError(f"out is {out!r}; it must be the path of a folder")
     if not isinstance(overwrite, bool):
         raise InvalidValueError(f"overwrite is {overwrite!r}; it must be true or false")
+    formats = formats_of(figures)
     require_callable("progress", progress)
     folder = None if out is None else ResultsFolder(Path(out), overwrite=overwrite)
     outcome = kind.run(chosen, progress)
     if folder is not None:
         with folder.begun() as scratch:
             outcome.write(scratch, name)
-        for _, write in figure_files(kind.title, outcome):
-            with folder.more() as scratch:
-                write(scratch)
-    figures = Figures(kind.title, outcome)
-    return RunResult(**vars(outcome), name=name, title=kind.heading, figures=figures)
+        _write_figures(folder, kind, outcome, formats)
+    named = Figures(kind.title, outcome)
+    return RunResult(**vars(outcome), name=name, title=kind.heading, figures=named)
+
+
+def _write_figures(
+    folder: ResultsFolder, kind: RunKind, outcome: Outcome, formats: Sequence[str]
+) -> None:
+    """Add the figures to the data, one by one."""
+    if not formats:
+        return
+    from drake_leg.runs.figures import figure_files
+
+    for _, write in figure_files(kind.title, outcome, formats):
+        with folder.more() as scratch:
+            write(scratch)
 
 
 def _is_short(value: object) -> bool:
@@ -176,10 +192,3 @@ def _shown(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _png(figure: Figure) -> str:
-    """Return a figure as a data URL."""
-    buffer = BytesIO()
-    FigureCanvasAgg(figure).print_figure(buffer, dpi=DPI, format="png")
-    return f"data:image/png;base64,{b64encode(buffer.getvalue()).decode('ascii')}"

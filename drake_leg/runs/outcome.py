@@ -1,39 +1,25 @@
-"""The outcome of a run: its recording, its summary, and its figures as files."""
+"""The outcome of a run: its recording and its summary."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
-from typing import Any
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.pictures.plots.of_runs import Subject, figures_of_run
-from drake_leg.pictures.plots.style import save
 from drake_leg.robot.robot import Robot
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import Run
 
+if TYPE_CHECKING:
+    from drake_leg.pictures.plots.of_runs import Subject
+
 BEST = IntegratorSettings().scheme
 SHOWN = 0.01  # of a motion's range: about the width of a curve in a small figure
 NOTHING = 1e-6  # [rad or m], an error that never matters
-
-
-def figure_files(title: str, outcome: Outcome) -> Iterator[tuple[str, Callable[[Path], None]]]:
-    """List a run's figures: file name without ending, and what writes the file into a folder."""
-    for file_name, draw in figures_of_run(
-        outcome.subject, title, outcome.robot, outcome.recording, outcome.summary
-    ):
-        yield file_name, partial(_write, draw, file_name)
-
-
-def _write(draw: Callable[[], Figure], file_name: str, folder: Path) -> None:
-    save(draw(), folder, file_name)
 
 
 @dataclass(frozen=True, kw_only=True)

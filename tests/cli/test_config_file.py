@@ -12,7 +12,7 @@ from drake_leg.runs.options import DampedPendulumOptions, LegBOptions
 def read(tmp_path, text, kind=LegBOptions):
     path = tmp_path / "config.yaml"
     path.write_text(text, encoding="utf-8")
-    return options_from_file(kind, "leg-b", path)
+    return options_from_file(kind, "leg-b", path)[0]
 
 
 @pytest.mark.parametrize(

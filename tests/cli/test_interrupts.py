@@ -13,7 +13,7 @@ from drake_leg import files
 from drake_leg.cli import main
 from drake_leg.files import LIST
 from drake_leg.progress import ProgressBar
-from drake_leg.runs import outcome
+from drake_leg.runs import figures, outcome
 from drake_leg.simulation.recording import Recording
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
@@ -28,7 +28,7 @@ def here(tmp_path, monkeypatch):
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr(outcome, "figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr(figures, "figures_of_run", lambda *arguments: ())
 
 
 def inside(folder="."):
@@ -117,16 +117,16 @@ def test_a_signal_between_the_end_and_the_saving_waits(number, monkeypatch, caps
 def test_a_signal_during_the_figures_leaves_the_data(number, monkeypatch, capsys):
     act = come(number)
 
-    def save(figure, folder, name):
+    def save(figure, folder, name, _formats):
         (folder / f"{name}.png").write_text("half")
         if name == "foot_position":
             act()
 
-    named = outcome.figures_of_run
+    named = figures.figures_of_run
     monkeypatch.setattr(
-        outcome, "figures_of_run", lambda *given: [(name, str) for name, _ in named(*given)]
+        figures, "figures_of_run", lambda *given: [(name, str) for name, _ in named(*given)]
     )
-    monkeypatch.setattr(outcome, "save", save)
+    monkeypatch.setattr(figures, "save", save)
     assert main(["run", "leg-b", "--out", "out", "--duration", "0.2"]) == 128 + number
     assert summary_of("out")["stop_reason"] is None
     assert "interrupted; the data in out are whole" in capsys.readouterr().err

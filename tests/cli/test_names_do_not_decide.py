@@ -42,7 +42,7 @@ def drawn(monkeypatch):
     names = []
 
     monkeypatch.setattr(
-        "drake_leg.runs.outcome.save", lambda _figure, _folder, name: names.append(name)
+        "drake_leg.runs.figures.save", lambda _figure, _folder, name, _formats: names.append(name)
     )
     return names
 

@@ -30,8 +30,8 @@ OF_RUNS = {
 
 ALWAYS = {
     "list": set(),
-    "run": OF_RUNS | {"--out", "--overwrite", "--replay", "--video", "--stills", "--max-step",
-                      "--stiffness"},
+    "run": OF_RUNS | {"--out", "--overwrite", "--figures", "--replay", "--video", "--stills",
+                      "--max-step", "--stiffness"},
     "replay": {"--out", "--overwrite", "--from", "--robot"},
     "view": {"--q", "--still", "--from"},
     "teleop": {"--q", "--task", "--host", "--port", "--no-browser", "--once"},

@@ -12,7 +12,7 @@ from drake_leg.cli.terminal import Pictures
 from drake_leg.files import LIST, ResultsFolder
 from drake_leg.robot.robots import hexabot_leg
 from drake_leg.robot.toml_writer import robot_toml
-from drake_leg.runs import outcome
+from drake_leg.runs import figures
 from drake_leg.runs.catalogue import RUNS, run_kind
 from drake_leg.scene.media import Replay, Still
 from drake_leg.simulation.recording import Recording
@@ -56,18 +56,18 @@ def broken(error):
 BROKEN = ValueError("max() arg is an\nempty sequence")
 
 
-def write_figure(figure, folder, name):
+def write_figure(figure, folder, name, _formats=("svg",)):
     (folder / f"{name}.svg").write_text(figure)
 
 
 def with_figures(monkeypatch, draw):
     """Let the figures of a run, by their own names, be drawn by another function."""
-    named = outcome.figures_of_run
+    named = figures.figures_of_run
 
-    def figures(*arguments):
+    def drawn(*arguments):
         return [(name, draw) for name, _ in named(*arguments)]
 
-    monkeypatch.setattr(outcome, "figures_of_run", figures)
+    monkeypatch.setattr(figures, "figures_of_run", drawn)
 
 
 # --- every figure of every run ---------------------------------------------------------------
@@ -93,8 +93,8 @@ def options_of(name):
 def made(request):
     kind, options = options_of(request.param)
     result = kind.run(options, None)
-    figures = [name for name, _ in outcome.figure_files(kind.title, result)]
-    return Made(request.param, kind, result, figures)
+    names = [name for name, _ in figures.figure_files(kind.title, result, ["svg"])]
+    return Made(request.param, kind, result, names)
 
 
 def test_each_figure_of_each_run_fails_alone(made, monkeypatch, capsys):
@@ -104,11 +104,11 @@ def test_each_figure_of_each_run_fails_alone(made, monkeypatch, capsys):
         with folder.begun() as scratch:
             made.result.write(scratch, made.name)
         whole(folder.path)
-        monkeypatch.setattr(outcome, "save", write_figure)
+        monkeypatch.setattr(figures, "save", write_figure)
         drawn = dict.fromkeys(made.figures, lambda: "a figure") | {failing: broken(BROKEN)}
-        monkeypatch.setattr(outcome, "figures_of_run", lambda *_, drawn=drawn: drawn.items())
+        monkeypatch.setattr(figures, "figures_of_run", lambda *_, drawn=drawn: drawn.items())
         pictures = Pictures()
-        run._draw(made.name, made.kind, made.result, folder, pictures)
+        run._draw(made.name, made.kind, made.result, ["svg"], folder, pictures)
         assert len(pictures.failures) == 1
         pictures.print_failures()
         assert capsys.readouterr().err == (
@@ -146,7 +146,7 @@ def test_a_run_whose_figures_all_fail_has_its_data_and_exits_with_1(monkeypatch,
     "error", [KeyError("pendulum3"), RecursionError(), MemoryError(), OSError(28, "No space left")]
 )
 def test_whatever_error_it_is_it_is_a_sentence(monkeypatch, capsys, error):
-    monkeypatch.setattr(outcome, "figures_of_run", broken(error))
+    monkeypatch.setattr(figures, "figures_of_run", broken(error))
     status, _, err = told(capsys, "run", "pendulum", "--out", "out", "--duration", "0.1")
     assert status == 1
     assert len(err) == 2
@@ -155,10 +155,10 @@ def test_whatever_error_it_is_it_is_a_sentence(monkeypatch, capsys, error):
 
 
 def test_figures_that_cannot_be_imported_cost_themselves(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "drake_leg.runs.outcome", None)
+    monkeypatch.setitem(sys.modules, "drake_leg.runs.figures", None)
     status, _, err = told(capsys, "run", "pendulum", "--out", "out", "--duration", "0.1")
     assert status == 1
-    assert "was not made (ModuleNotFoundError: import of drake_leg.runs.outcome" in err[0]
+    assert "was not made (ModuleNotFoundError: import of drake_leg.runs.figures" in err[0]
     whole("out")
 
 
@@ -172,7 +172,7 @@ def test_matplotlib_that_cannot_be_imported_is_said_before_the_run(monkeypatch, 
 
 @pytest.mark.parametrize("duration", ["9.5", "10"])
 def test_a_pendulum_that_is_nearly_at_rest_is_drawn(duration, monkeypatch, capsys):
-    monkeypatch.setattr(outcome, "save", lambda figure, folder, name: None)
+    monkeypatch.setattr(figures, "save", lambda *_: None)
     words = ("run", "pendulum-damped", "--out", "out", "--duration", duration, "--max-step", "0.02")
     assert told(capsys, *words)[::2] == (0, [])
 
@@ -182,7 +182,7 @@ def test_a_pendulum_that_is_nearly_at_rest_is_drawn(duration, monkeypatch, capsy
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr(outcome, "figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr(figures, "figures_of_run", lambda *arguments: ())
 
 
 @pytest.mark.parametrize(
@@ -350,7 +350,7 @@ def test_a_report_whose_items_fail_is_written_with_sentences_in_their_places(mon
 
 def test_who_asks_is_shown_where_the_error_came_from(no_figures, monkeypatch, capsys):
     monkeypatch.setenv("DRAKE_LEG_TRACEBACK", "1")
-    monkeypatch.setattr(outcome, "figures_of_run", broken(BROKEN))
+    monkeypatch.setattr(figures, "figures_of_run", broken(BROKEN))
     assert main(["run", "pendulum", "--out", "out", "--duration", "0.1"]) == 1
     assert "Traceback" in capsys.readouterr().err
     whole("out")

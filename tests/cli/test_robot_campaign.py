@@ -43,7 +43,7 @@ class Subject:
         rng = np.random.default_rng(seed)
         self.seed, self.folder, self._capsys = seed, folder, capsys
         monkeypatch.chdir(folder)
-        monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
+        monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
         text, self.count = random_robot(seed, rng)
         self.file = f"chance_{seed}.toml"
         (folder / self.file).write_text(text, encoding="utf-8")

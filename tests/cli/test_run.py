@@ -22,7 +22,7 @@ def here(tmp_path, monkeypatch):
 
 @pytest.fixture
 def no_figures(monkeypatch):
-    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
 
 
 def run(capsys, *words):

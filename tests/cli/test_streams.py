@@ -67,7 +67,7 @@ def test_a_reader_that_goes_away_changes_nothing(
 ):
     monkeypatch.chdir(tmp_path)
     Path("wrong.csv").write_text(WRONG)
-    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
     with_reader = status_of(words) if status is None else status
     capsys.readouterr()
     unread("stdout")

@@ -101,7 +101,7 @@ theta = 0
 @pytest.mark.parametrize("command", ["view", "teleop"])
 def test_a_robot_is_shown_where_its_run_starts(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
     Path("aimed.toml").write_text(TARGETS, encoding="utf-8")
     assert "left at --q 90,-50,-90" in run(capsys, command, "aimed.toml", "--once")[1]
     assert run(capsys, "run", "aimed.toml", "--out", "out", "--duration", "0.1")[0] == 0

@@ -111,7 +111,7 @@ def test_upright_the_free_pendulum_says_that_nobody_can_tell():
 
 
 def test_it_ends_with_status_1_one_sentence_and_all_files(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("drake_leg.runs.outcome.figures_of_run", lambda *arguments: ())
+    monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
     out = tmp_path / "out"
     assert main(["run", "pendulum", "--q0", "-90", "--out", str(out)]) == 1
     printed = capsys.readouterr()

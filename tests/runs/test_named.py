@@ -75,6 +75,9 @@ def test_a_run_that_is_misspelt_is_guessed():
     [
         ({"out": 3}, "out is 3; it must be the path of a folder"),
         ({"progress": 3}, "progress is 3; it must be a function"),
+        ({"figures": None}, r"figures is None; it must be one of none, png, svg, pdf, all$"),
+        ({"figures": "jpg"}, "figures is 'jpg'; it must be one of none, png, svg, pdf, all"),
+        ({"figure": "svg"}, r"has no option 'figure': did you mean figures\?"),
         ({"overwrite": "yes"}, "overwrite is 'yes'; it must be true or false"),
     ],
 )

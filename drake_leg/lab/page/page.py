@@ -221,7 +221,7 @@ def _plot(item: Item, maker: ItemMaker) -> ShownItem:
     return ShownItem(
         body=body,
         commands=(command(item.subject),),
-        result=f"{item.subject}/{plot.file}.svg",
+        result=f"{item.subject}/{plot.file}.png",
         proof=Markup("From the exact answer: at most {} {}.").format(
             power(deviation(plot, outcome)), plot.unit
         ),

@@ -22,9 +22,8 @@ from matplotlib.ticker import Locator, MaxNLocator
 
 from drake_leg.colours import BLUE, GREEN, PURPLE, VERMILLION, Background
 from drake_leg.kinematics.khalil import Array
+from drake_leg.pictures.formats import FORMATS
 from drake_leg.simulation.recording import Recording
-
-FORMATS = ("png", "svg", "pdf")
 
 GREY, INK, GRID, BODY = "#6B6B6B", "#1A1A1A", "#D9D9D9", "#D5DCE3"
 
@@ -171,12 +170,14 @@ def legend_above(axes: Axes, *others: Axes) -> None:
     )
 
 
-def save(figure: Figure, folder: Path, name: str) -> dict[str, Path]:
-    """Write a figure as PNG, SVG and PDF, the same bytes every time; return paths by format.
+def save(
+    figure: Figure, folder: Path, name: str, formats: Sequence[str] = FORMATS
+) -> dict[str, Path]:
+    """Write a figure in some formats, the same bytes every time; return paths by format.
 
     Its layout is fixed from here on.
     """
-    paths = {ending: folder / f"{name}.{ending}" for ending in FORMATS}
+    paths = {ending: folder / f"{name}.{ending}" for ending in formats}
     with mpl.rc_context(STYLE):
         figure.draw_without_rendering()
         figure.set_layout_engine("none")

@@ -171,4 +171,4 @@ def test_every_plots_file_is_one_that_its_run_leaves(page):
         for item in ITEMS:
             if item.kind == "plot" and item.subject == key:
                 file = re.search(r"in <code>(.*?)</code>", section(page, item))[1]
-                assert file in [f"{key}/{name}.svg" for name in names]
+                assert file in [f"{key}/{name}.png" for name in names]

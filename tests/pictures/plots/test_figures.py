@@ -464,6 +464,15 @@ def test_a_figure_is_saved_as_png_svg_and_pdf_with_the_same_bytes_every_time(tmp
     assert (tmp_path / "first" / "step.pdf").read_bytes().startswith(b"%PDF")
 
 
+def test_a_figure_is_the_same_file_whatever_other_formats_are_saved(tmp_path):
+    save(figures_of("leg-b")["step"](), tmp_path, "step")
+    for ending in ("png", "svg", "pdf"):
+        (tmp_path / ending).mkdir()
+        paths = save(figures_of("leg-b")["step"](), tmp_path / ending, "step", [ending])
+        assert list(paths) == [ending]
+        assert paths[ending].read_bytes() == (tmp_path / f"step.{ending}").read_bytes()
+
+
 def test_a_saved_figure_tells_no_date(tmp_path):
     save(figures_of("leg-b")["step"](), tmp_path, "step")
     assert "dc:date" not in (tmp_path / "step.svg").read_text(encoding="utf-8")
