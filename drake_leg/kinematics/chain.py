@@ -22,13 +22,14 @@ from scipy.linalg.lapack import dgeqrf, dgesdd, dgetrf
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics import khalil
+from drake_leg.kinematics.differentiable import DifferentiableChain
 from drake_leg.kinematics.khalil import (
     Array,
     Frame,
-    Link,
-    Vector,
     chain_frames,
     chain_length,
+    cross,
+    foot_jacobian_rate,
     joint_columns,
     links_of,
     one_vector,
@@ -53,50 +54,11 @@ def foot_frame(rows: Sequence[Row], q: Floats) -> Frame:
     return chain_frames(links_of(rows), (q, math.cos, math.sin))[-1]
 
 
-def foot_jacobian_rate(links: Sequence[Link], frames: Sequence[Frame], qdot: Floats) -> Array:
-    """Derivative of the Jacobian in time, (6, n), while the joints move.
-
-    An axis turns with the body before it, ``dz/dt = w x z``, and an origin moves with it.
-    """
-    wx, wy, wz = vx, vy, vz = bx, by, bz = 0.0, 0.0, 0.0
-    rates = iter(qdot)
-    moved = []
-    for link, (_, _, (zx, zy, zz), (ox, oy, oz)) in zip(links, frames, strict=True):
-        if link.joint == "fixed":
-            continue
-        ax, ay, az = ox - bx, oy - by, oz - bz
-        vx, vy, vz = vx + (wy * az - wz * ay), vy + (wz * ax - wx * az), vz + (wx * ay - wy * ax)
-        z_dot = wy * zz - wz * zy, wz * zx - wx * zz, wx * zy - wy * zx
-        rate = next(rates)
-        if link.joint == "revolute":
-            wx, wy, wz = wx + rate * zx, wy + rate * zy, wz + rate * zz
-        else:
-            vx, vy, vz = vx + rate * zx, vy + rate * zy, vz + rate * zz
-        bx, by, bz = ox, oy, oz
-        moved.append((link.joint, (zx, zy, zz), (ox, oy, oz), z_dot, (vx, vy, vz)))
-    fx, fy, fz = frames[-1][3]
-    ax, ay, az = fx - bx, fy - by, fz - bz
-    vx, vy, vz = vx + (wy * az - wz * ay), vy + (wz * ax - wx * az), vz + (wx * ay - wy * ax)
-    columns = []
-    for joint, z, (ox, oy, oz), z_dot, (ux, uy, uz) in moved:
-        if joint == "revolute":
-            arm = _cross(z_dot, (fx - ox, fy - oy, fz - oz))
-            swing = _cross(z, (vx - ux, vy - uy, vz - uz))
-            columns.append((*z_dot, arm[0] + swing[0], arm[1] + swing[1], arm[2] + swing[2]))
-        else:
-            columns.append((0.0, 0.0, 0.0, *z_dot))
-    return np.array(columns).T
-
-
 def twist_between(here: Frame, goal: Frame) -> Array:
     """Twist from one pose of the foot to another, rotation first, (6,); exact to first order."""
-    turns = [_cross(axis, there) for axis, there in zip(here[:3], goal[:3], strict=True)]
+    turns = [cross(axis, there) for axis, there in zip(here[:3], goal[:3], strict=True)]
     turning = (0.5 * sum(parts) for parts in zip(*turns, strict=True))
     return np.array([*turning, *(b - a for a, b in zip(here[3], goal[3], strict=True))])
-
-
-def _cross(u: Vector, v: Vector) -> Vector:
-    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
 
 
 class _Posture:
@@ -203,6 +165,10 @@ class MovableChain(Movable):
             qddot = qddot + swing - Vt.T @ (Vt @ swing)
         found: list[float] = qddot.tolist()
         return found
+
+    def differentiable(self) -> DifferentiableChain:
+        """The chain for joint positions that carry derivatives."""
+        return DifferentiableChain(self, self.rows)
 
     def at(self, q: Floats) -> Self:
         """The chain with the twists of a posture: itself, unless it ``varies``."""

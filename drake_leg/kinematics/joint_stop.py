@@ -1,6 +1,7 @@
 """Force and energy of a joint's limits: Simscape's smoothed spring and damper.
 
-The depth of a joint in its stop is positive beyond the bound; the rate is its derivative.
+The depth of a joint in its stop is positive beyond the bound; the rate is its derivative. Both may
+carry derivatives.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ def engagement(stop: HardStop, depth: ArrayLike) -> Array:
     0 at the bound and 1 at the end of the transition region, with slope 0 at both: the polynomial
     of least degree that fits Simscape's description, which states no formula.
     """
-    s = np.clip(np.asarray(depth, dtype=np.float64) / stop.transition_width, 0.0, 1.0)
+    s = np.clip(np.asarray(depth) / stop.transition_width, 0.0, 1.0)
     share: Array = s * s * (3.0 - 2.0 * s)
     return share
 
@@ -28,7 +29,7 @@ def stop_force(stop: HardStop, depth: ArrayLike, rate: ArrayLike) -> Array:
 
     ``engagement * max(0, k depth + d rate)``, with the depth in rad or m.
     """
-    x, v = np.asarray(depth, dtype=np.float64), np.asarray(rate, dtype=np.float64)
+    x, v = np.asarray(depth), np.asarray(rate)
     push = np.maximum(0.0, stop.stiffness * x + stop.damping * v)
     return engagement(stop, x) * push
 
@@ -47,7 +48,7 @@ def limit_force(mechanics: JointMechanics, q: ArrayLike, qdot: ArrayLike) -> Arr
 
 def stored_energy(stop: HardStop, depth: ArrayLike) -> Array:
     """Energy in the stop's spring at a depth (...) [J], the integral of ``engagement k depth``."""
-    x, w = np.asarray(depth, dtype=np.float64), stop.transition_width
+    x, w = np.asarray(depth), stop.transition_width
     s = np.clip(x / w, 0.0, 1.0)
     within = w**2 * s**4 * (0.75 - 0.4 * s)
     beyond = 0.5 * (np.maximum(x, w) ** 2 - w**2)

@@ -271,6 +271,48 @@ def joint_columns(links: Sequence[Link], frames: Sequence[Frame]) -> list[tuple[
     return columns
 
 
+def foot_jacobian_rate(
+    links: Sequence[Link], frames: Sequence[Frame], qdot: Sequence[float]
+) -> Array:
+    """Derivative of the Jacobian in time, (6, n), while the joints move.
+
+    An axis turns with the body before it, ``dz/dt = w x z``, and an origin moves with it.
+    """
+    wx, wy, wz = vx, vy, vz = bx, by, bz = 0.0, 0.0, 0.0
+    rates = iter(qdot)
+    moved = []
+    for link, (_, _, (zx, zy, zz), (ox, oy, oz)) in zip(links, frames, strict=True):
+        if link.joint == "fixed":
+            continue
+        ax, ay, az = ox - bx, oy - by, oz - bz
+        vx, vy, vz = vx + (wy * az - wz * ay), vy + (wz * ax - wx * az), vz + (wx * ay - wy * ax)
+        z_dot = wy * zz - wz * zy, wz * zx - wx * zz, wx * zy - wy * zx
+        rate = next(rates)
+        if link.joint == "revolute":
+            wx, wy, wz = wx + rate * zx, wy + rate * zy, wz + rate * zz
+        else:
+            vx, vy, vz = vx + rate * zx, vy + rate * zy, vz + rate * zz
+        bx, by, bz = ox, oy, oz
+        moved.append((link.joint, (zx, zy, zz), (ox, oy, oz), z_dot, (vx, vy, vz)))
+    fx, fy, fz = frames[-1][3]
+    ax, ay, az = fx - bx, fy - by, fz - bz
+    vx, vy, vz = vx + (wy * az - wz * ay), vy + (wz * ax - wx * az), vz + (wx * ay - wy * ax)
+    columns = []
+    for joint, z, (ox, oy, oz), z_dot, (ux, uy, uz) in moved:
+        if joint == "revolute":
+            arm = cross(z_dot, (fx - ox, fy - oy, fz - oz))
+            swing = cross(z, (vx - ux, vy - uy, vz - uz))
+            columns.append((*z_dot, arm[0] + swing[0], arm[1] + swing[1], arm[2] + swing[2]))
+        else:
+            columns.append((0.0, 0.0, 0.0, *z_dot))
+    return np.array(columns).T
+
+
+def cross(u: Vector, v: Vector) -> Vector:
+    """Cross product of two vectors."""
+    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+
+
 def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
     """Transforms from every row's frame to the base, (..., n, 4, 4); the last one is the foot's.
 

@@ -22,7 +22,8 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, SingularConfigurationError
+from drake_leg.kinematics.differentiable import cosine, sine, value_of
 from drake_leg.kinematics.khalil import (
     Array,
     assemble,
@@ -179,6 +180,7 @@ class MovableLeg(Movable):
     """
 
     geometry: LegGeometry
+    _functions: tuple[Any, Any] = (math.cos, math.sin)
 
     def __init__(self, leg: LegGeometry) -> None:
         self.geometry = leg
@@ -201,8 +203,11 @@ class MovableLeg(Movable):
     def determinant(self, q: Floats) -> float:
         """Det J, factored [m^3]."""
         l1, l2, l3, sign = self._numbers
+        cos, sin = self._functions
         _, q2, q3 = q
-        return -sign * l2 * l3 * math.sin(q3) * (l1 + l2 * math.cos(q2) + l3 * math.cos(q2 + q3))
+        reach = l1 + l2 * cos(q2) + l3 * cos(q2 + q3)
+        determinant: float = -sign * l2 * l3 * sin(q3) * reach
+        return determinant
 
     def rates(self, q: Floats, v: Floats) -> Floats:
         """``J^-1 v``."""
@@ -219,15 +224,20 @@ class MovableLeg(Movable):
         """``J^-1 (a - dJ/dt qdot)`` with J changing along w."""
         return self._solve(q, a, qdot, qdot if w is None else w)
 
+    def differentiable(self) -> DifferentiableLeg:
+        """The leg for angles that carry derivatives."""
+        return DifferentiableLeg(self.geometry)
+
     def _solve(self, q: Floats, a: Floats, qdot: Floats, w: Floats) -> Floats:
         l1, l2, l3, sign = self._numbers
+        cos, sin = self._functions
         q1, q2, q3 = q
         u1, u2, u3 = qdot
         w1, w2, w3 = w
         q23, u23, w23 = q2 + q3, u2 + u3, w2 + w3
-        c1, s1, s3 = math.cos(q1), math.sin(q1), math.sin(q3)
-        c23, s23 = math.cos(q23), math.sin(q23)
-        x2, z2 = l2 * math.cos(q2), l2 * math.sin(q2)
+        c1, s1, s3 = cos(q1), sin(q1), sin(q3)
+        c23, s23 = cos(q23), sin(q23)
+        x2, z2 = l2 * cos(q2), l2 * sin(q2)
         x3, z3 = l3 * c23, l3 * s23
         reach = l1 + x2 + x3
         if abs(s3) <= SINGULAR_BELOW or abs(reach) <= SINGULAR_BELOW * self.length:
@@ -241,6 +251,25 @@ class MovableLeg(Movable):
             (c23 * radial + s23 * vertical) / (l2 * s3),
             -((x2 + x3) * radial + (z2 + z3) * vertical) / (l2 * l3 * s3),
         )
+
+
+class DifferentiableLeg(MovableLeg):
+    """The leg for angles, and lengths, that carry derivatives, such as AutoDiffXd.
+
+    Only what an InverseJacobian asks for is computed in them.
+    """
+
+    _functions = (cosine, sine)
+
+    def __init__(self, leg: LegGeometry, lengths: Sequence[Any] = ()) -> None:
+        super().__init__(leg)
+        if lengths:
+            self._numbers = (*lengths, leg.sign)
+
+    def singular(self, q: Floats, time: float | None = None) -> SingularConfigurationError:
+        """Make the error of a singular posture, in floats."""
+        now = None if time is None else value_of(time)
+        return super().singular([value_of(each) for each in q], now)
 
 
 def foot_rotation_angles(leg: LegGeometry, R_BF: ArrayLike) -> Array:

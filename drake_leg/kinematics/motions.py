@@ -269,5 +269,5 @@ def limited_speed(
     if square <= top * top:
         return list(v), list(a)
     along = sum(w * x * y for w, x, y in zip(weights, v, a, strict=True)) / square
-    factor = top / math.sqrt(square)
+    factor = top / square**0.5
     return [factor * x for x in v], [factor * (y - along * x) for x, y in zip(v, a, strict=True)]

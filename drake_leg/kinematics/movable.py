@@ -107,6 +107,19 @@ class Movable(ABC):
         """The robot with the twists of a posture: itself, unless it ``varies``."""
         return self
 
+    def differentiable(self) -> Movable:
+        """The same robot for joint positions that carry derivatives, such as AutoDiffXd.
+
+        Raises
+        ------
+        InvalidValueError
+            If its inverse is not exact.
+        """
+        raise InvalidValueError(
+            f"a {type(self).__name__} robot has no derivatives",
+            advice="choose the exact inverse",
+        )
+
     @property
     def joints(self) -> int:
         """Number of moving joints, n."""

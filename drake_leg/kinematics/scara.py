@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.differentiable import DifferentiableChain
 from drake_leg.kinematics.khalil import (
     Array,
     assemble,
@@ -24,7 +25,7 @@ from drake_leg.kinematics.khalil import (
     triangle_angle,
 )
 from drake_leg.kinematics.movable import Floats, Movable
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, Row
 from drake_leg.robot.robots import SCARA_HEIGHT, SCARA_LOWEST
 from drake_leg.units import require_positive
 
@@ -142,6 +143,12 @@ class MovableScara(Movable):
     def bias(self, q: Floats, qdot: Floats) -> Array:
         """``dJ/dt qdot``, (3,)."""
         return jacobian_rate_bias(self.geometry, q, qdot)
+
+    def differentiable(self) -> DifferentiableChain:
+        """The arm for angles that carry derivatives; x, y and yaw are those of the wrist."""
+        arm = self.geometry
+        lengths = (0.0, arm.l1, arm.l2)
+        return DifferentiableChain(self, [Row(joint="revolute", d=length) for length in lengths])
 
 
 def branch_angles(arm: ScaraGeometry, task: ArrayLike) -> Array:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
+from drake_leg.systems.block import Block
 from drake_leg.systems.partial_dynamics import require_plant
 
 
-class EnergySensor(LeafSystem):
+class EnergySensor(Block):
     """Outputs the kinetic and potential energy of a plant, of gravity and of springs.
 
     ========== ===== ===== ======== ================================================
@@ -36,7 +37,7 @@ class EnergySensor(LeafSystem):
     """
 
     def __init__(self, plant: MultibodyPlant) -> None:
-        super().__init__()
+        Block.__init__(self, plant)
         require_plant(plant)
         self._plant = plant
         self._scratch = plant.CreateDefaultContext()

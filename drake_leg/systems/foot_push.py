@@ -5,19 +5,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from pydrake.autodiffutils import AutoDiffXd
 from pydrake.common.value import AbstractValue
-from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce
+from pydrake.multibody.math import SpatialForce_
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce_
 from pydrake.multibody.tree import Frame
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
+from drake_leg.kinematics.differentiable import value_of
 from drake_leg.kinematics.motions import Push
+from drake_leg.systems.block import Block
 
 STEPS_OF_PUSH = 20  # steps of the integrator, at least, while it lasts
 NEVER_AGAIN = 1e12  # [s], period of an event that happens once
 
 
-class FootPush(LeafSystem):
+class FootPush(Block):
     """Pushes at the origin of a frame, through the plant's ``applied_spatial_force``.
 
     ================== ==== ======== ==================================================
@@ -37,13 +40,14 @@ class FootPush(LeafSystem):
     """
 
     def __init__(self, frame: Frame, push: Push) -> None:
-        super().__init__()
+        Block.__init__(self, frame, push)
         self.push = push
+        self._scalar = float if isinstance(frame, Frame) else AutoDiffXd
         self._body = frame.body().index()
         self._p_BoFo_B = frame.GetFixedPoseInBodyFrame().translation()
         self.DeclareAbstractOutputPort(
             "spatial_forces",
-            lambda: AbstractValue.Make([ExternallyAppliedSpatialForce()]),
+            lambda: AbstractValue.Make([ExternallyAppliedSpatialForce_[self._scalar]()]),
             self._calc_forces,
             {self.time_ticket()},
         )
@@ -67,10 +71,11 @@ class FootPush(LeafSystem):
         return self.push.lasting / STEPS_OF_PUSH if pushing else math.inf
 
     def _calc_forces(self, context: Context, forces: AbstractValue) -> None:
-        applied = ExternallyAppliedSpatialForce()
+        applied = ExternallyAppliedSpatialForce_[self._scalar]()
         applied.body_index = self._body
         applied.p_BoBq_B = self._p_BoFo_B
-        applied.F_Bq_W = SpatialForce(np.zeros(3), self.push.at_time(context.get_time()))
+        force = self.push.at_time(value_of(context.get_time()))
+        applied.F_Bq_W = SpatialForce_[self._scalar](np.zeros(3), force)
         forces.set_value([applied])
 
 

@@ -12,8 +12,10 @@ from pydrake.multibody.tree import Frame
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.arguments import require_kind
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.euler import gimbal_distance, require_sequence
 from drake_leg.kinematics.khalil import Array
+from drake_leg.systems.block import Block
 from drake_leg.systems.relative_motion import RelativeMotion, Where
 
 
@@ -35,7 +37,7 @@ MEASUREMENT_FRAMES = MappingProxyType(
 )
 
 
-class FrameSensor(LeafSystem):
+class FrameSensor(Block):
     """Senses pose and motion of a frame F, the follower, relative to a frame B, the base.
 
     Both frames may move. Vectors are expressed in the axes of a frame E (``expressed_in``), and
@@ -133,7 +135,17 @@ class FrameSensor(LeafSystem):
         euler: str | None = None,
         rotation_matrix: bool = False,
     ) -> None:
-        super().__init__()
+        Block.__init__(
+            self,
+            plant,
+            frame,
+            base,
+            expressed_in=expressed_in,
+            observed_in=observed_in,
+            acceleration=acceleration,
+            euler=euler,
+            rotation_matrix=rotation_matrix,
+        )
         require_kind("acceleration", acceleration, bool)
         require_kind("rotation_matrix", rotation_matrix, bool)
         self._motion = RelativeMotion(
@@ -153,6 +165,11 @@ class FrameSensor(LeafSystem):
 
     def _declare_angles(self, euler: str) -> None:
         require_sequence(euler)
+        if not isinstance(self, LeafSystem):
+            raise InvalidValueError(
+                f"{self.__class__.__name__} has no derivatives of Euler angles",
+                advice="leave `euler` out, and use the port rotation_matrix",
+            )
         self._declare("angles", 3, lambda motion: motion.angles(euler))
         self._declare("angle_rates", 3, lambda motion: motion.angle_rates(euler))
         self._declare(

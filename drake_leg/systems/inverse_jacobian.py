@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.movable import Movable, require_movable
 from drake_leg.singularity.look_ahead import Instant
+from drake_leg.systems.block import Block
 
 
-class InverseJacobian(LeafSystem):
+class InverseJacobian(Block):
     """Computes the joint rates and accelerations that make the foot follow its command.
 
     ========== ===== ===== ============ ===========================================
@@ -55,7 +56,7 @@ class InverseJacobian(LeafSystem):
 
     def __init__(self, robot: Movable) -> None:
         require_movable(robot)
-        super().__init__()
+        Block.__init__(self, robot)
         self.robot = robot
         n, m = robot.joints, robot.size
         self._q = self.DeclareVectorInputPort("q", n)

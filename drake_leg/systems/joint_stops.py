@@ -6,16 +6,17 @@ from collections.abc import Mapping
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.joint_stop import stop_force, stored_energy
 from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.systems.block import Block
 from drake_leg.systems.partial_dynamics import joints_of_one_axis
 
 
-class JointStops(LeafSystem):
+class JointStops(Block):
     """Pushes joints back into their limits with Simscape's smoothed spring and damper.
 
     At a depth x beyond its bound, growing at the rate v, a joint is pushed back by
@@ -54,7 +55,7 @@ class JointStops(LeafSystem):
     """
 
     def __init__(self, plant: MultibodyPlant, mechanics: Mapping[str, JointMechanics]) -> None:
-        super().__init__()
+        Block.__init__(self, plant, mechanics)
         if not isinstance(mechanics, Mapping):
             raise InvalidValueError(
                 f"the mechanics are {shown(mechanics)}; they must be a mapping from the names of "
@@ -80,7 +81,8 @@ class JointStops(LeafSystem):
         self.DeclareVectorOutputPort("energy", 1, self._calc_energy, used)
 
     def _calc_force(self, context: Context, force: BasicVector) -> None:
-        state, total = self._state.Eval(context), np.zeros(force.size())
+        state = self._state.Eval(context)
+        total = np.zeros(force.size(), dtype=state.dtype)
         for at, rate, index, side, bound, stop in self._stops:
             depth = side * (state[at] - bound)
             if depth > 0.0:
@@ -90,7 +92,7 @@ class JointStops(LeafSystem):
     def _calc_energy(self, context: Context, energy: BasicVector) -> None:
         state = self._state.Eval(context)
         stored = (
-            float(stored_energy(stop, max(0.0, side * (state[at] - bound))))
+            stored_energy(stop, max(0.0, side * (state[at] - bound)))
             for at, _, _, side, bound, stop in self._stops
         )
         energy.SetFromVector([sum(stored)])

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Joint, MultibodyForces
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.autodiffutils import AutoDiffXd
+from pydrake.math import inv
+from pydrake.multibody.plant import MultibodyPlant, MultibodyPlant_
+from pydrake.multibody.tree import Joint, Joint_, MultibodyForces_
+from pydrake.systems.framework import BasicVector, Context
 
 from drake_leg.arguments import require_kind, shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
+from drake_leg.systems.block import Block
 
 _ONE_AXIS = ("revolute", "prismatic")
 
@@ -24,7 +27,8 @@ def require_plant(plant: MultibodyPlant) -> None:
     InvalidValueError
         If it is not a plant, or not finalized.
     """
-    require_kind("the plant", plant, MultibodyPlant)
+    if not isinstance(plant, MultibodyPlant_[AutoDiffXd]):
+        require_kind("the plant", plant, MultibodyPlant)
     if not plant.is_finalized():
         raise InvalidValueError(
             f"the plant {plant.get_name()!r} is not finalized; call its Finalize() before"
@@ -50,7 +54,7 @@ def joints_of_one_axis(plant: MultibodyPlant, joints: Iterable[str | Joint]) -> 
     named = [joints] if isinstance(joints, str) else list(joints)
     found = [_joint(plant, joint) if isinstance(joint, str) else joint for joint in named]
     for joint in found:
-        if not isinstance(joint, Joint) or joint.GetParentPlant() is not plant:
+        if not isinstance(joint, Joint | Joint_[AutoDiffXd]) or joint.GetParentPlant() is not plant:
             raise InvalidValueError(
                 f"{shown(joint)} is not a joint of the plant {plant.get_name()!r}; give its joints "
                 "or their names"
@@ -88,7 +92,7 @@ def _joint(plant: MultibodyPlant, name: str) -> Joint:
     raise InvalidValueError(f"there is no joint {name!r}; those of one axis are {names or 'none'}")
 
 
-class PartialInverseDynamics(LeafSystem):
+class PartialInverseDynamics(Block):
     """Computes the forces that give some joints D their accelerations, the others U being free.
 
     ``M_UU a_U = f_U - C_U - M_UD a_D`` and ``tau_D = M_DD a_D + M_DU a_U + C_D - f_D``, where
@@ -126,7 +130,7 @@ class PartialInverseDynamics(LeafSystem):
     """
 
     def __init__(self, plant: MultibodyPlant, joints: Sequence[Joint]) -> None:
-        super().__init__()
+        Block.__init__(self, plant, joints)
         if plant.num_constraints():
             raise InvalidValueError(
                 f"{plant.get_name()!r} has {plant.num_constraints()} constraints between its "
@@ -134,6 +138,7 @@ class PartialInverseDynamics(LeafSystem):
             )
         self._plant = plant
         self._scratch = plant.CreateDefaultContext()
+        self._forces = MultibodyForces_(plant)  # scratch, too
         nv = plant.num_velocities()
         self._driven = [joint.velocity_start() for joint in joints]
         self._others = [index for index in range(nv) if index not in self._driven]
@@ -165,41 +170,49 @@ class PartialInverseDynamics(LeafSystem):
     def _calc_torque(self, context: Context, torque: BasicVector) -> None:
         plant, scratch, driven, others = self._plant, self._scratch, self._driven, self._others
         plant.SetPositionsAndVelocities(scratch, self._state.Eval(context))
-        vdot = np.zeros(plant.num_velocities())
-        vdot[driven] = self._acceleration.Eval(context)
-        tau = plant.CalcInverseDynamics(scratch, vdot, self._forces(context))
+        acceleration = self._acceleration.Eval(context)
+        vdot = np.zeros(plant.num_velocities(), dtype=acceleration.dtype)
+        vdot[driven] = acceleration
+        self._set_forces(context)
+        tau = plant.CalcInverseDynamics(scratch, vdot, self._forces) - self._generalized(context)
         if others:
             M = plant.CalcMassMatrix(scratch)
-            tau += M[:, others] @ self._solved(M[np.ix_(others, others)], -tau[others])
+            tau = tau + M[:, others] @ self._solved(M[np.ix_(others, others)], -tau[others])
         torque.SetFromVector(tau[driven])
 
     def _calc_generalized_force(self, context: Context, force: BasicVector) -> None:
-        total = np.zeros(force.size())
-        total[self._driven] = self._torque.Eval(context)
+        torque = self._torque.Eval(context)
+        total = np.zeros(force.size(), dtype=torque.dtype)
+        total[self._driven] = torque
         if self._applied.HasValue(context):
             total += self._applied.Eval(context)
         force.SetFromVector(total)
 
-    def _forces(self, context: Context) -> MultibodyForces:
-        """Sum gravity, springs, dampers and the forces at the inputs."""
-        plant, scratch = self._plant, self._scratch
-        forces = MultibodyForces(plant)
+    def _set_forces(self, context: Context) -> None:
+        """Sum gravity, springs, dampers and spatial forces in ``self._forces``."""
+        plant, scratch, forces = self._plant, self._scratch, self._forces
         plant.CalcForceElementsContribution(scratch, forces)
-        generalized = forces.mutable_generalized_forces()
-        for port in (self._applied, self._contact):
-            if port.HasValue(context):
-                generalized += port.Eval(context)
-        if self._actuation.HasValue(context):
-            actuation = np.clip(self._actuation.Eval(context), -self._efforts, self._efforts)
-            generalized += self._actuation_matrix @ actuation
         if self._spatial.HasValue(context):
             for applied in self._spatial.Eval(context):
                 body = plant.get_body(applied.body_index)
                 p_BoBq_W = body.EvalPoseInWorld(scratch).rotation() @ applied.p_BoBq_B
                 body.AddInForce(scratch, p_BoBq_W, applied.F_Bq_W, plant.world_frame(), forces)
-        return forces
+
+    def _generalized(self, context: Context) -> Array:
+        """Sum the generalized forces at the inputs, (nv,)."""
+        total: Array = np.zeros(self._plant.num_velocities())
+        for port in (self._applied, self._contact):
+            if port.HasValue(context):
+                total = total + port.Eval(context)
+        if self._actuation.HasValue(context):
+            actuation = np.clip(self._actuation.Eval(context), -self._efforts, self._efforts)
+            total = total + self._actuation_matrix @ actuation
+        return total
 
     def _solved(self, M_UU: Array, forces: Array) -> Array:
+        if M_UU.dtype == object:  # AutoDiffXd
+            solution: Array = inv(M_UU) @ forces
+            return solution
         try:
             return np.asarray(np.linalg.solve(M_UU, forces), dtype=np.float64)
         except np.linalg.LinAlgError:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 import numpy as np
+from pydrake.autodiffutils import AutoDiffXd
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Frame, JacobianWrtVariable
+from pydrake.multibody.tree import Frame, Frame_, JacobianWrtVariable
 
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
@@ -154,7 +155,7 @@ class RelativeMotion:
 
 
 def _own(plant: MultibodyPlant, frame: Frame) -> Frame:
-    if not isinstance(frame, Frame):
+    if not isinstance(frame, Frame | Frame_[AutoDiffXd]):
         name = frame if isinstance(frame, str) else "foot"
         raise InvalidValueError(
             f"{shown(frame)} is not a frame; take one from the plant, as "

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector, Context
 
 from drake_leg.kinematics.motions import limited_speed
 from drake_leg.kinematics.movable import Floats
+from drake_leg.systems.block import Block
 from drake_leg.units import require_positive
 
 
-class SpeedLimit(LeafSystem):
+class SpeedLimit(Block):
     """Limits the magnitude of a velocity and keeps its direction.
 
     ================ ===== ===== ======= ==========================================
@@ -35,7 +36,7 @@ class SpeedLimit(LeafSystem):
     """
 
     def __init__(self, top: float, lengths: Floats = (1.0, 1.0, 1.0)) -> None:
-        super().__init__()
+        Block.__init__(self, top, lengths)
         require_positive("the greatest speed", top, "m/s")
         self._top, self._lengths = top, lengths
         n = len(lengths)

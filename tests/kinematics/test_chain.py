@@ -28,11 +28,12 @@ from chains import (
 from witnesses import jacobian_rate_bias
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.chain import foot_jacobian_rate, freedoms, movable
+from drake_leg.kinematics.chain import freedoms, movable
 from drake_leg.kinematics.khalil import (
     base_transforms,
     chain_frames,
     chain_length,
+    foot_jacobian_rate,
     foot_pose,
     jacobian,
     jacobian_by_differentiation,
