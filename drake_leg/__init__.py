@@ -54,6 +54,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 - ``simulate``: run a diagram and collect its scopes; stops before a singularity.
 - ``run``: carry out a named run and compare it with its exact motion.
+- ``gradient``: the derivatives of a run's result by its options, through the run.
 - ``Recording``: named columns with units, to CSV; ``Recording.read_csv`` reads one back.
 
 **Pictures** (a notebook shows them)
@@ -116,6 +117,7 @@ if TYPE_CHECKING:
     from drake_leg.simulation.recording import Recording as Recording
     from drake_leg.simulation.run import simulate as simulate
     from drake_leg.singularity.doctor import examine_posture as examine_posture
+    from drake_leg.studies.gradient import gradient as gradient
     from drake_leg.symbolic.catalogue import derive as derive
     from drake_leg.systems.drift_correction import DriftCorrection as DriftCorrection
     from drake_leg.systems.energy_sensor import EnergySensor as EnergySensor
@@ -164,6 +166,7 @@ _HOMES = {
     "errata": ("drake_leg.lab.shown", "errata"),
     "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.pictures.plots.free_body", "free_body"),
+    "gradient": ("drake_leg.studies.gradient", "gradient"),
     "load_robot": ("drake_leg.robot.toml_reader", "load_robot"),
     "movable": ("drake_leg.kinematics.chain", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),

@@ -254,10 +254,7 @@ class MovableLeg(Movable):
 
 
 class DifferentiableLeg(MovableLeg):
-    """The leg for angles, and lengths, that carry derivatives, such as AutoDiffXd.
-
-    Only what an InverseJacobian asks for is computed in them.
-    """
+    """The leg for angles, and lengths l1, l2, l3, that carry derivatives, such as AutoDiffXd."""
 
     _functions = (cosine, sine)
 
@@ -266,10 +263,34 @@ class DifferentiableLeg(MovableLeg):
         if lengths:
             self._numbers = (*lengths, leg.sign)
 
+    def foot(self, q: Floats) -> Array:
+        """Position of the foot in the base frame, (3,) [m]."""
+        c1, s1, _, z2, _, z3, reach = self._links(q)
+        return np.array([c1 * reach, s1 * reach, self.geometry.sign * (z2 + z3)])
+
+    def jacobian(self, q: Floats) -> Array:
+        """Translational Jacobian, (3, 3) [m/rad]."""
+        c1, s1, x2, z2, x3, z3, reach = self._links(q)
+        sign, depth = self.geometry.sign, z2 + z3
+        return np.array(
+            [
+                [-s1 * reach, -c1 * depth, -c1 * z3],
+                [c1 * reach, -s1 * depth, -s1 * z3],
+                [0.0 * c1, sign * (x2 + x3), sign * x3],
+            ]
+        )
+
+    def _links(self, q: Floats) -> _Links:
+        l1, l2, l3, _ = self._numbers
+        q1, q2, q3 = q
+        x2, z2 = l2 * cosine(q2), l2 * sine(q2)
+        x3, z3 = l3 * cosine(q2 + q3), l3 * sine(q2 + q3)
+        return _Links(cosine(q1), sine(q1), x2, z2, x3, z3, l1 + x2 + x3)
+
     def singular(self, q: Floats, time: float | None = None) -> SingularConfigurationError:
         """Make the error of a singular posture, in floats."""
         now = None if time is None else value_of(time)
-        return super().singular([value_of(each) for each in q], now)
+        return MovableLeg(self.geometry).singular([value_of(each) for each in q], now)
 
 
 def foot_rotation_angles(leg: LegGeometry, R_BF: ArrayLike) -> Array:

@@ -53,14 +53,14 @@ class RunKind:
 
     def run(self, options: Any, progress: Progress | None = None) -> Outcome:  # noqa: ANN401
         """Simulate."""
-        posed = self._posed(options)
+        posed = self.posed(options)
         outcome: Outcome = self._module().run(self.robot(options), posed, progress)
         return outcome
 
     def diagram(self, options: Any) -> tuple[Diagram, Start]:  # noqa: ANN401
         """Build the diagram that is simulated; return it with its start."""
         built: tuple[Diagram, Start] = self._module().diagram(
-            self.robot(options), self._posed(options)
+            self.robot(options), self.posed(options)
         )
         return built
 
@@ -69,7 +69,7 @@ class RunKind:
         robot: Robot = options.robot() if self.own is None else self.own
         return robot
 
-    def _posed(self, options: Any) -> Any:  # noqa: ANN401
+    def posed(self, options: Any) -> Any:  # noqa: ANN401
         """Let a report's robot that is given as one's own start where its own run does."""
         if self.own is None or options.q0 is not None:
             return options
