@@ -55,6 +55,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 - ``simulate``: run a diagram and collect its scopes; stops before a singularity.
 - ``run``: carry out a named run and compare it with its exact motion.
 - ``gradient``: the derivatives of a run's result by its options, through the run.
+- ``sweep``: carry out many runs, over grids or samples of whatever a run takes.
 - ``Recording``: named columns with units, to CSV; ``Recording.read_csv`` reads one back.
 
 **Pictures** (a notebook shows them)
@@ -118,6 +119,7 @@ if TYPE_CHECKING:
     from drake_leg.simulation.run import simulate as simulate
     from drake_leg.singularity.doctor import examine_posture as examine_posture
     from drake_leg.studies.gradient import gradient as gradient
+    from drake_leg.studies.sweep import sweep as sweep
     from drake_leg.symbolic.catalogue import derive as derive
     from drake_leg.systems.drift_correction import DriftCorrection as DriftCorrection
     from drake_leg.systems.energy_sensor import EnergySensor as EnergySensor
@@ -175,6 +177,7 @@ _HOMES = {
     "run": ("drake_leg.runs.named", "run"),
     "simulate": ("drake_leg.simulation.run", "simulate"),
     "still": ("drake_leg.scene.media", "still"),
+    "sweep": ("drake_leg.studies.sweep", "sweep"),
     "view": ("drake_leg.scene.viewer", "view"),
     "write_video": ("drake_leg.scene.media", "write_video"),
 }

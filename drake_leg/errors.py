@@ -360,3 +360,23 @@ def require_pillow() -> None:
         package="Pillow",
         remedy="pip install --force-reinstall pillow",
     )
+
+
+def require_pyarrow() -> None:
+    """Refuse to go on without pyarrow, which the table of a sweep needs."""
+    require_import(
+        "pyarrow.parquet",
+        purpose="the table of a sweep",
+        package="pyarrow",
+        remedy="pip install 'drake-leg[sweep]'",
+    )
+
+
+def require_distributed() -> None:
+    """Refuse to go on without dask.distributed, which a cluster needs."""
+    require_import(
+        "distributed",
+        purpose="a cluster",
+        package="dask.distributed",
+        remedy="pip install 'drake-leg[cluster]'",
+    )

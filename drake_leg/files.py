@@ -12,6 +12,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from io import BufferedReader
 from itertools import count
 from pathlib import Path
+from typing import Self
 
 from drake_leg.arguments import require_kind
 from drake_leg.errors import OutputError, PlaceError, UnreadableFileError
@@ -186,6 +187,15 @@ class ResultsFolder:
         self._old = _identity(target.lstat()) if target.exists() else None
         self._own: Identity | None = None
 
+    @classmethod
+    def resumed(cls, target: Path) -> Self:
+        """Return a folder that an earlier call has begun, to add more files to it."""
+        folder = cls.__new__(cls)
+        folder.path, folder.remark, folder._old = target, None, None
+        with _write_errors(target):
+            folder._own = _identity(target.lstat())
+        return folder
+
     @contextmanager
     def begun(self) -> Iterator[Path]:
         """Yield a folder to write data into; move it to its place when all is written.
@@ -209,8 +219,10 @@ class ResultsFolder:
                 self._put(new)
 
     @contextmanager
-    def more(self) -> Iterator[Path]:
+    def more(self, *, replacing: bool = False) -> Iterator[Path]:
         """Yield a folder to write more files into; move each to its place when all are written.
+
+        With ``replacing``, a file takes the place of one that this program has written.
 
         Raises
         ------
@@ -225,8 +237,12 @@ class ResultsFolder:
                     raise OutputError(
                         f"{self.path} is another folder by now; its pictures were left out"
                     )
+                own = _listed(self.path) if replacing else []
                 for file in sorted(scratch.iterdir()):
-                    self._add(file, folder)
+                    if file.name in own:
+                        os.replace(file, file.name, dst_dir_fd=folder)
+                    else:
+                        self._add(file, folder)
 
     def _put(self, new: Path) -> None:
         wanted = self.path

@@ -59,6 +59,11 @@ class ProgressBar:
         self._done = done
         self._show()
 
+    def count(self, done: float, total: float) -> None:
+        """Report how much is done of a total that is known only now."""
+        self._total = total
+        self(done)
+
     def turn_to(self, stage: str) -> None:
         """Show a stage whose progress is unknown."""
         self._stage = stage

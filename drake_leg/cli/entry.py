@@ -26,6 +26,7 @@ from drake_leg.errors import (
 COMMANDS = {
     "list": ("drake_leg.cli.entry", "list the runs"),
     "run": ("drake_leg.cli.run", "carry out one run"),
+    "sweep": ("drake_leg.cli.sweep", "carry out many runs, and plot what came out"),
     "replay": ("drake_leg.cli.replay", "show a run again, as a page or as video"),
     "view": ("drake_leg.cli.view", "look at a robot in 3D, its joints on sliders"),
     "teleop": ("drake_leg.cli.view", "drive a leg's foot by hand, in real time"),
@@ -49,6 +50,7 @@ COMMANDS = {
 
 EXAMPLES = {
     "run": "run leg-b --out results",
+    "sweep": "sweep leg-b --vary femur=0.06:0.14:9 --out sweep",
     "replay": "replay results --out replay.html",
     "view": "view leg-b",
     "teleop": "teleop leg-b",
