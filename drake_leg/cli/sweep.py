@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.run import add_run_options, options_of
@@ -202,10 +203,10 @@ def _executor(address: str | None) -> Iterator[Executor | None]:
         yield None
         return
     require_distributed()
-    from distributed import Client
+    distributed: Any = import_module("distributed")  # which has few types
 
     try:
-        client = Client(address, timeout="10s")
+        client = distributed.Client(address, timeout="10s")
     except (OSError, ValueError) as error:
         raise InvalidValueError(
             f"no Dask scheduler answers at {address} ({in_a_line(error)})",

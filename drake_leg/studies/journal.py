@@ -82,7 +82,7 @@ class Journal:
         found, whole = {}, 0
         for line in content.splitlines(keepends=True):
             try:
-                entry = json.loads(line) if line.endswith(b"\n") else None
+                entry: Any = json.loads(line) if line.endswith(b"\n") else None
                 found[entry["place"]] = entry["row"]
             except (ValueError, TypeError, KeyError):
                 break

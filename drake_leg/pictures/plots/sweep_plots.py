@@ -19,7 +19,7 @@ MOST_LEVELS = 8  # of contours
 SMALLEST_CONTOURED = 4  # rows or columns of a map that has contours
 FEW_POINTS = 60  # of a curve whose points are marked
 SMALL, MANY = 2.0, 2000  # a point of a cloud of many [pt]
-BEST = 1e-12  # of a field's range: a smaller gain is none
+BEST = 1e-6  # of a field's range: a smaller gain is none
 
 
 class Axis(NamedTuple):
@@ -116,13 +116,20 @@ def pareto_plot(
 def pareto_front(first: Array, second: Array) -> NDArray[np.int_]:
     """Places of the points (n,) than which none is smaller in both, in order of the first."""
     known = np.flatnonzero(np.isfinite(first) & np.isfinite(second))
-    order = known[np.lexsort((second[known], first[known]))]
-    if not len(order):
-        return order
-    least = np.minimum.accumulate(second[order])
-    enough = BEST * float(np.ptp(second[order]))
-    better = np.concatenate([[True], second[order][1:] < least[:-1] - enough])
-    return order[better]
+    if not len(known):
+        return known
+    x, y = _in_steps(first[known]), _in_steps(second[known])
+    order = np.lexsort((y, x))
+    least = np.minimum.accumulate(y[order])
+    better = np.concatenate([[True], y[order][1:] < least[:-1]])
+    front: NDArray[np.int_] = known[order[better]]
+    return front
+
+
+def _in_steps(values: Array) -> Array:
+    """Round to what a gain must at least be, so that rounding errors are none."""
+    step = BEST * float(np.ptp(values)) or 1.0
+    return np.round((values - values.min()) / step)
 
 
 def _places(axis: Axis) -> tuple[Array, list[str]]:

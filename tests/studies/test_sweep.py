@@ -1,0 +1,425 @@
+"""A sweep: its plan, its rows, its journal, its executors; nothing is lost, nothing twice."""
+
+import json
+import math
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from itertools import chain
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from drake_leg.errors import DrakeLegError, InvalidValueError, OutputError
+from drake_leg.files import LIST
+from drake_leg.runs.catalogue import RUNS, run_kind
+from drake_leg.runs.named import run
+from drake_leg.studies import pool, row
+from drake_leg.studies.journal import JOURNAL
+from drake_leg.studies.plan import Plan, samples
+from drake_leg.studies.pool import Dispatcher
+from drake_leg.studies.row import Done, carried_out, flat
+from drake_leg.studies.sweep import RUNS as TABLE
+from drake_leg.studies.sweep import sweep
+from drake_leg.studies.table import Table, read_table
+from drake_leg.studies.variation import variations
+
+SHORT = {"duration": 0.1}
+
+
+def planned(name="leg-b", **vary):
+    kind = run_kind(name)
+    return Plan(name=name, kind=kind, fixed={}, vary=variations(kind.options, name, vary, {}))
+
+
+class Here(Executor):
+    """Carries out a task when it is submitted; loses its worker where it is told to."""
+
+    def __init__(self, loses=lambda task, count: False):
+        self.submitted, self._loses = [], loses
+
+    def submit(self, function, task):
+        self.submitted.append(list(task.places))
+        future = Future()
+        if self._loses(task, len(self.submitted)):
+            future.set_exception(ConnectionError("the worker is gone"))
+        else:
+            future.set_result(function(task))
+        return future
+
+
+# --- the plan -----------------------------------------------------------------------------------
+
+
+def test_a_grid_has_every_point_and_the_last_one_varies_fastest():
+    plan = planned(femur="0.06:0.14:3", inverse="exact,damped")
+    assert len(plan) == 6
+    assert plan.values(0) == {"femur": 0.06, "inverse": "exact"}
+    assert plan.values(1) == {"femur": 0.06, "inverse": "damped"}
+    assert plan.values(5) == {"femur": 0.14, "inverse": "damped"}
+    assert plan.options(5) == {"l2": 0.14, "inverse": "damped"}
+
+
+def test_a_component_leaves_the_others():
+    plan = planned(**{"q0[1]": [-60, -40]})
+    assert plan.options(1) == {"q0": [90.0, -40, -90.0]}
+
+
+def test_a_whole_list_is_a_choice():
+    for choices in ("90,-50,-90;90,-60,-80", [[90, -50, -90], (90, -60, -80)]):
+        assert planned(q0=choices).options(1) == {"q0": [90, -60, -80]}
+
+
+@pytest.mark.parametrize("sampler", ["sobol", "random"])
+def test_samples_are_repeatable_and_fill_the_ranges(sampler):
+    points = samples(sampler, 3, 100, seed=7)
+    assert points.shape == (100, 3)
+    assert ((points >= 0.0) & (points < 1.0)).all()
+    np.testing.assert_array_equal(points, samples(sampler, 3, 100, seed=7))
+    assert (points != samples(sampler, 3, 100, seed=8)).any()
+    assert np.abs(points.mean(axis=0) - 0.5).max() < 0.1
+
+
+def test_sobol_covers_better_than_chance():
+    """Each of 64 equal parts of an axis has one of 64 points."""
+    points = samples("sobol", 2, 64, seed=0)
+    for column in points.T:
+        assert sorted((column * 64).astype(int)) == list(range(64))
+
+
+def test_everything_that_a_run_takes_can_vary():
+    for name, kind in RUNS.items():
+        for option, default in vars(kind.options()).items():
+            value = 1.0 if default is None else default
+            if isinstance(value, list) or option in ("q0", "push", "q0_error", "direction"):
+                value = value if isinstance(value, list) else [value]
+            (one,) = variations(kind.options, name, {option: [value]}, {})
+            assert one.grid[0] == value
+
+
+PLANS = {
+    "no option": ({"femor": "1:2:3"}, {}, r"no option 'femor' to vary: did you mean femur\?"),
+    "nothing": ({}, {}, "vary is {}; it must say what is varied"),
+    "one value": ({"amplitude[0]": [1.0]}, {}, "amplitude is one value, and has no component 0"),
+    "no component": ({"q0[7]": [1.0]}, {}, "q0 has no component 7"),
+    "twice": ({"femur": [0.1], "l2": [0.1]}, {}, "l2 is given twice"),
+    "also fixed": ({"femur": [0.1]}, {"l2": 0.1}, "femur is given twice"),
+    "backwards": ({"femur": "2:1:3"}, {}, "ends at or below its start: put the smaller"),
+    "no number": ({"femur": "a:b:3"}, {}, "femur has 'a', which is not a number"),
+    "no count": ({"femur": "1:2"}, {}, "a range without a count.*or give `sample`"),
+    "count": ({"femur": "1:2:2.5"}, {}, "their count must be a whole number"),
+    "no choice": ({"inverse": "exact,"}, {}, "a choice is empty"),
+    "scalar": ({"femur": 0.1}, {}, "femur is 0.1; it must be a list of its values"),
+    "text": ({"femur": ["a"]}, {}, "l2 is 'a'; it must be a finite number"),
+    "option": ({"femur": [0.1]}, {"amplitud": 1}, r"no option 'amplitud': did you mean amplitude"),
+    "count and sample": ({"femur": "1:2:3"}, {"sample": 4}, "count, and samples are taken"),
+    "sample": ({"femur": "1:2"}, {"sample": 0}, "sample is 0; it must be a whole number"),
+    "seed": ({"femur": [0.1]}, {"seed": 3}, "the seed is 3, and nothing is sampled"),
+    "sampler": ({"femur": "1:2"}, {"sample": 2, "sampler": "x"}, "the sampler is 'x'"),
+    "fields": ({"femur": [0.1]}, {"fields": "stroke_m"}, "fields is 'stroke_m'"),
+    "workers": ({"femur": [0.1]}, {"workers": 0}, "workers is 0"),
+    "executor": ({"femur": [0.1]}, {"executor": 3}, "the executor is 3"),
+    "progress": ({"femur": [0.1]}, {"progress": 3}, "progress is 3; it must be a function"),
+    "out": ({"femur": [0.1]}, {"out": 3}, "out is 3"),
+}
+
+
+@pytest.mark.parametrize("case", PLANS)
+def test_what_makes_no_sense_is_refused(case):
+    vary, more, sentence = PLANS[case]
+    with pytest.raises(InvalidValueError, match=sentence):
+        sweep("leg-b", vary=vary, **more)
+
+
+# --- the rows -----------------------------------------------------------------------------------
+
+
+def test_a_row_is_the_summary_of_the_run():
+    result = sweep("leg-b", vary={"amplitude": [0.02, 0.05]}, **SHORT)
+    for place, amplitude in enumerate((0.02, 0.05)):
+        summary = flat(run("leg-b", amplitude=amplitude, **SHORT).summary)
+        for key in set(summary) - {"real_time_factor", "stop_reason"}:
+            found = result[key][place]
+            assert found == summary[key] or (summary[key] is None and found != found), key
+    assert result["status"].tolist() == ["done", "done"]
+    assert "run" in result.table
+
+
+def test_stops_refusals_and_failures_are_rows(monkeypatch):
+    vary = {"amplitude": [0.05, 0.2], "force": [False, True]}
+    result = sweep("leg-b", vary=vary, duration=2.0, workers=1)
+    assert result["status"].tolist() == ["done", "done", "singular", "singular"]
+    foreseen, met = result["stopped_at_s"][2:]
+    assert foreseen == pytest.approx(met, abs=1e-6)
+    assert "would become singular" in result["message"][2]
+    assert np.isnan(result["stroke_m"][2])
+    assert result["stroke_m"][3] > 0.1
+    refused = sweep("leg-b", vary={"l2": [-1.0]}, **SHORT)
+    assert refused["status"][0] == "refused"
+    assert "the length l2 is -1.0 m" in refused["message"][0]
+
+    def fails(self, options):
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setattr("drake_leg.runs.catalogue.RunKind.run", fails)
+    failed = sweep("leg-b", vary={"l2": [0.1]}, **SHORT)
+    assert failed["status"][0] == "failed"
+    assert failed["message"][0] == "ZeroDivisionError: by nothing"
+
+
+def test_an_interrupted_run_is_no_row(monkeypatch):
+    outcome = SimpleNamespace(summary={"stop_reason": "interrupted", "stopped_at_s": 0.1})
+    monkeypatch.setattr("drake_leg.runs.catalogue.RunKind.run", lambda self, options: outcome)
+    with pytest.raises(KeyboardInterrupt):
+        sweep("leg-b", vary={"l2": [0.1]})
+
+
+def test_fields_choose_columns():
+    result = sweep("leg-b", vary={"l2": [0.1]}, fields=["q0_deg", "sigma_min_m"], **SHORT)
+    assert list(result.table)[-4:] == ["q0_deg[0]", "q0_deg[1]", "q0_deg[2]", "sigma_min_m"]
+
+
+def test_a_table_survives_parquet(tmp_path):
+    columns = {"run": [0, 1], "text": ["a", None], "number": [1, 2.5], "nothing": [None, None]}
+    Table(columns).write(tmp_path / "t.parquet", "digest")
+    again = read_table(tmp_path / "t.parquet")
+    assert list(again) == list(columns)
+    assert again["text"].tolist() == ["a", None]
+    assert again["number"].tolist() == [1.0, 2.5]
+    assert np.isnan(again["nothing"]).all()
+    with pytest.raises(InvalidValueError, match=r"no column 'numer': did you mean number\?"):
+        again["numer"]
+
+
+# --- the journal --------------------------------------------------------------------------------
+
+
+def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
+    where, done = tmp_path / "s", []
+
+    def interrupt(count, total):
+        assert total == 5
+        done.append(count)
+        if count == 3:
+            raise KeyboardInterrupt
+
+    call = {"vary": {"amplitude": "0.02:0.06:5"}, "workers": 1, "out": where, **SHORT}
+    with pytest.raises(KeyboardInterrupt):
+        sweep("leg-b", **call, progress=interrupt)
+    assert len((where / JOURNAL).read_text().splitlines()) == 3
+    with (where / JOURNAL).open("a") as file:
+        file.write('{"place": 3, "row": {"sta')  # as if killed here
+    counts = []
+    result = sweep("leg-b", **call, progress=lambda count, total: counts.append(count))
+    assert counts == [3, 4, 5]
+    assert result["run"].tolist() == [0, 1, 2, 3, 4]
+    assert result.counts == {"done": 5}
+    whole = sweep("leg-b", **{**call, "out": None})
+    np.testing.assert_array_equal(result["sigma_min_m"], whole["sigma_min_m"])
+    assert not (where / JOURNAL).exists()
+    before = (where / TABLE).read_bytes()
+    sweep("leg-b", **call, progress=lambda *_: pytest.fail("there is nothing to do"))
+    assert (where / TABLE).read_bytes() == before
+
+
+def test_another_plan_is_refused_and_replaced_where_that_is_asked_for(tmp_path):
+    where = tmp_path / "s"
+    sweep("leg-b", vary={"amplitude": [0.02]}, out=where, **SHORT)
+    with pytest.raises(OutputError, match=r"holds a sweep with another plan.*`overwrite=True`"):
+        sweep("leg-b", vary={"amplitude": [0.03]}, out=where, **SHORT)
+    result = sweep("leg-b", vary={"amplitude": [0.03]}, out=where, overwrite=True, **SHORT)
+    assert result["amplitude"].tolist() == [0.03]
+    (where / "mine.txt").write_text("x")
+    with pytest.raises(OutputError, match=r"holds mine.txt"):
+        sweep("leg-b", vary={"amplitude": [0.02]}, out=where, overwrite=True, **SHORT)
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path):
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(OutputError, match="exists"):
+        sweep("leg-b", vary={"amplitude": [0.02]}, out=tmp_path / "mine", **SHORT)
+
+
+# --- executors ----------------------------------------------------------------------------------
+
+
+def test_any_executor_goes_in():
+    vary = {"amplitude": "0.02:0.06:5"}
+    here = Here()
+    result = sweep("leg-b", vary=vary, executor=here, **SHORT)
+    assert sorted(chain.from_iterable(here.submitted)) == [0, 1, 2, 3, 4]
+    with ThreadPoolExecutor(2) as threads:
+        other = sweep("leg-b", vary=vary, executor=threads, **SHORT)
+    for name in ("amplitude", "sigma_min_m", "stroke_m"):
+        np.testing.assert_array_equal(result[name], other[name])
+
+
+def test_a_lost_worker_costs_no_row_and_makes_none_twice():
+    here = Here(loses=lambda task, count: count == 2)
+    result = sweep("leg-b", vary={"amplitude": "0.02:0.06:5"}, executor=here, **SHORT)
+    assert result.counts == {"done": 5}
+    assert result["run"].tolist() == [0, 1, 2, 3, 4]
+
+
+def test_a_run_that_kills_its_workers_is_given_up_and_the_others_are_not():
+    here = Here(loses=lambda task, count: 3 in task.places)
+    result = sweep("leg-b", vary={"amplitude": "0.02:0.06:5"}, executor=here, **SHORT)
+    assert result["status"].tolist() == ["done", "done", "done", "lost", "done"]
+    assert "its worker was lost 3 times (ConnectionError" in result["message"][3]
+
+
+def test_tasks_grow_until_they_take_half_a_second(monkeypatch):
+    def quick(task):
+        return Done({place: {} for place in task.places}, 1e-3 * len(task.places), 0)
+
+    monkeypatch.setattr(pool, "carried_out", quick)
+    here = Here()
+    done = [*Dispatcher(lambda places: row.Task(None, places, (), None), here, 1).rows(range(500))]
+    sizes = [len(places) for places in here.submitted]
+    assert max(sizes) == pool.MOST_AT_ONCE
+    assert sizes[0] == 1
+    assert sorted(place for rows in done for place in rows) == list(range(500))
+
+
+def test_an_executor_that_broke_is_the_callers(monkeypatch):
+    from concurrent.futures.process import BrokenProcessPool
+
+    class Broken(Here):
+        def submit(self, function, task):
+            raise BrokenProcessPool("gone")
+
+    assert issubclass(BrokenProcessPool, BrokenExecutor)
+    with pytest.raises(DrakeLegError, match="the executor has lost its workers: what was done"):
+        sweep("leg-b", vary={"l2": [0.1]}, executor=Broken())
+
+
+def test_what_goes_to_a_worker_and_comes_back_can_be_pickled():
+    plan = planned(amplitude=[0.05, 0.2])
+    task = row.Task(plan.kind, [0, 1], [plan.options(0), plan.options(1)], None)
+    again = pickle.loads(pickle.dumps(task))
+    assert [*pickle.loads(pickle.dumps(carried_out(again))).rows] == [0, 1]
+
+
+def test_a_worker_draws_nothing():
+    """It does not even load what draws."""
+    script = (
+        "import sys\n"
+        "from drake_leg.runs.catalogue import RUNS\n"
+        "from drake_leg.studies.row import row_of\n"
+        "assert row_of(RUNS['leg-b'], {'duration': 0.1})['status'] == 'done'\n"
+        "assert row_of(RUNS['pendulum'], {'duration': 0.1})['status'] == 'done'\n"
+        "assert not {'matplotlib', 'PIL', 'sympy'} & set(sys.modules), 'drawing'\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
+KILLED = """
+import os, sys, time
+from drake_leg.studies.sweep import sweep
+if __name__ == "__main__":
+    sweep("leg-b", vary={"amplitude": "0.02:0.06:40"}, duration=2.0, workers=2, out=sys.argv[1])
+"""
+
+
+@pytest.mark.slow
+def test_a_killed_sweep_leaves_no_process_and_goes_on(tmp_path):
+    script, where = tmp_path / "killed.py", tmp_path / "s"
+    script.write_text(KILLED)
+    parent = subprocess.Popen([sys.executable, str(script), str(where)])
+    journal = where / JOURNAL
+    wait_for(lambda: journal.exists() and len(journal.read_text().splitlines()) > 2)
+    children = children_of(parent.pid)
+    assert len(children) >= 2
+    parent.send_signal(signal.SIGKILL)
+    parent.wait()
+    wait_for(lambda: not any(Path(f"/proc/{child}").exists() for child in children))
+    left = len(journal.read_text().splitlines())
+    subprocess.run([sys.executable, str(script), str(where)], check=True)
+    table = read_table(where / TABLE)
+    assert 2 < left < 40
+    assert table["run"].tolist() == list(range(40))
+    assert set(table["status"]) == {"done"}
+
+
+@pytest.mark.slow
+def test_a_killed_worker_is_replaced(tmp_path):
+    """Of the two processes of this machine one is killed midway: no row lost, none twice."""
+    killed = []
+
+    def kill_one(count, total):
+        if count > 5 and not killed:
+            workers = [pid for pid in children_of(os.getpid()) if "spawn_main" in command_of(pid)]
+            os.kill(workers[0], signal.SIGKILL)
+            killed.append(workers[0])
+
+    result = sweep(
+        "leg-b", vary={"amplitude": "0.02:0.06:40"}, workers=2, progress=kill_one, **SHORT
+    )
+    assert killed
+    assert result["run"].tolist() == list(range(40))
+    assert result.counts == {"done": 40}
+
+
+@pytest.mark.slow
+def test_a_cluster_of_two_workers_of_which_one_is_killed_midway(tmp_path):
+    distributed = pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    killed = []
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+
+        def kill_one(count, total):
+            if count > 5 and not killed:
+                pid = next(iter(client.run(os.getpid).values()))
+                os.kill(pid, signal.SIGKILL)
+                killed.append(pid)
+
+        result = sweep(
+            "leg-b",
+            vary={"amplitude": "0.02:0.06:60"},
+            executor=client.get_executor(pure=False),
+            progress=kill_one,
+            out=tmp_path / "s",
+            duration=1.0,
+        )
+    assert killed
+    assert result["run"].tolist() == list(range(60))
+    assert result.counts == {"done": 60}
+    assert math.isfinite(result["sigma_min_m"].sum())
+    assert (tmp_path / "s" / LIST).exists()
+    assert json.loads((tmp_path / "s" / "plan.json").read_text())["runs"] == 60
+
+
+def wait_for(condition):
+    end = time.monotonic() + 120.0
+    while not condition():
+        assert time.monotonic() < end, "in vain"
+        time.sleep(0.05)
+
+
+def children_of(pid):
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(status.read_text().rpartition(")")[2].split()[1])
+        except OSError:
+            continue
+        if parent == pid:
+            found.append(int(status.parent.name))
+    return found
+
+
+def command_of(pid):
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_text()
+    except OSError:
+        return ""
