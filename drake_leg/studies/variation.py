@@ -21,6 +21,7 @@ COMPONENT = re.compile(r"(?P<name>[^\[\]]+)\[(?P<index>\d+)\]")
 RANGE = "a range is `low:high:count`, as 0.06:0.14:9"
 SAMPLED = "a range to sample is `low:high`, as 0.06:0.14"
 MOST_RUNS = 10**8
+DIGITS = 15  # of a grid's values, so that they are those that a person would write
 
 Option = dataclasses.Field[Any]
 
@@ -50,7 +51,7 @@ class Variation:
                 advice=f"{RANGE}; or give `sample`",
             )
         values: list[float] = np.linspace(*self.bounds, self.count).tolist()
-        return values
+        return [float(f"{value:.{DIGITS}g}") for value in values]
 
     def at(self, parts: Array) -> Sequence[Any]:
         """Values at parts (n,) of the range, 0 ... 1."""

@@ -129,7 +129,8 @@ def pareto_front(first: Array, second: Array) -> NDArray[np.int_]:
 def _in_steps(values: Array) -> Array:
     """Round to what a gain must at least be, so that rounding errors are none."""
     step = BEST * float(np.ptp(values)) or 1.0
-    return np.round((values - values.min()) / step)
+    steps: Array = np.round((values - values.min()) / step)
+    return steps
 
 
 def _places(axis: Axis) -> tuple[Array, list[str]]:
