@@ -17,7 +17,6 @@ from functools import cached_property, lru_cache, partial
 from typing import Self
 
 import numpy as np
-from scipy.linalg.lapack import dgeqrf, dgesdd, dgetrf
 
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
@@ -36,7 +35,7 @@ from drake_leg.kinematics.khalil import (
     real_numbers,
 )
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
-from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable
+from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable, lapack
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
 from drake_leg.kinematics.scara import ScaraGeometry, is_scara
 from drake_leg.robot.robot import Robot, Row, Segment, require_robot
@@ -72,22 +71,22 @@ class _Posture:
     @cached_property
     def svd(self) -> tuple[Array, Array, Array]:
         """U (m, m), sigma (m,), Vt (m, n) of J, its rows scaled to lengths."""
-        U, sigma, Vt, _ = dgesdd(self._lengths[:, np.newaxis] * self.J, full_matrices=0)
+        U, sigma, Vt, _ = lapack().dgesdd(self._lengths[:, np.newaxis] * self.J, full_matrices=0)
         return U, sigma, Vt
 
     @cached_property
     def sigma_min(self) -> float:
         """Smallest singular value of J, its rows scaled to lengths."""
-        _, sigma, _, _ = dgesdd(self._lengths[:, np.newaxis] * self.J, compute_uv=0)
+        _, sigma, _, _ = lapack().dgesdd(self._lengths[:, np.newaxis] * self.J, compute_uv=0)
         return float(sigma[-1])
 
     @cached_property
     def determinant(self) -> float:
         """Det J by its LU factors, or ``sqrt(det(J J^T))`` by the QR factors of J^T."""
         if self.J.shape[0] < self.J.shape[1]:
-            factors, *_ = dgeqrf(self.J.T)
+            factors, *_ = lapack().dgeqrf(self.J.T)
             return abs(float(factors.diagonal().prod()))
-        factors, pivots, _ = dgetrf(self.J)
+        factors, pivots, _ = lapack().dgetrf(self.J)
         swaps = sum(row != pivot for row, pivot in enumerate(pivots.tolist()))
         product = float(factors.diagonal().prod())
         return -product if swaps % 2 else product

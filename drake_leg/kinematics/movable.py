@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Self
+from functools import cache
+from typing import Any, Self
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
 
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.khalil import Array
@@ -162,6 +162,14 @@ class Movable(ABC):
         return SingularConfigurationError(q=q, sigma_min=self.sigma_min(q), time=time)
 
 
+@cache
+def lapack() -> Any:  # noqa: ANN401 - SciPy has no types
+    """LAPACK's routines; SciPy takes long to load, and closed forms do without it."""
+    from scipy.linalg import lapack as routines
+
+    return routines
+
+
 def exact_rates(J: Array, v: Array, q: Floats) -> Array:
     """Solve ``J @ qdot = v``: the reports' ``inv(J) * v`` (report A, eq. 19).
 
@@ -169,7 +177,7 @@ def exact_rates(J: Array, v: Array, q: Floats) -> Array:
     error names the posture q. LAPACK's ``dgesv`` is called by itself: ``numpy.linalg.solve`` wraps
     it at four times the cost for a matrix this small, and hides the pivots.
     """
-    lu, _, qdot, _ = dgesv(J, v)
+    lu, _, qdot, _ = lapack().dgesv(J, v)
     pivots = [abs(pivot) for pivot in lu.diagonal().tolist()]
     if not min(pivots) > SINGULAR_BELOW * max(pivots):
         raise SingularConfigurationError(q=q, sigma_min=float(smallest_singular_value(J)))

@@ -10,14 +10,11 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
-from scipy.interpolate import CubicHermiteSpline
-from scipy.optimize import brentq
-from scipy.special import ellipj, ellipkm1
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.joint_stop import limit_energy, limit_force
 from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.roots import sign_change
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Brick, Robot, Row, Solid, mass_properties
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
@@ -161,6 +158,8 @@ def exact_period(model: PendulumModel, q0: float) -> float | None:
     """
     if not _oscillates(model, q0):
         return None
+    from scipy.special import ellipkm1
+
     k_prime = math.cos(_swing(q0) / 2)
     return 4.0 * float(ellipkm1(k_prime**2)) / model.natural_frequency
 
@@ -182,6 +181,8 @@ def exact_motion(
         return _integrated_motion(model, q0, qdot0, instants)
     if math.pi - abs(phi0) < NEARLY_UPRIGHT:
         return _motion_from_upright(model, q0, instants)
+    from scipy.special import ellipj
+
     k, k_prime = math.sin(phi0 / 2), math.cos(phi0 / 2)
     sn, cn, dn, _ = ellipj(model.natural_frequency * instants, k**2)
     phi = 2.0 * np.arctan2(k * cn, k_prime)
@@ -216,6 +217,8 @@ def _solution(
 
     if duration <= 0.0:
         return lambda time: (np.full_like(time, q0), np.full_like(time, qdot0))
+    from scipy.integrate import solve_ivp
+
     if model.limits is not None:
         solved = solve_ivp(
             derivatives,
@@ -260,7 +263,7 @@ def rest_angle(model: PendulumModel, q_end: float) -> float | None:
 
     grid = np.linspace(q_end - math.pi, q_end + math.pi, 721)
     stable = [
-        brentq(torque, left, right, xtol=1e-15)
+        sign_change(torque, left, right)
         for left, right in pairwise(grid)
         if torque(left) >= 0.0 > torque(right)
     ]
@@ -317,6 +320,8 @@ def _steps(model: PendulumModel, rate: float, time: Array, q: Array, qdot: Array
 
 def _between(time: Array, q: Array, qdot: Array, at: float) -> tuple[Array, Array]:
     """Interpolate a motion at a part of every step, by cubics."""
+    from scipy.interpolate import CubicHermiteSpline
+
     motion = CubicHermiteSpline(time, q, qdot)
     there = time[:-1] + at * np.diff(time)
     return motion(there), motion(there, 1)

@@ -13,9 +13,9 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.euler import euler_angles
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import (
@@ -118,12 +118,15 @@ def _set_pose(pose: ET.Element, row: Row) -> None:
     position = [0.0 if abs(value) < 1e-15 else float(value) for value in X_PC[:3, 3]]
     R_PC = np.where(np.abs(X_PC[:3, :3]) < 1e-15, 0.0, X_PC[:3, :3])
     if abs(R_PC[2, 0]) < STEEP:
-        angles = Rotation.from_matrix(R_PC).as_euler("xyz")
+        yaw_pitch_roll = euler_angles("ZYX", R_PC).tolist()
+        angles = [math.pi if angle == -math.pi else angle for angle in reversed(yaw_pitch_roll)]
         pose.text = _numbers((*position, *angles))
     else:
         pose.set("rotation_format", "quat_xyzw")
-        about_x, about_z = Rotation.from_euler("x", row.alpha), Rotation.from_euler("z", row.theta)
-        pose.text = _numbers((*position, *(about_x * about_z).as_quat()))
+        (ca, sa), (ct, st) = (
+            (math.cos(angle / 2), math.sin(angle / 2)) for angle in (row.alpha, row.theta)
+        )
+        pose.text = _numbers((*position, sa * ct, -sa * st, ca * st, ca * ct))
 
 
 def _add_text(parent: ET.Element, tag: str, text: str) -> None:

@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 from pydrake.systems.framework import Diagram
-from scipy.interpolate import BPoly
-from scipy.optimize import brentq
 
 from drake_leg.diagrams.mechanism import start_at_targets
 from drake_leg.diagrams.pendulum import PendulumConfig, build
@@ -23,6 +21,7 @@ from drake_leg.kinematics.pendulum import (
     instability,
     rest_angle,
 )
+from drake_leg.kinematics.roots import sign_change
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import PendulumOptions
 from drake_leg.runs.outcome import SHOWN, Outcome, finer, inaccuracy, outcome_of, shows
@@ -249,10 +248,12 @@ def measured_period(recording: Recording) -> float | None:
 
 
 def _crossing(time: Array, swing: Array, states: Array, row: int) -> float:
+    from scipy.interpolate import BPoly
+
     ends = [[swing[i], states[i, 1], states[i, 2]] for i in (row, row + 1)]
     width = time[row + 1] - time[row]
     curve = BPoly.from_derivatives([0.0, width], ends)
-    return float(time[row] + brentq(curve, 0.0, width, xtol=1e-15))
+    return float(time[row] + sign_change(curve, 0.0, width))
 
 
 def _findings(

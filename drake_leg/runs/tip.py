@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from pydrake.multibody.tree import MultibodyForces
-from scipy.integrate import trapezoid
 
 from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
@@ -101,6 +100,8 @@ def tip_findings(
 
 def _cost(run: Run, distance: Array, disturbance: Disturbance) -> dict[str, Any]:
     """Report the effect of a disturbance; ``distance`` (rows,) is the tip's off its command [m]."""
+    from scipy.integrate import trapezoid  # slow to load
+
     push = disturbance.push
     given = run.scopes["joint torques"]
     asked = run.scopes.get("torques asked for", given)

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import leg, scara
 from drake_leg.kinematics.khalil import Array, one_vector
 from drake_leg.kinematics.leg import LegGeometry, foot_position
+from drake_leg.kinematics.roots import sign_change
 from drake_leg.kinematics.scara import ScaraGeometry
 
 Family = Literal["stretch", "hip-axis"]
@@ -86,7 +86,7 @@ def approaches(edges: Edges, path: Path, breaks: Sequence[float] | Array) -> lis
         first = int(touching[0])
         place = float(places[first])
         if first > 0 and heights[first] < 0.0:
-            place = brentq(at, places[first - 1], place, xtol=1e-300, rtol=1e-15)
+            place = sign_change(at, places[first - 1], place)
         found.append(Approach(place, family, min(float(heights[first:].min()), 0.0)))
     return found
 
@@ -99,6 +99,8 @@ def _with_minima(
     low = np.flatnonzero(lower & (heights[1:-1] < near) & (heights[1:-1] > 0.0)) + 1
     if not len(low):
         return places, heights
+    from scipy.optimize import minimize_scalar  # slow to load, and seldom needed
+
     added = []
     for index in low:
         bounds = (places[index - 1], places[index + 1])

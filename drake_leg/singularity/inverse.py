@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
@@ -219,6 +218,8 @@ class Damped(Movable):
         self, q: Floats, v: Floats, here: _Damping | None, low: Floats, high: Floats
     ) -> Array:
         """Rates within bounds."""
+        from scipy.optimize import lsq_linear  # slow to load
+
         weighted = self._lengths * np.asarray(v)
         matrix, right = self.jacobian_in_lengths(q), weighted
         damper, rest = LEAST * self.length * self.is_redundant, np.zeros(self.joints)
