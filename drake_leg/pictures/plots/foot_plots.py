@@ -22,6 +22,7 @@ from drake_leg.pictures.plots.style import (
     add_degrees,
     claim,
     curves_plot,
+    lay_out,
     legend_above,
     new_figure,
     time_plot,
@@ -331,7 +332,7 @@ def stroboscope(robot: Robot, recording: Recording, title: str) -> Figure:
 
 def _equal_ticks(figure: Figure, panels: Sequence[Axes]) -> None:
     """Put ticks at the same steps on all axes, whose units are equally long on paper."""
-    figure.draw_without_rendering()
+    lay_out(figure)
     widest = max(max(np.ptp(a.get_xlim()), np.ptp(a.get_ylim())) for a in panels)
     low, high = MaxNLocator(7, steps=[1, 2, 5, 10]).tick_values(0.0, float(widest))[:2]
     for axes in panels:

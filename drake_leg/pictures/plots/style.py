@@ -55,6 +55,8 @@ STYLE: dict[Any, Any] = {
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.6,
     "figure.facecolor": "white",
+    "figure.autolayout": False,
+    "figure.constrained_layout.use": False,
     "savefig.dpi": 150,
     "svg.fonttype": "path",
     "svg.hashsalt": "drake-leg",
@@ -179,21 +181,37 @@ def save(
     """
     paths = {ending: folder / f"{name}.{ending}" for ending in formats}
     with mpl.rc_context(STYLE):
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
+        _fix_layout(figure)
         for ending, path in paths.items():
             figure.savefig(path, metadata=NO_DATE[ending])
     return paths
 
 
+def lay_out(figure: Figure) -> None:
+    """Place all parts of a figure, as drawing it would do."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+    for axes in figure.axes:
+        axes.apply_aspect()
+
+
+def _fix_layout(figure: Figure) -> None:
+    """Lay a figure out for good: with an engine, every file of it is laid out and drawn again."""
+    lay_out(figure)
+    figure.set_layout_engine(None)
+
+
 def svg_text(figure: Figure, *, background: Background = "white") -> str:
     """Write a figure as SVG that shrinks to fit its place, the same bytes every time.
 
+    Its layout is fixed from here on.
     ``background`` is white or dark as the reader's system is, always white, or none.
     """
     file = io.StringIO()
     paper = "none" if background == "none" else "auto"
     with mpl.rc_context(STYLE):
+        _fix_layout(figure)
         figure.savefig(file, format="svg", metadata=NO_DATE["svg"], facecolor=paper)
     svg = file.getvalue().replace("<svg ", '<svg style="max-width:100%;height:auto" ', 1)
     return for_light_and_dark(svg) if background == "auto" else svg
@@ -286,7 +304,7 @@ def narrow(figure: Figure) -> None:
         for artist in (*above, *figure.legends):
             artist.set_in_layout(False)  # until it fits
         title = figure.suptitle(figure.get_suptitle(), **TITLE)
-        figure.draw_without_rendering()
+        lay_out(figure)
         inside = 0.97 * figure.bbox.width
         _wrap(title, inside)
         for legend in list(figure.legends):
