@@ -99,7 +99,7 @@ def report(
 ) -> Report:
     """Reproduce every figure, table and equation of both reports on one page.
 
-    It simulates all runs and takes about a minute.
+    It simulates all runs, on all cores, at most four, and takes less than a minute.
 
     Parameters
     ----------

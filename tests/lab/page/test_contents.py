@@ -10,7 +10,7 @@ import sympy as sp
 from drake_leg.lab.errata.catalogue import errata
 from drake_leg.lab.page import mathematics
 from drake_leg.lab.page.contents import RUNS, SUBJECTS, Item, chapters, command
-from drake_leg.lab.page.page import KINDS, PLOTS
+from drake_leg.lab.page.items import KINDS, PLOTS
 from drake_leg.scene.scene import VIEWS
 
 ITEMS = [item for chapter in chapters() for item in chapter.items]
