@@ -99,7 +99,7 @@ def report(
 ) -> Report:
     """Reproduce every figure, table and equation of both reports on one page.
 
-    It simulates all runs, on all cores, at most four, and takes less than a minute.
+    It simulates all runs and uses all cores, at most four; it takes a minute on a slow machine.
 
     Parameters
     ----------
