@@ -6,10 +6,12 @@ from pathlib import Path
 
 import matplotlib
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
 FOLDER = Path(__file__).parents[1] / "examples"
-EXAMPLES = sorted(FOLDER.glob("*.py"))
+STUDY = FOLDER / "choose_lengths.py"  # without a diagram of its own
+EXAMPLES = sorted({*FOLDER.glob("*.py")} - {STUDY})
 LONGEST = 80  # lines
 FARTHEST = 1e-9  # [m or rad] from the exact motion
 
@@ -50,6 +52,20 @@ def test_an_example_runs_and_is_exact(path, capsys):
     assert figure.axes
     (error,) = re.findall(r"farthest from .*: (\S+) (?:m|rad)$", capsys.readouterr().out, re.M)
     assert float(error) < FARTHEST
+
+
+def test_the_lengths_that_are_chosen_are_those_of_a_scan(capsys):
+    text = STUDY.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= LONGEST
+    assert f"python examples/{STUDY.name}\n" in text
+    assert load(STUDY).main().axes
+    said = capsys.readouterr().out
+    chosen, scanned = (re.findall(r"(\d+\.\d\d) mm", line) for line in said.splitlines()[::3])
+    np.testing.assert_allclose(np.float64(chosen), np.float64(scanned), rtol=0.0, atol=0.03)
+    assert "6.0000 mN*m, 15.0000 mm" in said
+    worth = re.findall(r"(-?\d+\.\d\d) mm (?:of stroke )?per", said)
+    assert len(worth) == 2
+    assert min(map(float, worth)) > 0.1
 
 
 def test_the_driven_foot_is_stopped_before_the_leg_is_stretched(capsys):

@@ -92,7 +92,7 @@ class DifferentiatedStep:
     ) -> None:
         self._config, self._numbers, self._settings = config, numbers, settings
         self.moved = _moved(config.movable, numbers)
-        self._command = differentiable(_Command)(numbers, config.movable.twists[3:].T)
+        self._command = self._new_command()
         self._lengths = np.array(config.movable.row_lengths)
         self._torques: _Torques | None = None
 
@@ -102,7 +102,7 @@ class DifferentiatedStep:
         ``rows`` are the run's own instants, so that the steps are the run's.
         """
         builder = DiagramBuilder_[AutoDiffXd]()
-        command = builder.AddSystem(self._command)
+        command = builder.AddSystem(self._new_command())
         inverse = builder.AddSystem(differentiable(InverseJacobian)(self.moved))
         integrator = builder.AddSystem(Integrator_[AutoDiffXd](len(self._numbers.start)))
         builder.Connect(command.get_output_port(), inverse.GetInputPort("v"))
@@ -123,6 +123,9 @@ class DifferentiatedStep:
                 )
             if time >= max(times):
                 return
+
+    def _new_command(self) -> Any:  # noqa: ANN401 - a system of another scalar type
+        return differentiable(_Command)(self._numbers, self._config.movable.twists[3:].T)
 
     def state(self, time: float, q: list[Scalar]) -> State:
         """Return the state at a time [s] with the joints at q (n,)."""

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple, get_args, overload
 
 import numpy as np
 from pydrake.autodiffutils import AutoDiffXd
@@ -148,6 +148,7 @@ class Gradient(Mapping[str, Any]):
         return html_table(("", "value", "unit"), rows, title=f"Gradient of {self.of}")
 
 
+@overload
 def gradient(
     what: str | Path | Robot,
     *,
@@ -155,7 +156,24 @@ def gradient(
     by: str | Sequence[str],
     extremes: Extremes = "rows",
     **options: Any,  # noqa: ANN401 - each run has its own
-) -> Gradient:
+) -> Gradient: ...
+@overload
+def gradient(
+    what: str | Path | Robot,
+    *,
+    of: Sequence[str],
+    by: str | Sequence[str],
+    extremes: Extremes = "rows",
+    **options: Any,  # noqa: ANN401 - each run has its own
+) -> dict[str, Gradient]: ...
+def gradient(
+    what: str | Path | Robot,
+    *,
+    of: str | Sequence[str],
+    by: str | Sequence[str],
+    extremes: Extremes = "rows",
+    **options: Any,
+) -> Gradient | dict[str, Gradient]:
     """Differentiate a result of a straight step by options of the run.
 
     The run is carried out, and then repeated in AutoDiffXd with the run's own steps, as far as the
@@ -166,10 +184,10 @@ def gradient(
     ----------
     what : str, Path or Robot
         "leg-a", "leg-b"; or a robot of your own, or the path of its TOML file.
-    of : str
-        The result: "stroke_m", "sigma_min_m", "det_j_min_m3", "det_j_max_m3" as in the summary of
-        ``run``; "max_torque_n_m" or "max_rate_rad_s", the greatest of any joint; or
-        "end_position_m", where the foot is at the end.
+    of : str or sequence of str
+        The result, or several of one run: "stroke_m", "sigma_min_m", "det_j_min_m3",
+        "det_j_max_m3" as in the summary of ``run``; "max_torque_n_m" or "max_rate_rad_s", the
+        greatest of any joint; or "end_position_m", where the foot is at the end.
     by : str or sequence of str
         Options: "amplitude", "frequency", "direction", "q0", "q0_error", "gravity"; for a leg of
         the reports also "l1", "l2", "l3", "density", "damping". Derivatives are by the option in
@@ -184,7 +202,8 @@ def gradient(
     Returns
     -------
     Gradient
-        A mapping from the names in ``by`` to derivatives, with ``value`` and ``units``.
+        A mapping from the names in ``by`` to derivatives, with ``value`` and ``units``. A dict of
+        them by the name of the result, if ``of`` is a sequence.
 
     Raises
     ------
@@ -205,15 +224,16 @@ def gradient(
     (3,)
     """
     kind = run_kind(what)
-    field = _field(of)
-    names = _names(by)
+    results, names = _names("of", of, "results"), _names("by", by, "options")
+    fields = {name: _field(name) for name in results}
     if extremes not in get_args(Extremes):
         raise InvalidValueError(
             f"extremes is {shown(extremes)}; it must be {' or '.join(get_args(Extremes))}"
         )
-    if extremes == "rows" and field.kind != "end" and "frequency" in names:
+    moving = [name for name, field in fields.items() if field.kind != "end"]
+    if extremes == "rows" and moving and "frequency" in names:
         raise InvalidValueError(
-            f"the rows of the recording do not move with the frequency, but {of} does",
+            f"the rows of the recording do not move with the frequency, but {moving[0]} does",
             advice="choose `extremes='motion'`",
         )
     if not issubclass(kind.options, StraightOptions):
@@ -229,32 +249,33 @@ def gradient(
     outcome = kind.run(chosen)
     _require_end(outcome)
     run = _DifferentiatedRun(config, outcome, seeds)
-    value, slopes, times = run.result(of, field, between_rows=extremes == "motion")
-    return Gradient(
-        of=of,
-        value=value,
-        unit=field.unit,
-        by=seeds.parts(slopes),
-        units=seeds.units(),
-        times=times,
-    )
+    found = {}
+    for name, field in fields.items():
+        value, slopes, times = run.result(name, field, between_rows=extremes == "motion")
+        found[name] = Gradient(
+            of=name,
+            value=value,
+            unit=field.unit,
+            by=seeds.parts(slopes),
+            units=seeds.units(),
+            times=times,
+        )
+    return found[of] if isinstance(of, str) else found
 
 
 def _field(of: str) -> _Field:
-    if not isinstance(of, str) or of not in FIELDS:
+    if of not in FIELDS:
         raise InvalidValueError(
             f"of is {shown(of)}; a step has {', '.join(FIELDS)}", advice=did_you_mean(of, FIELDS)
         )
     return FIELDS[of]
 
 
-def _names(by: str | Sequence[str]) -> list[str]:
-    names = [by] if isinstance(by, str) else by
+def _names(argument: str, given: str | Sequence[str], what: str) -> list[str]:
+    names = [given] if isinstance(given, str) else given
     are_texts = isinstance(names, Collection) and all(isinstance(name, str) for name in names)
     if not are_texts or not names:
-        raise InvalidValueError(
-            f"by is {shown(by)}; it must be names of options, as by=('l2', 'amplitude')"
-        )
+        raise InvalidValueError(f"{argument} is {shown(given)}; it must be names of {what}")
     return list(names)
 
 
@@ -304,6 +325,7 @@ class _DifferentiatedRun:
             scheme=outcome.summary["integrator"], max_step=outcome.summary["max_step_s"]
         )
         self._step = DifferentiatedStep(config, seeds.numbers(), settings)
+        self._states: dict[float, State] = {}  # simulated already
 
     def result(
         self, of: str, field: _Field, *, between_rows: bool
@@ -344,8 +366,10 @@ class _DifferentiatedRun:
 
     def _at(self, times: set[float], field: _Field) -> dict[float, Any]:
         """Results with derivatives at some instants, by instant."""
-        states = self._step.states(self._time.tolist(), sorted(times))
-        return {state.time: field.scalars(self._step, state) for state in states}
+        if not times <= self._states.keys():
+            states = self._step.states(self._time.tolist(), sorted(times))
+            self._states |= {state.time: state for state in states}
+        return {time: field.scalars(self._step, self._states[time]) for time in times}
 
     def _tops(self, field: _Field, rows: Array, sign: float, between_rows: bool) -> list[Peak]:
         """Instants of the greatest values, near ties among them."""
