@@ -1,26 +1,24 @@
 """Choose femur and tibia for the longest step of the hexabot's leg with motors of a given torque.
 
-Coxa, femur plus tibia, and the start are fixed. SciPy chooses femur and amplitude, with derivatives
-that ``gradient`` carries through the simulation; a scan that simulates nothing finds the same.
+SciPy follows gradients through the simulation; a scan without simulation finds the same lengths.
 
     python examples/choose_lengths.py
 
-Things to change: TORQUE and SIGMA, the limits; LEGS and START.
+Things to change: the limits TORQUE and SIGMA; LEGS and START. Coxa and start posture are fixed.
 """
 
 from functools import cache
 
 import matplotlib.pyplot as plt
 import numpy as np
-from scipy.optimize import brentq, minimize
+from scipy.optimize import NonlinearConstraint, brentq, minimize
 
 import drake_leg as dl
 from drake_leg.kinematics.leg import LegGeometry, foot_position, inverse_kinematics
 from drake_leg.robot.robots import hexabot_leg
 
 TORQUE, SIGMA = 6.0, 15.0  # [mN*m], [mm]: greatest torque, smallest singular value
-LEGS = 200.0  # [mm], femur plus tibia
-START = (110.0, 60.0)  # femur [mm], amplitude [mm/s]; the frequency is 1 rad/s
+LEGS, START = 200.0, (110.0, 60.0)  # [mm], femur plus tibia; femur [mm] and amplitude [mm/s]
 Q0 = np.radians([90.0, -50.0, -90.0])  # where the run "leg-b" starts
 
 
@@ -36,9 +34,9 @@ def results(femur: float, amplitude: float) -> tuple[np.ndarray, np.ndarray]:
 
 def choose() -> np.ndarray:
     """Return the femur [mm] and the amplitude [mm/s] of the longest step within the limits."""
-    room, sides = np.array([TORQUE, -SIGMA]), np.array([-1.0, 1.0])
-    within = {"fun": lambda x: room + sides * results(*x)[0][1:], "type": "ineq"}
-    within["jac"] = lambda x: sides[:, np.newaxis] * results(*x)[1][1:]
+    within = NonlinearConstraint(
+        lambda x: results(*x)[0][1:], [0, SIGMA], [TORQUE, np.inf], lambda x: results(*x)[1][1:]
+    )
     stroke = {"fun": lambda x: -results(*x)[0][0], "jac": lambda x: -results(*x)[1][0]}
     return minimize(x0=START, constraints=within, method="SLSQP", **stroke).x
 
@@ -63,9 +61,9 @@ def main() -> plt.Figure:
     (stroke, torque, sigma), slopes = results(*(best := choose()))
     by_torque, by_sigma = np.linalg.solve(slopes[1:].T, slopes[0])
     print(f"chosen: a femur of {best[0]:.2f} mm of {LEGS:g}, a stroke of {stroke:.2f} mm")
-    print(f"both limits are reached: {torque:.4f} mN*m, {sigma:.4f} mm; to move them is worth")
+    print(f"both limits are reached: {torque:.4f} mN*m, {sigma:.4f} mm; to widen them is worth")
     print(f"{by_torque:.2f} mm of stroke per mN*m and {-by_sigma:.2f} mm per mm, both positive")
-    strokes, sigmas = np.array([scanned(each) for each in (femurs := np.arange(80.0, 121.0))]).T
+    strokes, sigmas = np.array(list(map(scanned, femurs := np.arange(80.0, 121.0)))).T
     least = np.interp(SIGMA, sigmas, femurs)
     print(f"scanned: {least:.2f} mm, {np.interp(least, femurs, strokes):.2f} mm")
     figure, axes = plt.subplots(layout="constrained")
@@ -73,7 +71,6 @@ def main() -> plt.Figure:
     axes.axvspan(femurs[0], least, alpha=0.2, label=f"singular value below {SIGMA:g} mm")
     axes.plot(best[0], stroke, "o", label="chosen by SciPy with gradients")
     axes.set(xlabel=f"femur [mm], of {LEGS:g} mm with the tibia", ylabel="stroke [mm]")
-    axes.set(title="A shorter femur makes a longer step, up to the singularity")
     axes.legend()
     return figure
 

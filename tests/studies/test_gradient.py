@@ -209,6 +209,7 @@ def test_damping_is_differentiated_in_its_own_unit():
     [
         ({"of": "stroke"}, "of is 'stroke'.*did you mean stroke_m"),
         ({"by": "l4"}, "by has 'l4'; a step is differentiated by amplitude"),
+        ({"of": ["stroke_m", 3]}, r"of is \['stroke_m', 3\]; it must be names of results"),
         ({"by": 3}, "by is 3; it must be names of options"),
         ({"by": ()}, r"by is \(\); it must be names"),
         ({"by": "frequency"}, "choose `extremes='motion'`"),
