@@ -38,6 +38,32 @@ def rotation_matrices(quaternions: ArrayLike) -> Array:
     )
 
 
+def quaternions(rotations: ArrayLike) -> Array:
+    """Unit quaternions w, x, y, z with w not negative of rotation matrices (..., 3, 3), (..., 4).
+
+    Each is a column of ``4 q q^T``, the one that has the greatest diagonal entry.
+    """
+    R = _rotations(rotations)
+    x, y, z = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
+    wx, wy, wz = (R[..., k, j] - R[..., j, k] for j, k in ((1, 2), (2, 0), (0, 1)))
+    xy, yz, zx = (R[..., j, k] + R[..., k, j] for j, k in ((0, 1), (1, 2), (2, 0)))
+    columns = np.stack(
+        [
+            np.stack([1.0 + x + y + z, wx, wy, wz], axis=-1),
+            np.stack([wx, 1.0 + x - y - z, xy, zx], axis=-1),
+            np.stack([wy, xy, 1.0 - x + y - z, yz], axis=-1),
+            np.stack([wz, zx, yz, 1.0 - x - y + z], axis=-1),
+        ],
+        axis=-2,
+    )
+    diagonal = np.diagonal(columns, axis1=-2, axis2=-1)
+    best = diagonal.argmax(axis=-1)[..., np.newaxis, np.newaxis]
+    chosen = np.take_along_axis(columns, best, axis=-2)[..., 0, :]
+    chosen = np.where(chosen[..., :1] < 0.0, -chosen, chosen)
+    unit: Array = chosen / np.linalg.norm(chosen, axis=-1, keepdims=True)
+    return unit
+
+
 class _Axes(NamedTuple):
     """First axis i, second axis j, the axis k that is neither; i, j, k are right-handed or not."""
 

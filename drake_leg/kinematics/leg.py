@@ -36,7 +36,7 @@ from drake_leg.kinematics.khalil import (
     triangle_angle,
     within_turns,
 )
-from drake_leg.kinematics.movable import Floats, Movable
+from drake_leg.kinematics.movable import Floats, Functions, Movable, Values
 from drake_leg.robot.robot import Robot
 from drake_leg.units import LEAST, MOST, require_positive
 
@@ -224,33 +224,61 @@ class MovableLeg(Movable):
         """``J^-1 (a - dJ/dt qdot)`` with J changing along w."""
         return self._solve(q, a, qdot, qdot if w is None else w)
 
+    def formula(
+        self, q: Values, a: Values, qdot: Values, w: Values, functions: Functions
+    ) -> tuple[Values, ...]:
+        """``J^-1 (a - dJ/dt qdot)`` in the arithmetic of ``functions``."""
+        return _joint_accelerations(self._numbers, _plane(self._numbers, q, functions), a, qdot, w)
+
+    def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
+        """Position of the foot in the base frame, (3,) [m]."""
+        c1, s1, *_, z2, _, z3, reach = _plane(self._numbers, q, functions)
+        return c1 * reach, s1 * reach, self._numbers[3] * (z2 + z3)
+
     def differentiable(self) -> DifferentiableLeg:
         """The leg for angles that carry derivatives."""
         return DifferentiableLeg(self.geometry)
 
     def _solve(self, q: Floats, a: Floats, qdot: Floats, w: Floats) -> Floats:
-        l1, l2, l3, sign = self._numbers
-        cos, sin = self._functions
-        q1, q2, q3 = q
-        u1, u2, u3 = qdot
-        w1, w2, w3 = w
-        q23, u23, w23 = q2 + q3, u2 + u3, w2 + w3
-        c1, s1, s3 = cos(q1), sin(q1), sin(q3)
-        c23, s23 = cos(q23), sin(q23)
-        x2, z2 = l2 * cos(q2), l2 * sin(q2)
-        x3, z3 = l3 * c23, l3 * s23
-        reach = l1 + x2 + x3
+        plane = _plane(self._numbers, q, self._functions)
+        _, _, s3, *_, reach = plane
         if abs(s3) <= SINGULAR_BELOW or abs(reach) <= SINGULAR_BELOW * self.length:
             raise self.singular(q)
-        w2_2, w23_2 = u2 * w2, u23 * w23
-        radial = c1 * a[0] + s1 * a[1] + x2 * w2_2 + x3 * w23_2 + reach * u1 * w1
-        tangential = c1 * a[1] - s1 * a[0] + (z2 * w2 + z3 * w23) * u1 + (z2 * u2 + z3 * u23) * w1
-        vertical = sign * a[2] + z2 * w2_2 + z3 * w23_2
-        return (
-            tangential / reach,
-            (c23 * radial + s23 * vertical) / (l2 * s3),
-            -((x2 + x3) * radial + (z2 + z3) * vertical) / (l2 * l3 * s3),
-        )
+        return _joint_accelerations(self._numbers, plane, a, qdot, w)
+
+
+Numbers = tuple[float, float, float, int]  # l1, l2, l3 and the sign
+
+
+def _plane(leg: Numbers, q: Values, functions: Functions) -> tuple[Values, ...]:
+    """Terms of the leg's plane in any arithmetic: c1, s1, s3, c23, s23, x2, z2, x3, z3, reach."""
+    l1, l2, l3, _ = leg
+    cos, sin = functions
+    q1, q2, q3 = q
+    q23 = q2 + q3
+    c23, s23 = cos(q23), sin(q23)
+    x2, z2, x3, z3 = l2 * cos(q2), l2 * sin(q2), l3 * c23, l3 * s23
+    return cos(q1), sin(q1), sin(q3), c23, s23, x2, z2, x3, z3, l1 + x2 + x3
+
+
+def _joint_accelerations(
+    leg: Numbers, plane: tuple[Values, ...], a: Values, qdot: Values, w: Values
+) -> tuple[Values, ...]:
+    """``J^-1 (a - dJ/dt qdot)`` with J changing along w; with both zero, the rates for a."""
+    _, l2, l3, sign = leg
+    c1, s1, s3, c23, s23, x2, z2, x3, z3, reach = plane
+    u1, u2, u3 = qdot
+    w1, w2, w3 = w
+    u23, w23 = u2 + u3, w2 + w3
+    w2_2, w23_2 = u2 * w2, u23 * w23
+    radial = c1 * a[0] + s1 * a[1] + x2 * w2_2 + x3 * w23_2 + reach * u1 * w1
+    tangential = c1 * a[1] - s1 * a[0] + (z2 * w2 + z3 * w23) * u1 + (z2 * u2 + z3 * u23) * w1
+    vertical = sign * a[2] + z2 * w2_2 + z3 * w23_2
+    return (
+        tangential / reach,
+        (c23 * radial + s23 * vertical) / (l2 * s3),
+        -((x2 + x3) * radial + (z2 + z3) * vertical) / (l2 * l3 * s3),
+    )
 
 
 class DifferentiableLeg(MovableLeg):

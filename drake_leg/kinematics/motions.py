@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -86,6 +87,11 @@ class SineStep:
     def wave(self) -> SineWave:
         """Velocity along the direction."""
         return SineWave(self.amplitude, self.frequency)
+
+    @property
+    def parts(self) -> tuple[tuple[SineWave, Sequence[float]], ...]:
+        """The velocity as a sum of waves along directions (3,)."""
+        return ((self.wave, self.direction),)
 
     @property
     def greatest_speed(self) -> float:
@@ -192,6 +198,11 @@ class EllipticStep(SineStep):
     def rise(self) -> SineWave:
         """Velocity upwards."""
         return SineWave(self.lift / 2.0 * self.frequency, self.frequency, math.pi / 2)
+
+    @property
+    def parts(self) -> tuple[tuple[SineWave, Sequence[float]], ...]:
+        """The velocity as a sum of waves along directions (3,)."""
+        return (*super().parts, (self.rise, (0.0, 0.0, 1.0)))
 
     @property
     def greatest_speed(self) -> float:

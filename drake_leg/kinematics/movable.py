@@ -8,7 +8,7 @@ they take and return plain floats.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any, Self
 
@@ -18,6 +18,8 @@ from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.khalil import Array
 
 Floats = Sequence[float]
+Values = Any  # floats, arrays, or symbols
+Functions = tuple[Callable[[Any], Any], Callable[[Any], Any]]  # their cosine and sine
 
 # Smallest pivot of the Jacobian's LU factors, relative to the largest: below it the joint rates
 # have lost half of their digits.
@@ -87,6 +89,26 @@ class Movable(ABC):
         right_side = np.asarray(a) - self._bias_along(q, qdot, qdot if w is None else w)
         qddot: list[float] = exact_rates(self.jacobian(q), right_side, q).tolist()
         return qddot
+
+    def formula(
+        self, q: Values, a: Values, qdot: Values, w: Values, functions: Functions
+    ) -> tuple[Values, ...] | None:
+        """``J^-1 (a - dJ/dt qdot)`` in any arithmetic; None where there is no closed form.
+
+        With ``qdot`` and ``w`` zero it is the rates for a velocity a. A singular posture is not
+        refused: the division by zero is left to the arithmetic.
+        """
+        return None
+
+    def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
+        """What the commanded velocities are the derivatives of, (m,); 0 for a rotation."""
+        position: tuple[float, ...] = tuple((self.twists[3:].T @ self.foot(q)).tolist())
+        return position
+
+    @property
+    def has_positions(self) -> tuple[bool, ...]:
+        """Which components of ``task_position`` are positions, (m,); the others are 0."""
+        return tuple(bool(column.any()) for column in self.twists[3:].T)
 
     def _bias_along(self, q: Floats, qdot: Floats, w: Floats) -> Array:
         """``dJ/dt qdot`` with J changing along w: the bias is a quadratic form, polarised."""

@@ -24,7 +24,7 @@ from drake_leg.kinematics.khalil import (
     split,
     triangle_angle,
 )
-from drake_leg.kinematics.movable import Floats, Movable
+from drake_leg.kinematics.movable import Floats, Functions, Movable, Values
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.robot.robots import SCARA_HEIGHT, SCARA_LOWEST
 from drake_leg.units import require_positive
@@ -143,6 +143,33 @@ class MovableScara(Movable):
     def bias(self, q: Floats, qdot: Floats) -> Array:
         """``dJ/dt qdot``, (3,)."""
         return jacobian_rate_bias(self.geometry, q, qdot)
+
+    def formula(
+        self, q: Values, a: Values, qdot: Values, w: Values, functions: Functions
+    ) -> tuple[Values, ...]:
+        """``J^-1 (a - dJ/dt qdot)`` in the arithmetic of ``functions``."""
+        l1, l2 = self.geometry.l1, self.geometry.l2
+        cos, sin = functions
+        q1, q2, _ = q
+        x1, y1, x2, y2 = l1 * cos(q1), l1 * sin(q1), l2 * cos(q1 + q2), l2 * sin(q1 + q2)
+        square1, square2 = qdot[0] * w[0], (qdot[0] + qdot[1]) * (w[0] + w[1])
+        x, y = a[0] + x1 * square1 + x2 * square2, a[1] + y1 * square1 + y2 * square2
+        determinant = l1 * l2 * sin(q2)
+        first = (x2 * x + y2 * y) / determinant
+        second = -((x1 + x2) * x + (y1 + y2) * y) / determinant
+        return first, second, a[2] - first - second
+
+    @property
+    def has_positions(self) -> tuple[bool, ...]:
+        """The yaw is one, too."""
+        return True, True, True
+
+    def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
+        """Position [m] and yaw [rad] of the tool, (3,)."""
+        cos, sin = functions
+        first, both = q[0], q[0] + q[1]
+        l1, l2 = self.geometry.l1, self.geometry.l2
+        return l1 * cos(first) + l2 * cos(both), l1 * sin(first) + l2 * sin(both), both + q[2]
 
     def differentiable(self) -> DifferentiableChain:
         """The arm for angles that carry derivatives; x, y and yaw are those of the wrist."""

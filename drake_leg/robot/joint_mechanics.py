@@ -153,6 +153,15 @@ class JointMechanics:
         )
 
     @property
+    def hard_bounds(self) -> tuple[float, float]:
+        """The bounds that must not be passed; infinite where a limit pushes back."""
+        lower, upper = self.bounds
+        return (
+            lower if self.lower_stop is None else -math.inf,
+            upper if self.upper_stop is None else math.inf,
+        )
+
+    @property
     def stops(self) -> tuple[tuple[int, float, HardStop], ...]:
         """The limits that push back: side (-1 lower, 1 upper), bound [rad or m], stop."""
         limits = ((-1, self.lower, self.lower_stop), (1, self.upper, self.upper_stop))

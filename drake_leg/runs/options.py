@@ -16,7 +16,7 @@ from numbers import Real
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import (
@@ -42,6 +42,9 @@ if TYPE_CHECKING:
 Direction = tuple[float, float, float]  # unit vector
 
 STATE_TARGET = 30.0  # [deg], report A, section 1.2
+INVERSE, FORWARD, NONE = "inverse", "forward", "none"  # how torques are found
+DISTURBING = ("push", "mass_error", "torque_limit", "stiffness")
+WEIGHTY = ("gravity", "density", "damping", "damping_unit")  # what only torques depend on
 EXACT = "exact"  # the inverse that stops where the Jacobian is singular
 
 # One text for an option that several runs have.
@@ -51,6 +54,10 @@ Q0 = "initial joint angles; a pendulum's is 0 where it is horizontal, 90 where i
 DIRECTION = "of the motion, in the base frame"
 AMPLITUDE = "greatest speed of the foot or of the tool"
 FILTER = "time constant of input filters at the joints, which lag as Simscape's do (there 0.001)"
+DYNAMICS = (
+    "how torques are found: inverse simulates the joints' kinematics and computes the torques "
+    "along their motion, forward simulates the plant that they drive, none computes no torques"
+)
 TASK = (
     "position moves the foot and lets it turn as the joints want; pose keeps its orientation, too"
 )
@@ -255,6 +262,11 @@ class StepOptions(RunOptions):
         "1/s^2",
         shown="4; 2500 with a push, a mass error or a torque limit",
     )
+    dynamics: str | None = option(
+        None,
+        DYNAMICS,
+        shown="inverse; forward where `push`, `mass_error`, `torque_limit` or `stiffness` is given",
+    )
 
     def motion(self, direction: Direction | None = None) -> "SineStep":
         """Return the commanded motion, along ``direction`` or that of the options."""
@@ -291,6 +303,31 @@ class StepOptions(RunOptions):
             )
         if self.amplitude == 0.0:
             self._refuse_at_rest()
+        if self.chosen_dynamics() == "none":
+            weightless = [name for name in WEIGHTY if hasattr(self, name)]
+            self._require_defaults("dynamics are 'none'", *weightless)
+
+    def chosen_dynamics(self) -> str:
+        """Return how torques are found, as it was given or as nothing disturbs the joints."""
+        given = {name: getattr(self, name) for name in DISTURBING}
+        acting = [name for name, value in given.items() if value]
+        if given["stiffness"] is not None and not acting:
+            acting = ["stiffness"]
+        if self.dynamics is None:
+            return FORWARD if acting else INVERSE
+        if self.dynamics not in (INVERSE, FORWARD, NONE):
+            raise InvalidValueError(
+                f"the dynamics are {self.dynamics!r}; they must be {INVERSE}, {FORWARD} or {NONE}",
+                advice=did_you_mean(self.dynamics, (INVERSE, FORWARD, NONE)),
+            )
+        if acting and self.dynamics != FORWARD:
+            name = acting[0]
+            raise InvalidValueError(
+                f"{name} is {given[name]!r}, which means nothing to the dynamics "
+                f"{self.dynamics!r}, where joints follow their motion exactly",
+                advice=f"leave one of the two out, or choose `dynamics='{FORWARD}'`",
+            )
+        return self.dynamics
 
     def _refuse_at_rest(self) -> None:
         """Refuse options that have no effect without an amplitude."""

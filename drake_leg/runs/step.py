@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydrake.systems.framework import Diagram
 
-from drake_leg.diagrams import ellipse, hexabot_leg, scara
+from drake_leg.diagrams import ellipse, hexabot_leg, kinematic_loop, scara
 from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.diagrams.ellipse import EllipseConfig
@@ -29,7 +29,15 @@ from drake_leg.kinematics.scara import task_jacobian, tool_position
 from drake_leg.robot.joint_mechanics import initial_state, starting_posture
 from drake_leg.robot.robot import Robot, Segment
 from drake_leg.runs.foresight import foresee, require_passable, singularity_findings
-from drake_leg.runs.options import EllipseOptions, ScaraOptions, StepOptions, StraightOptions
+from drake_leg.runs.options import (
+    FORWARD,
+    INVERSE,
+    NONE,
+    EllipseOptions,
+    ScaraOptions,
+    StepOptions,
+    StraightOptions,
+)
 from drake_leg.runs.outcome import Outcome, outcome_of
 from drake_leg.runs.tip import (
     control_findings,
@@ -40,9 +48,10 @@ from drake_leg.runs.tip import (
     tip_inaccuracy,
     torque_error,
 )
-from drake_leg.simulation.integrator import ROW_INTERVAL
+from drake_leg.simulation.following import Stepping, follow, simulate_plant
+from drake_leg.simulation.integrator import ROW_INTERVAL, IntegratorSettings
 from drake_leg.simulation.recording import Recording
-from drake_leg.simulation.run import Progress, Run, Start, simulate
+from drake_leg.simulation.run import Progress, Run, Start
 from drake_leg.singularity.inverse import Inverse
 from drake_leg.singularity.stroke import first_direction
 from drake_leg.units import joint_entries
@@ -51,6 +60,7 @@ CORRECTION = 5.0  # [1/s], of a damped or limited inverse where none is asked fo
 PUSH_AT, PUSH_FOR = 2.0, 0.1  # [s]
 
 STEPS_PER_PERIOD = 150
+TRIALS = (30, 60)  # steps per period, tried where the foot's error can be measured
 STEP_OF_LIMITED_RATES = 0.010  # [s], longest step where rates may meet their limits in kinks
 STEP_OF_LIMITED_TORQUES = 0.005  # [s], the same of torques
 STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
@@ -88,22 +98,26 @@ def run(robot: Robot, options: TipOptions, progress: Progress | None = None) -> 
         require_regular_start(config)
     control, disturbance, motion = config.control, config.disturbance, config.motion
     lag = _filters(config)
-    settings = options.integrator_settings(longest_step(motion, control, disturbance, lag))
     moved, q0, name = config.movable, config.q0, robot.title
     forecast = foresee(moved, motion, control, q0, options.duration, lagging=lag is not None)
     require_passable(name, moved, control, q0, None if options.force else forecast)
-    done = simulate(
-        BUILD[type(config)](config),
-        start=start_on_motion,
-        duration=options.duration,
-        settings=settings,
+    stepping = Stepping(
+        settings=_settings(options, config),
+        is_clear=forecast.encounter is None and forecast.graze is None,
         progress=progress,
     )
+    dynamics = options.chosen_dynamics()
+    if dynamics == FORWARD:
+        done, settings = simulate_plant(
+            config, BUILD[type(config)](config), options.duration, stepping
+        )
+    else:
+        done, settings = follow(config, options.duration, stepping, torques=dynamics == INVERSE)
     met = singularity_findings(moved, done, forecast, name, disturbed=disturbance.acts)
-    columns, exact, findings = _compared(config, done)
+    columns, exact, findings = _compared(config, done, dynamics)
     what: Literal["foot", "tool"] = "tool" if isinstance(config, ScaraConfig) else "foot"
     findings["inaccuracy"] = tip_inaccuracy(findings, done, motion, control, settings, what)
-    findings |= met
+    findings |= {"dynamics": dynamics} | met
     if type(config) is HexabotLegConfig:
         findings["limits_exceeded"] = exceeded_limits(robot, done)
     return outcome_of(
@@ -112,19 +126,40 @@ def run(robot: Robot, options: TipOptions, progress: Progress | None = None) -> 
 
 
 def diagram(robot: Robot, options: TipOptions) -> tuple[Diagram, Start]:
-    """Build the diagram that ``run`` simulates; return it with its start."""
+    """Build the diagram of a run, with its plant unless no torques are asked for; and its start."""
     config = config_of(robot, options)
+    if options.chosen_dynamics() == NONE:
+        return kinematic_loop.build(config), start_on_motion
     return BUILD[type(config)](config), start_on_motion
 
 
+def _settings(options: TipOptions, config: Config) -> list[IntegratorSettings]:
+    """Return the integrator's settings to try, one after the other, until one is accurate.
+
+    The last one needs no trial. Only steps that the motion alone bounds may be longer.
+    """
+    known = (config.motion, config.control, config.disturbance, _filters(config))
+    default = IntegratorSettings().scheme
+    is_fixed = options.integrator != default or options.accuracy is not None
+    if is_fixed or options.max_step is not None:
+        return [options.integrator_settings(longest_step(*known))]
+    steps = [longest_step(*known, per_period=count) for count in (*TRIALS, STEPS_PER_PERIOD)]
+    return [options.integrator_settings(step) for step in sorted(set(steps), reverse=True)]
+
+
 def longest_step(
-    motion: SineStep, control: Control, disturbance: Disturbance, lag: float | None = None
+    motion: SineStep,
+    control: Control,
+    disturbance: Disturbance,
+    lag: float | None = None,
+    *,
+    per_period: int = STEPS_PER_PERIOD,
 ) -> float:
     """Choose the longest step [s] that resolves all that is fast in a run: at most 40 ms.
 
     ``lag`` is the time constant of the joints' input filters [s].
     """
-    steps = [ROW_INTERVAL, 2.0 * math.pi / (STEPS_PER_PERIOD * motion.frequency)]
+    steps = [ROW_INTERVAL, 2.0 * math.pi / (per_period * motion.frequency)]
     if control.inverse.method == "limited":
         steps.append(STEP_OF_LIMITED_RATES)
     if control.correction > 0.0:
@@ -174,7 +209,8 @@ def config_of(robot: Robot, options: TipOptions) -> Config:
 
 def _straight(robot: Robot, options: StraightOptions, followed: dict[str, Any]) -> HexabotLegConfig:
     """Return the config of the straight step of any robot."""
-    _require_mass(robot)
+    if options.chosen_dynamics() != NONE:
+        _require_mass(robot)
     if options.q0 is None:
         q0 = starting_posture(robot)
     else:
@@ -309,7 +345,7 @@ class _View(NamedTuple):
 
 
 def _compared(
-    config: Config, run: Run
+    config: Config, run: Run, dynamics: str
 ) -> tuple[dict[str, Array], dict[str, Array], dict[str, Any]]:
     """Compare the tip's motion with its command: columns, exact columns, entries of the summary."""
     robot, motion, disturbance = config.robot, config.motion, config.disturbance
@@ -326,7 +362,7 @@ def _compared(
         **control_findings(config.control, robot),
         **tip_findings(run, view.start, motion, disturbance),
         **view.errors,
-        "max_torque_error_n_m": torque_error(robot, run, config.gravity, disturbance),
+        "max_torque_error_n_m": torque_error(robot, run, config.gravity, disturbance, dynamics),
         "sigma_min_m": float(view.sigma_min.min()),
         f"{name}_min{suffix}": float(det_j.min()),
         f"{name}_max{suffix}": float(det_j.max()),

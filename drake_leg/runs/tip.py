@@ -7,16 +7,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from pydrake.multibody.tree import MultibodyForces
 
 from drake_leg.diagrams.additions import Control
-from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
-from drake_leg.kinematics.joint_stop import limit_force
+from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.kinematics.khalil import Array, jacobian
 from drake_leg.kinematics.motions import SineStep
-from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import Robot
+from drake_leg.runs.options import INVERSE, NONE
 from drake_leg.runs.outcome import finer, inaccuracy
+from drake_leg.simulation.following import torques_along, torques_by_equation
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.recording import lettered, numbered, without_sign_jumps
 from drake_leg.simulation.run import Run
@@ -45,7 +44,8 @@ def tip_columns(robot: Robot, run: Run, command: Sequence[str]) -> dict[str, Arr
     columns |= lettered("v", "xyz", "m/s", run.scopes["foot velocities"])
     columns |= lettered("q", "wxyz", "", without_sign_jumps(run.scopes["Q"]))
     columns |= lettered("w", "xyz", "rad/s", run.scopes["foot angular velocities"])
-    columns |= numbered("tau", force, run.scopes["joint torques"])
+    if "joint torques" in run.scopes:
+        columns |= numbered("tau", force, run.scopes["joint torques"])
     if "torques asked for" in run.scopes:
         columns |= numbered("tau_asked", force, run.scopes["torques asked for"])
     return columns
@@ -157,26 +157,20 @@ def tip_inaccuracy(
 
 
 def torque_error(
-    robot: Robot, run: Run, gravity: float, disturbance: Disturbance = UNDISTURBED
-) -> float:
-    """Greatest difference between the recorded torques and Drake's inverse dynamics [N*m or N].
+    robot: Robot, run: Run, gravity: float, disturbance: Disturbance, dynamics: str
+) -> float | None:
+    """Greatest error of the recorded torques [N*m or N]; None where there are none.
 
-    Inverse dynamics is evaluated on a separate plant, at the recorded positions, velocities and
-    accelerations; the effect of a push on the joints is subtracted.
+    Torques that drove a plant are compared with Drake's inverse dynamics at the recorded positions,
+    velocities and accelerations, less the effect of a push. Torques that are inverse dynamics are
+    compared with the equation of motion, ``M qddot + C qdot - tau_g + d qdot + k (q - q_0)``.
     """
-    plant = build_plant(robot, gravity=gravity)
-    context = plant.CreateDefaultContext()
-    forces = MultibodyForces(plant)
-    joints = [run.scopes[f"joint {name}"] for name in ("positions", "velocities", "accelerations")]
-    exact = np.empty_like(joints[0])
-    for row, (q, qdot, qddot) in enumerate(zip(*joints, strict=True)):
-        plant.SetPositions(context, q)
-        plant.SetVelocities(context, qdot)
-        plant.CalcForceElementsContribution(context, forces)
-        exact[row] = plant.CalcInverseDynamics(context, qddot, forces)
-    for index, segment in enumerate(robot.moving):
-        exact[:, index] -= limit_force(segment.mechanics, joints[0][:, index], joints[1][:, index])
-    exact -= push_torques(robot, run, disturbance)
+    if dynamics == NONE:
+        return None
+    if dynamics == INVERSE:
+        exact = torques_by_equation(robot, gravity, run)
+    else:
+        exact = torques_along(robot, gravity, run) - push_torques(robot, run, disturbance)
     return float(np.abs(run.scopes["joint torques"] - exact).max())
 
 
@@ -200,6 +194,8 @@ def exceeded_limits(robot: Robot, run: Run) -> list[str]:
             ("speed", "joint velocities", segment.mechanics.velocity, of_speed),
             ("effort", "joint torques", segment.mechanics.effort, (1.0, "N" if slides else "N*m")),
         ):
+            if scope not in run.scopes:
+                continue
             greatest = float(np.abs(run.scopes[scope][:, index]).max())
             if limit is not None and greatest > limit:
                 said.append(

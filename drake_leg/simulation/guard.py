@@ -12,6 +12,7 @@ from drake_leg.errors import LostMotionError
 from drake_leg.singularity.look_ahead import SMALLEST_STEP, step_through, step_towards
 from drake_leg.systems.foot_push import FootPush
 from drake_leg.systems.inverse_jacobian import InverseJacobian
+from drake_leg.systems.kinematic_loop import KinematicLoop
 from drake_leg.systems.prescribed_motion import PrescribedMotion
 
 NEARLY_SINGULAR = 0.02  # normalized determinant below which the joints must follow closely
@@ -20,7 +21,7 @@ GROWTH = 1.2  # from one step to the next, at most
 
 
 class _Watched(NamedTuple):
-    block: InverseJacobian
+    block: InverseJacobian | KinematicLoop
     sign: float  # of the determinant at the start
 
 
@@ -35,18 +36,22 @@ class Guard:
     Parameters
     ----------
     diagram : Diagram
-        With or without inverse Jacobian blocks.
+        With or without inverse Jacobian blocks or kinematic loops.
     context : Context
         Its root context at the start.
     max_step : float
         [s].
+    guarded : bool
+        Whether to watch the inverse Jacobians; pushes are always met by a step of their own.
     """
 
-    def __init__(self, diagram: Diagram, context: Context, max_step: float) -> None:
+    def __init__(
+        self, diagram: Diagram, context: Context, max_step: float, *, guarded: bool = True
+    ) -> None:
         systems = diagram.GetSystems()
         self._watched = []
-        for block in systems:
-            if isinstance(block, InverseJacobian):
+        for block in systems if guarded else ():
+            if isinstance(block, InverseJacobian | KinematicLoop):
                 q = block.posture(block.GetMyContextFromRoot(context))
                 determinant = block.robot.normalised_determinant(q)
                 self._watched.append(_Watched(block, math.copysign(1.0, determinant)))
@@ -55,6 +60,11 @@ class Guard:
         self._pushes = [s for s in systems if isinstance(s, FootPush)]
         self._max_step = max_step
         self._step = max_step
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether there is nothing to guard."""
+        return not (self._watched or self._pushes)
 
     def next_step(self, root: Context) -> float:
         """Return the longest next step.
@@ -88,7 +98,9 @@ class Guard:
         self._step = max(step, SMALLEST_STEP)
         return self._step
 
-    def _towards(self, root: Context, block: InverseJacobian, sign: float, step: float) -> float:
+    def _towards(
+        self, root: Context, block: InverseJacobian | KinematicLoop, sign: float, step: float
+    ) -> float:
         """Shorten a step so that it approaches a singularity without crossing it."""
         robot, context = block.robot, block.GetMyContextFromRoot(root)
         q = block.posture(context)

@@ -91,6 +91,10 @@ class Recording:
         """
         return self.columns[self._header(name)]
 
+    def has(self, name: str) -> bool:
+        """Tell whether there are columns of a name, with or without a number, such as ``tau``."""
+        return any(_name(header).rstrip("0123456789") == name for header in self.columns)
+
     def unit(self, name: str) -> str:
         """Return the unit of a column, as its header says it; empty where it says none.
 

@@ -40,6 +40,7 @@ from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.units import beyond, require_positive
 
 STEP_BUDGET = 2_000_000  # steps that one run may take
+STEPS_PER_STAGE = 100  # of a run of constant steps, between two checks
 RUNAWAY = 1e9  # [rad, rad/s, m, m/s]: no joint of these robots gets there but by instability
 STOPS = (
     JointLimitError,
@@ -113,6 +114,7 @@ def simulate(
     settings: IntegratorSettings | None = None,
     longest_step: LongestStep | None = None,
     progress: Progress | None = None,
+    guarded: bool = True,
 ) -> Run:
     """Run a diagram and collect its scopes.
 
@@ -137,7 +139,10 @@ def simulate(
         Of the simulated time [s]: how far the next step may go, where that is less than the
         settings allow.
     progress : callable, optional
-        Called with the simulated time [s] after every step.
+        Called with the simulated time [s] from time to time.
+    guarded : bool
+        Whether steps become shorter near a singularity, so that the run stops at it. Without a
+        guard, steps are constant and quicker: for motions that are known to stay far from one.
 
     Returns
     -------
@@ -180,6 +185,7 @@ def simulate(
     require_callable("start", start)
     require_callable("longest_step", longest_step)
     require_callable("progress", progress)
+    require_kind("guarded", guarded, bool)
     settings = IntegratorSettings() if settings is None else settings
     require_kind("settings", settings, IntegratorSettings)
     if max_step is not None:
@@ -194,21 +200,39 @@ def simulate(
             advice="choose a shorter duration or a larger `max_step` and, where a light link's "
             "damping or a stiff spring forbids that, `integrator='radau3'`",
         )
+    begin = start or start_on_motion
+
+    def watched(diagram: Diagram, context: Context) -> _Watch:
+        return _Watch(diagram, context, settings, longest_step, progress, guarded=guarded)
+
+    done = _simulated(diagram, duration, settings, begin, watched)
+    if isinstance(done.stopped_by, UnstableRunError):  # at which step?
+        done = _simulated(diagram, duration, settings, begin, watched, every_step=True)
+    return done
+
+
+def _simulated(
+    diagram: Diagram,
+    duration: float,
+    settings: IntegratorSettings,
+    start: Start,
+    watched: Callable[[Diagram, Context], _Watch],
+    *,
+    every_step: bool = False,
+) -> Run:
+    """Simulate from the start, and check the run after every step, or from time to time."""
     simulator = _simulator(diagram, settings)
-    integrator, context = simulator.get_mutable_integrator(), simulator.get_mutable_context()
-    _start(start or start_on_motion, diagram, context)
-    watch = _Watch(diagram, context, settings, longest_step, progress)
-
-    def after_step(root: Context) -> EventStatus:
-        watch.see(root)
-        integrator.set_maximum_step_size(watch.next_step(root))
-        return EventStatus.DidNothing()
-
+    context = simulator.get_mutable_context()
+    _start(start, diagram, context)
+    watch = watched(diagram, context)
     simulator.Initialize()
-    integrator.set_maximum_step_size(watch.next_step(context))
-    simulator.set_monitor(after_step)
+    ends = [duration]
+    if every_step or watch.sees_every_step:
+        _watch_steps(simulator, watch)
+    else:
+        ends = watch.stages(duration)
     began = clock.perf_counter()
-    reason, cause = _advance(simulator, duration)
+    reason, cause = _advance(simulator, watch, ends)
     wall_time = clock.perf_counter() - began
     times, scopes = _read_scopes(diagram, context)
     return Run(
@@ -233,10 +257,17 @@ def _simulator(diagram: Diagram, settings: IntegratorSettings) -> Simulator:
     return simulator
 
 
-def _advance(simulator: Simulator, duration: float) -> tuple[str | None, DrakeLegError | None]:
-    """Advance to the end; return why it stopped before, and the error of this package if any."""
+def _advance(
+    simulator: Simulator, watch: _Watch, ends: list[float]
+) -> tuple[str | None, DrakeLegError | None]:
+    """Advance to the last of some times [s], and check the run at each.
+
+    Return why it stopped before, and the error of this package if any.
+    """
     try:
-        simulator.AdvanceTo(duration)
+        for end in ends:
+            simulator.AdvanceTo(end)
+            watch.see(simulator.get_context())
     except KeyboardInterrupt:
         return "interrupted", None
     except STOPS as error:
@@ -246,6 +277,19 @@ def _advance(simulator: Simulator, duration: float) -> tuple[str | None, DrakeLe
     finally:
         simulator.clear_monitor()  # it holds the integrator, which holds all
     return None, None
+
+
+def _watch_steps(simulator: Simulator, watch: _Watch) -> None:
+    """Check the run after each step, and choose the next one."""
+    integrator = simulator.get_mutable_integrator()
+
+    def after_step(root: Context) -> EventStatus:
+        watch.see(root)
+        integrator.set_maximum_step_size(watch.next_step(root))
+        return EventStatus.DidNothing()
+
+    integrator.set_maximum_step_size(watch.next_step(simulator.get_context()))
+    simulator.set_monitor(after_step)
 
 
 def _start(start: Start, diagram: Diagram, context: Context) -> None:
@@ -270,12 +314,27 @@ class _Watch:
         settings: IntegratorSettings,
         longest_step: LongestStep | None,
         progress: Progress | None,
+        *,
+        guarded: bool,
     ) -> None:
-        self._guard = Guard(diagram, context, settings.max_step)
+        self._guard = Guard(diagram, context, settings.max_step, guarded=guarded)
         self._limits = _Limits(diagram)
         self._settings, self._longest_step, self._progress = settings, longest_step, progress
         self._steps = 0
         self._limits.check(context)
+
+    @property
+    def sees_every_step(self) -> bool:
+        """Whether a run may have to stop at a step, or to shorten one."""
+        if self._settings.accuracy is not None or self._longest_step is not None:
+            return True
+        return not (self._guard.is_idle and self._limits.is_idle)
+
+    def stages(self, duration: float) -> list[float]:
+        """Times [s] at which a run of constant steps is checked."""
+        step = self._settings.max_step * STEPS_PER_STAGE
+        count = math.ceil(duration / step)
+        return [*(step * stage for stage in range(1, count)), duration]
 
     def see(self, root: Context) -> None:
         """Raise where the run must not continue."""
@@ -312,6 +371,11 @@ class _Limits:
                 low, high = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
                 if np.isfinite(low).any() or np.isfinite(high).any():
                     self._limited.append((plant, low.tolist(), high.tolist()))
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether no joint has limits."""
+        return not self._limited
 
     def check(self, root: Context) -> None:
         """Raise where a joint has left its limits."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
-from drake_leg.kinematics.movable import Floats, Movable
+from drake_leg.kinematics.movable import Floats, Functions, Movable, Values
 from drake_leg.robot.robot import Segment
 from drake_leg.units import require_positive
 
@@ -139,6 +139,15 @@ class Damped(Movable):
         """Position of the foot in the base frame, (3,) [m]."""
         return self.exact.foot(q)
 
+    def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
+        """Position that is commanded, (m,)."""
+        return self.exact.task_position(q, functions)
+
+    @property
+    def has_positions(self) -> tuple[bool, ...]:
+        """Which of its components are positions, (m,)."""
+        return self.exact.has_positions
+
     def jacobian(self, q: Floats) -> Array:
         """J, (m, n)."""
         return self.exact.jacobian(q)
@@ -192,6 +201,19 @@ class Damped(Movable):
         if here is None:
             return most, 0.0
         return most, here.steepness * speed / max(here.squared, self._strongest**2)
+
+    def is_exact_along(self, q: Array, qdot: Array, sigma_min: Array) -> bool:
+        """Whether neither the damping nor the box acts along a motion (rows, n).
+
+        ``sigma_min`` (rows,) are the smallest singular values [m]. Between two rows the value may
+        fall by as much as it changes from one row to the next.
+        """
+        fall = float(np.abs(np.diff(sigma_min)).max(initial=0.0))
+        if sigma_min.min() - fall < self._below:
+            return False
+        box = self._box
+        rows = zip(q.tolist(), qdot.tolist(), strict=True)
+        return box is None or not any(any(box.regime(*row)) for row in rows)
 
     def _damping(self, q: tuple[float, ...]) -> _Damping | None:
         J = self.jacobian_in_lengths(q)

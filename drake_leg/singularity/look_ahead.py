@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from drake_leg.kinematics.loop import Instant
 from drake_leg.kinematics.movable import Floats, Movable
 from drake_leg.singularity.families import singular_words
 
@@ -68,17 +69,6 @@ def braked(robot: Movable, q: Floats, v: Floats, fastest: float = GREATEST_RATE)
         if crosses or robot.sigma_min(later) < before:
             return Braked(share * max(left, 0.0), singular_words(robot.geometry, q))
     return Braked(share, obstacle)
-
-
-class Instant(NamedTuple):
-    """A robot that follows a command, at one instant."""
-
-    q: Floats  # (n,) [rad or m]
-    v: Floats  # (m,) commanded velocity [m/s or rad/s]
-    a: Floats | None  # its derivative, where it is known
-    w: Floats | None  # (n,) joint rates as sensed, where they are
-    qdot: Floats  # (n,) commanded joint rates [rad/s or m/s]
-    qddot: Floats | None  # their derivative, where a is known
 
 
 class LookAhead:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pydrake.systems.framework import BasicVector, Context
 
 from drake_leg.errors import SingularConfigurationError
+from drake_leg.kinematics.loop import Instant
 from drake_leg.kinematics.movable import Movable, require_movable
-from drake_leg.singularity.look_ahead import Instant
 from drake_leg.systems.block import Block
 
 

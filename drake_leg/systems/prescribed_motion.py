@@ -103,7 +103,7 @@ class PrescribedMotion(Diagram):
         self._plant = plant
         self._believed = plant if believed is None else believed
         if joints is None:
-            _require_actuators(plant)
+            require_actuators(plant)
             n = plant.num_velocities()
             driven_q, driven_v = np.arange(n), np.arange(n)
         else:
@@ -230,7 +230,8 @@ class PrescribedMotion(Diagram):
             builder.ExportOutput(dynamics.GetOutputPort(name), name)
 
 
-def _require_actuators(plant: MultibodyPlant) -> None:
+def require_actuators(plant: MultibodyPlant) -> None:
+    """Require an actuator at every joint, for a motion that drives them all."""
     n = plant.num_velocities()
     if not plant.num_actuators() == plant.num_positions() == n:
         raise InvalidValueError(

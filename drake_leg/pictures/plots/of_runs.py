@@ -77,11 +77,13 @@ def _joints(title: str, robot: Robot, recording: Recording) -> Named:
     if turning:
         angles, torques = f"{title}: joint angles", f"{title}: joint torques"
         yield "joint_angles", lambda: foot_plots.joint_angles(recording, angles, turning)
-        yield "joint_torques", lambda: foot_plots.torques(recording, torques, turning)
+        if recording.has("tau"):
+            yield "joint_torques", lambda: foot_plots.torques(recording, torques, turning)
     if sliding:
         strokes, forces = f"{title}: sliding joints", f"{title}: joint forces"
         yield "joint_strokes", lambda: foot_plots.joint_strokes(recording, strokes, sliding)
-        yield "joint_forces", lambda: foot_plots.forces(recording, forces, sliding)
+        if recording.has("tau"):
+            yield "joint_forces", lambda: foot_plots.forces(recording, forces, sliding)
 
 
 def _numbers(robot: Robot, kind: JointType) -> dict[int, str]:
@@ -129,7 +131,8 @@ def _scara(title: str, robot: Robot, recording: Recording) -> Named:
     yield "tool_position", lambda: foot_plots.position(recording, f"{title}: tool position", "tool")
     yield "tool_velocity", lambda: foot_plots.velocity(recording, f"{title}: tool velocity", "tool")
     yield "joint_angles", lambda: foot_plots.joint_angles(recording, angles, turning)
-    yield "joint_torques", lambda: foot_plots.torques(recording, torques, turning)
+    if recording.has("tau"):
+        yield "joint_torques", lambda: foot_plots.torques(recording, torques, turning)
     yield (
         "singularity",
         lambda: foot_plots.singularity(recording, f"{title}: distance from singularity"),

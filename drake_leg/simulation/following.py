@@ -1,0 +1,325 @@
+"""Simulates joints that follow their motion exactly: the kinematic loop, then their torques.
+
+Nothing disturbs such joints, so that their plant need not be integrated a second time: what it
+takes to move them is Drake's inverse dynamics at each row of the recording.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import MultibodyForces
+from pydrake.systems.framework import Context, Diagram
+
+from drake_leg.diagrams import kinematic_loop
+from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
+from drake_leg.diagrams.kinematic_loop import SCOPE, equation_of
+from drake_leg.diagrams.scara import ScaraConfig
+from drake_leg.errors import JointLimitError
+from drake_leg.kinematics.euler import quaternions
+from drake_leg.kinematics.joint_stop import limit_force
+from drake_leg.kinematics.khalil import Array, foot_pose, jacobian
+from drake_leg.kinematics.loop import KinematicEquation
+from drake_leg.kinematics.movable import smallest_singular_value
+from drake_leg.models.plant import build_plant
+from drake_leg.robot.robot import Robot
+from drake_leg.simulation.guard import NEARLY_SINGULAR
+from drake_leg.simulation.integrator import IntegratorSettings
+from drake_leg.simulation.run import Progress, Run, Scopes, simulate
+from drake_leg.singularity.inverse import Damped
+from drake_leg.systems.prescribed_motion import require_actuators
+from drake_leg.units import beyond
+
+Config = HexabotLegConfig | ScaraConfig
+
+ACCURATE = 5e-10  # of the arm's length: a foot that is nearer than this to its command follows it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stepping:
+    """How a motion's run is stepped, and whether it needs a guard."""
+
+    settings: Sequence[IntegratorSettings]  # to try until one is accurate; the last one at least
+    is_clear: bool  # the motion is known to stay away from singularities
+    progress: Progress | None = None
+
+
+def follow(
+    config: Config, duration: float, stepping: Stepping, *, torques: bool = True
+) -> tuple[Run, IntegratorSettings]:
+    """Simulate the joints of a configuration's motion, which nothing disturbs.
+
+    Where the motion is clear, steps are constant, and the run is checked at its end; if the foot is
+    not where it should be, it is repeated with a guard.
+
+    Parameters
+    ----------
+    config : HexabotLegConfig, EllipseConfig or ScaraConfig
+        Robot, posture and motion.
+    duration : float
+        Simulated time [s].
+    stepping : Stepping
+        Of the kinematic loop.
+    torques : bool
+        Whether to compute the joints' torques, for which the links must have masses.
+
+    Returns
+    -------
+    Run, IntegratorSettings
+        With the scopes of the leg's diagram; and the settings that were taken.
+
+    Raises
+    ------
+    JointLimitError
+        If a joint is outside its limits at the start.
+    """
+    began = clock.perf_counter()
+    run, taken = _joints_of(config, duration, stepping)
+    run = _within_limits(config.robot, run)
+    if torques:
+        run.scopes["joint torques"] = torques_along(config.robot, config.gravity, run)
+    return replace(run, wall_time=clock.perf_counter() - began), taken
+
+
+def simulate_plant(
+    config: Config, diagram: Diagram, duration: float, stepping: Stepping
+) -> tuple[Run, IntegratorSettings]:
+    """Simulate the diagram of a configuration with its plant: as ``follow``, by forward dynamics.
+
+    It needs no guard where the motion is clear and nothing disturbs the joints.
+    """
+    equation, progress = equation_of(config), stepping.progress
+    for trial in () if config.disturbance.acts else _trials(stepping):
+        run = simulate(diagram, duration, settings=trial, progress=progress, guarded=False)
+        if run.stop_reason == "interrupted" or _is_accurate(config, equation, run):
+            return run, trial
+    last = stepping.settings[-1]
+    return simulate(diagram, duration, settings=last, progress=progress), last
+
+
+def _trials(stepping: Stepping) -> Sequence[IntegratorSettings]:
+    """Settings to try without a guard."""
+    return stepping.settings if stepping.is_clear else ()
+
+
+def _joints_of(
+    config: Config, duration: float, stepping: Stepping
+) -> tuple[Run, IntegratorSettings]:
+    """Simulate the loop: without a guard where that is as accurate, else with one."""
+    equation, progress = equation_of(config), stepping.progress
+    for trial in _trials(stepping):
+        run = _unguarded(config, equation, duration, trial, progress)
+        if run.stop_reason == "interrupted" or _is_accurate(config, equation, run):
+            return run, trial
+    last, loop = stepping.settings[-1], kinematic_loop.build(config)
+    done = simulate(loop, duration, settings=last, progress=progress)
+    return _with_scopes(config, equation, done), last
+
+
+def _unguarded(
+    config: Config,
+    equation: KinematicEquation,
+    duration: float,
+    settings: IntegratorSettings,
+    progress: Progress | None,
+) -> Run:
+    """Simulate the loop with the exact inverse, at constant steps."""
+    exact = replace(equation, robot=config.movable, top_speed=math.inf)
+
+    def start(_: Diagram, context: Context) -> None:
+        context.SetContinuousState(exact.start(config.start))
+
+    loop = kinematic_loop.unguarded(exact, config.start)
+    done = simulate(
+        loop, duration, start=start, settings=settings, progress=progress, guarded=False
+    )
+    return done if done.stop_reason else _with_scopes(config, exact, done)
+
+
+def _is_accurate(config: Config, equation: KinematicEquation, run: Run) -> bool:
+    """Whether a run with the exact inverse is what a guarded run would be.
+
+    The foot is where its command puts it, the Jacobian stays regular, and neither a damping nor a
+    limit would have acted.
+    """
+    if run.stop_reason:
+        return False
+    det_j = run.scopes["singularity check"][:, 0]
+    if not (det_j * det_j[0] > 0.0).all():
+        return False
+    if equation.time_constant is not None:
+        least = NEARLY_SINGULAR * config.movable.determinant_scale
+        return equation.robot.is_exact and bool(np.abs(det_j).min() > least)
+    off = np.linalg.norm(run.scopes["foot positions"] - _feet(config, run.time), axis=1)
+    if not off.max() <= ACCURATE * config.movable.length:
+        return False
+    return equation.robot.is_exact or _stays_exact(config, equation, run)
+
+
+def _feet(config: Config, time: Array) -> Array:
+    """Where the command puts the foot, (rows, 3) [m]: an error of the start decays."""
+    start = config.movable.foot(config.q0)
+    off = config.movable.foot(config.start) - start
+    decay = np.exp(-config.control.correction * time)
+    feet: Array = start + config.motion.displacement(time) + np.multiply.outer(decay, off)
+    return feet
+
+
+def _stays_exact(config: Config, equation: KinematicEquation, run: Run) -> bool:
+    """Whether an inexact inverse is exact along a run, and the command below its top speed."""
+    damped = equation.robot
+    if not isinstance(damped, Damped):
+        return False
+    moved, n = config.movable, config.movable.joints
+    q, qdot = run.scopes["joint positions"], run.scopes["joint velocities"][:, :n]
+    J = moved.twists.T @ jacobian(config.robot.rows, q)[:, :, :n]
+    sigma_min = smallest_singular_value(np.array(moved.row_lengths)[:, np.newaxis] * J)
+    speed = np.linalg.norm(run.scopes["foot velocities"], axis=1)
+    return bool(speed.max() < equation.top_speed) and damped.is_exact_along(
+        q[:, :n], qdot, sigma_min
+    )
+
+
+def _with_scopes(config: Config, equation: KinematicEquation, run: Run) -> Run:
+    """Compute what the scopes of the whole diagram show from the motion of the joints."""
+    rows, motion, time = config.robot.rows, config.motion, run.time
+    moved, det_j = _joint_motion(equation, time, run.scopes[SCOPE])
+    q, qdot, qddot = _with_rest(config, moved)
+    X_BF = foot_pose(rows, q)
+    V_BF = np.einsum("rij,rj->ri", jacobian(rows, q), qdot)
+    gain = config.gain if isinstance(config, HexabotLegConfig) else 1.0
+    return replace(
+        run,
+        scopes=Scopes(
+            {
+                "input": motion.amplitude / gain * np.sin(motion.frequency * time)[:, np.newaxis],
+                "foot positions": X_BF[:, :3, 3],
+                "foot velocities": V_BF[:, 3:],
+                "Q": quaternions(X_BF[:, :3, :3]),
+                "foot angular velocities": V_BF[:, :3],
+                "joint positions": q,
+                "joint velocities": qdot,
+                "joint accelerations": qddot,
+                "commanded velocities": motion.velocity(time),
+                "singularity check": det_j,
+            }
+        ),
+    )
+
+
+def _joint_motion(
+    equation: KinematicEquation, time: Array, states: Array
+) -> tuple[tuple[Array, ...], Array]:
+    """Positions, velocities and accelerations (rows, n), and determinants (rows, 1)."""
+    robot = equation.robot
+    found = equation.motion_formula(time, states.T, (np.cos, np.sin))
+    if found is not None:
+        moved = tuple(np.array(part).T for part in found)
+        fed_back = np.array(equation.fed_back(states.T)).T
+        return moved, np.array([[robot.determinant(q)] for q in fed_back.tolist()])
+    parts, determinants = [], []
+    for t, state in zip(time.tolist(), states.tolist(), strict=True):  # in one posture at a time
+        parts.append(equation.joint_motion(t, state))
+        determinants.append([robot.determinant(equation.fed_back(state))])
+    return tuple(np.array(part) for part in zip(*parts, strict=True)), np.array(determinants)
+
+
+def _with_rest(config: Config, moved: tuple[Array, ...]) -> tuple[Array, ...]:
+    """Add the joint that rests, if there is one: a SCARA's lift."""
+    if not isinstance(config, ScaraConfig):
+        return moved
+    rows = len(moved[0])
+    resting = (config.lift, 0.0, 0.0)
+    return tuple(
+        np.column_stack([part, np.full(rows, at)]) for part, at in zip(moved, resting, strict=True)
+    )
+
+
+# --- limits and torques ----------------------------------------------------------------------
+
+
+def _within_limits(robot: Robot, run: Run) -> Run:
+    """End a run at the first row in which a joint is outside its limits."""
+    q = run.scopes["joint positions"]
+    last, joint = len(q), 0
+    for index, segment in enumerate(robot.moving):
+        low, high = segment.mechanics.hard_bounds
+        within = [beyond(at, low, high) == 0.0 for at in q[:last, index].tolist()]
+        if not all(within):
+            last, joint = within.index(False), index
+    if last == len(q):
+        return run
+    segment, time = robot.moving[joint], float(run.time[last])
+    error = JointLimitError(
+        joint=str(segment.joint),
+        position=float(q[last, joint]),
+        limits=segment.mechanics.hard_bounds,
+        time=time,
+        slides=segment.row.joint == "prismatic",
+        advice="choose another posture or a smaller amplitude",
+    )
+    if last == 0:
+        raise error
+    return replace(
+        run,
+        time=run.time[: last + 1],
+        scopes=Scopes({name: values[: last + 1] for name, values in run.scopes.items()}),
+        stopped_at=time,
+        stop_reason=str(error),
+        stopped_by=error,
+    )
+
+
+def torques_along(robot: Robot, gravity: float, run: Run) -> Array:
+    """Torques that move the joints along a run: Drake's inverse dynamics, (rows, n) [N*m or N].
+
+    They overcome inertia, gravity, springs and dampers, and the force of joint stops.
+    """
+    plant, context, forces = _plant(robot, gravity)
+    q, qdot, qddot = (
+        run.scopes[f"joint {name}"] for name in ("positions", "velocities", "accelerations")
+    )
+    torques = np.empty_like(q)
+    for row, state in enumerate(np.hstack([q, qdot])):
+        plant.SetPositionsAndVelocities(context, state)
+        plant.CalcForceElementsContribution(context, forces)
+        torques[row] = plant.CalcInverseDynamics(context, qddot[row], forces)
+    for index, segment in enumerate(robot.moving):
+        torques[:, index] -= limit_force(segment.mechanics, q[:, index], qdot[:, index])
+    return torques
+
+
+def torques_by_equation(robot: Robot, gravity: float, run: Run) -> Array:
+    """The same torques by the equation of motion, from the mass matrix, (rows, n) [N*m or N].
+
+    ``M qddot + C qdot - tau_g + d qdot + k (q - q_0)``, less the force of joint stops.
+    """
+    plant, context, _ = _plant(robot, gravity)
+    q, qdot, qddot = (
+        run.scopes[f"joint {name}"] for name in ("positions", "velocities", "accelerations")
+    )
+    torques = np.empty_like(q)
+    for row, state in enumerate(np.hstack([q, qdot])):
+        plant.SetPositionsAndVelocities(context, state)
+        bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
+        torques[row] = plant.CalcMassMatrix(context) @ qddot[row] + bias
+    for index, segment in enumerate(robot.moving):
+        acting, at, rate = segment.mechanics, q[:, index], qdot[:, index]
+        spring = acting.spring_stiffness * (at - acting.equilibrium_position)
+        torques[:, index] += acting.damping * rate + spring - limit_force(acting, at, rate)
+    return torques
+
+
+@lru_cache(maxsize=8)
+def _plant(robot: Robot, gravity: float) -> tuple[MultibodyPlant, Context, MultibodyForces]:
+    """A robot's plant, kept for the next run of the same robot."""
+    plant = build_plant(robot, gravity=gravity)
+    if not any(segment.mechanics.stops for segment in robot.moving):
+        require_actuators(plant)
+    return plant, plant.CreateDefaultContext(), MultibodyForces(plant)

@@ -1,0 +1,158 @@
+"""Joints that follow their motion: the kinematic loop and inverse dynamics, against the plant."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drake_leg.diagrams import ellipse, hexabot_leg, scara
+from drake_leg.diagrams.additions import Control
+from drake_leg.diagrams.ellipse import EllipseConfig
+from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
+from drake_leg.diagrams.scara import ScaraConfig
+from drake_leg.errors import JointLimitError
+from drake_leg.kinematics.motions import SineStep
+from drake_leg.robot.robots import LEG_A, LEG_A_POSTURE, LEG_B
+from drake_leg.simulation import following
+from drake_leg.simulation.following import Stepping, follow, simulate_plant, torques_by_equation
+from drake_leg.simulation.integrator import IntegratorSettings
+from drake_leg.simulation.run import simulate
+from drake_leg.singularity.inverse import Inverse
+
+DURATION = 2.5  # [s]
+FINE = IntegratorSettings(max_step=0.01)
+POSTURE_A = tuple(map(math.radians, LEG_A_POSTURE))
+ERROR = (0.01, -0.02, 0.015)  # [rad], of the start
+INEXACT = {
+    method: Control(inverse=Inverse(method=method), correction=5.0)
+    for method in ("damped", "limited")
+}
+CASES = {
+    "leg B": (HexabotLegConfig(), hexabot_leg.build),
+    "leg A": (HexabotLegConfig(robot=LEG_A, q0=POSTURE_A), hexabot_leg.build),
+    "a gain": (HexabotLegConfig(gain=2.0), hexabot_leg.build),
+    "ellipse": (EllipseConfig(), ellipse.build),
+    "SCARA": (ScaraConfig(), scara.build),
+    "input filters": (HexabotLegConfig(filter_time_constant=0.02), hexabot_leg.build),
+    "filters that are not sensed": (
+        HexabotLegConfig(filter_time_constant=0.02, feedback="integrated"),
+        hexabot_leg.build,
+    ),
+    "a wrong start": (HexabotLegConfig(control=Control(q0_error=ERROR)), hexabot_leg.build),
+    "a correction": (
+        HexabotLegConfig(control=Control(correction=5.0, q0_error=ERROR)),
+        hexabot_leg.build,
+    ),
+    "a corrected SCARA": (
+        ScaraConfig(control=Control(correction=5.0, q0_error=ERROR)),
+        scara.build,
+    ),
+    "damped": (HexabotLegConfig(control=INEXACT["damped"]), hexabot_leg.build),
+    "limited": (HexabotLegConfig(control=INEXACT["limited"]), hexabot_leg.build),
+}
+# 1e-9 rad and N*m are promised; the plant pulls at its joints to correct its own errors.
+TOLERANCE = {"joint positions": 1e-9, "joint torques": 1e-9, "joint accelerations": 1e-6}
+
+
+def stepping(settings=FINE, *, is_clear=True):
+    return Stepping(settings=[settings], is_clear=is_clear)
+
+
+@pytest.mark.parametrize("is_clear", [True, False])
+@pytest.mark.parametrize("name", CASES)
+def test_it_is_what_the_plant_does(name, is_clear):
+    config, build = CASES[name]
+    run, _ = follow(config, DURATION, stepping(is_clear=is_clear))
+    plant = simulate(build(config), DURATION, settings=FINE)
+    assert run.stop_reason is None
+    assert set(run.scopes) == set(plant.scopes)
+    assert run.time == pytest.approx(plant.time, abs=1e-12)
+    for scope, values in plant.scopes.items():
+        tolerance = TOLERANCE.get(scope, 2e-8)
+        assert np.abs(run.scopes[scope] - values).max() < tolerance, scope
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_torques_fulfil_the_equation_of_motion(name):
+    config, _ = CASES[name]
+    run, _ = follow(config, DURATION, stepping())
+    equation = torques_by_equation(config.robot, config.gravity, run)
+    assert np.abs(run.scopes["joint torques"] - equation).max() < 1e-12
+
+
+def test_without_torques_no_plant_is_made(monkeypatch):
+    monkeypatch.setattr(following, "build_plant", None)
+    run, _ = follow(HexabotLegConfig(), DURATION, stepping(), torques=False)
+    assert "joint torques" not in run.scopes
+
+
+def test_a_clear_run_has_constant_steps():
+    run, _ = follow(HexabotLegConfig(), DURATION, stepping(IntegratorSettings(max_step=0.025)))
+    assert len(run.time) == 101
+    assert np.diff(run.time) == pytest.approx(0.025)
+
+
+def test_the_first_accurate_settings_are_taken():
+    config = HexabotLegConfig(motion=SineStep(amplitude=0.07, frequency=5.0))
+    coarse, fine = IntegratorSettings(max_step=0.04), IntegratorSettings(max_step=0.01)
+    tried = Stepping(settings=[coarse, fine], is_clear=True)
+    assert follow(config, DURATION, tried)[1] == fine
+    slow = replace(config, motion=SineStep(amplitude=0.01, frequency=1.0))
+    assert follow(slow, DURATION, tried)[1] == coarse
+
+
+def test_what_is_not_accurate_is_repeated_with_a_guard():
+    """The motion crosses the workspace boundary, though it was called clear."""
+    config = HexabotLegConfig(motion=SineStep(amplitude=0.2))
+    run, _ = follow(config, 5.0, stepping(IntegratorSettings()))
+    guarded, _ = follow(config, 5.0, stepping(IntegratorSettings(), is_clear=False))
+    assert run.stopped_at == guarded.stopped_at is not None
+    plant = simulate(hexabot_leg.build(config), 5.0)
+    assert run.stopped_at == pytest.approx(plant.stopped_at, abs=1e-8)
+
+
+@pytest.mark.parametrize("method", INEXACT)
+def test_an_inverse_that_acts_is_not_taken_for_exact(method):
+    """The foot is sent out of its workspace, where it must wait at the boundary."""
+    config = HexabotLegConfig(motion=SineStep(amplitude=0.3), control=INEXACT[method])
+    run, _ = follow(config, 1.6, stepping(IntegratorSettings()))
+    plant = simulate(hexabot_leg.build(config), 1.6, settings=FINE)
+    off = run.scopes["joint positions"][-1] - plant.scopes["joint positions"][-1]
+    assert np.abs(off).max() < 2e-5
+    assert np.abs(run.scopes["foot positions"][-1] - config.foot)[0] < 0.25  # of 0.309
+
+
+def limited(lower, upper):
+    knee = LEG_B.moving[1]
+    bounded = replace(knee, mechanics=replace(knee.mechanics, lower=lower, upper=upper))
+    return replace(LEG_B, segments=tuple(bounded if s is knee else s for s in LEG_B.segments))
+
+
+def test_a_run_ends_at_a_joint_limit_as_with_the_plant():
+    q2 = HexabotLegConfig().q0[1]
+    config = HexabotLegConfig(robot=limited(q2 - 0.1, q2 + 0.1))
+    run, _ = follow(config, DURATION, stepping())
+    plant = simulate(hexabot_leg.build(config), DURATION, settings=FINE)
+    assert isinstance(run.stopped_by, JointLimitError)
+    assert (run.stopped_at, run.stop_reason) == (plant.stopped_at, plant.stop_reason)
+    assert len(run.time) == len(run.scopes["joint torques"]) == len(plant.time)
+
+
+def test_a_start_outside_a_limit_is_refused():
+    q2 = HexabotLegConfig().q0[1]
+    config = HexabotLegConfig(robot=limited(q2 + 0.1, q2 + 0.2))
+    with pytest.raises(JointLimitError):
+        follow(config, DURATION, stepping())
+
+
+def test_a_plant_whose_motion_is_clear_needs_no_guard():
+    config = HexabotLegConfig()
+    free, _ = simulate_plant(
+        config, hexabot_leg.build(config), DURATION, stepping(IntegratorSettings())
+    )
+    guarded = simulate(hexabot_leg.build(config), DURATION)
+    assert len(free.time) < len(guarded.time)
+    feet = free.scopes["foot positions"]
+    exact = config.foot + config.motion.displacement(free.time)
+    assert np.abs(feet - exact).max() < 1e-9
