@@ -21,7 +21,7 @@ from drake_leg.diagrams import kinematic_loop
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.kinematic_loop import SCOPE, equation_of
 from drake_leg.diagrams.scara import ScaraConfig
-from drake_leg.errors import JointLimitError
+from drake_leg.errors import JointLimitError, SingularConfigurationError
 from drake_leg.kinematics.euler import quaternions
 from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.kinematics.khalil import Array, foot_pose, jacobian
@@ -31,7 +31,7 @@ from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import Robot
 from drake_leg.simulation.guard import NEARLY_SINGULAR
 from drake_leg.simulation.integrator import IntegratorSettings
-from drake_leg.simulation.run import Progress, Run, Scopes, simulate
+from drake_leg.simulation.run import INTERRUPTED, Progress, Run, Scopes, simulate
 from drake_leg.singularity.inverse import Damped
 from drake_leg.systems.prescribed_motion import require_actuators
 from drake_leg.units import beyond
@@ -97,7 +97,7 @@ def simulate_plant(
     equation, progress = equation_of(config), stepping.progress
     for trial in () if config.disturbance.acts else _trials(stepping):
         run = simulate(diagram, duration, settings=trial, progress=progress, guarded=False)
-        if run.stop_reason == "interrupted" or _is_accurate(config, equation, run):
+        if run.stop_reason == INTERRUPTED or _is_accurate(config, equation, run):
             return run, trial
     last = stepping.settings[-1]
     return simulate(diagram, duration, settings=last, progress=progress), last
@@ -113,13 +113,23 @@ def _joints_of(
 ) -> tuple[Run, IntegratorSettings]:
     """Simulate the loop: without a guard where that is as accurate, else with one."""
     equation, progress = equation_of(config), stepping.progress
-    for trial in _trials(stepping):
+    for trial in _trials(stepping) if _starts_regular(config) else ():
         run = _unguarded(config, equation, duration, trial, progress)
-        if run.stop_reason == "interrupted" or _is_accurate(config, equation, run):
+        if run.stop_reason == INTERRUPTED or _is_accurate(config, equation, run):
             return run, trial
     last, loop = stepping.settings[-1], kinematic_loop.build(config)
     done = simulate(loop, duration, settings=last, progress=progress)
     return _with_scopes(config, equation, done), last
+
+
+def _starts_regular(config: Config) -> bool:
+    """Whether the exact inverse exists at the start."""
+    moved = config.movable
+    try:
+        moved.rates(config.start, [0.0] * moved.size)
+    except SingularConfigurationError:
+        return False
+    return True
 
 
 def _unguarded(

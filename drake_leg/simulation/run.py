@@ -40,6 +40,7 @@ from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.units import beyond, require_positive
 
 STEP_BUDGET = 2_000_000  # steps that one run may take
+INTERRUPTED = "interrupted"  # why a run stopped
 STEPS_PER_STAGE = 100  # of a run of constant steps, between two checks
 RUNAWAY = 1e9  # [rad, rad/s, m, m/s]: no joint of these robots gets there but by instability
 STOPS = (
@@ -206,7 +207,8 @@ def simulate(
         return _Watch(diagram, context, settings, longest_step, progress, guarded=guarded)
 
     done = _simulated(diagram, duration, settings, begin, watched)
-    if isinstance(done.stopped_by, UnstableRunError):  # at which step?
+    failed = done.stop_reason not in (None, INTERRUPTED) and done.stopped_by is None
+    if failed or isinstance(done.stopped_by, UnstableRunError):  # at which step?
         done = _simulated(diagram, duration, settings, begin, watched, every_step=True)
     return done
 
@@ -226,13 +228,13 @@ def _simulated(
     _start(start, diagram, context)
     watch = watched(diagram, context)
     simulator.Initialize()
-    ends = [duration]
+    stages = None
     if every_step or watch.sees_every_step:
         _watch_steps(simulator, watch)
     else:
-        ends = watch.stages(duration)
+        stages = watch.stages(duration)
     began = clock.perf_counter()
-    reason, cause = _advance(simulator, watch, ends)
+    reason, cause = _advance(simulator, watch, duration, stages)
     wall_time = clock.perf_counter() - began
     times, scopes = _read_scopes(diagram, context)
     return Run(
@@ -258,18 +260,20 @@ def _simulator(diagram: Diagram, settings: IntegratorSettings) -> Simulator:
 
 
 def _advance(
-    simulator: Simulator, watch: _Watch, ends: list[float]
+    simulator: Simulator, watch: _Watch, duration: float, stages: list[float] | None
 ) -> tuple[str | None, DrakeLegError | None]:
-    """Advance to the last of some times [s], and check the run at each.
+    """Advance to the end; return why it stopped before, and the error of this package if any.
 
-    Return why it stopped before, and the error of this package if any.
+    A run that is not checked after every step is checked at the end of each stage [s].
     """
     try:
-        for end in ends:
+        if stages is None:
+            simulator.AdvanceTo(duration)
+        for end in stages or ():
             simulator.AdvanceTo(end)
             watch.see(simulator.get_context())
     except KeyboardInterrupt:
-        return "interrupted", None
+        return INTERRUPTED, None
     except STOPS as error:
         return str(error), error.with_traceback(None)  # which would hold the diagram
     except (RuntimeError, SystemExit) as error:
