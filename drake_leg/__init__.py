@@ -34,6 +34,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 - ``build_pendulum``, ``PendulumConfig``: a pendulum released from rest.
 - ``build_hexabot_leg``, ``HexabotLegConfig``: a straight step of the leg, or of any chain.
+- ``build_kinematic_loop``: the leg's or the SCARA's joints without their plant, as one block.
 - ``build_ellipse``, ``EllipseConfig``: the leg's foot on an ellipse.
 - ``build_scara``, ``ScaraConfig``: the SCARA's tool on a straight line.
 - ``SineStep``, ``EllipticStep``: the motion of a foot or a tool.
@@ -88,6 +89,7 @@ if TYPE_CHECKING:
 
     from drake_leg.diagrams import ellipse as _ellipse
     from drake_leg.diagrams import hexabot_leg as _hexabot_leg
+    from drake_leg.diagrams import kinematic_loop as _kinematic_loop
     from drake_leg.diagrams import pendulum as _pendulum
     from drake_leg.diagrams import scara as _scara
     from drake_leg.diagrams.ellipse import EllipseConfig as EllipseConfig
@@ -131,6 +133,7 @@ if TYPE_CHECKING:
 
     build_ellipse = _ellipse.build
     build_hexabot_leg = _hexabot_leg.build
+    build_kinematic_loop = _kinematic_loop.build
     build_pendulum = _pendulum.build
     build_scara = _scara.build
     frames_drawing = _free_body.free_body
@@ -161,6 +164,7 @@ _HOMES = {
     "block_diagram": ("drake_leg.pictures.block_diagram", "block_diagram"),
     "build_ellipse": ("drake_leg.diagrams.ellipse", "build"),
     "build_hexabot_leg": ("drake_leg.diagrams.hexabot_leg", "build"),
+    "build_kinematic_loop": ("drake_leg.diagrams.kinematic_loop", "build"),
     "build_pendulum": ("drake_leg.diagrams.pendulum", "build"),
     "build_plant": ("drake_leg.models.plant", "build_plant"),
     "build_scara": ("drake_leg.diagrams.scara", "build"),

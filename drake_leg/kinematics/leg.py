@@ -180,6 +180,7 @@ class MovableLeg(Movable):
     """
 
     geometry: LegGeometry
+    has_formula = True
     _functions: tuple[Any, Any] = (math.cos, math.sin)
 
     def __init__(self, leg: LegGeometry) -> None:

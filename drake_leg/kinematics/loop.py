@@ -72,13 +72,13 @@ class KinematicEquation:
 
     def formula(self, time: Values, state: Values, functions: Functions) -> Values | None:
         """``derivative`` in any arithmetic; None where there is no closed form."""
-        if not (self.robot.is_exact and math.isinf(self.top_speed)):
+        if not (self.robot.has_formula and math.isinf(self.top_speed)):
             return None
         fed_back = self.fed_back(state)
         rest = (0.0,) * self.joints
         v = self._corrected(self._velocity(time, functions), time, fed_back, functions)
         qdot = self.robot.formula(fed_back, v, rest, rest, functions)
-        if qdot is None or self.time_constant is None:
+        if self.time_constant is None:
             return qdot
         return self._filtered(state, qdot)
 
@@ -110,11 +110,11 @@ class KinematicEquation:
         """``joint_motion`` in any arithmetic; None where there is no closed form."""
         if self.time_constant is not None:
             return self._filtered_motion(state)
-        v = self._velocity(time, functions)
-        wanted = self._corrected(v, time, state, functions)
         qdot = self.formula(time, state, functions)
         if qdot is None:
             return None
+        v = self._velocity(time, functions)
+        wanted = self._corrected(v, time, state, functions)
         a = [
             part + k * (x - moved)
             for part, k, x, moved in zip(

@@ -44,6 +44,7 @@ class Movable(ABC):
     geometry: object = None  # for closed forms, as chain.geometry_of returns it
     is_exact: bool = True  # whether the rates are undefined where J is singular
     varies: bool = False  # whether the twists depend on the posture
+    has_formula: bool = False  # whether ``formula`` and ``task_position`` take any arithmetic
 
     @abstractmethod
     def foot(self, q: Floats) -> Array:
@@ -92,13 +93,13 @@ class Movable(ABC):
 
     def formula(
         self, q: Values, a: Values, qdot: Values, w: Values, functions: Functions
-    ) -> tuple[Values, ...] | None:
-        """``J^-1 (a - dJ/dt qdot)`` in any arithmetic; None where there is no closed form.
+    ) -> tuple[Values, ...]:
+        """``J^-1 (a - dJ/dt qdot)`` in any arithmetic, of a robot that ``has_formula``.
 
         With ``qdot`` and ``w`` zero it is the rates for a velocity a. A singular posture is not
         refused: the division by zero is left to the arithmetic.
         """
-        return None
+        raise NotImplementedError
 
     def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
         """What the commanded velocities are the derivatives of, (m,); 0 for a rotation."""

@@ -123,6 +123,7 @@ class MovableScara(Movable):
     """The tool's x, y and yaw, moved by the first three joints; the lift stays (report B, 1.5)."""
 
     geometry: ScaraGeometry
+    has_formula = True
     twists = np.eye(6)[:, [3, 4, 2]]
 
     def __init__(self, arm: ScaraGeometry, lift: float = 0.0) -> None:

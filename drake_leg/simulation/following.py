@@ -326,10 +326,23 @@ def torques_by_equation(robot: Robot, gravity: float, run: Run) -> Array:
     return torques
 
 
-@lru_cache(maxsize=8)
-def _plant(robot: Robot, gravity: float) -> tuple[MultibodyPlant, Context, MultibodyForces]:
-    """A robot's plant, kept for the next run of the same robot."""
+_Plant = tuple[MultibodyPlant, Context, MultibodyForces]
+
+
+def _plant(robot: Robot, gravity: float) -> _Plant:
+    """A robot's plant, kept for the next run unless the robot has an inertia in an array."""
+    try:
+        hash(robot)
+    except TypeError:
+        return _new_plant(robot, gravity)
+    return _kept_plant(robot, gravity)
+
+
+def _new_plant(robot: Robot, gravity: float) -> _Plant:
     plant = build_plant(robot, gravity=gravity)
     if not any(segment.mechanics.stops for segment in robot.moving):
         require_actuators(plant)
     return plant, plant.CreateDefaultContext(), MultibodyForces(plant)
+
+
+_kept_plant = lru_cache(maxsize=8)(_new_plant)
