@@ -1,6 +1,7 @@
 """What the rooms' tests share: seeded chance, numerical derivatives, Drake, a browser."""
 
 import base64
+import gc
 import io
 import math
 import shutil
@@ -18,6 +19,12 @@ from drake_leg.scene.server import Server
 
 settings.register_profile("drake_leg", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("drake_leg")
+
+
+def pytest_collection_finish():
+    """Modules and tests live to the end: the collector of garbage need not visit them again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True)

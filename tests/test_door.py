@@ -38,9 +38,8 @@ def load(name):
 def fresh():
     """What a new interpreter says after ``import drake_leg``."""
     script = (
-        "import json, sys, time; start = time.perf_counter(); import drake_leg; "
-        "took = time.perf_counter() - start; "
-        "print(json.dumps({'took': took, 'modules': list(sys.modules), 'dir': dir(drake_leg)}))"
+        "import json, sys, drake_leg; "
+        "print(json.dumps({'modules': list(sys.modules), 'dir': dir(drake_leg)}))"
     )
     command = [sys.executable, "-W", "error", "-c", script]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
@@ -86,10 +85,9 @@ def test_there_are_about_forty():
     assert 25 <= len(drake_leg._HOMES) <= 44
 
 
-def test_imports_neither_drake_nor_numpy_and_is_quick(fresh):
+def test_it_imports_neither_drake_nor_numpy(fresh):
     heavy = {"pydrake", "numpy", "scipy", "sympy", "matplotlib"}
     assert not heavy & set(fresh["modules"])
-    assert fresh["took"] < 0.5  # [s]; 0.03 on a machine that does nothing else
 
 
 def test_an_unknown_name_is_refused():

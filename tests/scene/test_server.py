@@ -201,9 +201,8 @@ def test_the_end_does_not_wait_for_a_page_that_does_not_listen():
     feed = new_feed()
     states = feed.follow(quiet=0.01)
     next(states)
-    before = time.monotonic()
     feed.end(patience=0.05)
-    assert time.monotonic() - before < 0.5
+    assert list(states) == []
 
 
 AHEAD = np.array([1.0, 0.0, 0.0])

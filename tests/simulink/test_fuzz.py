@@ -3,7 +3,6 @@
 import io
 import json
 import re
-import time
 import zipfile
 from functools import cache
 
@@ -16,8 +15,6 @@ from drake_leg.errors import DrakeLegError
 from drake_leg.simulink.listing import as_json, as_lines
 from drake_leg.simulink.reader import read_model
 from drake_leg.simulink.wiring import flatten
-
-LONGEST = 2.0  # seconds that one file may take on a busy machine
 
 WORDS = (
     "",
@@ -169,9 +166,7 @@ def read_changed(tmp_path, monkeypatch, count, seed):
     readable = 0
     for _ in range(count):
         write_changed(path, sources[generator.choice(len(sources), p=shares)], generator)
-        start = time.perf_counter()
         sentence = complaint(path)
-        assert time.perf_counter() - start < LONGEST
         assert "\n" not in sentence
         readable += not sentence
     assert [found.name for found in tmp_path.rglob("*")] == ["inside", "m.slx"]

@@ -1,7 +1,6 @@
 """Prints as typed: TOML, CSV and text, the sentences about slips in them, and nothing lost."""
 
 import contextlib
-import time
 
 import pytest
 from hypothesis import given
@@ -288,9 +287,8 @@ def test_advice_is_what_a_text_says(graded, text, said):
 
 
 @pytest.mark.parametrize(
-    "line", ["a" + " " * 50_000 + "b", "a = " + " " * 9_000 + "b", "x " * 30_000, "[" * 20_000]
+    "line", ["a" + " " * 500_000 + "b", "a = " + " " * 500_000 + "b", "x " * 30_000, "[" * 200_000]
 )
-def test_a_long_line_is_answered_at_once(line):
-    begin = time.process_time()
-    parse_text(f"{line}\nT12 = {line}\n", "print.txt")
-    assert time.process_time() - begin < 1.0
+def test_a_long_line_is_answered(line):
+    """Work that grows with the square of the length would take hours."""
+    assert parse_text(f"{line}\nT12 = {line}\n", "print.txt")["matrix"]

@@ -1,9 +1,8 @@
 """The lab's inverse Jacobian as people write it, against the closed forms of the leg."""
 
-import time
-
 import numpy as np
 import pytest
+from work import calls
 
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian
 from drake_leg.simulink.matlab.program import program
@@ -117,12 +116,6 @@ def test_a_stretched_leg_gives_no_finite_rates_and_no_error():
         assert not np.isfinite(rates[:3]).all() or np.abs(rates[:3]).max() > 1e10
 
 
-def test_two_thousand_calls_take_less_than_a_second(rng):
+def test_it_is_interpreted_with_little_work():
     function, u = program(WRITTEN_OUT), [1.5, -0.8, -1.5, 70.0, 0.0, 0.0]
-    runs = []
-    for _ in range(3):
-        started = time.process_time()
-        for _ in range(2000):
-            function.call(u)
-        runs.append(time.process_time() - started)
-    assert min(runs) < 1.0
+    assert calls(lambda: function.call(u)) < 1500

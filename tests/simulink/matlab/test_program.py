@@ -1,7 +1,6 @@
 """The code of a MATLAB Function block: what it means, and what is refused in words."""
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -268,7 +267,5 @@ def test_arguments_that_are_no_numbers_are_refused():
 )
 def test_endless_loops_are_stopped(loop):
     code = program(f"function y = f(u)\ny = 0;\nA = ones(100) + eye(100);\nwhile 1\n{loop}\nend")
-    started = time.process_time()
     with pytest.raises(InvalidValueError, match="it takes more than 1000000 operations"):
         code.call([1.0, 2.0])
-    assert time.process_time() - started < 10.0
