@@ -8,6 +8,7 @@ import shutil
 import time
 from functools import cache
 from threading import Event, Thread
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,6 +32,23 @@ def pytest_collection_finish():
 def quiet(monkeypatch):
     """On a busy machine anything may take ten seconds; that it does is said in test_progress."""
     monkeypatch.setattr(progress, "LINES", math.inf)
+
+
+@pytest.fixture
+def for_ever(monkeypatch):
+    """Work without an end, which takes up any time budget as soon as it begins."""
+    passed = []
+    clock = SimpleNamespace(
+        perf_counter=time.perf_counter, monotonic=lambda: time.monotonic() + sum(passed)
+    )
+    monkeypatch.setattr(progress, "time", clock)
+
+    def work(_):
+        passed.append(3600.0)
+        while True:
+            time.sleep(0.001)
+
+    return work
 
 
 @pytest.fixture
@@ -100,6 +118,17 @@ def browser():
         running.close()
 
 
+# Resolved once ten frames in a row had nothing to draw.
+CALM = """() => new Promise(done => {
+  let calm = 0;
+  const look = () => {
+    calm = viewer.needs_render ? 0 : calm + 1;
+    if (calm < 10) requestAnimationFrame(look); else done();
+  };
+  look();
+})"""
+
+
 class Visit:
     """A page in 3D that is open, with what it asked for and what it complained of."""
 
@@ -112,7 +141,7 @@ class Visit:
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.goto(url)
         self.page.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
-        self.page.wait_for_timeout(500)
+        self.page.evaluate(CALM)
 
     def wait_until(self, holds):
         """Wait until a condition holds, however slow the machine is."""

@@ -2,8 +2,6 @@
 
 import re
 import shlex
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -88,8 +86,9 @@ SNIPPETS = [(page, snippet) for page, text in PAGES.items() for snippet in block
 
 
 @pytest.mark.parametrize(("page", "snippet"), SNIPPETS, ids=[page for page, _ in SNIPPETS])
-def test_a_snippet_runs(page, snippet):
-    subprocess.run([sys.executable, "-W", "error", "-c", snippet], check=True, cwd=ROOT)
+def test_a_snippet_runs(page, snippet, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    exec(compile(snippet, page, "exec"), {"__name__": "__main__"})
 
 
 def test_the_robot_of_ones_own_is_proved(unsaved, tmp_path, monkeypatch, capsys):

@@ -1,4 +1,4 @@
-"""A hundred random robots of one to eight joints through every command, each answer checked.
+"""Random robots of one to eight joints through every command, each answer checked.
 
 A command may refuse a robot, by one sentence and a documented status, or do what it says; it never
 leaves a traceback, half a file, or something that is not so.
@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from campaigns import cases
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from random_robots import random_robot
@@ -27,7 +28,7 @@ from drake_leg.simulation.recording import Recording
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings(UNRAISABLE)]
 
-ROBOTS = 100
+ROBOTS = cases(40)
 MODEL = str(Path(__file__).parents[2] / "notebooks" / "leg.slx")
 
 

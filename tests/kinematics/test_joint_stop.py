@@ -79,7 +79,7 @@ def test_a_bounce_creates_no_energy_and_without_damper_loses_none(damping):
     limits = JointMechanics(lower=-0.4, upper=0.7, lower_stop=stop, upper_stop=stop)
     run = solve_ivp(
         lambda _time, state: [state[1], float(limit_force(limits, *state))],
-        (0.0, 4.0),
+        (0.0, 1.5),
         [0.0, 2.0],
         method="DOP853",
         rtol=1e-11,

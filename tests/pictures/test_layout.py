@@ -233,4 +233,4 @@ def test_the_work_of_a_layout_grows_less_than_the_cube(rng, loops):
         picture = chance_wiring(rng, count, loops=loops)
         return calls(lambda: lay_out(picture))
 
-    assert work(300) < 4.0**3 / 2.0 * work(75)
+    assert work(120) < 3.0**3 / 2.0 * work(40)

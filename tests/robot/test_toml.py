@@ -273,19 +273,16 @@ def robots(draw):
     )
 
 
+@settings(max_examples=30)
 @given(robot=robots())
-def test_any_robot_is_read_back_as_it_was(robot):
+def test_any_robot_is_read_back_as_it_was_and_its_linter_finds_no_error(robot):
     assert read_robot(robot_toml(robot), "chance.toml") == robot
-
-
-@given(robot=robots())
-def test_the_linter_finds_no_error_in_what_is_written(robot):
     document = parse_document(robot_toml(robot), "chance.toml")
     assert not errors(lint_table(table_of_document(document)))
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=8)
 @given(robot=robots())
 def test_any_robot_is_proved(robot):
     proof = prove(read_robot(robot_toml(robot), "chance.toml"), samples=4)

@@ -38,7 +38,7 @@ def test_a_falling_pendulum_is_caught_by_simscapes_stop_and_rests_in_it():
 
 def test_a_soft_limit_lets_the_pendulum_bounce():
     options = FreePendulumOptions(
-        duration=3.0, upper_limit=60.0, limit_stiffness=0.5, limit_damping=0.0, limit_width=0.5
+        duration=1.5, upper_limit=60.0, limit_stiffness=0.5, limit_damping=0.0, limit_width=0.5
     )
     outcome = run_pendulum(options)
     assert outcome.summary["max_angle_error_rad"] < 2e-6

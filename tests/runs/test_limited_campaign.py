@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from campaigns import cases
 
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import foot_pose
@@ -17,8 +18,8 @@ from drake_leg.singularity.forecast import Forecast
 from drake_leg.singularity.inverse import MARGIN
 from drake_leg.units import AT_LIMIT
 
-RUNS = 200
-BATCHES = 10
+RUNS = cases(60)
+BATCHES = 4
 NARROWEST = 0.01  # [rad or m], of the way between two limits
 NEARLY_SINGULAR = 0.01  # [m], smallest singular value of a run that passes a singularity
 PASSING = 1.5  # of a greatest rate, where rates turn round within milliseconds

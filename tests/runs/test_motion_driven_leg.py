@@ -62,7 +62,7 @@ def test_joint_angles_follow_their_command(max_step, within):
 def test_joint_angles_are_those_of_the_exact_path_and_torques_inverse_dynamics(
     variant, options, max_step, within
 ):
-    outcome = run_leg(options(max_step=max_step))
+    outcome = run_leg(options(max_step=max_step, duration=20.0 if max_step is None else 7.0))
     assert angle_error(outcome) <= within
     assert outcome.summary["max_torque_error_n_m"] <= 1e-12
 

@@ -1,10 +1,11 @@
-"""A thousand pendulums at random: each is carried out and drawn, and is right or says that not."""
+"""Hundreds of pendulums at random: each is carried out and drawn, and is right or says that not."""
 
 import json
 import math
 
 import numpy as np
 import pytest
+from campaigns import cases
 
 from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.pictures.plots.of_runs import figures_of_run
@@ -14,7 +15,7 @@ from drake_leg.simulation.integrator import INTEGRATORS
 from drake_leg.units import DAMPING_UNITS, SPRING_UNITS
 
 KINDS = ("pendulum", "pendulum-damped", "pendulum-spring")
-BATCHES, OF_A_BATCH = 20, 50
+BATCHES, OF_A_BATCH = cases(4), 50
 TURNS, DECAYS = 60.0, 100.0  # of the spring and of the damper: what a run may last, to be quick
 ENERGY, LAID_OUT = 5, 50  # of so many one has its energy drawn; one is laid out
 QUICK = ("runge_kutta5", "runge_kutta3", "radau3")  # with error control

@@ -55,7 +55,7 @@ def comes_to_rest(visit):
     """Wait until nothing is commanded any more; the foot stands still then."""
     visit.wait_until(lambda: visit.page.inner_text("#guard-share") == "speed –")
     before = visit.frame(4)
-    visit.page.wait_for_timeout(300)
+    visit.page.wait_for_timeout(100)
     np.testing.assert_array_equal(visit.frame(4), before)
 
 

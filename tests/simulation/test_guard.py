@@ -5,6 +5,7 @@ import math
 import kinematic_loop
 import numpy as np
 import pytest
+from campaigns import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -117,21 +118,21 @@ def many(rng, count, slow=1):
 
 
 def test_random_runs_of_the_loop_are_exact_or_stop_in_time(rng):
-    met = many(rng, 20)
+    met = many(rng, 12)
     assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(8))  # two thousand in all, shared among the cores
+@pytest.mark.parametrize("seed", range(cases(4)))
 def test_many_random_runs_of_the_loop_are_exact_or_stop_in_time(seed):
-    met = many(np.random.default_rng(seed), 250, slow=4)
-    assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 6
+    met = many(np.random.default_rng(seed), 100, slow=4)
+    assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 3
 
 
 @pytest.mark.slow
-def test_fifty_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
+def test_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
     met = []
-    for number in range(50):
+    for number in range(20):
         leg, q0, step = random_run(rng, number, slowest=0.0)
         config = hexabot_leg.HexabotLegConfig(
             robot=leg_robot("A" if leg.sign < 0 else "B", l1=leg.l1, l2=leg.l2, l3=leg.l3),
@@ -147,10 +148,10 @@ def test_fifty_random_runs_with_the_plant_are_exact_or_stop_in_time(rng):
         forecast = forecast_step(MovableLeg(leg), q0, step, duration_of(step))
         see(run, run.scopes["foot positions"], forecast, step)
         met.append(forecast.encounter.family if forecast.encounter else None)
-    assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 4
+    assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 1
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=12, deadline=None, derandomize=True)
 @given(
     lengths=st.tuples(LENGTHS, LENGTHS),
     q0=st.tuples(ANGLES, st.floats(0.05, 3.0), ANGLES),

@@ -29,7 +29,7 @@ LIMITS = JointMechanics(
 
 
 @cache
-def swing(mechanics, duration=3.0, accuracy=1e-9):
+def swing(mechanics, duration=1.5, accuracy=1e-9):
     robot = pendulum(mechanics=mechanics)
     run = simulate(
         build(PendulumConfig(robot=robot)),

@@ -51,19 +51,19 @@ def survives(attempt):
     assert 0 < len(said) < 1000
 
 
-@settings(max_examples=250)
+@settings(max_examples=100)
 @given(TEXTS)
 def test_random_words_as_a_value(text):
     survives(lambda: value(text, {"u": 3.0, "y": [1.0, 2.0]}))
 
 
-@settings(max_examples=250)
+@settings(max_examples=100)
 @given(st.text(max_size=60))
 def test_random_signs_as_a_value(text):
     survives(lambda: value(text))
 
 
-@settings(max_examples=250)
+@settings(max_examples=100)
 @given(TEXTS)
 def test_random_words_as_a_script(text):
     survives(lambda: program(f"function y = f(u)\n{text}").call([1.0, 2.0, 3.0]))
@@ -74,7 +74,7 @@ def test_the_good_script_is_good():
     assert len(program(SCRIPT).call([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])) == 2
 
 
-@settings(max_examples=250)
+@settings(max_examples=100)
 @given(st.data())
 def test_a_good_script_with_faults(data):
     script = SCRIPT
