@@ -38,11 +38,11 @@ def named(robot, name):
 
 @pytest.fixture
 def drawn(monkeypatch):
-    """Draw figures without saving them; their names."""
+    """Note the names of figures instead of drawing them."""
     names = []
 
     monkeypatch.setattr(
-        "drake_leg.runs.figures.save", lambda _figure, _folder, name, _formats: names.append(name)
+        "drake_leg.runs.figures._write", lambda _draw, name, _formats, _folder: names.append(name)
     )
     return names
 

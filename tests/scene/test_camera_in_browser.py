@@ -109,7 +109,7 @@ def test_shifting_never_loses_the_robot(visit):
 def test_views_are_the_same_wherever_the_camera_was(visit):
     data = json.loads(visit.page.inner_text("#page-data"))
     views = {view["label"]: view for view in data["views"]}
-    for name, notches in zip(VIEWS, (40, -40, 40, -40), strict=True):
+    for name, notches in zip(VIEWS, (12, -12, 12, -12), strict=True):
         drag(visit, -280)
         drag(visit, -280, button="right")
         turn_the_wheel(visit, notches)

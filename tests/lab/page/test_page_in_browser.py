@@ -29,8 +29,7 @@ class Visit:
         assert away == []
 
 
-@pytest.mark.parametrize("width", [390, 820, 1440])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (820, "light"), (1440, "dark")])
 def test_nothing_is_wider_than_the_window_and_every_picture_is_there(
     browser, folder, width, scheme
 ):
