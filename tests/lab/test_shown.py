@@ -80,7 +80,7 @@ def test_a_robot_of_ones_own_has_no_equations_of_the_reports():
 
 
 def test_what_there_is_not_is_said():
-    last = len(catalogue.errata())
+    last = len(catalogue.texts_by_number())
     said = f"no erratum {last + 1}; they are numbered from 1 to {last}"
     with pytest.raises(InvalidValueError, match=said):
         errata(last + 1)

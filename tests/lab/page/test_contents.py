@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 import sympy as sp
 
-from drake_leg.lab.errata.catalogue import errata
+from drake_leg.lab.errata.catalogue import texts_by_number
 from drake_leg.lab.page import mathematics
 from drake_leg.lab.page.contents import RUNS, SUBJECTS, Item, chapters, command
 from drake_leg.lab.page.items import KINDS, PLOTS
@@ -53,8 +53,8 @@ def test_the_appendix_is_there(kind):
 
 def test_every_erratum_stands_where_it_belongs():
     named = [number for item in ITEMS for number in item.errata]
-    assert sorted(named) == [erratum.number for erratum in errata()]
-    reports = {erratum.number: erratum.source[-1] for erratum in errata()}
+    assert sorted(named) == sorted(texts_by_number())
+    reports = {number: text["source"][-1] for number, text in texts_by_number().items()}
     for item in ITEMS:
         assert all(reports[number] == item.label[0] for number in item.errata)
 
