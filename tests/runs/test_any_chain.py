@@ -185,7 +185,7 @@ def test_a_correction_brings_the_foot_back_from_a_wrong_start(name):
     robot, q = POSTURES[name]
     wrong = [1.0] * len(q)
     summary = run_robot(
-        robot, options(robot, q, q0_error=wrong, correction=16.0, duration=1.6)
+        robot, options(robot, q, q0_error=wrong, correction=16.0, duration=1.8)
     ).summary
     assert summary["greatest_distance_from_command_m"] > 1e-3
     assert summary["distance_from_command_at_the_end_m"] < 1e-8
