@@ -5,8 +5,8 @@ They repeat in those scalars what ``leg`` and ``chain`` do in floats, which are 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -20,10 +20,18 @@ from drake_leg.kinematics.khalil import (
     joint_columns,
     links_of,
 )
-from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable
+from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Functions, Movable, Values
 from drake_leg.robot.robot import Row
 
-cosine, sine = methodcaller("cos"), methodcaller("sin")
+
+def cosine(angle: Any) -> Any:  # noqa: ANN401 - of its scalar
+    """Cosine of a float, or of a scalar with derivatives."""
+    return math.cos(angle) if isinstance(angle, float | int) else angle.cos()
+
+
+def sine(angle: Any) -> Any:  # noqa: ANN401
+    """Sine of a float, or of a scalar with derivatives."""
+    return math.sin(angle) if isinstance(angle, float | int) else angle.sin()
 
 
 class DifferentiableChain(Movable):
@@ -38,6 +46,17 @@ class DifferentiableChain(Movable):
     def foot(self, q: Floats) -> Array:
         """Position of the foot in the base frame, (3,) [m]."""
         return np.array(self._frames(q)[-1][3])
+
+    @property
+    def has_positions(self) -> tuple[bool, ...]:
+        """Which components of ``task_position`` are positions, (m,)."""
+        return self._plain.has_positions
+
+    def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
+        """What the commanded velocities are the derivatives of, (m,)."""
+        if self._plain.has_formula:
+            return self._plain.task_position(q, functions)
+        return super().task_position(q, functions)
 
     def jacobian(self, q: Floats) -> Array:
         """J, (m, n)."""

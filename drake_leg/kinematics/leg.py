@@ -294,12 +294,11 @@ class DifferentiableLeg(MovableLeg):
 
     def foot(self, q: Floats) -> Array:
         """Position of the foot in the base frame, (3,) [m]."""
-        c1, s1, _, z2, _, z3, reach = self._links(q)
-        return np.array([c1 * reach, s1 * reach, self.geometry.sign * (z2 + z3)])
+        return np.array(self.task_position(q, self._functions))
 
     def jacobian(self, q: Floats) -> Array:
         """Translational Jacobian, (3, 3) [m/rad]."""
-        c1, s1, x2, z2, x3, z3, reach = self._links(q)
+        c1, s1, _, _, _, x2, z2, x3, z3, reach = _plane(self._numbers, q, self._functions)
         sign, depth = self.geometry.sign, z2 + z3
         return np.array(
             [
@@ -308,13 +307,6 @@ class DifferentiableLeg(MovableLeg):
                 [0.0 * c1, sign * (x2 + x3), sign * x3],
             ]
         )
-
-    def _links(self, q: Floats) -> _Links:
-        l1, l2, l3, _ = self._numbers
-        q1, q2, q3 = q
-        x2, z2 = l2 * cosine(q2), l2 * sine(q2)
-        x3, z3 = l3 * cosine(q2 + q3), l3 * sine(q2 + q3)
-        return _Links(cosine(q1), sine(q1), x2, z2, x3, z3, l1 + x2 + x3)
 
     def singular(self, q: Floats, time: float | None = None) -> SingularConfigurationError:
         """Make the error of a singular posture, in floats."""

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from drake_leg.kinematics.differentiable import cosine, sine
 from drake_leg.kinematics.motions import SineStep, limited_speed
 from drake_leg.kinematics.movable import Floats, Functions, Movable, Values
 
@@ -46,11 +47,16 @@ class KinematicEquation:
     top_speed: float = math.inf  # [m/s], of the corrected command
     time_constant: float | None = None  # [s], of the input filters; None: no filter
     senses: bool = True  # the filtered positions are fed back, not the filters' input
+    functions: Functions = FLOATS  # cosine and sine of what the robot takes
 
     @property
     def joints(self) -> int:
         """Number of joints, n."""
         return self.robot.joints
+
+    def differentiable(self) -> KinematicEquation:
+        """The same equation for a state that carries derivatives, such as AutoDiffXd."""
+        return replace(self, robot=self.robot.differentiable(), functions=(cosine, sine))
 
     def start(self, q: Sequence[float]) -> tuple[float, ...]:
         """State of joints at rest at q (n,)."""
@@ -85,8 +91,8 @@ class KinematicEquation:
     def instant(self, time: float, state: Floats) -> Instant:
         """Command and joints at one instant."""
         q = self.fed_back(state)
-        v, a = self._velocity(time, FLOATS), self._acceleration(time, FLOATS)
-        wanted = self._corrected(v, time, q, FLOATS)
+        v, a = self._velocity(time, self.functions), self._acceleration(time, self.functions)
+        wanted = self._corrected(v, time, q, self.functions)
         w = None
         if self.time_constant is not None and self.senses:
             w = state[self.joints : 2 * self.joints]
@@ -156,7 +162,7 @@ class KinematicEquation:
 
     @cached_property
     def _origin(self) -> list[float]:
-        return list(self.robot.task_position(self.q0, FLOATS))
+        return list(self.robot.task_position(self.q0, self.functions))
 
     def _velocity(self, time: Values, functions: Functions) -> list[Values]:
         _, sin = functions
@@ -198,7 +204,8 @@ class KinematicEquation:
 
     def _wanted(self, time: float, q: Floats) -> Floats:
         """The command with its correction and its limit."""
-        v = self._corrected(self._velocity(time, FLOATS), time, q, FLOATS)
+        functions = self.functions
+        v = self._corrected(self._velocity(time, functions), time, q, functions)
         return self._limited(v, v)[0]
 
     def _limited(self, v: list[float], a: list[float]) -> tuple[list[float], list[float]]:

@@ -10,6 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, Joint
 from pydrake.systems.framework import LeafSystem, LeafSystem_, SystemScalarConverter
 
+from drake_leg.kinematics.loop import KinematicEquation
 from drake_leg.kinematics.movable import Movable
 
 _OF_FLOAT_ALONE = ("__dict__", "__weakref__", "ToAutoDiffXd")
@@ -22,12 +23,13 @@ class Block(LeafSystem):
     ``Block.__init__(self, ...)`` and passes on what it was given. ``differentiable(cls)`` is the
     same class for AutoDiffXd: the same methods, constructed from the same arguments, but a
     converted plant for a plant, its frame or joint for a frame or a joint, and
-    ``Movable.differentiable`` for a Movable. The methods therefore take numbers as they come.
+    ``differentiable()`` of a Movable or a KinematicEquation. The methods therefore take numbers as
+    they come; ``scalar`` is their type, float or AutoDiffXd.
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 - of any block
-        scalar = AutoDiffXd if isinstance(self, LeafSystem_[AutoDiffXd]) else float
-        LeafSystem_[scalar].__init__(self, converter=_CONVERTER)
+        self.scalar = AutoDiffXd if isinstance(self, LeafSystem_[AutoDiffXd]) else float
+        LeafSystem_[self.scalar].__init__(self, converter=_CONVERTER)
         self._made_of = arguments, options
 
     def ToAutoDiffXd(self) -> Any:  # noqa: ANN401 - a system of another scalar type
@@ -77,7 +79,7 @@ def _argument_in_autodiff(argument: Any, plants: dict[int, Any]) -> Any:  # noqa
             return of(argument.GetParentPlant()).get_frame(argument.index())
         case Joint():
             return of(argument.GetParentPlant()).get_joint(argument.index())
-        case Movable():
+        case Movable() | KinematicEquation():
             return argument.differentiable()
         case list() | tuple():
             return [of(each) for each in argument]

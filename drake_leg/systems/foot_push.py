@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from pydrake.autodiffutils import AutoDiffXd
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.math import SpatialForce_
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce_
@@ -42,12 +41,11 @@ class FootPush(Block):
     def __init__(self, frame: Frame, push: Push) -> None:
         Block.__init__(self, frame, push)
         self.push = push
-        self._scalar = float if isinstance(frame, Frame) else AutoDiffXd
         self._body = frame.body().index()
         self._p_BoFo_B = frame.GetFixedPoseInBodyFrame().translation()
         self.DeclareAbstractOutputPort(
             "spatial_forces",
-            lambda: AbstractValue.Make([ExternallyAppliedSpatialForce_[self._scalar]()]),
+            lambda: AbstractValue.Make([ExternallyAppliedSpatialForce_[self.scalar]()]),
             self._calc_forces,
             {self.time_ticket()},
         )
@@ -71,11 +69,11 @@ class FootPush(Block):
         return self.push.lasting / STEPS_OF_PUSH if pushing else math.inf
 
     def _calc_forces(self, context: Context, forces: AbstractValue) -> None:
-        applied = ExternallyAppliedSpatialForce_[self._scalar]()
+        applied = ExternallyAppliedSpatialForce_[self.scalar]()
         applied.body_index = self._body
         applied.p_BoBq_B = self._p_BoFo_B
         force = self.push.at_time(value_of(context.get_time()))
-        applied.F_Bq_W = SpatialForce_[self._scalar](np.zeros(3), force)
+        applied.F_Bq_W = SpatialForce_[self.scalar](np.zeros(3), force)
         forces.set_value([applied])
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pydrake import symbolic
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import BasicVector_, Context
 from pydrake.systems.primitives import SymbolicVectorSystem
 
 from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.loop import Instant, KinematicEquation
+from drake_leg.systems.block import Block
 
 
-class KinematicLoop(LeafSystem):
+class KinematicLoop(Block):
     """Integrates the joint rates that make the foot follow its command.
 
     ========= ==== ==== ======== ======================================================
@@ -38,10 +39,11 @@ class KinematicLoop(LeafSystem):
     """
 
     def __init__(self, equation: KinematicEquation, start: Sequence[float]) -> None:
-        super().__init__()
+        Block.__init__(self, equation, start)
         self.equation = equation
         self.robot = equation.robot
-        state = self.DeclareContinuousState(BasicVector(equation.start(start)))
+        numbers = [self.scalar(each) for each in equation.start(start)]
+        state = self.DeclareContinuousState(BasicVector_[self.scalar](numbers))
         self.DeclareStateOutputPort("state", state)
 
     def posture(self, context: Context) -> list[float]:

@@ -8,7 +8,7 @@ from pydrake.autodiffutils import AutoDiffXd, InitializeAutoDiff
 from pydrake.systems.analysis import Simulator, Simulator_
 from pydrake.systems.framework import LeafSystem, LeafSystem_
 
-from drake_leg.diagrams import ellipse, hexabot_leg, pendulum, scara
+from drake_leg.diagrams import ellipse, hexabot_leg, kinematic_loop, pendulum, scara
 from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.diagrams.ellipse import EllipseConfig
@@ -78,6 +78,9 @@ DIAGRAMS = {
     "filter": (hexabot_leg, HexabotLegConfig(filter_time_constant=0.02, feedback="integrated")),
     "ellipse": (ellipse, EllipseConfig()),
     "SCARA": (scara, ScaraConfig()),
+    "loop": (kinematic_loop, HexabotLegConfig()),
+    "loop with drift": (kinematic_loop, ScaraConfig(control=Control(correction=5.0))),
+    "loop with filters": (kinematic_loop, HexabotLegConfig(filter_time_constant=0.02)),
     "pendulum": (pendulum, PendulumConfig()),
 }
 
