@@ -21,7 +21,7 @@ COMMON = {
 }  # fmt: skip
 LEG = COMMON | {
     "stroke_m", "max_position_error_m", "max_off_axis_m", "max_velocity_error_m_s", "sigma_min_m",
-    "det_j_min_m3", "det_j_max_m3",
+    "det_j_min_m3", "det_j_max_m3", "max_rate_rad_s", "max_static_torque_n_m",
 }  # fmt: skip
 PENDULUM = COMMON | {
     "period_s", "exact_period_s", "energy_drift", "rest_angle_rad", "exact_rest_angle_rad",

@@ -48,7 +48,10 @@ def configure_sweep(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "--vary femur=0.06:0.14:9 takes nine lengths from 0.06 to 0.14 m; coxa, femur and tibia "
         "are a leg's links. --vary inverse=exact,damped takes two choices, --vary 'q0[1]=-60:-40:5'"
-        " a component of a list (the first one is 0)."
+        " a component of a list (the first one is 0). Where --fields asks for no "
+        "others than stroke_m, sigma_min_m, det_j_min_m3, det_j_max_m3, max_rate_rad_s and "
+        "max_static_torque_n_m of a leg's undisturbed step, they are computed in closed form, and "
+        "nothing is simulated."
     )
     parser.add_argument(
         "name",
@@ -72,6 +75,9 @@ def configure_sweep(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="S", help="of the samples (default 0)")
     parser.add_argument(
         "--fields", metavar="A,B", help="entries of the summary to keep (default: all)"
+    )
+    parser.add_argument(
+        "--simulated", action="store_true", help="simulate even what has a closed form"
     )
     add_output(parser)
     parser.add_argument("--workers", metavar="N", help="processes (default: all cores)")
@@ -142,6 +148,7 @@ def _carried_out(chosen: argparse.Namespace, kind: RunKind, vary: dict[str, str]
             sampler=chosen.sampler,
             seed=_whole("--seed", chosen.seed),
             fields=chosen.fields.split(",") if chosen.fields else None,
+            simulated=chosen.simulated,
             out=chosen.out,
             overwrite=chosen.overwrite,
             executor=executor,

@@ -39,6 +39,7 @@ from drake_leg.runs.options import (
     StraightOptions,
 )
 from drake_leg.runs.outcome import Outcome, outcome_of
+from drake_leg.runs.peaks import peak_findings
 from drake_leg.runs.tip import (
     control_findings,
     exact_tip,
@@ -366,6 +367,7 @@ def _compared(
         "sigma_min_m": float(view.sigma_min.min()),
         f"{name}_min{suffix}": float(det_j.min()),
         f"{name}_max{suffix}": float(det_j.max()),
+        **peak_findings(robot, run, config.gravity),
         **view.others,
     }
     return columns, exact_tip(view.start, motion, run.time, view.q) | view.exact, findings

@@ -35,6 +35,7 @@ class Plan:
     sampler: str = "sobol"
     seed: int = 0
     fields: tuple[str, ...] | None = None  # of the summary that are kept; None: all
+    simulated: bool = False  # even where a closed form has the answer
 
     def __len__(self) -> int:
         if self.sample is not None:
@@ -87,6 +88,7 @@ class Plan:
             "options": dict(self.fixed),
             "vary": [one.described() for one in self.vary],
             "fields": self.fields,
+            "simulated": self.simulated,
             "runs": len(self),
         }
         if self.sample is not None:

@@ -16,6 +16,7 @@ from drake_leg.errors import InvalidValueError, require_pyarrow
 from drake_leg.files import ResultsFolder
 from drake_leg.robot.robot import Robot, html_table
 from drake_leg.runs.catalogue import run_kind
+from drake_leg.studies.batch import batch, is_closed
 from drake_leg.studies.journal import (
     JOURNAL,
     PLAN,
@@ -118,6 +119,7 @@ def sweep(
     sampler: str = "sobol",
     seed: int | None = None,
     fields: Sequence[str] | None = None,
+    simulated: bool = False,
     out: Path | str | None = None,
     overwrite: bool = False,
     executor: Executor | None = None,
@@ -148,6 +150,8 @@ def sweep(
         Of the samples; 0 by default.
     fields : sequence of str, optional
         Which entries of the summary are kept; by default all.
+    simulated : bool
+        Whether to simulate even where a closed form gives all ``fields``.
     out : Path or str, optional
         Folder for ``runs.parquet``. By default nothing is written.
     overwrite : bool
@@ -185,7 +189,7 @@ def sweep(
     >>> bool((result["max_position_error_m"] < 1e-9).all())
     True
     """
-    plan = _plan(what, vary, sample, sampler, seed, fields, options)
+    plan = _plan(what, vary, sample, sampler, seed, fields, simulated, options)
     require_kind("overwrite", overwrite, bool)
     require_callable("progress", progress)
     if executor is not None:
@@ -195,8 +199,7 @@ def sweep(
         raise InvalidValueError(f"out is {out!r}; it must be the path of a folder")
     report = progress or (lambda _done, _all: None)
     if out is None:
-        rows = _gathered(plan, {}, executor, count, report, None)
-        return SweepResult(plan=plan, table=Table.from_rows(plan.columns, rows))
+        return SweepResult(plan=plan, table=_table(plan, executor, count, report, None))
     require_pyarrow()
     return _in_folder(plan, Path(out), overwrite, executor, count, report)
 
@@ -214,8 +217,7 @@ def _in_folder(
     path = folder.path / RUNS
     if not path.exists():
         with Journal(folder.path) as journal:
-            rows = _gathered(plan, journal.rows(), executor, workers, report, journal)
-            table = Table.from_rows(plan.columns, rows)
+            table = _table(plan, executor, workers, report, journal)
             with folder.more() as scratch:
                 table.write(scratch / RUNS, plan.digest)
             journal.remove()
@@ -233,8 +235,30 @@ def _folder(plan: Plan, target: Path, overwrite: bool) -> ResultsFolder:
     return folder
 
 
+def _table(
+    plan: Plan,
+    executor: Executor | None,
+    workers: int,
+    report: Progress,
+    journal: Journal | None,
+) -> Table:
+    """Answer in closed form where that is enough, and carry out the other runs."""
+    rows = {} if journal is None else journal.rows()
+    if not is_closed(plan):
+        return Table.from_rows(
+            plan.columns,
+            _gathered(plan, range(len(plan)), rows, executor, workers, report, journal),
+        )
+    columns, left = batch(plan, report)
+    for place, row in _gathered(plan, left, rows, executor, workers, report, journal).items():
+        for name, value in row.items():
+            columns[name][place] = value
+    return Table({"run": np.arange(len(plan)), **plan.columns, **columns})
+
+
 def _gathered(
     plan: Plan,
+    places: Sequence[int],
     rows: dict[int, Row],
     executor: Executor | None,
     workers: int,
@@ -242,7 +266,8 @@ def _gathered(
     journal: Journal | None,
 ) -> dict[int, Row]:
     """Carry out the runs that have no row yet."""
-    left = [place for place in range(len(plan)) if place not in rows]
+    left = [place for place in places if place not in rows]
+    apart = len(plan) - len(places)
 
     def make(places: Sequence[int]) -> Task:
         return Task(plan.kind, places, [plan.options(place) for place in places], plan.fields)
@@ -251,12 +276,12 @@ def _gathered(
         more = carried_out_here(make, left)
     else:
         more = Dispatcher(make, executor, workers).rows(left)
-    report(len(rows), len(plan))
+    report(apart + len(rows), len(plan))
     for done in more:
         if journal is not None:
             journal.add(done)
         rows |= done
-        report(len(rows), len(plan))
+        report(apart + len(rows), len(plan))
     return rows
 
 
@@ -270,10 +295,12 @@ def _plan(
     sampler: str,
     seed: int | None,
     fields: Sequence[str] | None,
+    simulated: bool,
     options: Mapping[str, Any],
 ) -> Plan:
     kind = run_kind(what)
     name = what.name if isinstance(what, Robot) else str(what)
+    require_kind("simulated", simulated, bool)
     if sample is not None:
         _require_count("sample", sample, least=1)
     elif seed is not None:
@@ -290,6 +317,7 @@ def _plan(
             sampler=sampler,
             seed=seed or 0,
             fields=_fields(fields),
+            simulated=simulated,
         )
     )
 

@@ -1,0 +1,161 @@
+"""Which sweeps of a leg's step need no simulation, and their answers in closed form."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.robot.robots import hexabot_leg
+from drake_leg.runs.options import LegAOptions, LegBOptions
+from drake_leg.runs.peaks import link_mass
+from drake_leg.studies.leg_steps import Answers, LegSteps, answers
+from drake_leg.studies.plan import Plan
+from drake_leg.studies.pool import cores
+from drake_leg.studies.row import DONE, SINGULAR
+from drake_leg.units import LEAST, MOST
+
+BLOCK = 4096  # legs that are computed at once
+TURNS = 4.0 * math.pi  # [rad], of a joint at the start: more is not what was meant
+
+# Options of a run that the answers follow from; where another one is given, runs are simulated.
+LENGTHS = ("l1", "l2", "l3")
+NUMBERS = ("amplitude", "frequency", "duration", "density", "gravity")
+OPTIONS = {*LENGTHS, *NUMBERS, "q0", "direction"}
+
+# Quantities along a step that each entry of the summary is the greatest of.
+FIELDS: dict[str, tuple[str, ...]] = {
+    "stroke_m": (),
+    "sigma_min_m": ("arm_sigma", "hip"),
+    "det_j_min_m3": ("det_min",),
+    "det_j_max_m3": ("det_max",),
+    "max_rate_rad_s": ("rate_1", "rate_2", "rate_3"),
+    "max_static_torque_n_m": ("torque_2", "torque_3"),
+}
+NEGATED = {"sigma_min_m", "det_j_min_m3"}  # the least of something, as the greatest of its negative
+
+MESSAGES = np.array(
+    [
+        None,
+        "the leg would become singular (stretch family)",
+        "the leg would become singular (hip-axis family)",
+    ],
+    dtype=object,
+)
+
+
+class Batch(NamedTuple):
+    """Columns of all runs, and the places of those that are left to a simulation."""
+
+    columns: dict[str, NDArray[Any]]
+    left: list[int]
+
+
+def is_closed(plan: Plan) -> bool:
+    """Whether nothing is asked for but what has a closed form."""
+    given = {*plan.fixed, *(one.option for one in plan.vary)}
+    return (
+        not plan.simulated
+        and plan.fields is not None
+        and set(plan.fields) <= set(FIELDS)
+        and plan.kind.own is None
+        and plan.kind.options in (LegAOptions, LegBOptions)
+        and given <= OPTIONS
+    )
+
+
+def batch(plan: Plan, report: Callable[[int, int], None]) -> Batch:
+    """Answer a plan for which ``is_closed`` holds, in blocks, on all cores."""
+    count, fields = len(plan), plan.fields or ()
+    values = _values(plan)
+    status = np.full(count, DONE, dtype="<U8")
+    message = np.full(count, None, dtype=object)
+    stopped = np.full(count, np.nan)
+    columns = {field: np.full(count, np.nan) for field in fields}
+    left: list[int] = []
+    quantities = {name for field in fields for name in FIELDS[field]} - {"hip"}
+    starts = range(0, count, BLOCK)
+
+    def answered(start: int) -> tuple[LegSteps, Answers, NDArray[np.bool_]]:
+        block = {name: each[start : start + BLOCK] for name, each in values.items()}
+        valid = _valid(block)
+        with np.errstate(all="ignore"):
+            steps = _steps(plan, block)
+        return steps, answers(steps, quantities), valid
+
+    with ThreadPoolExecutor(cores()) as threads:
+        for start, (steps, found, valid) in zip(starts, threads.map(answered, starts), strict=True):
+            rows = slice(start, start + len(steps))
+            with np.errstate(all="ignore"):
+                stopped[rows] = np.where(found.met, steps.time(found.stop), np.nan)
+                for field in fields:
+                    columns[field][rows] = _field(field, steps, found)
+            status[rows] = np.where(found.met, SINGULAR, DONE)
+            message[rows] = MESSAGES[np.where(found.met, np.where(found.at_hip, 2, 1), 0)]
+            left += (start + np.flatnonzero(~(found.sure & valid))).tolist()
+            report(min(start + BLOCK, count), count)
+    heading = {"status": status, "message": message, "stopped_at_s": stopped}
+    return Batch(heading | columns, left)
+
+
+def _field(field: str, steps: LegSteps, found: Answers) -> Array:
+    if field == "stroke_m":
+        stroke: Array = (steps.length * steps.end)[:, 0]
+        return np.where(found.met, np.nan, stroke)
+    parts = [found.greatest[name] for name in FIELDS[field] if name != "hip"]
+    if field == "sigma_min_m":
+        parts.append(-steps.least_hip_distance)
+    greatest = np.max(parts, axis=0)
+    return -greatest if field in NEGATED else greatest
+
+
+def _values(plan: Plan) -> dict[str, Array]:
+    """Numbers of all runs: (runs,), or (runs, 3) of q0 and the direction."""
+    base: Any = plan.kind.options(**plan.fixed)
+    count = len(plan)
+    values = {name: np.full(count, getattr(base, name)) for name in (*LENGTHS, *NUMBERS)}
+    lists = {name: np.tile(getattr(base, name), (count, 1)) for name in ("q0", "direction")}
+    for one in plan.vary:
+        column = np.array(plan.columns[one.name], dtype=float)
+        if one.option not in lists:
+            values[one.option] = column
+        elif one.index is None:
+            lists[one.option] = column
+        else:
+            lists[one.option][:, one.index] = column
+    return values | lists
+
+
+def _valid(block: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Which legs have values that a run takes; the others are left to it, to be refused."""
+    valid = np.ones(len(block["l1"]), dtype=bool)
+    for name in (*LENGTHS, *NUMBERS):
+        valid &= (np.abs(block[name]) >= LEAST) & (np.abs(block[name]) <= MOST)
+        if name != "amplitude":
+            valid &= block[name] > 0.0
+    valid &= (np.abs(np.radians(block["q0"])) <= TURNS).all(axis=1)
+    size = np.linalg.norm(block["direction"], axis=1)
+    return valid & (size > LEAST) & (size <= MOST)
+
+
+def _steps(plan: Plan, block: Mapping[str, Array]) -> LegSteps:
+    base: Any = plan.kind.options()
+    robot = hexabot_leg(base.robot().name[-1].upper(), l1=1.0, l2=1.0, l3=1.0, density=1.0)
+    side = LegGeometry.from_robot(robot).sign
+    _, femur, tibia, foot = (link_mass(segment.link) for segment in robot.segments)
+    weight = block["density"] * block["gravity"]
+    numbers = {name: block[name] for name in (*LENGTHS, "amplitude", "frequency", "duration")}
+    return LegSteps.of(
+        np.radians(block["q0"]),
+        np.full(len(weight), float(side)),
+        block["direction"],
+        weight_2=weight * (0.5 * femur * block["l2"] + tibia * block["l3"] + foot),
+        weight_3=weight * (0.5 * tibia * block["l3"] + foot),
+        **numbers,
+    )

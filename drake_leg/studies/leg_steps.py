@@ -1,0 +1,441 @@
+"""Straight steps of many legs at once, in closed form: strokes, nearness, rates, static torques.
+
+A leg's foot goes along a line, so that its posture follows from the distance it has gone: with
+the foot's distance h from the hip axis and its height w, ``u = h - l1`` and ``r^2 = u^2 + w^2`` is
+seen from the knee,
+
+- ``l2 l3 sin q3 = sqrt(((l2 + l3)^2 - r^2) (r^2 - (l2 - l3)^2)) / 2``,
+- the singular values of the Jacobian are h and those of the two-link arm, whose squares have the
+  sum ``r^2 + l3^2`` and whose product is ``l2 l3 |sin q3|``.
+
+No angle is computed. What is greatest along a step is found on samples and then by parabolas; where
+that is not sure, on finer samples, and what is still not sure is left to a simulation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_leg.kinematics.khalil import Array
+
+SAMPLES = (32, 128, 512, 2048, 8192)  # of a step, each level for what was not sure on the last one
+RESOLVED = 2.0  # samples in whatever is narrow
+ALIKE = 0.03  # of a maximum: another one that is lower by less may have its top between samples
+WINDOWS = (1 / 16, 1 / 256)  # of two samples: around a top, where it is computed again
+FLAT = 1e-9  # of a maximum: what changes by less around it is not looked at more closely
+NEWTON = 80  # steps to a crossing, at most
+TOUCH = 1e-12  # of the leg's length: a step that comes nearer to a singularity meets it
+UNSURE = 1e-9  # of the leg's length: one that comes nearer, but not that near, may or may not
+SINGULAR = 1e-6  # of its greatest determinant: a leg that starts nearer is left to a simulation
+
+Booleans = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LegSteps:
+    """Steps of n legs; each entry is (n, 1)."""
+
+    l1: Array  # [m]
+    l2: Array
+    l3: Array
+    side: Array  # the leg's sign: of the knee axis
+    facing: Array  # +1 with the foot in front of the hip axis, -1 behind it
+    bend: Array  # sign of sin q3
+    x: Array  # of the foot at the start [m]
+    y: Array
+    z: Array
+    along_x: Array  # heading of the foot's first motion, a unit vector
+    along_y: Array
+    along_z: Array
+    speed: Array  # greatest, of the sine [m/s]
+    frequency: Array  # [rad/s]
+    end: Array  # part of the line that is gone: sin^2(w t / 2), 1 where the foot turns back
+    weight_2: Array  # that the knee carries at the ankle, and half a femur's [N]
+    weight_3: Array  # that the ankle carries at the foot, and half a tibia's [N]
+
+    @classmethod
+    def of(cls, q0: Array, side: Array, direction: Array, **numbers: Array) -> Self:
+        """Start n legs at postures (n, 3) [rad], along directions (n, 3) of any length.
+
+        ``numbers`` are l1, l2, l3, amplitude, frequency, duration, weight_2, weight_3, (n,) each.
+        """
+        column = {name: values[:, np.newaxis] for name, values in numbers.items()}
+        l1, l2, l3 = column["l1"], column["l2"], column["l3"]
+        q1, q2, q3 = (q0[:, i : i + 1] for i in range(3))
+        reach = l1 + l2 * np.cos(q2) + l3 * np.cos(q2 + q3)
+        height = l2 * np.sin(q2) + l3 * np.sin(q2 + q3)
+        amplitude, frequency = column["amplitude"], column["frequency"]
+        length = np.linalg.norm(direction, axis=1, keepdims=True)
+        heading = np.where(amplitude < 0.0, -1.0, 1.0) * direction / length
+        return cls(
+            l1=l1,
+            l2=l2,
+            l3=l3,
+            side=side[:, np.newaxis],
+            facing=np.where(reach >= 0.0, 1.0, -1.0),
+            bend=np.where(np.sin(q3) >= 0.0, 1.0, -1.0),
+            x=np.cos(q1) * reach,
+            y=np.sin(q1) * reach,
+            z=side[:, np.newaxis] * height,
+            along_x=heading[:, 0:1],
+            along_y=heading[:, 1:2],
+            along_z=heading[:, 2:3],
+            speed=np.abs(amplitude),
+            frequency=frequency,
+            end=np.sin(0.5 * np.minimum(frequency * column["duration"], np.pi)) ** 2,
+            weight_2=column["weight_2"],
+            weight_3=column["weight_3"],
+        )
+
+    def __len__(self) -> int:
+        return len(self.l1)
+
+    def of_rows(self, rows: NDArray[np.intp] | Booleans | slice) -> Self:
+        """Take some of the legs."""
+        return type(self)(**{each.name: getattr(self, each.name)[rows] for each in fields(self)})
+
+    @cached_property
+    def size(self) -> Array:
+        """Length of the stretched leg [m]."""
+        return self.l1 + self.l2 + self.l3
+
+    @cached_property
+    def length(self) -> Array:
+        """Length of the line that the sine has [m]."""
+        return 2.0 * self.speed / self.frequency
+
+    def time(self, part: Array) -> Array:
+        """Time at which the foot first reaches a part of the line (n,) [s]."""
+        found: Array = 2.0 / self.frequency[:, 0] * np.arcsin(np.sqrt(part))
+        return found
+
+    @cached_property
+    def past_hip(self) -> Array:
+        """Part of the line where it is nearest to the hip axis; negative before its start."""
+        across = (self.along_x**2 + self.along_y**2) * self.length
+        to = -(self.x * self.along_x + self.y * self.along_y)
+        return np.divide(to, across, out=np.full_like(to, -1.0), where=across > 0.0)
+
+    @cached_property
+    def least_hip_distance(self) -> Array:
+        """How near a whole step comes to the hip axis, (n,) [m]."""
+        nearest = np.clip(self.past_hip, 0.0, self.end)
+        return Place(self, nearest).hip_distance[:, 0]
+
+    @cached_property
+    def from_hip(self) -> Array:
+        """How near the whole line comes to the hip axis [m]."""
+        turning = np.abs(self.x * self.along_y - self.y * self.along_x)
+        across = np.hypot(self.along_x, self.along_y)
+        outside = np.hypot(self.x, self.y)
+        return np.divide(turning, across, out=outside, where=across > 0.0)
+
+
+class Place:
+    """Where n legs have their feet at parts of their lines, (n, m), and what follows from it."""
+
+    def __init__(self, steps: LegSteps, part: Array) -> None:
+        self._of = steps
+        self._part = part
+
+    @cached_property
+    def x(self) -> Array:
+        """Of the foot [m]."""
+        return self._of.x + self._way * self._of.along_x
+
+    @cached_property
+    def y(self) -> Array:
+        """Of the foot [m]."""
+        return self._of.y + self._way * self._of.along_y
+
+    @cached_property
+    def _way(self) -> Array:
+        return self._of.length * self._part
+
+    @cached_property
+    def hip_distance(self) -> Array:
+        """h, from the hip axis [m]."""
+        return np.sqrt(self._hip_square)
+
+    @cached_property
+    def _hip_square(self) -> Array:
+        return self.x * self.x + self.y * self.y
+
+    @cached_property
+    def _speed(self) -> Array:
+        """``A sin(w t)`` with ``sin^2(w t / 2)`` the part of the line [m/s]."""
+        return 2.0 * self._of.speed * np.sqrt(self._part * (1.0 - self._part))
+
+    @cached_property
+    def outwards(self) -> Array:
+        """u, of the foot from the knee, in the plane of the leg [m]."""
+        return self._of.facing * self.hip_distance - self._of.l1
+
+    @cached_property
+    def across(self) -> Array:
+        """w, of the foot from the knee [m]."""
+        return self._of.side * (self._of.z + self._way * self._of.along_z)
+
+    @cached_property
+    def square(self) -> Array:
+        """r^2, of the distance from knee to foot [m^2]."""
+        return self.outwards * self.outwards + self.across * self.across
+
+    @cached_property
+    def room(self) -> tuple[Array, Array]:
+        """Up to the stretched and the folded leg, negative beyond: of r^2 [m^2]."""
+        return (
+            (self._of.l2 + self._of.l3) ** 2 - self.square,
+            self.square - (self._of.l2 - self._of.l3) ** 2,
+        )
+
+    @cached_property
+    def bent(self) -> Array:
+        """``l2 l3 sin q3`` [m^2]."""
+        stretched, folded = self.room
+        return 0.5 * self._of.bend * np.sqrt(np.maximum(stretched * folded, 0.0))
+
+    @cached_property
+    def slope(self) -> Array:
+        """Derivative of r^2 by the part of the line [m^2]."""
+        of = self._of
+        outwards = of.facing * (self.x * of.along_x + self.y * of.along_y) / self.hip_distance
+        return 2.0 * of.length * (self.outwards * outwards + self.across * of.side * of.along_z)
+
+    @cached_property
+    def tibia(self) -> tuple[Array, Array]:
+        """The tibia outwards and across, ``l3 cos(q2 + q3)`` and ``l3 sin(q2 + q3)`` [m]."""
+        part = 0.5 * (self.square + self._of.l3**2 - self._of.l2**2) / self.square
+        turned = self.bent / self.square
+        return (
+            part * self.outwards - turned * self.across,
+            part * self.across + turned * self.outwards,
+        )
+
+    @cached_property
+    def arm_sigma(self) -> Array:
+        """Smallest singular value of the two-link arm [m]."""
+        total, product = self.square + self._of.l3**2, 2.0 * np.abs(self.bent)
+        return product / (np.sqrt(total + product) + np.sqrt(np.maximum(total - product, 0.0)))
+
+    @cached_property
+    def determinant(self) -> Array:
+        """Of the Jacobian [m^3]."""
+        return -self._of.side * self._of.facing * self.bent * self.hip_distance
+
+    @cached_property
+    def _motion(self) -> tuple[Array, Array]:
+        """Foot's velocity outwards and across [m/s]."""
+        of, speed = self._of, self._speed
+        outwards = self.x * of.along_x + self.y * of.along_y
+        return (
+            speed * of.facing * outwards / self.hip_distance,
+            speed * of.side * of.along_z,
+        )
+
+    def rate(self, joint: int) -> Array:
+        """Size of a joint's rate [rad/s]."""
+        if joint == 0:
+            turning = self._of.x * self._of.along_y - self._of.y * self._of.along_x
+            return np.abs(turning) * self._speed / self._hip_square
+        outwards, across = self._motion
+        u, w = self.tibia if joint == 1 else (self.outwards, self.across)
+        return np.abs((u * outwards + w * across) / self.bent)
+
+    def torque(self, joint: int) -> Array:
+        """Size of the torque that holds a joint at rest [N*m]; the hip axis is vertical."""
+        u, _ = self.tibia
+        carried = self._of.weight_3 * u
+        if joint == 1:
+            carried = carried + self._of.weight_2 * (self.outwards - u)
+        return np.abs(carried)
+
+
+Quantity = Callable[[Place], Array]
+
+QUANTITIES: dict[str, Quantity] = {
+    "arm_sigma": lambda place: -place.arm_sigma,
+    "det_min": lambda place: -place.determinant,
+    "det_max": lambda place: place.determinant.copy(),
+    "rate_1": lambda place: place.rate(0),
+    "rate_2": lambda place: place.rate(1),
+    "rate_3": lambda place: place.rate(2),
+    "torque_2": lambda place: place.torque(1),
+    "torque_3": lambda place: place.torque(2),
+}
+
+
+@dataclass(kw_only=True)
+class Answers:
+    """What n steps come to, (n,)."""
+
+    met: Booleans  # a singularity
+    at_hip: Booleans  # that one is on the hip axis
+    stop: Array  # part of the line where it is met; NaN if there is none
+    sure: Booleans  # whether all this is known
+    greatest: dict[str, Array]  # along the step, by quantity; NaN where a singularity is met
+
+    def fill(self, rows: NDArray[np.intp], other: Answers) -> None:
+        """Replace some rows."""
+        for name in ("met", "at_hip", "stop", "sure"):
+            getattr(self, name)[rows] = getattr(other, name)
+        for name, values in other.greatest.items():
+            self.greatest[name][rows] = values
+
+
+def answers(steps: LegSteps, wanted: Iterable[str], level: int = 0) -> Answers:
+    """Follow steps from their start to their end, or to the first singularity.
+
+    ``wanted`` are names of ``QUANTITIES``.
+    """
+    names = list(wanted)
+    with np.errstate(all="ignore"):
+        found = _on_samples(steps, names, SAMPLES[level])
+    left = np.flatnonzero(~found.sure)
+    if level + 1 < len(SAMPLES) and len(left):
+        found.fill(left, answers(steps.of_rows(left), names, level + 1))
+    return found
+
+
+def _on_samples(steps: LegSteps, names: list[str], samples: int) -> Answers:
+    parts = _parts(steps, samples)
+    place = Place(steps, parts)
+    found = _first_singularity(steps, parts, place)
+    for name in names:
+        top = _greatest(steps, QUANTITIES[name], parts, QUANTITIES[name](place))
+        found.greatest[name] = np.where(found.met, np.nan, top.value)
+        found.sure &= top.sure | found.met
+    return found
+
+
+def _parts(steps: LegSteps, samples: int) -> Array:
+    """Sample the lines, closer at their ends; one sample is where a line passes the hip axis."""
+    turns = np.sin(np.linspace(0.0, np.pi / 2.0, samples + 1)) ** 2
+    parts: Array = steps.end * turns
+    passes = np.flatnonzero((steps.past_hip > 0.0) & (steps.past_hip < steps.end))
+    there = (steps.past_hip / steps.end)[passes, 0]
+    after = np.clip(np.searchsorted(turns, there), 1, samples - 1)
+    nearest = np.where(there - turns[after - 1] < turns[after] - there, after - 1, after)
+    parts[passes, np.clip(nearest, 1, samples - 1)] = steps.past_hip[passes, 0]
+    return parts
+
+
+def _first_singularity(steps: LegSteps, parts: Array, place: Place) -> Answers:
+    """Find the first singularity of each step, if there is one."""
+    size, rows, last = steps.size[:, 0], np.arange(len(steps)), parts.shape[1] - 1
+    stretched, folded = place.room
+    room = np.minimum(stretched, folded)
+    beyond = room <= 0.0
+    met = beyond.any(axis=1)
+    first = np.where(met, beyond.argmax(axis=1), last)
+    stop, sure = np.full(len(steps), np.nan), np.ones(len(steps), dtype=bool)
+    crossing = np.flatnonzero(met)
+    if len(crossing):
+        before, after = parts[crossing, first[crossing] - 1], parts[crossing, first[crossing]]
+        stop[crossing], sure[crossing] = _crossing(steps.of_rows(crossing), before, after)
+    hip, end = steps.past_hip[:, 0], np.where(met, stop, steps.end[:, 0])
+    near_hip = np.where((hip > 0.0) & (hip <= end), steps.from_hip[:, 0], np.inf)
+    at_hip = near_hip <= TOUCH * size
+    stop = np.where(at_hip, hip, stop)
+    # What is narrower than some samples may be missed by them.
+    width = RESOLVED * steps.length[:, 0] * 0.5 * np.pi / last
+    turns = (room[:, 1:-1] < room[:, :-2]) & (room[:, 1:-1] <= room[:, 2:]) & ~beyond[:, 1:-1]
+    turns &= np.arange(1, last) < first[:, np.newaxis]
+    least = np.where(turns, room[:, 1:-1], np.inf).min(axis=1, initial=np.inf)
+    at_ends = np.minimum(room[:, 0], room[rows, last])
+    least = np.where(met, least, np.minimum(least, at_ends))
+    sure &= (least >= width**2) & (at_hip | (near_hip >= width))
+    sure &= (least >= UNSURE * size**2) & (at_hip | (near_hip >= UNSURE * size))
+    sure &= 2.0 * np.minimum(steps.l2, steps.l3)[:, 0] >= width
+    sure &= np.abs(place.bent[:, 0]) >= SINGULAR * (steps.l2 * steps.l3)[:, 0]
+    sure &= (place.hip_distance[:, 0] >= SINGULAR * size) & (steps.length[:, 0] > 0.0)
+    return Answers(met=met | at_hip, at_hip=at_hip, stop=stop, sure=sure, greatest={})
+
+
+def _crossing(steps: LegSteps, low: Array, high: Array) -> tuple[Array, Booleans]:
+    """Part of each line (n,) at which there is no room left, and whether it is sure.
+
+    Newton's method, kept between a part with room and one without by bisection.
+    """
+    at = high
+    which = np.argmin([room[:, 0] for room in Place(steps, at[:, np.newaxis]).room], axis=0)
+    change = high - low
+    for _ in range(NEWTON):
+        place = Place(steps, at[:, np.newaxis])
+        room = np.choose(which, [each[:, 0] for each in place.room])
+        slope = np.where(which == 0, -1.0, 1.0) * place.slope[:, 0]
+        low, high = np.where(room > 0.0, at, low), np.where(room > 0.0, high, at)
+        ahead = at - room / slope
+        ahead = np.where((ahead >= low) & (ahead <= high), ahead, 0.5 * (low + high))
+        change, at = np.abs(ahead - at), ahead
+        if (change <= UNSURE).all():
+            break
+    return at, change <= UNSURE
+
+
+class Top(NamedTuple):
+    """The greatest value along each step (n,), and whether it is sure."""
+
+    value: Array
+    sure: Booleans
+
+
+def _greatest(steps: LegSteps, of: Quantity, parts: Array, heights: Array) -> Top:
+    """Find the greatest value along each step from its samples (n, m), which are used up."""
+    best = heights.argmax(axis=1)
+    value, sure = _top(steps, of, parts, heights, best)
+    # Another maximum, not next to the first one, may be higher than its samples.
+    rows, last = np.arange(len(steps)), heights.shape[1] - 1
+    for shift in (-1, 0, 1):
+        heights[rows, np.clip(best + shift, 0, last)] = -np.inf
+    second = heights.argmax(axis=1)
+    height = heights[rows, second]
+    is_rival = height > value - ALIKE * np.abs(value)
+    for shift in (-1, 1):
+        beside = heights[rows, np.clip(second + shift, 0, last)]
+        is_rival &= (height >= beside) & (beside > -np.inf)
+    rivals = np.flatnonzero(is_rival)
+    if len(rivals):
+        rival = _top(steps.of_rows(rivals), of, parts[rivals], heights[rivals], second[rivals])
+        value[rivals] = np.fmax(value[rivals], rival.value)
+        sure[rivals] &= rival.sure
+    return Top(value, sure)
+
+
+def _top(
+    steps: LegSteps, of: Quantity, parts: Array, heights: Array, best: NDArray[np.intp]
+) -> Top:
+    """Climb to the top near a sample, by parabolas through ever closer points."""
+    rows, last = np.arange(len(steps)), parts.shape[1] - 1
+    middle = np.clip(best, 1, last - 1)
+    near = np.stack([parts[rows, middle + shift] for shift in (-1, 0, 1)], axis=1)
+    closer = np.stack([heights[rows, middle + shift] for shift in (-1, 0, 1)], axis=1)
+    low, high = near[:, 0], near[:, 2]
+    value = heights[rows, best]
+    for share in WINDOWS:
+        window = share * (high - low)
+        at = np.clip(_vertex(near, closer), low + window, high - window)
+        near = np.stack([at - window, at, at + window], axis=1)
+        closer = of(Place(steps, near))
+        value = np.fmax(value, closer.max(axis=1))
+    slope = 0.5 * (closer[:, 2] - closer[:, 0])
+    curvature = closer[:, 2] - 2.0 * closer[:, 1] + closer[:, 0]
+    is_inside = np.abs(slope) <= -curvature
+    value = np.where(is_inside, np.fmax(value, closer[:, 1] - 0.5 * slope**2 / curvature), value)
+    is_flat = np.abs(slope) + np.abs(curvature) <= FLAT * np.abs(value)
+    at_end = ((best == 0) | (best == last)) & (value == heights[rows, best])
+    return Top(value, is_inside | is_flat | at_end)
+
+
+def _vertex(near: Array, heights: Array) -> Array:
+    """Highest point of the parabola through three points; the middle one where there is none."""
+    (a, b, c), (fa, fb, fc) = near.T, heights.T
+    left, right = (b - a) * (fb - fc), (b - c) * (fb - fa)
+    found: Array = b - 0.5 * ((b - a) * left - (b - c) * right) / (left - right)
+    return np.where(np.isfinite(found), found, b)
