@@ -111,7 +111,7 @@ def _field(field: str, steps: LegSteps, found: Answers) -> Array:
     parts = [found.greatest[name] for name in FIELDS[field] if name != "hip"]
     if field == "sigma_min_m":
         parts.append(-steps.least_hip_distance)
-    greatest = np.max(parts, axis=0)
+    greatest: Array = np.max(parts, axis=0)
     return -greatest if field in NEGATED else greatest
 
 
@@ -141,7 +141,8 @@ def _valid(block: Mapping[str, Array]) -> NDArray[np.bool_]:
             valid &= block[name] > 0.0
     valid &= (np.abs(np.radians(block["q0"])) <= TURNS).all(axis=1)
     size = np.linalg.norm(block["direction"], axis=1)
-    return valid & (size > LEAST) & (size <= MOST)
+    valid &= (size > LEAST) & (size <= MOST)
+    return valid
 
 
 def _steps(plan: Plan, block: Mapping[str, Array]) -> LegSteps:

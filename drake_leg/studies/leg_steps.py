@@ -126,7 +126,8 @@ class LegSteps:
     def least_hip_distance(self) -> Array:
         """How near a whole step comes to the hip axis, (n,) [m]."""
         nearest = np.clip(self.past_hip, 0.0, self.end)
-        return Place(self, nearest).hip_distance[:, 0]
+        least: Array = Place(self, nearest).hip_distance[:, 0]
+        return least
 
     @cached_property
     def from_hip(self) -> Array:
