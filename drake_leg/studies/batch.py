@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.robot.robots import hexabot_leg
-from drake_leg.runs.options import LegAOptions, LegBOptions
+from drake_leg.runs.options import INVERSE, NONE, WEIGHTY, LegAOptions, LegBOptions
 from drake_leg.runs.peaks import link_mass
 from drake_leg.studies.leg_steps import Answers, LegSteps, answers
 from drake_leg.studies.plan import Plan
@@ -60,6 +60,10 @@ class Batch(NamedTuple):
 def is_closed(plan: Plan) -> bool:
     """Whether nothing is asked for but what has a closed form."""
     given = {*plan.fixed, *(one.option for one in plan.vary)}
+    if plan.fixed.get("dynamics") == INVERSE or (
+        plan.fixed.get("dynamics") == NONE and not given & set(WEIGHTY)
+    ):
+        given -= {"dynamics"}  # what moves is the same with and without torques
     return (
         not plan.simulated
         and plan.fields is not None

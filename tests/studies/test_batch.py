@@ -149,6 +149,7 @@ def test_nothing_is_simulated_where_a_closed_form_is_enough(monkeypatch):
 def test_where_something_else_is_asked_for_runs_are_simulated():
     assert is_closed(planned())
     assert is_closed(planned("leg-a", density=500.0, gravity=1.6, q0=[90, 50, 80]))
+    assert is_closed(planned(dynamics="none"))
     for other in (
         planned(fields=None),
         planned(fields=[*EVERY, "max_torque_error_n_m"]),
@@ -156,6 +157,8 @@ def test_where_something_else_is_asked_for_runs_are_simulated():
         planned("scara", {"l1": [0.3]}),
         planned(vary={"inverse": ["exact"]}),
         planned(mass_error=0.1),
+        planned(dynamics="forward"),
+        planned(dynamics="none", density=500.0),
         planned(max_step=0.01),
         planned(force=True),
         planned(simulated=True),
