@@ -223,7 +223,9 @@ class Place:
     def arm_sigma(self) -> Array:
         """Smallest singular value of the two-link arm [m]."""
         total, product = self.square + self._of.l3**2, 2.0 * np.abs(self.bent)
-        return product / (np.sqrt(total + product) + np.sqrt(np.maximum(total - product, 0.0)))
+        both = np.sqrt(total + product) + np.sqrt(np.maximum(total - product, 0.0))
+        sigma: Array = product / both
+        return sigma
 
     @cached_property
     def determinant(self) -> Array:
