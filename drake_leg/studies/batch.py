@@ -21,7 +21,6 @@ from drake_leg.studies.pool import cores
 from drake_leg.studies.row import DONE, SINGULAR
 from drake_leg.units import LEAST, MOST
 
-BLOCK = 4096  # legs that are computed at once
 TURNS = 4.0 * math.pi  # [rad], of a joint at the start: more is not what was meant
 
 # Options of a run that the answers follow from; where another one is given, runs are simulated.
@@ -78,34 +77,20 @@ def batch(plan: Plan, report: Callable[[int, int], None]) -> Batch:
     """Answer a plan for which ``is_closed`` holds, in blocks, on all cores."""
     count, fields = len(plan), plan.fields or ()
     values = _values(plan)
-    status = np.full(count, DONE, dtype="<U8")
-    message = np.full(count, None, dtype=object)
-    stopped = np.full(count, np.nan)
-    columns = {field: np.full(count, np.nan) for field in fields}
-    left: list[int] = []
+    valid = _valid(values)
+    with np.errstate(all="ignore"):
+        steps = _steps(plan, values)
     quantities = {name for field in fields for name in FIELDS[field]} - {"hip"}
-    starts = range(0, count, BLOCK)
-
-    def answered(start: int) -> tuple[LegSteps, Answers, NDArray[np.bool_]]:
-        block = {name: each[start : start + BLOCK] for name, each in values.items()}
-        valid = _valid(block)
-        with np.errstate(all="ignore"):
-            steps = _steps(plan, block)
-        return steps, answers(steps, quantities), valid
-
     with ThreadPoolExecutor(cores()) as threads:
-        for start, (steps, found, valid) in zip(starts, threads.map(answered, starts), strict=True):
-            rows = slice(start, start + len(steps))
-            with np.errstate(all="ignore"):
-                stopped[rows] = np.where(found.met, steps.time(found.stop), np.nan)
-                for field in fields:
-                    columns[field][rows] = _field(field, steps, found)
-            status[rows] = np.where(found.met, SINGULAR, DONE)
-            message[rows] = MESSAGES[np.where(found.met, np.where(found.at_hip, 2, 1), 0)]
-            left += (start + np.flatnonzero(~(found.sure & valid))).tolist()
-            report(min(start + BLOCK, count), count)
-    heading = {"status": status, "message": message, "stopped_at_s": stopped}
-    return Batch(heading | columns, left)
+        found = answers(steps, quantities, threads.map, lambda done: report(done, count))
+    with np.errstate(all="ignore"):
+        columns = {
+            "status": np.where(found.met, SINGULAR, DONE).astype("<U8"),
+            "message": MESSAGES[np.where(found.met, np.where(found.at_hip, 2, 1), 0)],
+            "stopped_at_s": np.where(found.met, steps.time(found.stop), np.nan),
+            **{field: _field(field, steps, found) for field in fields},
+        }
+    return Batch(columns, np.flatnonzero(~(found.sure & valid)).tolist())
 
 
 def _field(field: str, steps: LegSteps, found: Answers) -> Array:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from drake_leg.kinematics.khalil import Array
 
 SAMPLES = (32, 128, 512, 2048, 8192)  # of a step, each level for what was not sure on the last one
+POINTS = 2**16  # of the samples of a block, which bound the memory and fit into a cache
 RESOLVED = 2.0  # samples in whatever is narrow
 ALIKE = 0.03  # of a maximum: another one that is lower by less may have its top between samples
 WINDOWS = (1 / 16, 1 / 256)  # of two samples: around a top, where it is computed again
@@ -292,17 +293,38 @@ class Answers:
             self.greatest[name][rows] = values
 
 
-def answers(steps: LegSteps, wanted: Iterable[str], level: int = 0) -> Answers:
+def answers(
+    steps: LegSteps,
+    wanted: Iterable[str],
+    in_turn: Callable[..., Iterable[Answers]] = map,
+    report: Callable[[int], None] = lambda _done: None,
+) -> Answers:
     """Follow steps from their start to their end, or to the first singularity.
 
-    ``wanted`` are names of ``QUANTITIES``.
+    ``wanted`` are names of ``QUANTITIES``. Blocks of steps are computed by ``in_turn``, a map that
+    may use threads; ``report`` is called with the number of steps that are sure.
     """
-    names = list(wanted)
-    with np.errstate(all="ignore"):
-        found = _on_samples(steps, names, SAMPLES[level])
-    left = np.flatnonzero(~found.sure)
-    if level + 1 < len(SAMPLES) and len(left):
-        found.fill(left, answers(steps.of_rows(left), names, level + 1))
+    names, count = list(wanted), len(steps)
+    found = Answers(
+        met=np.zeros(count, dtype=bool),
+        at_hip=np.zeros(count, dtype=bool),
+        stop=np.full(count, np.nan),
+        sure=np.zeros(count, dtype=bool),
+        greatest={name: np.full(count, np.nan) for name in names},
+    )
+    left = np.arange(count)
+    for samples in SAMPLES:
+        size = max(POINTS // samples, 1)
+        blocks = [left[start : start + size] for start in range(0, len(left), size)]
+
+        def follow(rows: NDArray[np.intp], samples: int = samples) -> Answers:
+            with np.errstate(all="ignore"):
+                return _on_samples(steps.of_rows(rows), names, samples)
+
+        for rows, part in zip(blocks, in_turn(follow, blocks), strict=True):
+            found.fill(rows, part)
+            report(int(found.sure.sum()))
+        left = left[~found.sure[left]]
     return found
 
 

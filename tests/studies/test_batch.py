@@ -169,10 +169,10 @@ def test_where_something_else_is_asked_for_runs_are_simulated():
 def test_blocks_make_no_difference(monkeypatch):
     plan = planned(vary={"femur": "0.06:0.14:37"})
     whole = batch(plan, lambda *_: None)
-    monkeypatch.setattr("drake_leg.studies.batch.BLOCK", 5)
+    monkeypatch.setattr("drake_leg.studies.leg_steps.POINTS", 5 * 32)
     counts = []
     parts = batch(plan, lambda done, total: counts.append((done, total)))
-    assert counts[0] == (5, 37)
+    assert len(counts) > 7
     assert counts[-1] == (37, 37)
     for name, column in whole.columns.items():
         np.testing.assert_array_equal(column, parts.columns[name])
