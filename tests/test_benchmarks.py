@@ -2,9 +2,11 @@
 
 import csv
 import io
+import math
 
+import numpy as np
 import pytest
-from benchmarks import table
+from benchmarks import motion, table
 from benchmarks.measure import Contender, Contest, Sample, measure, scaled, timed
 
 PROMISES = {"race": {"tortoise": 4.0}}
@@ -138,6 +140,19 @@ def test_only_what_stands_between_the_marks_is_replaced(tmp_path):
 )
 def test_times_have_two_or_three_digits(seconds, said):
     assert table.duration(seconds) == said
+
+
+def test_the_peers_right_sides_agree_with_differences_of_the_exact_motion(derivative):
+    for t in (0.3, 2.0, 4.5):
+        q = motion.exact_positions([t])[0]
+        qdot = derivative(lambda s: motion.exact_positions([s])[0], at=t)
+        qddot = derivative(lambda s: motion.rates_numpy(s, motion.exact_positions([s])[0]), at=t)
+        np.testing.assert_allclose(motion.rates(t, q), qdot, rtol=0.0, atol=1e-9)
+        np.testing.assert_allclose(motion.rates_numpy(t, q), qdot, rtol=0.0, atol=1e-9)
+        a = motion.A * motion.W * math.cos(motion.W * t)
+        lean = motion.accelerations_at(a, *q, *qdot)
+        np.testing.assert_allclose(lean, qddot, rtol=0.0, atol=1e-8)
+        np.testing.assert_allclose(motion.accelerations(t, q, qdot), qddot, rtol=0.0, atol=1e-8)
 
 
 def test_the_docs_promise_what_ci_checks_and_the_measured_table_keeps_it():

@@ -2,25 +2,9 @@
 
 from __future__ import annotations
 
-from kinematic_loop import build
-
-from drake_leg.kinematics.chain import movable
-from drake_leg.robot.robots import LEG_B
-from drake_leg.simulation.run import simulate
-
-from . import peers_loop
-from .measure import Contest, timed
-from .motion import DURATION, Q0, STEP, foot_error
-
-
-def ours():
-    """Build the loop's diagram, then simulate it, which is timed."""
-    return timed(
-        "drake-leg",
-        lambda diagram: simulate(diagram, duration=DURATION),
-        prepare=lambda: build(movable(LEG_B), Q0, STEP),
-        error=lambda run: foot_error(run.time, run.scopes["joint positions"]),
-    )
+from . import following, peers_loop
+from .measure import Contest
+from .motion import DURATION
 
 
 def contests(short, crew):
@@ -32,7 +16,7 @@ def contests(short, crew):
         Contest(
             name="kinematic loop",
             work="20 s of leg B at 70 mm/s, joint rates integrated",
-            ours=ours,
+            ours=following.kinematic,
             peers=peers,
             simulated=DURATION,
             unit="m",

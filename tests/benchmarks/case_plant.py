@@ -1,36 +1,33 @@
-"""The leg with its plant, which is simulated."""
+"""The leg with its plant: simulated, and as inverse dynamics along the motion."""
 
 from __future__ import annotations
 
-from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
-from drake_leg.simulation.run import simulate
+from . import following, peers_bodies
+from .measure import Contest
+from .motion import DURATION
 
-from . import peers_bodies
-from .measure import Contest, timed
-from .motion import DURATION, foot_error
-
-
-def forward():
-    """The plant is simulated, with sensing and scopes."""
-    return timed(
-        "drake-leg, forward",
-        lambda diagram: simulate(diagram, duration=DURATION),
-        prepare=lambda: build(HexabotLegConfig()),
-        error=lambda run: foot_error(run.time, run.scopes["joint positions"]),
-    )
+WORK = "20 s of leg B with its plant, torques and sensing"
 
 
 def contests(short, crew):
-    """Forward dynamics against all peers."""
-    peers = [peers_bodies.plain_drake, peers_bodies.mujoco_forward]
+    """Both roads against the peers; the older checkout's is a variant, the plain step."""
     return [
         Contest(
             name="forward dynamics",
-            work="20 s of leg B with its plant, torques and sensing",
-            ours=forward,
-            peers=peers,
+            work=WORK,
+            ours=following.forward,
+            peers=[peers_bodies.plain_drake, peers_bodies.mujoco_forward],
             simulated=DURATION,
             unit="m",
+            allowed=1e-9,
+        ),
+        Contest(
+            name="inverse dynamics",
+            work=WORK,
+            ours=following.inverse,
+            peers=[following.forward_torques, peers_bodies.pinocchio, peers_bodies.mujoco_inverse],
+            simulated=DURATION,
+            unit="N m",
             allowed=1e-9,
         ),
     ]

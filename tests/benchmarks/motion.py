@@ -42,6 +42,21 @@ def rates(t, q):
     return rates_at(A * math.sin(W * t), q1, q2, q3)
 
 
+def accelerations_at(a, q1, q2, q3, w1, w2, w3):
+    """Joint accelerations for an acceleration of the foot along x, as lean as Python allows."""
+    w23, q23, c1, s1, s3 = w2 + w3, q2 + q3, math.cos(q1), math.sin(q1), math.sin(q3)
+    c23, s23 = math.cos(q23), math.sin(q23)
+    x2, z2, x3, z3 = L2 * math.cos(q2), L2 * math.sin(q2), L3 * c23, L3 * s23
+    reach = L1 + x2 + x3
+    radial = c1 * a + x2 * w2 * w2 + x3 * w23 * w23 + reach * w1 * w1
+    vertical = z2 * w2 * w2 + z3 * w23 * w23
+    return (
+        (2.0 * (z2 * w2 + z3 * w23) * w1 - s1 * a) / reach,
+        (c23 * radial + s23 * vertical) / (L2 * s3),
+        -((x2 + x3) * radial + (z2 + z3) * vertical) / (L2 * L3 * s3),
+    )
+
+
 def jacobian(q):
     """Jacobian in NumPy, (3, 3)."""
     c1, s1 = np.cos(q[0]), np.sin(q[0])
@@ -90,21 +105,18 @@ def exact_positions(time):
     return inverse_kinematics(LEG, foot_position(LEG, Q0) + STEP.displacement(time), like=Q0)
 
 
+def torque_error(time, torques):
+    """Greatest difference from Drake's inverse dynamics along the exact motion [N m]."""
+    return float(np.abs(torques - _exact_torques(tuple(time))).max())
+
+
 @cache
-def exact_torques(rows, duration):
-    """Torques along the exact motion by Drake's inverse dynamics, (rows, 3) [N*m].
-
-    At equal distances in time, from 0 to the duration.
-    """
-    time = np.linspace(0.0, duration, rows)
-    return torques_along(time, exact_positions(time))
-
-
-def torques_along(time, positions):
-    """Torques at exact rates and accelerations by Drake's inverse dynamics, (rows, 3) [N*m]."""
+def _exact_torques(time):
+    """Torques at the exact positions, rates and accelerations, (rows, 3) [N m]."""
     plant = build_plant(LEG_B)
     context = plant.CreateDefaultContext()
     forces = MultibodyForces(plant)
+    positions = exact_positions(np.array(time))
     found = np.empty_like(positions)
     for row, (t, q) in enumerate(zip(time, positions, strict=True)):
         qdot = rates_numpy(t, q)

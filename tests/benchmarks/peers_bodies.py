@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,11 +21,14 @@ from .motion import (
     DURATION,
     Q0,
     ROW,
+    A,
+    W,
     accelerations,
-    exact_torques,
+    accelerations_at,
     foot_error,
-    rates,
+    rates_at,
     rates_numpy,
+    torque_error,
 )
 
 ROWS = round(DURATION / ROW) + 1
@@ -62,23 +66,31 @@ def bodies():
 
 def stepped():
     """Positions, rates and accelerations of the joints at the rows, each (rows, 3)."""
-    times = np.linspace(0.0, DURATION, ROWS)
-    positions, q = [list(Q0)], np.array(Q0)
-    for t in times[:-1]:
-        k1 = np.array(rates(t, q))
-        k2 = np.array(rates(t + ROW / 2, q + ROW / 2 * k1))
-        k3 = np.array(rates(t + ROW / 2, q + ROW / 2 * k2))
-        k4 = np.array(rates(t + ROW, q + ROW * k3))
-        q = q + ROW / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    times = [ROW * index for index in range(ROWS)]
+    q, positions, velocities, derivatives = Q0, [], [], []
+    for t in times:
+        qdot = rates_at(A * math.sin(W * t), *q)
         positions.append(q)
-    qdot = [np.array(rates(t, np.asarray(q))) for t, q in zip(times, positions, strict=True)]
-    qddot = [accelerations(t, q, w) for t, q, w in zip(times, positions, qdot, strict=True)]
-    return times, np.array(positions), np.array(qdot), np.array(qddot)
+        velocities.append(qdot)
+        derivatives.append(accelerations_at(A * W * math.cos(W * t), *q, *qdot))
+        q = next_step(t, ROW, q, qdot)
+    return np.array(times), np.array(positions), np.array(velocities), np.array(derivatives)
 
 
-def torque_error(torques):
-    """Greatest difference from Drake's torques along the exact motion [N*m]."""
-    return float(np.abs(torques - exact_torques(len(torques), DURATION)).max())
+def next_step(t, h, q, qdot):
+    """Joint angles a step later, by the classical Runge-Kutta method, in floats."""
+    between, after = A * math.sin(W * (t + h / 2)), A * math.sin(W * (t + h))
+    k2 = rates_at(between, *(x + h / 2 * k for x, k in zip(q, qdot, strict=True)))
+    k3 = rates_at(between, *(x + h / 2 * k for x, k in zip(q, k2, strict=True)))
+    k4 = rates_at(after, *(x + h * k for x, k in zip(q, k3, strict=True)))
+    return tuple(
+        x + h / 6 * (a + 2 * b + 2 * c + d)
+        for x, a, b, c, d in zip(q, qdot, k2, k3, k4, strict=True)
+    )
+
+
+def _error(found):
+    return torque_error(*found)
 
 
 # --- pinocchio -----------------------------------------------------------------------------------
@@ -105,20 +117,19 @@ def pinocchio_model():
     return model, foot
 
 
-def pinocchio_rnea():
+def pinocchio():
     """RNEA along the motion that Python has stepped."""
-    import pinocchio
+    import pinocchio as pin
 
     model, _ = pinocchio_model()
     data = model.createData()
 
     def work(_):
-        _, *motion = stepped()
-        return np.array(
-            [pinocchio.rnea(model, data, *row).copy() for row in zip(*motion, strict=True)]
-        )
+        times, *motion = stepped()
+        rows = zip(*motion, strict=True)
+        return times, np.array([pin.rnea(model, data, *row).copy() for row in rows])
 
-    return timed("pinocchio RNEA, RK4 40 ms in Python", work, error=torque_error)
+    return timed("pinocchio RNEA, RK4 40 ms in Python", work, error=_error)
 
 
 # --- MuJoCo --------------------------------------------------------------------------------------
@@ -158,14 +169,14 @@ def mujoco_inverse():
     data = mujoco.MjData(model)
 
     def work(_):
-        _, *motion = stepped()
+        times, *motion = stepped()
         torques = []
         for data.qpos[:], data.qvel[:], data.qacc[:] in zip(*motion, strict=True):
             mujoco.mj_inverse(model, data)
             torques.append(data.qfrc_inverse.copy())
-        return np.array(torques)
+        return times, np.array(torques)
 
-    return timed("MuJoCo mj_inverse, RK4 40 ms in Python", work, error=torque_error)
+    return timed("MuJoCo mj_inverse, RK4 40 ms in Python", work, error=_error)
 
 
 def _mujoco_forward(name, integrator, step):
@@ -181,22 +192,20 @@ def _mujoco_forward(name, integrator, step):
 
     def work(prepared):
         data, wanted = prepared
-        positions, torques = np.empty((steps + 1, 3)), np.empty((steps, 3))
-        q = np.array(Q0)
+        positions = np.empty((steps + 1, 3))
+        q = Q0
         for index in range(steps):
             t = index * step
-            qdot = np.array(rates(t, q))
+            qdot = rates_at(A * math.sin(W * t), *q)
+            qddot = accelerations_at(A * W * math.cos(W * t), *q, *qdot)
             wanted.qpos[:], wanted.qvel[:] = q, qdot
-            pull = PULL * (q - data.qpos) + 2.0 * PULL**0.5 * (qdot - data.qvel)
-            wanted.qacc[:] = accelerations(t, q, qdot) + pull
+            off, late = wanted.qpos - data.qpos, wanted.qvel - data.qvel
+            wanted.qacc[:] = qddot + PULL * off + 2.0 * PULL**0.5 * late
             mujoco.mj_inverse(model, wanted)
             data.qfrc_applied[:] = wanted.qfrc_inverse
-            positions[index], torques[index] = data.qpos, wanted.qfrc_inverse
+            positions[index] = data.qpos
             mujoco.mj_step(model, data)
-            k2 = np.array(rates(t + step / 2, q + step / 2 * qdot))
-            k3 = np.array(rates(t + step / 2, q + step / 2 * k2))
-            k4 = np.array(rates(t + step, q + step * k3))
-            q = q + step / 6 * (qdot + 2 * k2 + 2 * k3 + k4)
+            q = next_step(t, step, q, qdot)
         positions[steps] = data.qpos
         return positions
 

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 AXES = ("x", "y", "z")
+DIFFERENT = 1  # status of a comparison that was carried out, of a model that is not the leg's
 
 
 def run_of(robot, options):
@@ -55,7 +56,7 @@ def check_of(joints):
     from drake_leg import prove
 
     robot, _ = random_chain(np.random.default_rng(joints), joints)
-    return _took(lambda: prove(robot))
+    return _took(lambda: prove(robot), lambda proof: proof.holds)
 
 
 def compare_of(model, size):
@@ -66,7 +67,8 @@ def compare_of(model, size):
 
     with tempfile.TemporaryDirectory() as folder:
         file = getattr(large_models, model)(size).write(Path(folder, "model.slx"))
-        return _took(lambda: main(["compare", str(file), "leg-b"]))
+        words = ["compare", str(file), "leg-b"]
+        return _took(lambda: main(words), lambda status: status == DIFFERENT)
 
 
 def picture_of(count, inputs):
@@ -88,7 +90,7 @@ def picture_of(count, inputs):
         outputs.append(adder.get_output_port())
     builder.Connect(outputs[-1], source.get_input_port())
     diagram = builder.Build()
-    return _took(lambda: block_diagram(diagram))
+    return _took(lambda: block_diagram(diagram), lambda drawn: f"Sum {count - 2}" in drawn.svg)
 
 
 def poses_of(count):
@@ -110,10 +112,14 @@ def poses_of(count):
     return {**took, "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0}
 
 
-def _took(work):
+def _took(work, is_right=lambda answer: True):
+    """Time some work, and refuse a wrong answer."""
     began = time.process_time()
-    work()
-    return {"seconds": time.process_time() - began}
+    answer = work()
+    seconds = time.process_time() - began
+    if not is_right(answer):
+        raise RuntimeError(f"the answer is wrong: {answer!r}")
+    return {"seconds": seconds}
 
 
 TASKS = {
