@@ -7,7 +7,15 @@ import os
 import sys
 from pathlib import Path
 
-from . import case_batches, case_commands, case_growth, case_loop, case_plant, case_variants
+from . import (
+    case_batches,
+    case_commands,
+    case_growth,
+    case_loop,
+    case_many,
+    case_plant,
+    case_variants,
+)
 from .measure import measure
 from .table import (
     broken,
@@ -26,6 +34,7 @@ CASES = {
     "plant": case_plant,
     "variants": case_variants,
     "batches": case_batches,
+    "many": case_many,
     "commands": case_commands,
     "growth": case_growth,
 }

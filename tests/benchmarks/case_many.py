@@ -1,0 +1,122 @@
+"""Many runs: a thousand steps on one core and on two, and a million designs in closed form."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from drake_leg import run, sweep
+
+from .measure import Contest, scaled, timed
+from .motion import DURATION, Q0, rates
+from .peers_loop import TOLERANCE
+
+RUNS = 1000
+SOLVED = 20  # runs of SciPy, scaled up
+DESIGNS = 2**20
+FIELDS = ("stroke_m", "sigma_min_m")
+CHECKED = 4  # designs that are also simulated
+FEW = 3  # repeats of what takes long
+VARIED = {"femur": "0.07:0.12", "amplitude": "0.02:0.06"}
+
+
+def swept(workers):
+    """Steps of leg B with a thousand amplitudes, simulated without torques."""
+
+    def work(_):
+        return sweep(
+            "leg-b",
+            vary={"amplitude": f"0.02:0.07:{RUNS}"},
+            dynamics="none",
+            workers=workers,
+        )
+
+    cores = "one core" if workers == 1 else f"{workers} cores"
+    return timed(f"drake-leg, {cores}", work, error=greatest_foot_error, clock=time.perf_counter)
+
+
+def greatest_foot_error(result):
+    """Greatest error of all feet [m]; every run must have come to its end."""
+    if result.counts != {"done": RUNS}:
+        raise RuntimeError(f"the runs ended as {result.counts}")
+    return float(np.max(result["max_position_error_m"]))
+
+
+def on_two_cores():
+    """The sweep as it is by default on this many cores."""
+    return swept(2)
+
+
+def on_one_core():
+    """The same sweep in one process."""
+    return swept(1)
+
+
+def scipy_runs():
+    """SciPy alone: the same number of loops in math, one after the other."""
+    from .motion import foot_error
+
+    def work(_):
+        return [
+            solve_ivp(rates, (0.0, DURATION), Q0, method="DOP853", rtol=TOLERANCE, atol=TOLERANCE)
+            for _ in range(SOLVED)
+        ]
+
+    solving = timed(
+        "scipy DOP853, math, one core",
+        work,
+        error=lambda found: max(foot_error(one.t, one.y.T) for one in found),
+        clock=time.perf_counter,
+    )
+    return scaled(solving, RUNS / SOLVED)
+
+
+def designed():
+    """Stroke and smallest singular value of a million legs, without simulation."""
+
+    def work(_):
+        return sweep("leg-b", vary=VARIED, sample=DESIGNS, fields=FIELDS)
+
+    def error(result):
+        """Compare some designs with their simulation."""
+        rows = np.linspace(0, DESIGNS - 1, CHECKED).astype(int)
+        off = [
+            abs(result[field][row] - simulated.summary[field])
+            for row in rows
+            for simulated in [
+                run("leg-b", l2=result["femur"][row], amplitude=result["amplitude"][row])
+            ]
+            for field in FIELDS
+        ]
+        return float(max(off))
+
+    return timed("drake-leg, closed form", work, error=error)
+
+
+def contests(short, crew):
+    """Many runs on one and on two cores, beside SciPy; many designs, beside nothing."""
+    if short:
+        return []
+    return [
+        Contest(
+            name="many runs",
+            work=f"{RUNS} kinematic runs of 20 s, with their summaries",
+            ours=on_two_cores,
+            peers=[on_one_core, scipy_runs],
+            simulated=RUNS * DURATION,
+            unit="m",
+            allowed=1e-9,
+            repeats=FEW,
+        ),
+        Contest(
+            name="many designs",
+            work=f"stroke and smallest singular value of {DESIGNS} legs",
+            ours=designed,
+            peers=[],
+            unit="m",
+            allowed=1e-6,
+            repeats=FEW,
+        ),
+    ]
