@@ -1,4 +1,4 @@
-"""Many runs: a thousand steps on one core and on two, and a million designs in closed form."""
+"""Many runs: a thousand steps on one core and on two."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import time
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from drake_leg import run, sweep
+from drake_leg import sweep
 
 from .measure import Contest, scaled, timed
 from .motion import DURATION, Q0, rates
@@ -15,11 +15,7 @@ from .peers_loop import TOLERANCE
 
 RUNS = 1000
 SOLVED = 20  # runs of SciPy, scaled up
-DESIGNS = 2**20
-FIELDS = ("stroke_m", "sigma_min_m")
-CHECKED = 4  # designs that are also simulated
 FEW = 3  # repeats of what takes long
-VARIED = {"femur": "0.07:0.12", "amplitude": "0.02:0.06"}
 
 
 def swept(workers):
@@ -73,30 +69,8 @@ def scipy_runs():
     return scaled(solving, RUNS / SOLVED)
 
 
-def designed():
-    """Stroke and smallest singular value of a million legs, without simulation."""
-
-    def work(_):
-        return sweep("leg-b", vary=VARIED, sample=DESIGNS, fields=FIELDS)
-
-    def error(result):
-        """Compare some designs with their simulation."""
-        rows = np.linspace(0, DESIGNS - 1, CHECKED).astype(int)
-        off = [
-            abs(result[field][row] - simulated.summary[field])
-            for row in rows
-            for simulated in [
-                run("leg-b", l2=result["femur"][row], amplitude=result["amplitude"][row])
-            ]
-            for field in FIELDS
-        ]
-        return float(max(off))
-
-    return timed("drake-leg, closed form", work, error=error)
-
-
 def contests(short, crew):
-    """Many runs on one and on two cores, beside SciPy; many designs, beside nothing."""
+    """Many runs on two cores, beside one core and SciPy."""
     if short:
         return []
     return [
@@ -108,15 +82,6 @@ def contests(short, crew):
             simulated=RUNS * DURATION,
             unit="m",
             allowed=1e-9,
-            repeats=FEW,
-        ),
-        Contest(
-            name="many designs",
-            work=f"stroke and smallest singular value of {DESIGNS} legs",
-            ours=designed,
-            peers=[],
-            unit="m",
-            allowed=1e-6,
             repeats=FEW,
         ),
     ]

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from drake_leg.simulation.following import Stepping, follow, simulate_plant
-
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.runs.foresight import foresee
+from drake_leg.simulation.following import Stepping, follow, simulate_plant
 from drake_leg.simulation.integrator import IntegratorSettings
 
 from .measure import timed
