@@ -21,6 +21,8 @@ from drake_leg.units import require_non_negative, require_positive
 
 PUSH = "Push"
 TORQUE_LIMIT = "Torque Limit"
+STEP_OF_RETURN = 0.25  # greatest step times the square root of the stiffness after a push
+RETURNED = 12.0  # time constants of the pull, 1 / sqrt(k), after which a joint is back
 FIRM = 2500.0  # [1/s^2], stiffness of a motion that something disturbs: 50 rad/s, or 8 Hz
 
 
@@ -56,6 +58,14 @@ class Disturbance:
         if self.stiffness is not None:
             return self.stiffness
         return FIRM if self.acts else STIFFNESS
+
+    def longest_step(self, time: float) -> float:
+        """Longest step at a time that resolves how joints yield to a push and return [s]."""
+        if self.push is None or self.pull == 0.0:
+            return math.inf
+        constant = 1.0 / math.sqrt(self.pull)
+        is_away = self.push.at <= time < self.push.end + RETURNED * constant
+        return STEP_OF_RETURN * constant if is_away else math.inf
 
     def believed(self, robot: Robot, gravity: float) -> MultibodyPlant | None:
         """Build the plant that the torque is computed for; None if it is the true plant.

@@ -49,7 +49,7 @@ from drake_leg.runs.tip import (
     tip_inaccuracy,
     torque_error,
 )
-from drake_leg.simulation.following import Stepping, follow, simulate_plant
+from drake_leg.simulation.following import Stepping, follow, follow_below_limit, simulate_plant
 from drake_leg.simulation.integrator import ROW_INTERVAL, IntegratorSettings
 from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import Progress, Run, Start
@@ -65,7 +65,8 @@ TRIALS = (30, 60)  # steps per period, tried where the foot's error can be measu
 STEP_OF_LIMITED_RATES = 0.010  # [s], longest step where rates may meet their limits in kinks
 STEP_OF_LIMITED_TORQUES = 0.005  # [s], the same of torques
 STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
-STEP_OF_PULL = 0.25  # greatest step times the square root of the motion's stiffness
+STEP_OF_PULL = 1.0  # greatest step times the square root of the motion's stiffness
+STEP_OF_ERROR = 0.25  # the same where a mass error keeps the joints off their motion
 STEP_OF_FILTER = 1.5  # greatest step over the filters' time constant; 2 is unstable with Euler
 
 TipOptions = StraightOptions | EllipseOptions | ScaraOptions
@@ -107,13 +108,7 @@ def run(robot: Robot, options: TipOptions, progress: Progress | None = None) -> 
         is_clear=forecast.encounter is None and forecast.graze is None,
         progress=progress,
     )
-    dynamics = options.chosen_dynamics()
-    if dynamics == FORWARD:
-        done, settings = simulate_plant(
-            config, BUILD[type(config)](config), options.duration, stepping
-        )
-    else:
-        done, settings = follow(config, options.duration, stepping, torques=dynamics == INVERSE)
+    dynamics, done, settings = _simulated(config, options, stepping)
     met = singularity_findings(moved, done, forecast, name, disturbed=disturbance.acts)
     columns, exact, findings = _compared(config, done, dynamics)
     what: Literal["foot", "tool"] = "tool" if isinstance(config, ScaraConfig) else "foot"
@@ -124,6 +119,21 @@ def run(robot: Robot, options: TipOptions, progress: Progress | None = None) -> 
     return outcome_of(
         robot, done, settings, options.duration, Recording(columns), exact, findings, what
     )
+
+
+def _simulated(
+    config: Config, options: TipOptions, stepping: Stepping
+) -> tuple[str, Run, IntegratorSettings]:
+    """Simulate by the dynamics of the options; return them, and the settings that were taken."""
+    dynamics, duration = options.chosen_dynamics(), options.duration
+    if dynamics != FORWARD:
+        return dynamics, *follow(config, duration, stepping, torques=dynamics == INVERSE)
+    if options.dynamics is None and stepping.is_clear:
+        followed = follow_below_limit(config, duration, stepping)
+        if followed:
+            return INVERSE, *followed
+    diagram = BUILD[type(config)](config)
+    return FORWARD, *simulate_plant(config, diagram, duration, stepping)
 
 
 def diagram(robot: Robot, options: TipOptions) -> tuple[Diagram, Start]:
@@ -168,7 +178,8 @@ def longest_step(
     if disturbance.torque_limit is not None:
         steps.append(STEP_OF_LIMITED_TORQUES)
     if disturbance.pull > 0.0:
-        steps.append(STEP_OF_PULL / math.sqrt(disturbance.pull))
+        part = STEP_OF_ERROR if disturbance.mass_error else STEP_OF_PULL
+        steps.append(part / math.sqrt(disturbance.pull))
     if lag is not None:
         steps.append(STEP_OF_FILTER * lag)
     return min(steps)

@@ -18,6 +18,7 @@ from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.framework import Context, Diagram
 
 from drake_leg.diagrams import kinematic_loop
+from drake_leg.diagrams.disturbance import UNDISTURBED
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.kinematic_loop import SCOPE, equation_of
 from drake_leg.diagrams.scara import ScaraConfig
@@ -33,6 +34,7 @@ from drake_leg.simulation.guard import NEARLY_SINGULAR
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import INTERRUPTED, Progress, Run, Scopes, simulate
 from drake_leg.singularity.inverse import Damped
+from drake_leg.singularity.look_ahead import NEAR_APPROACH
 from drake_leg.systems.prescribed_motion import require_actuators
 from drake_leg.units import beyond
 
@@ -87,20 +89,56 @@ def follow(
     return replace(run, wall_time=clock.perf_counter() - began), taken
 
 
+def follow_below_limit(
+    config: Config, duration: float, stepping: Stepping
+) -> tuple[Run, IntegratorSettings] | None:
+    """Follow the motion if a torque limit, the only disturbance, is never reached; else None."""
+    disturbance = config.disturbance
+    if disturbance.torque_limit is None or replace(disturbance, torque_limit=None) != UNDISTURBED:
+        return None
+    run, taken = follow(config, duration, stepping)
+    size = np.abs(run.scopes["joint torques"])
+    between = np.abs(np.diff(size, axis=0)).max(initial=0.0)  # rows, a torque may be this greater
+    if run.stop_reason or not size.max() + between < disturbance.torque_limit:
+        return None
+    run.scopes["torques asked for"] = run.scopes["joint torques"]
+    run.scopes["prescribed positions"] = run.scopes["joint positions"]
+    return run, taken
+
+
 def simulate_plant(
     config: Config, diagram: Diagram, duration: float, stepping: Stepping
 ) -> tuple[Run, IntegratorSettings]:
-    """Simulate the diagram of a configuration with its plant: as ``follow``, by forward dynamics.
+    """Simulate the diagram of a configuration with its plant, whose joints may be disturbed.
 
-    It needs no guard where the motion is clear and nothing disturbs the joints.
+    Where the motion is clear, it is tried without a guard, as in ``follow``.
     """
-    equation, progress = equation_of(config), stepping.progress
-    for trial in () if config.disturbance.acts else _trials(stepping):
-        run = simulate(diagram, duration, settings=trial, progress=progress, guarded=False)
-        if run.stop_reason == INTERRUPTED or _is_accurate(config, equation, run):
+    equation, progress, last = equation_of(config), stepping.progress, stepping.settings[-1]
+    is_disturbed = config.disturbance.acts
+    away = config.disturbance.longest_step if config.disturbance.push else None
+    for trial in [last] if is_disturbed and stepping.is_clear else _trials(stepping):
+        run = simulate(
+            diagram,
+            duration,
+            settings=trial,
+            longest_step=away,
+            progress=progress,
+            guarded=False,
+        )
+        if run.stop_reason == INTERRUPTED:
             return run, trial
-    last = stepping.settings[-1]
-    return simulate(diagram, duration, settings=last, progress=progress), last
+        if _is_smooth(run) if is_disturbed else _is_accurate(config, equation, run):
+            return run, trial
+    done = simulate(diagram, duration, settings=last, longest_step=away, progress=progress)
+    return done, last
+
+
+def _is_smooth(run: Run) -> bool:
+    """Whether the determinant changed so little in each step that no guard would shorten it."""
+    det_j = run.scopes["singularity check"][:, 0]
+    if run.stop_reason or not (det_j * det_j[0] > 0.0).all():
+        return False
+    return bool((np.abs(np.diff(det_j)) <= NEAR_APPROACH * np.abs(det_j[:-1])).all())
 
 
 def _trials(stepping: Stepping) -> Sequence[IntegratorSettings]:
