@@ -96,6 +96,8 @@ def follow_below_limit(
     disturbance = config.disturbance
     if disturbance.torque_limit is None or replace(disturbance, torque_limit=None) != UNDISTURBED:
         return None
+    if not all(segment.mechanics.actuated for segment in config.robot.moving):
+        return None
     run, taken = follow(config, duration, stepping)
     size = np.abs(run.scopes["joint torques"])
     between = np.abs(np.diff(size, axis=0)).max(initial=0.0)  # rows, a torque may be this greater

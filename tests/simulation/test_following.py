@@ -8,14 +8,21 @@ import pytest
 
 from drake_leg.diagrams import ellipse, hexabot_leg, scara
 from drake_leg.diagrams.additions import Control
+from drake_leg.diagrams.disturbance import UNDISTURBED, Disturbance
 from drake_leg.diagrams.ellipse import EllipseConfig
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import JointLimitError
-from drake_leg.kinematics.motions import SineStep
+from drake_leg.kinematics.motions import Push, SineStep
 from drake_leg.robot.robots import LEG_A, LEG_A_POSTURE, LEG_B
 from drake_leg.simulation import following
-from drake_leg.simulation.following import Stepping, follow, simulate_plant, torques_by_equation
+from drake_leg.simulation.following import (
+    Stepping,
+    follow,
+    follow_below_limit,
+    simulate_plant,
+    torques_by_equation,
+)
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import simulate
 from drake_leg.singularity.inverse import Inverse
@@ -156,3 +163,38 @@ def test_a_plant_whose_motion_is_clear_needs_no_guard():
     feet = free.scopes["foot positions"]
     exact = config.foot + config.motion.displacement(free.time)
     assert np.abs(feet - exact).max() < 1e-9
+
+
+def test_a_torque_limit_that_is_never_reached_disturbs_nothing():
+    high, low = (HexabotLegConfig(disturbance=Disturbance(torque_limit=t)) for t in (1.0, 1e-3))
+    run, _ = follow_below_limit(high, DURATION, stepping())
+    plant = simulate(hexabot_leg.build(high), DURATION, settings=FINE)
+    assert set(run.scopes) == set(plant.scopes)
+    assert run.scopes["joint torques"] == pytest.approx(plant.scopes["joint torques"], abs=1e-9)
+    assert follow_below_limit(low, DURATION, stepping()) is None
+
+
+@pytest.mark.parametrize(
+    "disturbance",
+    [UNDISTURBED, Disturbance(mass_error=0.1), Disturbance(torque_limit=1.0, stiffness=9.0)],
+)
+def test_only_a_torque_limit_can_be_without_effect(disturbance):
+    config = HexabotLegConfig(disturbance=disturbance)
+    assert follow_below_limit(config, DURATION, stepping()) is None
+
+
+def test_steps_are_short_while_joints_return_from_a_push():
+    push = Push(force=(0.0, 0.0, 0.2), at=0.5, lasting=0.1)
+    config = HexabotLegConfig(disturbance=Disturbance(push=push))
+    coarse, _ = simulate_plant(
+        config, hexabot_leg.build(config), 1.5, stepping(IntegratorSettings(max_step=0.02))
+    )
+    fine, _ = simulate_plant(
+        config, hexabot_leg.build(config), 1.5, stepping(IntegratorSettings(max_step=0.0025))
+    )
+    ends = [run.scopes["foot positions"][-1] for run in (coarse, fine)]
+    assert np.abs(ends[0] - ends[1]).max() < 3e-9
+    steps = np.diff(coarse.time)
+    away = (coarse.time[:-1] > 0.5) & (coarse.time[:-1] < 0.6 + 12.0 / 50.0 - 0.005)
+    assert steps[away].max() < 0.00501
+    assert steps[coarse.time[:-1] < 0.45] == pytest.approx(0.02)
