@@ -1,4 +1,4 @@
-"""Many runs: a thousand steps on one core and on two."""
+"""Many runs: a thousand steps on one core and on two, and a million designs in closed form."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import time
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from drake_leg import sweep
+from drake_leg import run, sweep
 
 from .measure import Contest, scaled, timed
 from .motion import DURATION, Q0, rates
@@ -16,6 +16,11 @@ from .peers_loop import TOLERANCE
 RUNS = 1000
 SOLVED = 20  # runs of SciPy, scaled up
 FEW = 3  # repeats of what takes long
+DESIGNS = 2**20
+VARIED = {"femur": "0.07:0.12", "amplitude": "0.02:0.06"}
+FIELDS = ("stroke_m", "sigma_min_m")
+CHECKED = 4  # designs that are also simulated
+FINE = {"duration": 4.0, "max_step": 0.005}  # rows near the turning point, past which all repeats
 
 
 def swept(workers):
@@ -69,8 +74,28 @@ def scipy_runs():
     return scaled(solving, RUNS / SOLVED)
 
 
+def designs():
+    """Stroke and smallest singular value of a million legs, without simulation."""
+    return timed(
+        "drake-leg, closed form",
+        lambda _: sweep("leg-b", vary=VARIED, sample=DESIGNS, fields=FIELDS, workers=1),
+        error=design_error,
+    )
+
+
+def design_error(result):
+    """Compare some designs with their simulation: greatest difference [m]."""
+    greatest = 0.0
+    for row in np.linspace(0, DESIGNS - 1, CHECKED).astype(int):
+        femur, amplitude = float(result["femur"][row]), float(result["amplitude"][row])
+        summary = run("leg-b", l2=femur, amplitude=amplitude, **FINE).summary
+        off = [abs(float(result[field][row]) - summary[field]) for field in FIELDS]
+        greatest = max(greatest, *off)
+    return greatest
+
+
 def contests(short, crew):
-    """Many runs on two cores, beside one core and SciPy."""
+    """Many runs on two cores, beside one core and SciPy; many designs, beside nothing."""
     if short:
         return []
     return [
@@ -83,5 +108,14 @@ def contests(short, crew):
             unit="m",
             allowed=1e-9,
             repeats=FEW,
+        ),
+        Contest(
+            name="many designs",
+            work=f"stroke and smallest singular value of {DESIGNS} legs",
+            ours=designs,
+            peers=[],
+            unit="m",
+            allowed=1e-6,
+            repeats=1,
         ),
     ]

@@ -28,6 +28,7 @@ def run_of(robot, options):
     recording = done.recording
     return {
         "seconds": seconds,
+        "disturbance": done.summary["disturbance"],
         "time": recording["time"].tolist(),
         "foot": [recording[name].tolist() for name in AXES],
         "speed": [recording[f"v{name}"].tolist() for name in AXES],
