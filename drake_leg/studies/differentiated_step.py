@@ -134,6 +134,11 @@ class DifferentiatedStep:
         qddot = self.moved.accelerations(q, qdot, a.tolist())
         return State(time, q, list(qdot), list(qddot))
 
+    def turning(self, scalars: Sequence[Scalar] | Array) -> Array:
+        """Choose those of the joints that turn."""
+        turning: Array = np.asarray(scalars)[np.array(self.moved.turning)]
+        return turning
+
     def foot(self, state: State) -> Array:
         """Position of the foot in the base frame, (3,) [m]."""
         return self.moved.foot(state.q)

@@ -18,7 +18,7 @@ from drake_leg.kinematics.differentiable import value_of
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot, html_table
 from drake_leg.runs.catalogue import RunKind, run_kind
-from drake_leg.runs.options import StraightOptions
+from drake_leg.runs.options import NONE, StraightOptions
 from drake_leg.runs.outcome import Outcome
 from drake_leg.runs.step import config_of
 from drake_leg.simulation.integrator import IntegratorSettings
@@ -38,6 +38,7 @@ from drake_leg.studies.seeds import Seeds
 
 Extremes = Literal["rows", "motion"]
 
+TORQUE = "max_torque_n_m"
 ROUNDING = 1e-6  # of a result: more is not the same run
 
 
@@ -48,14 +49,16 @@ class _Field(NamedTuple):
     kind: Literal["max", "min", "range", "end"]
     rows: Callable[[Recording, HexabotLegConfig], Array]  # (rows, series)
     scalars: Callable[[DifferentiatedStep, State], Any]  # (series,)
+    between_rows: bool = False  # so that the summary has it, too
 
 
 def _numbered(name: str) -> Callable[[Recording, HexabotLegConfig], Array]:
-    """Return what reads the joints' columns of a name, with both signs."""
+    """Return what reads the columns of the joints that turn, with both signs."""
 
     def rows(recording: Recording, config: HexabotLegConfig) -> Array:
-        joints = range(1, len(config.start) + 1)
-        columns = np.column_stack([recording[f"{name}{i}"] for i in joints])
+        joints = enumerate(config.robot.moving, start=1)
+        turning = [i for i, joint in joints if joint.row.joint == "revolute"]
+        columns = np.column_stack([recording[f"{name}{i}"] for i in turning])
         return np.hstack([columns, -columns])
 
     return rows
@@ -89,11 +92,18 @@ FIELDS = {
     "det_j_max_m3": _Field(
         "m^3", "max", _column("det_j"), lambda step, state: [step.determinant(state)]
     ),
-    "max_torque_n_m": _Field(
-        "N*m", "max", _numbered("tau"), lambda step, state: _both_signs(step.torques(state))
+    TORQUE: _Field(
+        "N*m",
+        "max",
+        _numbered("tau"),
+        lambda step, state: _both_signs(step.turning(step.torques(state))),
     ),
     "max_rate_rad_s": _Field(
-        "rad/s", "max", _numbered("qdot"), lambda step, state: _both_signs(state.qdot)
+        "rad/s",
+        "max",
+        _numbered("qdot"),
+        lambda step, state: _both_signs(step.turning(state.qdot)),
+        between_rows=True,
     ),
     "end_position_m": _Field("m", "end", _feet, lambda step, state: step.foot(state)),
 }
@@ -186,8 +196,8 @@ def gradient(
         "leg-a", "leg-b"; or a robot of your own, or the path of its TOML file.
     of : str or sequence of str
         The result, or several of one run: "stroke_m", "sigma_min_m", "det_j_min_m3",
-        "det_j_max_m3" as in the summary of ``run``; "max_torque_n_m" or "max_rate_rad_s", the
-        greatest of any joint; or "end_position_m", where the foot is at the end.
+        "det_j_max_m3", "max_rate_rad_s" as in the summary of ``run``; "max_torque_n_m", the
+        greatest of any joint that turns; or "end_position_m", where the foot is at the end.
     by : str or sequence of str
         Options: "amplitude", "frequency", "direction", "q0", "q0_error", "gravity"; for a leg of
         the reports also "l1", "l2", "l3", "density", "damping". Derivatives are by the option in
@@ -230,7 +240,7 @@ def gradient(
         raise InvalidValueError(
             f"extremes is {shown(extremes)}; it must be {' or '.join(get_args(Extremes))}"
         )
-    moving = [name for name, field in fields.items() if field.kind != "end"]
+    moving = [name for name, each in fields.items() if each.kind != "end" and not each.between_rows]
     if extremes == "rows" and moving and "frequency" in names:
         raise InvalidValueError(
             f"the rows of the recording do not move with the frequency, but {moving[0]} does",
@@ -242,6 +252,11 @@ def gradient(
             advice="choose leg-a, leg-b or a robot of your own",
         )
     chosen = _chosen(kind, options)
+    if TORQUE in fields and chosen.chosen_dynamics() == NONE:
+        raise InvalidValueError(
+            f"a run with `dynamics={NONE!r}` has no torques, and {TORQUE} is asked for",
+            advice="leave it out",
+        )
     config = config_of(kind.robot(chosen), chosen)
     assert isinstance(config, HexabotLegConfig)
     _require_smooth(config)
@@ -251,7 +266,9 @@ def gradient(
     run = _DifferentiatedRun(config, outcome, seeds)
     found = {}
     for name, field in fields.items():
-        value, slopes, times = run.result(name, field, between_rows=extremes == "motion")
+        value, slopes, times = run.result(
+            name, field, between_rows=field.between_rows or extremes == "motion"
+        )
         found[name] = Gradient(
             of=name,
             value=value,
