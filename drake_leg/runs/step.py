@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydrake.systems.framework import Diagram
 
-from drake_leg.diagrams import ellipse, hexabot_leg, kinematic_loop, scara
+from drake_leg.diagrams import ellipse, hexabot_leg, scara
 from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.disturbance import Disturbance
 from drake_leg.diagrams.ellipse import EllipseConfig
@@ -137,10 +137,8 @@ def _simulated(
 
 
 def diagram(robot: Robot, options: TipOptions) -> tuple[Diagram, Start]:
-    """Build the diagram of a run, with its plant unless no torques are asked for; and its start."""
+    """Build the diagram of a run, with its plant; return it with its start."""
     config = config_of(robot, options)
-    if options.chosen_dynamics() == NONE:
-        return kinematic_loop.build(config), start_on_motion
     return BUILD[type(config)](config), start_on_motion
 
 
