@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drake_leg.errors import InvalidValueError, require_matplotlib
+from drake_leg.studies.batch import FIELDS
 from drake_leg.studies.plan import Plan
 from drake_leg.studies.table import Table
 
@@ -114,10 +115,12 @@ def _axis(plan: Plan, table: Table, name: str, *, numbers: bool = True) -> Axis:
 
 
 def default_fields(plan: Plan, table: Table) -> list[str]:
-    """Choose what is plotted: the fields that were asked for, or those that vary."""
+    """Choose what is plotted of the fields that vary: what tells designs apart, or else all."""
     varied = {one.name for one in plan.vary}
     names = [name for name in table if name not in varied and name != "run"]
-    return [name for name in names if table.is_numeric(name)][:MOST_PLOTS]
+    vary = [name for name in names if table.is_numeric(name)]
+    telling = [name for name in vary if name in FIELDS]
+    return (telling or vary)[:MOST_PLOTS]
 
 
 def figures_of(
