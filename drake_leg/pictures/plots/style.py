@@ -93,6 +93,7 @@ DARK = {
     PURPLE: "#cf93ca",
 }
 NO_DATE = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+PACKING = {"png": {"pil_kwargs": {"compress_level": 3}}}  # in half the time, 8 % larger
 TIME = "time t [s]"
 DEGREE_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)
 MOST_TICKS = 5
@@ -183,7 +184,7 @@ def save(
     with mpl.rc_context(STYLE):
         _fix_layout(figure)
         for ending, path in paths.items():
-            figure.savefig(path, metadata=NO_DATE[ending])
+            figure.savefig(path, metadata=NO_DATE[ending], **PACKING.get(ending, {}))
     return paths
 
 
