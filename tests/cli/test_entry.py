@@ -92,7 +92,7 @@ def test_a_derivation_is_of_any_robot(capsys, name, said):
     [
         (["lst"], "there is no command 'lst': did you mean list?"),
         (["runn", "leg-b"], "there is no command 'runn': did you mean run?"),
-        (["leg-b"], "there is no command 'leg-b': the commands are list, run, replay, view"),
+        (["leg-b"], "there is no command 'leg-b': the commands are list, run, sweep, replay, view"),
         (["run"], "NAME and --out are missing: as in drake-leg run leg-b --out results"),
         (["diagram", "leg-b"], "--out is missing: as in drake-leg diagram leg-b --out leg-b.svg"),
         (

@@ -25,7 +25,7 @@ OF_RUNS = {
     "--inverse", "--correction", "--q0-error", "--push", "--mass-error", "--torque-limit", "--l1",
     "--l2", "--l3", "--density", "--filter-time-constant", "--feedback", "--lift", "--tool-height",
     "--size", "--velocity-target", "--lower-limit", "--upper-limit", "--spring-stiffness",
-    "--spring-unit", "--task",
+    "--spring-unit", "--task", "--dynamics",
 }  # fmt: skip
 
 ALWAYS = {
@@ -77,6 +77,7 @@ MEANINGLESS = [
     ("compare", "leg-b --max-step 0.01", "has no effect on compare"),
     ("compare", "leg-b --force", "has no effect on compare"),
     ("compare", "leg-b --stiffness 9", "has no effect on compare"),
+    ("sweep", "leg-b --seed 3 --vary l1=0.04:0.06:2 --out s", "nothing is sampled"),
     ("view", "leg-b --host localhost --still leg.png", "means nothing with --still"),
     ("view", "leg-b --port 7000 --still leg.png", "means nothing with --still"),
     ("view", "leg-b --no-browser --still leg.png", "means nothing with --still"),
@@ -122,6 +123,15 @@ def first_option(words):
 def named_options(command):
     """The options that a case of the table shows to be refused."""
     return {first_option(words) for name, words, _ in MEANINGLESS if name == command}
+
+
+# A run that is refused is a row of its sweep.
+ALWAYS["sweep"] = named_options("run") | ALWAYS["run"] - {
+    "--figures", "--replay", "--stills", "--video",
+} | {
+    "--fields", "--over", "--pareto", "--plot", "--sample", "--sampler", "--scheduler",
+    "--simulated", "--vary", "--workers",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("command", ALWAYS)
@@ -192,7 +202,7 @@ BESIDE = {
 SAID = {
     "damping": 0.0, "damping_unit": "N*m*s/rad", "push_at": 2.0, "push_for": 0.1,
     "limit_stiffness": 1e4, "limit_damping": 10.0, "limit_width": 0.1, "spring_unit": "N*m/rad",
-    "target": 30.0, "correction": 5.0, "q0_error": [0.0, 0.0, 0.0],
+    "target": 30.0, "correction": 5.0, "q0_error": [0.0, 0.0, 0.0], "dynamics": "inverse",
 }  # fmt: skip
 SAID_OF = {
     ("pendulum", "q0"): [0.0], ("pendulum-spring", "q0"): [0.0], ("pendulum-damped", "q0"): [30.0],
@@ -212,7 +222,8 @@ def effect(name, **given):
     robot = with_targets() if name == "robot.toml" else options.robot()
     config = (pendulum if name.startswith("pendulum") else step).config_of(robot, options)
     steps = options.integrator_settings(0.001)
-    return config, steps, options.duration, getattr(options, "force", None)
+    dynamics = None if name.startswith("pendulum") else options.chosen_dynamics()
+    return config, steps, options.duration, getattr(options, "force", None), dynamics
 
 
 def default_of(name, option):

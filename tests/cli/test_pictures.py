@@ -262,14 +262,14 @@ def test_results_whose_place_was_taken_meanwhile_are_beside_it(no_figures, monke
 def taking_the_place(monkeypatch):
     from drake_leg.runs import step
 
-    simulate = step.simulate
+    follow = step.follow
 
     def simulated(*arguments, **keywords):
         Path("out").mkdir()
         Path("out/thesis.tex").touch()
-        return simulate(*arguments, **keywords)
+        return follow(*arguments, **keywords)
 
-    monkeypatch.setattr(step, "simulate", simulated)
+    monkeypatch.setattr(step, "follow", simulated)
     return run_kind
 
 

@@ -92,7 +92,7 @@ def test_a_robot_called_like_a_block_is_one_sentence(here, capsys, tmp_path_fact
     toml = capsys.readouterr().out.replace("leg_b", "Demux")
     robot = tmp_path_factory.mktemp("robot") / "robot.toml"
     robot.write_text(toml, encoding="utf-8")
-    words = (str(robot), "--out", "out", "--q0", "90,-50,-90", "--duration", "0.1")
+    words = (str(robot), "--out", "out", "--q0", "90,-50,-90", "--dynamics", "forward")
     assert "give the robot another name" in refused(capsys, here, *words)
 
 
@@ -118,7 +118,7 @@ def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkey
 
 @pytest.mark.parametrize("file", ["file/leg.html", "/proc/leg.html", "/proc/new/leg.html"])
 def test_a_show_that_cannot_be_written_is_refused_before_the_run(here, capsys, monkeypatch, file):
-    monkeypatch.setattr("drake_leg.runs.step.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.step.follow", None)
     (here / "file").touch()
     status, out, err = run(capsys, "leg-b", "--out", "out", "--replay", file)
     assert (status, out) == (2, "")
@@ -131,14 +131,14 @@ def test_a_show_that_cannot_be_written_is_refused_before_the_run(here, capsys, m
 def test_what_no_video_can_be_made_with_is_said_before_the_run(
     here, capsys, monkeypatch, module, said
 ):
-    monkeypatch.setattr("drake_leg.runs.step.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.step.follow", None)
     monkeypatch.setitem(sys.modules, module, None)
     err = refused(capsys, here, "leg-b", "--out", "out", "--video", "leg.mp4")
     assert f"needs {said}, which cannot be imported (import of {module} halted" in err
 
 
 def test_figures_without_pillow_are_refused_before_the_run(here, capsys, monkeypatch):
-    monkeypatch.setattr("drake_leg.runs.step.simulate", None)
+    monkeypatch.setattr("drake_leg.runs.step.follow", None)
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
     assert "pip install --force-reinstall pillow" in refused(capsys, here, "leg-b", "--out", "out")
 
