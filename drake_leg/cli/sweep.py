@@ -127,10 +127,12 @@ def _sweep(chosen: argparse.Namespace) -> int:
     pictures.print_failures()
     if result.folder is not None and result.folder.remark:
         remark(result.folder.remark)
+    for field in result.unknown_fields:
+        remark(f"no summary of {chosen.name} has a field {field}: see the summary.json of a run")
     lacking = sum(result.counts.get(status, 0) for status in UNFINISHED)
     if lacking:
         return fail(f"{lacking} runs failed; their rows say why", FAILED)
-    return FAILED if pictures.failures else 0
+    return FAILED if pictures.failures or result.unknown_fields else 0
 
 
 def _carried_out(chosen: argparse.Namespace, kind: RunKind, vary: dict[str, str]) -> SweepResult:

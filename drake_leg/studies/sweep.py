@@ -26,7 +26,7 @@ from drake_leg.studies.journal import (
 )
 from drake_leg.studies.plan import Plan, checked_plan
 from drake_leg.studies.pool import FEW, Dispatcher, carried_out_here, cores
-from drake_leg.studies.row import Row, Task
+from drake_leg.studies.row import DONE, Row, Task, wanted
 from drake_leg.studies.table import Table, read_table
 from drake_leg.studies.variation import variations
 
@@ -103,6 +103,17 @@ class SweepResult:
 
     def _repr_html_(self) -> str:
         return html_table(("status", "runs"), self.counts.items(), title=repr(self)[1:-1])
+
+    @property
+    def unknown_fields(self) -> tuple[str, ...]:
+        """Fields that were asked for and that no summary has, though there are some."""
+        if DONE not in self.counts:
+            return ()
+        return tuple(
+            field
+            for field in self.plan.fields or ()
+            if not any(wanted(name, (field,)) for name in self.table)
+        )
 
     @property
     def counts(self) -> dict[str, int]:

@@ -16,6 +16,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError, InvalidValueError, OutputError
 from drake_leg.files import LIST
 from drake_leg.runs.catalogue import RUNS, run_kind
@@ -183,6 +184,13 @@ def test_an_interrupted_run_is_no_row(monkeypatch):
 def test_fields_choose_columns():
     result = sweep("leg-b", vary={"l2": [0.1]}, fields=["q0_deg", "sigma_min_m"], **SHORT)
     assert list(result.table)[-4:] == ["q0_deg[0]", "q0_deg[1]", "q0_deg[2]", "sigma_min_m"]
+    assert result.unknown_fields == ()
+
+
+def test_a_field_that_no_summary_has_is_named(tmp_path, capsys):
+    words = "sweep leg-b --vary l2=0.1 --duration 0.1 --fields sigma_min_m,sigma"
+    assert main([*words.split(), "--out", str(tmp_path / "s")]) == 1
+    assert "no summary of leg-b has a field sigma: see" in capsys.readouterr().err
 
 
 def test_a_table_survives_parquet(tmp_path):
