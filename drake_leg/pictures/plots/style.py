@@ -93,7 +93,8 @@ DARK = {
     PURPLE: "#cf93ca",
 }
 NO_DATE = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
-PACKING = {"png": {"pil_kwargs": {"compress_level": 3}}}  # in half the time, 8 % larger
+# A PNG takes half the time, and 8 % more room.
+PACKING: dict[str, dict[str, Any]] = {"png": {"pil_kwargs": {"compress_level": 3}}}
 TIME = "time t [s]"
 DEGREE_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)
 MOST_TICKS = 5
