@@ -38,12 +38,12 @@ def rotation_matrices(quaternions: ArrayLike) -> Array:
     )
 
 
-def quaternions(rotations: ArrayLike) -> Array:
+def quaternions(R: Array) -> Array:
     """Unit quaternions w, x, y, z with w not negative of rotation matrices (..., 3, 3), (..., 4).
 
-    Each is a column of ``4 q q^T``, the one that has the greatest diagonal entry.
+    That they are rotations is not checked. Each is a column of ``4 q q^T``, the one that has the
+    greatest diagonal entry.
     """
-    R = _rotations(rotations)
     x, y, z = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
     wx, wy, wz = (R[..., k, j] - R[..., j, k] for j, k in ((1, 2), (2, 0), (0, 1)))
     xy, yz, zx = (R[..., j, k] + R[..., k, j] for j, k in ((0, 1), (1, 2), (2, 0)))

@@ -324,7 +324,7 @@ def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
     def transforms(block: Array) -> tuple[Array]:
         return (_poses(chain_frames(links, components(block)), block.shape[:-1]),)
 
-    return _of_postures(transforms, rows, q, (len(links), 4, 4))
+    return _of_postures(transforms, rows, q, (len(links), 4, 4))[0]
 
 
 def foot_pose(rows: Sequence[Row], q: ArrayLike) -> Array:
@@ -332,10 +332,9 @@ def foot_pose(rows: Sequence[Row], q: ArrayLike) -> Array:
     links = links_of(rows)
 
     def pose(block: Array) -> tuple[Array]:
-        frames = chain_frames(links, components(block))
-        return (_poses(frames[-1:], block.shape[:-1])[..., 0, :, :],)
+        return (_foot_poses(chain_frames(links, components(block)), block),)
 
-    return _of_postures(pose, rows, q, (4, 4))
+    return _of_postures(pose, rows, q, (4, 4))[0]
 
 
 def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
@@ -348,16 +347,37 @@ def jacobian(rows: Sequence[Row], q: ArrayLike) -> Array:
     links = links_of(rows)
 
     def columns(block: Array) -> tuple[Array]:
-        found = joint_columns(links, chain_frames(links, components(block)))
-        if block.ndim == 1:
-            return (np.array(found).reshape(-1, 6).T,)
-        Jv_BF = np.empty((*block.shape[:-1], 6, block.shape[-1]))
-        for number, column in enumerate(found):
-            for part, entry in enumerate(column):
-                Jv_BF[..., part, number] = entry
-        return (Jv_BF,)
+        return (_jacobians(links, chain_frames(links, components(block)), block),)
 
-    return _of_postures(columns, rows, q, (6, len(moving_rows(rows))))
+    return _of_postures(columns, rows, q, (6, len(moving_rows(rows))))[0]
+
+
+def foot_pose_and_jacobian(rows: Sequence[Row], q: ArrayLike) -> tuple[Array, Array]:
+    """``foot_pose`` and ``jacobian`` together, which share the chain's frames."""
+    links = links_of(rows)
+
+    def both(block: Array) -> tuple[Array, Array]:
+        frames = chain_frames(links, components(block))
+        return _foot_poses(frames, block), _jacobians(links, frames, block)
+
+    X_BF, Jv_BF = _of_postures(both, rows, q, (4, 4), (6, len(moving_rows(rows))))
+    return X_BF, Jv_BF
+
+
+def _foot_poses(frames: Sequence[Frame], block: Array) -> Array:
+    poses: Array = _poses(frames[-1:], block.shape[:-1])[..., 0, :, :]
+    return poses
+
+
+def _jacobians(links: Sequence[Link], frames: Sequence[Frame], block: Array) -> Array:
+    found = joint_columns(links, frames)
+    if block.ndim == 1:
+        return np.array(found).reshape(-1, 6).T
+    Jv_BF = np.empty((*block.shape[:-1], 6, block.shape[-1]))
+    for number, column in enumerate(found):
+        for part, entry in enumerate(column):
+            Jv_BF[..., part, number] = entry
+    return Jv_BF
 
 
 def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
@@ -387,20 +407,20 @@ def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
             Jv_BF[..., 3:, column] = rate[..., :3, 3]
         return (Jv_BF,)
 
-    return _of_postures(columns, rows, q, (6, len(moving)))
+    return _of_postures(columns, rows, q, (6, len(moving)))[0]
 
 
 def _of_postures(
-    function: Callable[[Array], tuple[Array]],
+    function: Callable[[Array], Sequence[Array]],
     rows: Sequence[Row],
     q: ArrayLike,
-    shape: tuple[int, ...],
-) -> Array:
+    *shapes: tuple[int, ...],
+) -> Sequence[Array]:
     """Evaluate a function of one posture (m,), or of a batch (..., m) block by block."""
     positions = finite_vectors("q", q, len(moving_rows(rows)))
     if positions.ndim == 1:
-        return function(positions)[0]
-    return in_blocks(function, positions, shape)[0]
+        return function(positions)
+    return in_blocks(function, positions, *shapes)
 
 
 def _poses(frames: Sequence[Frame], batch: tuple[int, ...]) -> Array:

@@ -210,6 +210,10 @@ class MovableLeg(Movable):
         determinant: float = -sign * l2 * l3 * sin(q3) * reach
         return determinant
 
+    def determinants(self, q: Array) -> Array:
+        """Det J of many postures (rows, 3), (rows,) [m^3]."""
+        return determinant(self.geometry, q)
+
     def rates(self, q: Floats, v: Floats) -> Floats:
         """``J^-1 v``."""
         return self._solve(q, v, AT_REST, AT_REST)

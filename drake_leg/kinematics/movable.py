@@ -62,6 +62,10 @@ class Movable(ABC):
         """Det J, or ``sqrt(det(J J^T))`` of a redundant robot."""
         return float(np.linalg.det(self.jacobian(q)))
 
+    def determinants(self, q: Array) -> Array:
+        """``determinant`` of many postures (rows, n), (rows,)."""
+        return np.array([self.determinant(posture) for posture in q.tolist()])
+
     def rates(self, q: Floats, v: Floats) -> Floats:
         """``J^-1 v``, or the smallest rates that produce v, (n,) [rad/s or m/s].
 

@@ -25,7 +25,7 @@ from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import JointLimitError, SingularConfigurationError
 from drake_leg.kinematics.euler import quaternions
 from drake_leg.kinematics.joint_stop import limit_force
-from drake_leg.kinematics.khalil import Array, foot_pose, jacobian
+from drake_leg.kinematics.khalil import Array, foot_pose_and_jacobian, jacobian
 from drake_leg.kinematics.loop import KinematicEquation
 from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.models.plant import build_plant
@@ -189,7 +189,8 @@ def _unguarded(
     done = simulate(
         loop, duration, start=start, settings=settings, progress=progress, guarded=False
     )
-    return done if done.stop_reason else _with_scopes(config, exact, done)
+    has_failed = done.stop_reason not in (None, INTERRUPTED)
+    return done if has_failed else _with_scopes(config, exact, done)
 
 
 def _is_accurate(config: Config, equation: KinematicEquation, run: Run) -> bool:
@@ -241,8 +242,8 @@ def _with_scopes(config: Config, equation: KinematicEquation, run: Run) -> Run:
     rows, motion, time = config.robot.rows, config.motion, run.time
     moved, det_j = _joint_motion(equation, time, run.scopes[SCOPE])
     q, qdot, qddot = _with_rest(config, moved)
-    X_BF = foot_pose(rows, q)
-    V_BF = np.einsum("rij,rj->ri", jacobian(rows, q), qdot)
+    X_BF, J = foot_pose_and_jacobian(rows, q)
+    V_BF = np.einsum("rij,rj->ri", J, qdot)
     gain = config.gain if isinstance(config, HexabotLegConfig) else 1.0
     return replace(
         run,
@@ -272,7 +273,7 @@ def _joint_motion(
     if found is not None:
         moved = tuple(np.array(part).T for part in found)
         fed_back = np.array(equation.fed_back(states.T)).T
-        return moved, np.array([[robot.determinant(q)] for q in fed_back.tolist()])
+        return moved, robot.determinants(fed_back)[:, np.newaxis]
     parts, determinants = [], []
     for t, state in zip(time.tolist(), states.tolist(), strict=True):  # in one posture at a time
         parts.append(equation.joint_motion(t, state))
@@ -300,6 +301,8 @@ def _within_limits(robot: Robot, run: Run) -> Run:
     last, joint = len(q), 0
     for index, segment in enumerate(robot.moving):
         low, high = segment.mechanics.hard_bounds
+        if math.isinf(low) and math.isinf(high):
+            continue
         within = [beyond(at, low, high) == 0.0 for at in q[:last, index].tolist()]
         if not all(within):
             last, joint = within.index(False), index
