@@ -36,7 +36,7 @@ from drake_leg.kinematics.movable import exact_rates
 from drake_leg.lab.page.pieces import UnlikeReplaysError
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B
-from drake_leg.runs import pendulum, step
+from drake_leg.runs import pendulum
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
 from drake_leg.runs.step import run as run_robot
@@ -45,6 +45,7 @@ from drake_leg.scene.artists import NoRenderingError
 from drake_leg.scene.scene import OtherRobotError
 from drake_leg.scene.server import RefusedError, ServerError
 from drake_leg.scene.web_page import MeshcatError, PageError
+from drake_leg.simulation import following
 from drake_leg.simulation import run as simulation_run
 
 run_leg = RUNS["leg-b"].run
@@ -82,10 +83,10 @@ def cause(run, monkeypatch):
         stops.append(simulation_run.simulate(*arguments, **keywords))
         return stops[0]
 
-    for module in (step, pendulum):
+    for module in (following, pendulum):
         monkeypatch.setattr(module, "simulate", watched)
     run()
-    return stops[0].stopped_by
+    return stops[-1].stopped_by
 
 
 def invalid(monkeypatch, tmp_path):
@@ -108,7 +109,9 @@ def foreseen(monkeypatch, tmp_path):
 
 
 def lost(monkeypatch, tmp_path):
-    options = LegBOptions(amplitude=0.1, duration=4.0, integrator="radau3", force=True)
+    options = LegBOptions(
+        amplitude=0.1, duration=4.0, integrator="radau3", force=True, dynamics="forward"
+    )
     raise cause(lambda: run_leg(options), monkeypatch)
 
 
@@ -126,7 +129,8 @@ def unstable(monkeypatch, tmp_path):
 def limit(monkeypatch, tmp_path):
     hip, knee, *rest = LEG_B.segments
     narrow = replace(knee, mechanics=JointMechanics(lower=-0.88, upper=-0.86))
-    options = StraightOptions(q0=[90.0, -50.0, -90.0], amplitude=0.07, duration=4.0)
+    motion = {"amplitude": 0.07, "duration": 4.0, "dynamics": "forward"}
+    options = StraightOptions(q0=[90.0, -50.0, -90.0], **motion)
     robot = replace(LEG_B, segments=(hip, narrow, *rest))
     raise cause(lambda: run_robot(robot, options), monkeypatch)
 
