@@ -23,6 +23,7 @@ REFUSED = {
     "build_pendulum": [(LEG(),), (dl.PENDULUM,), (None,)],
     "build_ellipse": [(LEG(),), (dl.LEG_B,), ("ellipse",)],
     "build_hexabot_leg": [(dl.LEG_B,), (dl.ScaraConfig(),), (0.05,), (dl.EllipseConfig(),)],
+    "build_kinematic_loop": [(dl.LEG_B,), (dl.PendulumConfig(),), (None,), ("leg-b",)],
     "build_scara": [(LEG(),), (dl.SCARA,), (None,)],
     "add_scope": [(1, 2, 3), (None, "q", None)],
     "DriftCorrection": [(1, (0, 0)), ("2", (0, 0, 0)), (1, None), (1, "abc"), (1, 0.5)],
