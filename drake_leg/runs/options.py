@@ -113,18 +113,21 @@ def _types(option: "dataclasses.Field[Any]") -> tuple[Any, ...]:
     return get_args(option.type) if isinstance(option.type, UnionType) else (option.type,)
 
 
-def _converted(option: "dataclasses.Field[Any]", value: object) -> object:
-    """Convert a value to the type of an option, or refuse it."""
+def converted(option: "dataclasses.Field[Any]", value: object) -> object:
+    """Convert a value to the type of an option.
+
+    Raises
+    ------
+    InvalidValueError
+        If the option does not take such a value.
+    """
     kind = type_of(option)
     if value is None and NoneType in _types(option):
         return None
     if kind is list:
         return _numbers(option, value)
     if kind is float:
-        number = _number(option.name, value)
-        if not math.isfinite(number):
-            raise InvalidValueError(f"{option.name} is {number!r}; it must be a finite number")
-        return number
+        return finite_number(option.name, value)
     if not isinstance(value, kind):
         wanted = "true or false" if kind is bool else "a string"
         raise InvalidValueError(f"{option.name} is {reprlib.repr(value)}; it must be {wanted}")
@@ -142,6 +145,20 @@ def _numbers(option: "dataclasses.Field[Any]", value: object) -> list[float]:
     if not all(map(math.isfinite, numbers)) or (takes and len(numbers) != takes.count):
         raise InvalidValueError(f"{option.name} is {numbers}; it must be {words}")
     return numbers
+
+
+def finite_number(name: str, value: object) -> float:
+    """Take a finite number.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is none.
+    """
+    number = _number(name, value)
+    if not math.isfinite(number):
+        raise InvalidValueError(f"{name} is {number!r}; it must be a finite number")
+    return number
 
 
 def _number(name: str, value: object) -> float:
@@ -172,7 +189,7 @@ class RunOptions:
 
     def __post_init__(self) -> None:
         for each in dataclasses.fields(self):
-            setattr(self, each.name, _converted(each, getattr(self, each.name)))
+            setattr(self, each.name, converted(each, getattr(self, each.name)))
 
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
         """Return the integrator's settings; ``default_step`` [s] is the longest step by default."""

@@ -17,7 +17,7 @@ from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
 from drake_leg.runs.catalogue import RunKind
-from drake_leg.runs.options import RunOptions
+from drake_leg.runs.options import RunOptions, converted
 from drake_leg.studies.variation import MOST_RUNS, Variation
 
 SAMPLERS = ("sobol", "random")
@@ -38,9 +38,13 @@ class Plan:
     simulated: bool = False  # even where a closed form has the answer
 
     def __len__(self) -> int:
+        return self._count
+
+    @cached_property
+    def _count(self) -> int:
         if self.sample is not None:
             return self.sample
-        return math.prod(len(one.grid) for one in self.vary)
+        return math.prod(one.size for one in self.vary)
 
     @cached_property
     def columns(self) -> dict[str, Sequence[Any]]:
@@ -119,14 +123,14 @@ def samples(sampler: str, dimensions: int, count: int, seed: int) -> Array:
 
 
 def checked_plan(plan: Plan) -> Plan:
-    """Refuse a plan whose options, count or first run make no sense.
+    """Convert the options of all runs; refuse them, a count or a first run that make no sense.
 
     Raises
     ------
     InvalidValueError
         With the value.
     """
-    known = [field.name for field in dataclasses.fields(plan.kind.options)]
+    known = {field.name: field for field in dataclasses.fields(plan.kind.options)}
     for option in plan.fixed:
         if option not in known:
             advice = did_you_mean(option, known, f"its options are {', '.join(known)}")
@@ -137,6 +141,8 @@ def checked_plan(plan: Plan) -> Plan:
         )
     if not 1 <= len(plan) <= MOST_RUNS:
         raise InvalidValueError(f"these are {len(plan)} runs; there may be up to {MOST_RUNS}")
+    fixed = {option: converted(known[option], value) for option, value in plan.fixed.items()}
+    plan = dataclasses.replace(plan, fixed=fixed)
     options_of(plan, 0)
     return plan
 

@@ -8,8 +8,14 @@ import signal
 import threading
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from multiprocessing.connection import wait as wait_for_process
 
 from drake_leg.errors import DrakeLegError, in_a_line
@@ -85,8 +91,13 @@ class Dispatcher:
                 taken = [waiting.popleft() for _ in range(min(self._size, len(waiting)))]
             try:
                 running[self._executor.submit(carried_out, self._make(taken))] = taken
-            except BrokenProcessPool as error:
+            except BrokenExecutor as error:
                 self._lost(taken, suspects, error)
+            except RuntimeError as error:  # it is shut down
+                raise DrakeLegError(
+                    f"the executor takes no runs ({in_a_line(error)})",
+                    advice="what was done is kept in `out`: call again with one that is open",
+                ) from error
 
     def _answer(
         self, future: Future[Done], taken: list[int], suspects: deque[int]
@@ -99,11 +110,11 @@ class Dispatcher:
         self._answered = True
         each = max(done.seconds / len(taken), 1e-6)
         self._size = max(1, min(int(SECONDS / each), 2 * self._size, MOST_AT_ONCE))
-        self._tired = self._given is None and done.memory > MOST_MEMORY
+        self._tired |= self._given is None and done.memory > MOST_MEMORY
         return done.rows
 
     def _lost(self, taken: list[int], suspects: deque[int], error: Exception) -> dict[int, Row]:
-        if isinstance(error, BrokenProcessPool):
+        if isinstance(error, BrokenExecutor):
             if self._given is not None:
                 raise DrakeLegError(
                     "the executor has lost its workers",

@@ -114,7 +114,10 @@ def _arrow(column: Column) -> Any:  # noqa: ANN401 - pyarrow has no types
     is_mixed = any(isinstance(each, float) for each in numbers)
     if is_mixed and len(numbers) == sum(each is not None for each in values):
         values = [None if each is None else float(each) for each in values]
-    return pa.array(values)
+    try:
+        return pa.array(values)
+    except (pa.ArrowInvalid, pa.ArrowTypeError):  # numbers and texts: as texts
+        return pa.array([None if each is None else str(each) for each in values])
 
 
 def _numpy(column: Any) -> Column:  # noqa: ANN401 - pyarrow has no types

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.arguments import is_number, shown
+from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
-from drake_leg.runs.options import LegOptions, RunOptions, type_of
+from drake_leg.runs.options import LegOptions, RunOptions, converted, finite_number, type_of
 from drake_leg.units import require_finite
 
 LINKS = {"coxa": "l1", "femur": "l2", "tibia": "l3"}  # of a leg: their lengths
@@ -41,16 +41,23 @@ class Variation:
     choices: tuple[Any, ...] = ()
 
     @property
-    def grid(self) -> Sequence[Any]:
-        """All values of a grid."""
+    def size(self) -> int:
+        """How many values a grid takes."""
         if self.bounds is None:
-            return self.choices
+            return len(self.choices)
         if self.count is None:
             raise InvalidValueError(
                 f"{self.name} has a range without a count, and nothing is sampled",
                 advice=f"{RANGE}; or give `sample`",
             )
-        values: list[float] = np.linspace(*self.bounds, self.count).tolist()
+        return self.count
+
+    @property
+    def grid(self) -> Sequence[Any]:
+        """All values of a grid."""
+        if self.bounds is None:
+            return self.choices
+        values: list[float] = np.linspace(*self.bounds, self.size).tolist()
         return [float(f"{value:.{DIGITS}g}") for value in values]
 
     def at(self, parts: Array) -> Sequence[Any]:
@@ -117,8 +124,11 @@ def _variation(kind: type[RunOptions], run: str, name: object, values: object) -
     read = _text(fields[option], str(name), values) if isinstance(values, str) else None
     if read is None:
         read = {"choices": _sequence(str(name), values)}
-    if index is not None and not all(map(is_number, read.get("choices", ()))):
-        raise InvalidValueError(f"{name} is {shown(values)}; a component takes numbers")
+    if "choices" in read:
+        read["choices"] = tuple(
+            converted(fields[option], one) if index is None else finite_number(str(name), one)
+            for one in read["choices"]
+        )
     return Variation(name=str(name).strip(), option=option, index=index, **read)
 
 
@@ -131,7 +141,7 @@ def _sequence(name: str, values: object) -> tuple[Any, ...]:
             f"{name} is {shown(values)}; it must be a list of its values, or a range in text, as "
             "'0.06:0.14:9'"
         )
-    return tuple(list(one) if isinstance(one, tuple | np.ndarray) else one for one in values)
+    return tuple(values)
 
 
 def _text(field: Option, name: str, text: str) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from itertools import chain
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,13 +23,13 @@ from drake_leg.runs.catalogue import RUNS, run_kind
 from drake_leg.runs.named import run
 from drake_leg.studies import pool, row
 from drake_leg.studies.journal import JOURNAL
-from drake_leg.studies.plan import Plan, samples
+from drake_leg.studies.plan import Plan, checked_plan, options_of, samples
 from drake_leg.studies.pool import Dispatcher
 from drake_leg.studies.row import Done, carried_out, flat
 from drake_leg.studies.sweep import RUNS as TABLE
 from drake_leg.studies.sweep import sweep
 from drake_leg.studies.table import Table, read_table
-from drake_leg.studies.variation import variations
+from drake_leg.studies.variation import Variation, variations
 
 SHORT = {"duration": 0.1}
 
@@ -94,14 +94,33 @@ def test_sobol_covers_better_than_chance():
         assert sorted((column * 64).astype(int)) == list(range(64))
 
 
+def test_a_grid_is_counted_without_its_values(monkeypatch):
+    """Its length is asked for after every task."""
+    monkeypatch.setattr(Variation, "grid", property(lambda one: pytest.fail("values are made")))
+    plan = planned(femur="0.06:0.14:300000", inverse="exact,damped")
+    assert len(plan) == 600_000
+    with pytest.raises(InvalidValueError, match="these are 30000000000 runs"):
+        checked_plan(planned(femur="1:2:300000", tibia="1:2:100000"))
+
+
+EXAMPLES = {  # of options without a default
+    "q0": [30.0],
+    "q0_error": [0.0],
+    "direction": [1.0, 0.0, 0.0],
+    "push": [0.0, 0.0, 0.1],
+    "damping_unit": "N*m*s/rad",
+    "spring_unit": "N*m/rad",
+    "task": "position",
+    "dynamics": "forward",
+}
+
+
 def test_everything_that_a_run_takes_can_vary():
     for name, kind in RUNS.items():
         for option, default in vars(kind.options()).items():
-            value = 1.0 if default is None else default
-            if isinstance(value, list) or option in ("q0", "push", "q0_error", "direction"):
-                value = value if isinstance(value, list) else [value]
-            (one,) = variations(kind.options, name, {option: [value]}, {})
-            assert one.grid[0] == value
+            value = EXAMPLES.get(option, 1.0) if default is None else default
+            plan = checked_plan(planned(name, **{option: [value]}))
+            assert getattr(options_of(plan, 0), option) == value
 
 
 PLANS = {
@@ -118,6 +137,10 @@ PLANS = {
     "no choice": ({"inverse": "exact,"}, {}, "a choice is empty"),
     "scalar": ({"femur": 0.1}, {}, "femur is 0.1; it must be a list of its values"),
     "text": ({"femur": ["a"]}, {}, "l2 is 'a'; it must be a finite number"),
+    "text in a component": ({"q0[1]": [-50, "a"]}, {}, r"q0\[1\] is 'a'; it must be a finite"),
+    "a later text": ({"amplitude": [0.05, "0.06"]}, {}, "amplitude is '0.06'; it must be a finite"),
+    "a truth": ({"amplitude": [0.05, True]}, {}, "amplitude is True; it must be a finite number"),
+    "a short list": ({"q0": "90,-50,-90;90,-50"}, {}, r"q0 is \[90.0, -50.0\]; it must be three"),
     "option": ({"femur": [0.1]}, {"amplitud": 1}, r"no option 'amplitud': did you mean amplitude"),
     "count and sample": ({"femur": "1:2:3"}, {"sample": 4}, "count, and samples are taken"),
     "sample": ({"femur": "1:2"}, {"sample": 0}, "sample is 0; it must be a whole number"),
@@ -134,8 +157,17 @@ PLANS = {
 @pytest.mark.parametrize("case", PLANS)
 def test_what_makes_no_sense_is_refused(case):
     vary, more, sentence = PLANS[case]
-    with pytest.raises(InvalidValueError, match=sentence):
-        sweep("leg-b", vary=vary, **more)
+    for fields in ({}, {"fields": ["stroke_m"]}):  # simulated, and in closed form
+        with pytest.raises(InvalidValueError, match=sentence):
+            sweep("leg-b", vary=vary, **(fields | more))
+
+
+def test_what_a_run_takes_of_numpy_a_sweep_takes(tmp_path):
+    vary = {"duration": [np.float32(0.5), np.int64(1)], "direction": [np.eye(3)[0]]}
+    call = {"vary": vary, "q0": np.array([90, -50, -90.0]), "fields": ["stroke_m"]}
+    result = sweep("leg-b", **call, out=tmp_path / "s")
+    np.testing.assert_array_equal(result["stroke_m"], sweep("leg-b", **call)["stroke_m"])
+    assert result["duration"].tolist() == [0.5, 1.0]
 
 
 # --- the rows -----------------------------------------------------------------------------------
@@ -194,12 +226,19 @@ def test_a_field_that_no_summary_has_is_named(tmp_path, capsys):
 
 
 def test_a_table_survives_parquet(tmp_path):
-    columns = {"run": [0, 1], "text": ["a", None], "number": [1, 2.5], "nothing": [None, None]}
+    columns = {
+        "run": [0, 1, 2],
+        "text": ["a", None, "b"],
+        "number": [1, 2.5, None],
+        "nothing": [None, None, None],
+        "mixed": [1, "a", None],
+    }
     Table(columns).write(tmp_path / "t.parquet", "digest")
     again = read_table(tmp_path / "t.parquet")
     assert list(again) == list(columns)
-    assert again["text"].tolist() == ["a", None]
-    assert again["number"].tolist() == [1.0, 2.5]
+    assert again["text"].tolist() == ["a", None, "b"]
+    assert again["number"].tolist()[:2] == [1.0, 2.5]
+    assert again["mixed"].tolist() == ["1", "a", None]
     assert np.isnan(again["nothing"]).all()
     with pytest.raises(InvalidValueError, match=r"no column 'numer': did you mean number\?"):
         again["numer"]
@@ -302,9 +341,41 @@ def test_an_executor_that_broke_is_the_callers(monkeypatch):
         def submit(self, function, task):
             raise BrokenProcessPool("gone")
 
-    assert issubclass(BrokenProcessPool, BrokenExecutor)
     with pytest.raises(DrakeLegError, match="the executor has lost its workers: what was done"):
         sweep("leg-b", vary={"l2": [0.1]}, executor=Broken())
+
+
+def test_an_executor_that_is_shut_down_is_refused():
+    executor = ThreadPoolExecutor(1)
+    executor.shutdown()
+    sentence = r"the executor takes no runs \(.*shutdown\): what was done is kept in `out`"
+    with pytest.raises(DrakeLegError, match=sentence):
+        sweep("leg-b", vary={"l2": [0.1]}, executor=executor, **SHORT)
+
+
+def test_processes_with_too_much_memory_are_replaced(monkeypatch):
+    """Even if a smaller one of them answers after the one that grew."""
+    begun = []
+
+    def start(workers):
+        begun.append(workers)
+        return Here()
+
+    def grown(task):
+        memory = 2 * pool.MOST_MEMORY if task.places == [1] else 0
+        return Done({place: {} for place in task.places}, 1.0, memory)
+
+    monkeypatch.setattr(pool, "started", start)
+    monkeypatch.setattr(pool, "carried_out", grown)
+    monkeypatch.setattr(pool, "wait", first_of_all)
+    rows = Dispatcher(lambda places: row.Task(None, places, (), None), None, 2).rows(range(12))
+    assert sorted(place for done in rows for place in done) == list(range(12))
+    assert begun == [2, 2]
+
+
+def first_of_all(running, return_when):
+    """Of the tasks that run, the one that was handed out first is done first."""
+    return SimpleNamespace(done=[next(iter(running))])
 
 
 def test_what_goes_to_a_worker_and_comes_back_can_be_pickled():
