@@ -44,7 +44,7 @@ Direction = tuple[float, float, float]  # unit vector
 STATE_TARGET = 30.0  # [deg], report A, section 1.2
 INVERSE, FORWARD, NONE = "inverse", "forward", "none"  # how torques are found
 DISTURBING = ("push", "mass_error", "torque_limit", "stiffness")
-WEIGHTY = ("gravity", "density", "damping", "damping_unit")  # what only torques depend on
+WEIGHTY = ("gravity", "density", "damping", "damping_unit")  # what no motion depends on
 EXACT = "exact"  # the inverse that stops where the Jacobian is singular
 
 # One text for an option that several runs have.
@@ -320,7 +320,7 @@ class StepOptions(RunOptions):
             )
         if self.amplitude == 0.0:
             self._refuse_at_rest()
-        if self.chosen_dynamics() == "none":
+        if self.chosen_dynamics() == NONE:
             weightless = [name for name in WEIGHTY if hasattr(self, name)]
             self._require_defaults("dynamics are 'none'", *weightless)
 

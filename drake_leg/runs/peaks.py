@@ -16,17 +16,21 @@ NAMES = ("positions", "velocities", "accelerations")  # of the joints' scopes
 def peak_findings(robot: Robot, run: Run, gravity: float) -> dict[str, Any]:
     """Entries of the summary, of the joints that turn; they are null where none does.
 
-    Rates are the greatest between rows, too, torques those of the rows.
+    Rates are the greatest between rows, too, torques those of the rows. In a run without torques
+    the masses do not count: there the torque is null.
     """
     turns = [segment.row.joint == "revolute" for segment in robot.moving]
     if not any(turns):
         return {"max_rate_rad_s": None, "max_static_torque_n_m": None}
     joints = {name: run.scopes[f"joint {name}"] for name in NAMES}
-    torques = static_torques(robot, joints["positions"], gravity)[:, turns]
+    holding = None
+    if "joint torques" in run.scopes:
+        torques = static_torques(robot, joints["positions"], gravity)[:, turns]
+        holding = float(np.abs(torques).max())
     rates, accelerations = (joints[name][:, turns] for name in NAMES[1:])
     return {
         "max_rate_rad_s": greatest_between(run.time, rates, accelerations),
-        "max_static_torque_n_m": float(np.abs(torques).max()),
+        "max_static_torque_n_m": holding,
     }
 
 

@@ -68,6 +68,7 @@ STEP_OF_CORRECTION = 0.5  # greatest step times the correction's gain
 STEP_OF_PULL = 1.0  # greatest step times the square root of the motion's stiffness
 STEP_OF_ERROR = 0.25  # the same where a mass error keeps the joints off their motion
 STEP_OF_FILTER = 1.5  # greatest step over the filters' time constant; 2 is unstable with Euler
+TRANSIENT = 0.095  # [s^(1/3)] times the constant to the 2/3: resolves how the filters start
 
 TipOptions = StraightOptions | EllipseOptions | ScaraOptions
 Config = HexabotLegConfig | EllipseConfig | ScaraConfig
@@ -106,7 +107,7 @@ def run(robot: Robot, options: TipOptions, progress: Progress | None = None) -> 
     stepping = Stepping(
         settings=_settings(options, config),
         is_clear=forecast.encounter is None and forecast.graze is None,
-        progress=progress,
+        progress=None if progress is None else _rising(progress),
     )
     dynamics, done, settings = _simulated(config, options, stepping)
     met = singularity_findings(moved, done, forecast, name, disturbed=disturbance.acts)
@@ -142,6 +143,19 @@ def diagram(robot: Robot, options: TipOptions) -> tuple[Diagram, Start]:
     return BUILD[type(config)](config), start_on_motion
 
 
+def _rising(progress: Progress) -> Progress:
+    """Report a simulated time only when it is later than all before, though runs are repeated."""
+    latest = 0.0
+
+    def tell(time: float) -> None:
+        nonlocal latest
+        if time > latest:
+            latest = time
+            progress(time)
+
+    return tell
+
+
 def _settings(options: TipOptions, config: Config) -> list[IntegratorSettings]:
     """Return the integrator's settings to try, one after the other, until one is accurate.
 
@@ -149,8 +163,9 @@ def _settings(options: TipOptions, config: Config) -> list[IntegratorSettings]:
     """
     known = (config.motion, config.control, config.disturbance, _filters(config))
     default = IntegratorSettings().scheme
-    is_fixed = options.integrator != default or options.accuracy is not None
-    if is_fixed or options.max_step is not None:
+    is_chosen = options.integrator != default or options.accuracy is not None
+    is_measured = _filters(config) is None  # a lag hides the foot's error
+    if is_chosen or options.max_step is not None or not is_measured:
         return [options.integrator_settings(longest_step(*known))]
     steps = [longest_step(*known, per_period=count) for count in (*TRIALS, STEPS_PER_PERIOD)]
     return [options.integrator_settings(step) for step in sorted(set(steps), reverse=True)]
@@ -179,7 +194,7 @@ def longest_step(
         part = STEP_OF_ERROR if disturbance.mass_error else STEP_OF_PULL
         steps.append(part / math.sqrt(disturbance.pull))
     if lag is not None:
-        steps.append(STEP_OF_FILTER * lag)
+        steps.append(min(STEP_OF_FILTER * lag, TRANSIENT * lag ** (2.0 / 3.0)))
     return min(steps)
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -29,6 +29,7 @@ from drake_leg.kinematics.khalil import Array, foot_pose_and_jacobian, jacobian
 from drake_leg.kinematics.loop import KinematicEquation
 from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.models.plant import build_plant
+from drake_leg.progress import held
 from drake_leg.robot.robot import Robot
 from drake_leg.simulation.guard import NEARLY_SINGULAR
 from drake_leg.simulation.integrator import IntegratorSettings
@@ -48,7 +49,7 @@ class Stepping:
     """How a motion's run is stepped, and whether it needs a guard."""
 
     settings: Sequence[IntegratorSettings]  # to try until one is accurate; the last one at least
-    is_clear: bool  # the motion is known to stay away from singularities
+    is_clear: bool  # no singularity is foreseen
     progress: Progress | None = None
 
 
@@ -78,15 +79,36 @@ def follow(
 
     Raises
     ------
-    JointLimitError
-        If a joint is outside its limits at the start.
+    JointLimitError, SingularConfigurationError
+        If a joint is outside its limits at the start, or the robot is singular there.
+    InvalidValueError
+        If the run would take more steps than it may, or torques are asked for and a joint has no
+        actuator.
     """
     began = clock.perf_counter()
     run, taken = _joints_of(config, duration, stepping)
-    run = _within_limits(config.robot, run)
-    if torques:
-        run.scopes["joint torques"] = torques_along(config.robot, config.gravity, run)
+
+    def complete() -> Run:
+        ended = _within_limits(config.robot, run)
+        if torques:
+            ended.scopes["joint torques"] = torques_along(config.robot, config.gravity, ended)
+        return ended
+
+    run = _to_its_end(complete)
     return replace(run, wall_time=clock.perf_counter() - began), taken
+
+
+def _to_its_end(compute: Callable[[], Run]) -> Run:
+    """Compute what belongs to a recording; an interrupt waits, and is then noted in the run."""
+    run = None
+    try:
+        with held():
+            run = compute()
+    except KeyboardInterrupt:
+        if run is None:  # nothing holds interrupts back, as in a notebook
+            raise
+        return replace(run, stopped_at=float(run.time[-1]), stop_reason=INTERRUPTED)
+    return run
 
 
 def follow_below_limit(
@@ -99,13 +121,20 @@ def follow_below_limit(
     if not all(segment.mechanics.actuated for segment in config.robot.moving):
         return None
     run, taken = follow(config, duration, stepping)
+    if run.stop_reason == INTERRUPTED:
+        return _as_if_disturbed(run), taken
     size = np.abs(run.scopes["joint torques"])
     between = np.abs(np.diff(size, axis=0)).max(initial=0.0)  # rows, a torque may be this greater
     if run.stop_reason or not size.max() + between < disturbance.torque_limit:
         return None
+    return _as_if_disturbed(run), taken
+
+
+def _as_if_disturbed(run: Run) -> Run:
+    """Add the scopes of a disturbed diagram, in which nothing acts."""
     run.scopes["torques asked for"] = run.scopes["joint torques"]
     run.scopes["prescribed positions"] = run.scopes["joint positions"]
-    return run, taken
+    return run
 
 
 def simulate_plant(
@@ -115,6 +144,14 @@ def simulate_plant(
 
     Where the motion is clear, it is tried without a guard, as in ``follow``.
     """
+    began = clock.perf_counter()
+    run, taken = _plant_of(config, diagram, duration, stepping)
+    return replace(run, wall_time=clock.perf_counter() - began), taken
+
+
+def _plant_of(
+    config: Config, diagram: Diagram, duration: float, stepping: Stepping
+) -> tuple[Run, IntegratorSettings]:
     equation, progress, last = equation_of(config), stepping.progress, stepping.settings[-1]
     is_disturbed = config.disturbance.acts
     away = config.disturbance.longest_step if config.disturbance.push else None
@@ -153,13 +190,27 @@ def _joints_of(
 ) -> tuple[Run, IntegratorSettings]:
     """Simulate the loop: without a guard where that is as accurate, else with one."""
     equation, progress = equation_of(config), stepping.progress
-    for trial in _trials(stepping) if _starts_regular(config) else ():
-        run = _unguarded(config, equation, duration, trial, progress)
+    exact = replace(equation, robot=config.movable, top_speed=math.inf)
+    for trial in _trials(stepping) if _can_be_exact(config, equation) else ():
+        joints = _unguarded(config, exact, duration, trial, progress)
+        if joints.stop_reason not in (None, INTERRUPTED):
+            continue
+        run = _to_its_end(partial(_with_scopes, config, exact, joints))
         if run.stop_reason == INTERRUPTED or _is_accurate(config, equation, run):
             return run, trial
     last, loop = stepping.settings[-1], kinematic_loop.build(config)
-    done = simulate(loop, duration, settings=last, progress=progress)
-    return _with_scopes(config, equation, done), last
+    joints = simulate(loop, duration, settings=last, progress=progress)
+    return _to_its_end(partial(_with_scopes, config, equation, joints)), last
+
+
+def _can_be_exact(config: Config, equation: KinematicEquation) -> bool:
+    """Whether it is worth a trial with the exact inverse.
+
+    Behind filters it cannot be told afterwards where an inexact one would have acted.
+    """
+    if equation.time_constant is not None and not equation.robot.is_exact:
+        return False
+    return _starts_regular(config)
 
 
 def _starts_regular(config: Config) -> bool:
@@ -174,23 +225,20 @@ def _starts_regular(config: Config) -> bool:
 
 def _unguarded(
     config: Config,
-    equation: KinematicEquation,
+    exact: KinematicEquation,
     duration: float,
     settings: IntegratorSettings,
     progress: Progress | None,
 ) -> Run:
     """Simulate the loop with the exact inverse, at constant steps."""
-    exact = replace(equation, robot=config.movable, top_speed=math.inf)
 
     def start(_: Diagram, context: Context) -> None:
         context.SetContinuousState(exact.start(config.start))
 
     loop = kinematic_loop.unguarded(exact, config.start)
-    done = simulate(
+    return simulate(
         loop, duration, start=start, settings=settings, progress=progress, guarded=False
     )
-    has_failed = done.stop_reason not in (None, INTERRUPTED)
-    return done if has_failed else _with_scopes(config, exact, done)
 
 
 def _is_accurate(config: Config, equation: KinematicEquation, run: Run) -> bool:
@@ -199,14 +247,12 @@ def _is_accurate(config: Config, equation: KinematicEquation, run: Run) -> bool:
     The foot is where its command puts it, the Jacobian stays regular, and neither a damping nor a
     limit would have acted.
     """
-    if run.stop_reason:
-        return False
     det_j = run.scopes["singularity check"][:, 0]
-    if not (det_j * det_j[0] > 0.0).all():
+    if run.stop_reason or not (det_j * det_j[0] > 0.0).all():
         return False
     if equation.time_constant is not None:
         least = NEARLY_SINGULAR * config.movable.determinant_scale
-        return equation.robot.is_exact and bool(np.abs(det_j).min() > least)
+        return bool(np.abs(det_j).min() > least)
     off = np.linalg.norm(run.scopes["foot positions"] - _feet(config, run.time), axis=1)
     if not off.max() <= ACCURATE * config.movable.length:
         return False
@@ -334,7 +380,8 @@ def torques_along(robot: Robot, gravity: float, run: Run) -> Array:
 
     They overcome inertia, gravity, springs and dampers, and the force of joint stops.
     """
-    plant, context, forces = _plant(robot, gravity)
+    plant = _plant(robot, gravity)
+    context, forces = plant.CreateDefaultContext(), MultibodyForces(plant)
     q, qdot, qddot = (
         run.scopes[f"joint {name}"] for name in ("positions", "velocities", "accelerations")
     )
@@ -353,7 +400,8 @@ def torques_by_equation(robot: Robot, gravity: float, run: Run) -> Array:
 
     ``M qddot + C qdot - tau_g + d qdot + k (q - q_0)``, less the force of joint stops.
     """
-    plant, context, _ = _plant(robot, gravity)
+    plant = _plant(robot, gravity)
+    context = plant.CreateDefaultContext()
     q, qdot, qddot = (
         run.scopes[f"joint {name}"] for name in ("positions", "velocities", "accelerations")
     )
@@ -369,10 +417,7 @@ def torques_by_equation(robot: Robot, gravity: float, run: Run) -> Array:
     return torques
 
 
-_Plant = tuple[MultibodyPlant, Context, MultibodyForces]
-
-
-def _plant(robot: Robot, gravity: float) -> _Plant:
+def _plant(robot: Robot, gravity: float) -> MultibodyPlant:
     """A robot's plant, kept for the next run unless the robot has an inertia in an array."""
     try:
         hash(robot)
@@ -381,11 +426,11 @@ def _plant(robot: Robot, gravity: float) -> _Plant:
     return _kept_plant(robot, gravity)
 
 
-def _new_plant(robot: Robot, gravity: float) -> _Plant:
+def _new_plant(robot: Robot, gravity: float) -> MultibodyPlant:
     plant = build_plant(robot, gravity=gravity)
     if not any(segment.mechanics.stops for segment in robot.moving):
         require_actuators(plant)
-    return plant, plant.CreateDefaultContext(), MultibodyForces(plant)
+    return plant
 
 
 _kept_plant = lru_cache(maxsize=8)(_new_plant)

@@ -81,7 +81,7 @@ class Run:
     scopes: Scopes  # by scope name, (rows, size)
     stopped_at: float | None  # [s]; None when it ran through
     stop_reason: str | None
-    wall_time: float  # [s], of AdvanceTo
+    wall_time: float  # [s], of the simulation, without building its diagram
     stopped_by: DrakeLegError | None = None  # where one of this package's errors was the reason
 
     def _repr_html_(self) -> str:
@@ -102,7 +102,7 @@ class Run:
 
     @property
     def real_time_factor(self) -> float:
-        """Simulated time over the wall time of ``AdvanceTo``."""
+        """Simulated time over the wall time of the simulation."""
         return float(self.time[-1]) / self.wall_time if self.wall_time > 0.0 else math.inf
 
 

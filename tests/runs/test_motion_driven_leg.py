@@ -1,5 +1,7 @@
 """How closely the leg's joints follow their motion, and how an input filter makes them lag."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
@@ -139,3 +141,12 @@ def test_the_ellipse_has_the_filters_too():
 def test_a_senseless_time_constant_is_refused(tau):
     with pytest.raises(InvalidValueError, match=r"filter('s time constant|_time_constant) is"):
         run_leg(LegBOptions(filter_time_constant=tau))
+
+
+@pytest.mark.parametrize(("tau", "frequency"), [(0.001, 1.0), (0.02, 1.0), (0.02, 5.0), (0.1, 2.0)])
+def test_the_default_step_resolves_how_filtered_joints_start(tau, frequency):
+    options = LegBOptions(duration=0.5, filter_time_constant=tau, frequency=frequency)
+    run = run_leg(options)
+    fine = run_leg(replace(options, max_step=run.summary["max_step_s"] / 8.0))
+    ends = [one.recording.stack("q1", "q2", "q3")[-1] for one in (run, fine)]
+    assert np.abs(ends[0] - ends[1]).max() < 2e-8

@@ -1,6 +1,8 @@
 """Joints that follow their motion: the kinematic loop and inverse dynamics, against the plant."""
 
 import math
+import signal
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +16,7 @@ from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import JointLimitError
 from drake_leg.kinematics.motions import Push, SineStep
+from drake_leg.progress import interruptible
 from drake_leg.robot.robots import LEG_A, LEG_A_POSTURE, LEG_B
 from drake_leg.simulation import following
 from drake_leg.simulation.following import (
@@ -21,6 +24,7 @@ from drake_leg.simulation.following import (
     follow,
     follow_below_limit,
     simulate_plant,
+    torques_along,
     torques_by_equation,
 )
 from drake_leg.simulation.integrator import IntegratorSettings
@@ -198,3 +202,50 @@ def test_steps_are_short_while_joints_return_from_a_push():
     away = (coarse.time[:-1] > 0.5) & (coarse.time[:-1] < 0.6 + 12.0 / 50.0 - 0.005)
     assert steps[away].max() < 0.00501
     assert steps[coarse.time[:-1] < 0.45] == pytest.approx(0.02)
+
+
+def test_threads_do_not_share_what_torques_are_computed_in():
+    config = HexabotLegConfig()
+    run, _ = follow(config, 20.0, stepping(IntegratorSettings()), torques=False)
+    alone = torques_along(LEG_B, config.gravity, run)
+    with ThreadPoolExecutor(4) as pool:
+        together = pool.map(lambda _: torques_along(LEG_B, config.gravity, run), range(8))
+    assert all(np.array_equal(alone, torques) for torques in together)
+
+
+@pytest.mark.parametrize("late", ["quaternions", "limit_force"])
+def test_an_interrupt_after_the_simulation_leaves_a_whole_recording(late, monkeypatch):
+    whole, _ = follow(HexabotLegConfig(), DURATION, stepping())
+    exact = getattr(following, late)
+
+    def interrupted(*arguments):
+        signal.raise_signal(signal.SIGINT)
+        return exact(*arguments)
+
+    monkeypatch.setattr(following, late, interrupted)
+    with interruptible():
+        run, _ = follow(HexabotLegConfig(), DURATION, stepping())
+    assert run.stop_reason == "interrupted"
+    assert {name: len(rows) for name, rows in run.scopes.items()} == {
+        name: len(rows) for name, rows in whole.scopes.items()
+    }
+
+
+def test_an_interrupt_is_no_reason_to_simulate_the_plant():
+    config = HexabotLegConfig(disturbance=Disturbance(torque_limit=1.0))
+
+    def progress(_):
+        raise KeyboardInterrupt
+
+    steps = Stepping(settings=[FINE], is_clear=True, progress=progress)
+    run, _ = follow_below_limit(config, DURATION, steps)
+    assert run.stop_reason == "interrupted"
+    assert "torques asked for" in run.scopes
+
+
+@pytest.mark.parametrize("method", INEXACT)
+def test_an_inexact_inverse_behind_filters_is_not_tried_as_exact(method, monkeypatch):
+    monkeypatch.setattr(following, "_unguarded", None)
+    config = HexabotLegConfig(control=INEXACT[method], filter_time_constant=0.05)
+    run, _ = follow(config, 0.5, stepping())
+    assert run.stop_reason is None
