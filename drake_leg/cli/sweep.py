@@ -24,6 +24,7 @@ from drake_leg.cli.terminal import (
 )
 from drake_leg.errors import (
     InvalidValueError,
+    did_you_mean,
     in_a_line,
     require_distributed,
     require_pyarrow,
@@ -70,7 +71,7 @@ def configure_sweep(parser: argparse.ArgumentParser) -> None:
         "--sample", metavar="N", help="take N samples of ranges low:high (default: the whole grid)"
     )
     parser.add_argument(
-        "--sampler", default="sobol", metavar="TEXT", help="sobol or random (default sobol)"
+        "--sampler", metavar="TEXT", help="of the samples: sobol or random (default sobol)"
     )
     parser.add_argument("--seed", metavar="S", help="of the samples (default 0)")
     parser.add_argument(
@@ -109,7 +110,9 @@ def _sweep(chosen: argparse.Namespace) -> int:
     require_pyarrow()
     kind = run_kind(chosen.name)
     vary = _vary(chosen.vary)
+    over = chosen.over.split(",") if chosen.over else None
     fronts = [_pair(text) for text in chosen.pareto]
+    _require_plots(chosen, list(vary), over, fronts)
     try:
         result = _carried_out(chosen, kind, vary)
     except KeyboardInterrupt:
@@ -122,7 +125,6 @@ def _sweep(chosen: argparse.Namespace) -> int:
     print(f"wrote {chosen.out}: {len(result)} runs ({counts})")
     pictures = Pictures()
     with at_work(chosen.name, "pictures"), pictures.trying("the page"):
-        over = chosen.over.split(",") if chosen.over else None
         result.write_pictures(chosen.plot, over=over, fronts=fronts)
     pictures.print_failures()
     if result.folder is not None and result.folder.remark:
@@ -182,6 +184,30 @@ def _pair(text: str) -> tuple[str, str]:
             f"--pareto is {text!r}; it takes two fields", advice="write it as max:A,min:B"
         )
     return first, second
+
+
+def _require_plots(
+    chosen: argparse.Namespace,
+    varied: list[str],
+    over: list[str] | None,
+    fronts: list[tuple[str, str]],
+) -> None:
+    """Refuse plots that could not be drawn of what the sweep keeps."""
+    from drake_leg.studies.pictures import require_varied, wish
+    from drake_leg.studies.row import HEADING, wanted
+
+    if over is not None:
+        require_varied(over, varied)
+    fields = [*chosen.plot, *(wish(text)[1] for front in fronts for text in front)]
+    if chosen.fields is None:
+        return
+    kept = chosen.fields.split(",")
+    for field in fields:
+        if not wanted(field, [*kept, *varied, *HEADING]):
+            raise InvalidValueError(
+                f"{field} is to be plotted and is not among --fields {chosen.fields}",
+                advice=did_you_mean(field, kept, "add it there"),
+            )
 
 
 def _whole(option: str, text: str | None) -> int | None:

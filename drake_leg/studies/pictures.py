@@ -68,11 +68,7 @@ def plot_field(plan: Plan, table: Table, field: str, over: Sequence[str] | None)
 
     varied = [one.name for one in plan.vary]
     chosen = list(over or varied[:2])
-    if not 1 <= len(chosen) <= 2 or not set(chosen) <= set(varied):
-        raise InvalidValueError(
-            f"a field is plotted over one or two of {', '.join(varied)}, and not over "
-            f"{', '.join(chosen)}"
-        )
+    require_varied(chosen, varied)
     others = [name for name in varied if name not in chosen]
     axes = [_axis(plan, table, name, numbers=False) for name in chosen]
     of = _axis(plan, table, field)
@@ -87,7 +83,7 @@ def plot_pareto(plan: Plan, table: Table, first: str, second: str) -> Figure:
     require_matplotlib()
     from drake_leg.pictures.plots.sweep_plots import pareto_front, pareto_plot
 
-    (sign, one), (other_sign, other) = _wish(first), _wish(second)
+    (sign, one), (other_sign, other) = wish(first), wish(second)
     x, y = _axis(plan, table, one), _axis(plan, table, other)
     front = pareto_front(sign * x.values, other_sign * y.values)
     words = {1.0: "least", -1.0: "greatest"}
@@ -95,14 +91,30 @@ def plot_pareto(plan: Plan, table: Table, first: str, second: str) -> Figure:
     return pareto_plot(x, y, front, title=title, wanted=(words[sign], words[other_sign]))
 
 
-def _wish(text: str) -> tuple[float, str]:
-    wish, colon, field = text.partition(":")
-    if not colon or wish not in (GREATEST, LEAST):
+def require_varied(over: Sequence[str], varied: Sequence[str]) -> None:
+    """Require one or two of the varied values, to plot over."""
+    if not 1 <= len(over) <= 2 or not set(over) <= set(varied):
+        raise InvalidValueError(
+            f"a field is plotted over one or two of {', '.join(varied)}, and not over "
+            f"{', '.join(over)}"
+        )
+
+
+def wish(text: str) -> tuple[float, str]:
+    """Read what is best, as ``max:stroke_m``: -1 for the greatest or 1 for the least, and of what.
+
+    Raises
+    ------
+    InvalidValueError
+        If it does not say what is best.
+    """
+    best, colon, field = text.partition(":")
+    if not colon or best not in (GREATEST, LEAST):
         raise InvalidValueError(
             f"a field of a Pareto front is {text!r}; it must say what is best",
             advice="write it as max:stroke_m or min:stroke_m",
         )
-    return (-1.0 if wish == GREATEST else 1.0), field
+    return (-1.0 if best == GREATEST else 1.0), field
 
 
 def _axis(plan: Plan, table: Table, name: str, *, numbers: bool = True) -> Axis:
@@ -134,7 +146,7 @@ def figures_of(
     for field in fields:
         yield _file_name(field), plot_field(plan, table, field, over)
     for first, second in fronts:
-        names = [_file_name(wish.partition(":")[2]) for wish in (first, second)]
+        names = [_file_name(wish(text)[1]) for text in (first, second)]
         yield f"pareto_{names[0]}_{names[1]}", plot_pareto(plan, table, first, second)
 
 

@@ -24,7 +24,7 @@ from drake_leg.studies.journal import (
     holds_plan,
     plan_text,
 )
-from drake_leg.studies.plan import Plan, checked_plan
+from drake_leg.studies.plan import SAMPLERS, Plan, checked_plan
 from drake_leg.studies.pool import FEW, Dispatcher, carried_out_here, cores
 from drake_leg.studies.row import DONE, Row, Task, wanted
 from drake_leg.studies.table import Table, read_table
@@ -127,7 +127,7 @@ def sweep(
     *,
     vary: Mapping[str, Any],
     sample: int | None = None,
-    sampler: str = "sobol",
+    sampler: str | None = None,
     seed: int | None = None,
     fields: Sequence[str] | None = None,
     simulated: bool = False,
@@ -155,8 +155,8 @@ def sweep(
     sample : int, optional
         How many points are sampled; ranges are then "0.06:0.14". By default every point of the
         grid is taken, the last varied value changing fastest.
-    sampler : str
-        "sobol", a scrambled Sobol sequence, or "random".
+    sampler : str, optional
+        "sobol", a scrambled Sobol sequence, which is the default, or "random".
     seed : int, optional
         Of the samples; 0 by default.
     fields : sequence of str, optional
@@ -303,7 +303,7 @@ def _plan(
     what: str | Path | Robot,
     vary: Mapping[str, Any],
     sample: int | None,
-    sampler: str,
+    sampler: str | None,
     seed: int | None,
     fields: Sequence[str] | None,
     simulated: bool,
@@ -314,8 +314,11 @@ def _plan(
     require_kind("simulated", simulated, bool)
     if sample is not None:
         _require_count("sample", sample, least=1)
-    elif seed is not None:
-        raise InvalidValueError(f"the seed is {shown(seed)}, and nothing is sampled: leave it out")
+    for what_of_samples, value in (("seed", seed), ("sampler", sampler)):
+        if sample is None and value is not None:
+            raise InvalidValueError(
+                f"the {what_of_samples} is {shown(value)}, and nothing is sampled: leave it out"
+            )
     if seed is not None:
         _require_count("the seed", seed, least=0)
     return checked_plan(
@@ -325,7 +328,7 @@ def _plan(
             fixed=options,
             vary=variations(kind.options, name, vary, options),
             sample=sample,
-            sampler=sampler,
+            sampler=SAMPLERS[0] if sampler is None else sampler,
             seed=seed or 0,
             fields=_fields(fields),
             simulated=simulated,

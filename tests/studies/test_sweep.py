@@ -4,6 +4,7 @@ import json
 import math
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -145,6 +146,7 @@ PLANS = {
     "count and sample": ({"femur": "1:2:3"}, {"sample": 4}, "count, and samples are taken"),
     "sample": ({"femur": "1:2"}, {"sample": 0}, "sample is 0; it must be a whole number"),
     "seed": ({"femur": [0.1]}, {"seed": 3}, "the seed is 3, and nothing is sampled"),
+    "no samples": ({"femur": [0.1]}, {"sampler": "random"}, "the sampler is 'random', and nothing"),
     "sampler": ({"femur": "1:2"}, {"sample": 2, "sampler": "x"}, "the sampler is 'x'"),
     "fields": ({"femur": [0.1]}, {"fields": "stroke_m"}, "fields is 'stroke_m'"),
     "workers": ({"femur": [0.1]}, {"workers": 0}, "workers is 0"),
@@ -223,6 +225,23 @@ def test_a_field_that_no_summary_has_is_named(tmp_path, capsys):
     words = "sweep leg-b --vary l2=0.1 --duration 0.1 --fields sigma_min_m,sigma"
     assert main([*words.split(), "--out", str(tmp_path / "s")]) == 1
     assert "no summary of leg-b has a field sigma: see" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    {
+        "--pareto stroke_m,min:sigma_min_m": "write it as max:stroke_m",
+        "--over tibia": "over one or two of femur, and not over tibia",
+        "--plot stroke_n --fields stroke_m": "stroke_n is to be plotted.*did you mean stroke_m",
+        "--pareto max:stroke_m,min:sigma_min_m --fields stroke_m": "sigma_min_m is to be plotted",
+        "--sampler random": "nothing is sampled",
+    }.items(),
+)
+def test_a_plot_that_makes_no_sense_is_refused_before_the_sweep(words, sentence, tmp_path, capsys):
+    command = f"sweep leg-b --vary femur=0.08:0.12:3 {words} --out"
+    assert main([*command.split(), str(tmp_path / "s")]) == 2
+    assert re.search(sentence, capsys.readouterr().err)
+    assert not (tmp_path / "s").exists()
 
 
 def test_a_table_survives_parquet(tmp_path):
