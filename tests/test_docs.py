@@ -1,14 +1,21 @@
 """What README and the pages of docs/ show works as it stands."""
 
+import inspect
 import re
 import shlex
+import sys
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+import drake_leg
 from drake_leg.cli import main
 from drake_leg.lab.errata.catalogue import texts_by_number
+from drake_leg.runs.options import LegBOptions
+from drake_leg.studies.sweep import sweep
+from drake_leg.studies.variation import variations
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
@@ -89,6 +96,49 @@ SNIPPETS = [(page, snippet) for page, text in PAGES.items() for snippet in block
 def test_a_snippet_runs(page, snippet, monkeypatch):
     monkeypatch.chdir(ROOT)
     exec(compile(snippet, page, "exec"), {"__name__": "__main__"})
+
+
+class OfACluster:
+    """Stands for a cluster, its client and the client's executor, none of which runs anything."""
+
+    def __init__(self, *_given, **_options):
+        pass
+
+    def scale(self, jobs):
+        assert jobs > 0
+
+    def get_executor(self, pure):
+        assert not pure
+        return self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_error):
+        pass
+
+
+SNIPPETS_ON_A_CLUSTER = [(page, text) for page in PAGES for text in blocks("py", PAGES[page])]
+
+
+@pytest.mark.parametrize(
+    ("page", "snippet"), SNIPPETS_ON_A_CLUSTER, ids=[page for page, _ in SNIPPETS_ON_A_CLUSTER]
+)
+def test_a_snippet_for_a_cluster_runs(page, snippet, monkeypatch):
+    calls = []
+
+    def bound(*arguments, **options):
+        calls.append(inspect.signature(sweep).bind(*arguments, **options).arguments)
+
+    cluster = SimpleNamespace(SLURMCluster=OfACluster)
+    monkeypatch.setitem(sys.modules, "dask_jobqueue", cluster)
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=OfACluster))
+    monkeypatch.setitem(vars(drake_leg), "sweep", bound)
+    exec(compile(snippet, page, "exec"), {"__name__": "__main__"})
+    (call,) = calls
+    assert "options" not in call
+    assert variations(LegBOptions, call["what"], call["vary"], {})
+    assert isinstance(call["executor"], OfACluster)
 
 
 def test_the_robot_of_ones_own_is_proved(unsaved, tmp_path, monkeypatch, capsys):

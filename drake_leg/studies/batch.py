@@ -15,6 +15,9 @@ from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.robot.robots import hexabot_leg
 from drake_leg.runs.options import INVERSE, NONE, WEIGHTY, LegAOptions, LegBOptions
 from drake_leg.runs.peaks import link_mass
+from drake_leg.runs.step import STEPS_PER_PERIOD
+from drake_leg.simulation.integrator import ROW_INTERVAL
+from drake_leg.simulation.run import STEP_BUDGET
 from drake_leg.studies.leg_steps import Answers, LegSteps, answers
 from drake_leg.studies.plan import Plan
 from drake_leg.studies.pool import cores
@@ -77,8 +80,8 @@ def batch(plan: Plan, report: Callable[[int, int], None]) -> Batch:
     """Answer a plan for which ``is_closed`` holds, in blocks, on all cores."""
     count, fields = len(plan), plan.fields or ()
     values = _values(plan)
-    valid = _valid(values)
     with np.errstate(all="ignore"):
+        valid = _valid(values)
         steps = _steps(plan, values)
     quantities = {name for field in fields for name in FIELDS[field]} - {"hip"}
     with ThreadPoolExecutor(cores()) as threads:
@@ -122,12 +125,15 @@ def _values(plan: Plan) -> dict[str, Array]:
 
 
 def _valid(block: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Which legs have values that a run takes; the others are left to it, to be refused."""
+    """Which legs have values that a run surely takes; the others are left to it."""
     valid = np.ones(len(block["l1"]), dtype=bool)
     for name in (*LENGTHS, *NUMBERS):
         valid &= (np.abs(block[name]) >= LEAST) & (np.abs(block[name]) <= MOST)
         if name != "amplitude":
             valid &= block[name] > 0.0
+    period = 2.0 * math.pi / block["frequency"]
+    step = np.minimum(ROW_INTERVAL, period / STEPS_PER_PERIOD)
+    valid &= block["duration"] / step <= STEP_BUDGET
     valid &= (np.abs(np.radians(block["q0"])) <= TURNS).all(axis=1)
     size = np.linalg.norm(block["direction"], axis=1)
     valid &= (size > LEAST) & (size <= MOST)

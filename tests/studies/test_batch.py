@@ -138,6 +138,17 @@ def test_what_a_run_refuses_is_refused_here_too():
     assert "the length l2 is -0.1 m" in closed["message"][2]
 
 
+def test_more_steps_than_a_run_may_take_are_refused_here_too():
+    """The longest step is 0.04 s, and less for a fast motion."""
+    vary = {"duration": [1.0, 1e5], "amplitude": [0.01]}
+    closed = sweep("leg-b", vary=vary, fields=["stroke_m"])
+    simulated = sweep("leg-b", vary=vary, fields=["stroke_m"], simulated=True)
+    assert closed["status"].tolist() == simulated["status"].tolist() == ["done", "refused"]
+    assert "more than the 2000000 steps" in closed["message"][1]
+    fast = planned(vary={"duration": [20.0, 2000.0]}, frequency=500.0)
+    assert batch(fast, lambda done, count: None).left == [1]
+
+
 def test_nothing_is_simulated_where_a_closed_form_is_enough(monkeypatch):
     monkeypatch.setattr(sweeps, "carried_out_here", lambda *_: pytest.fail("simulated"))
     monkeypatch.setattr(sweeps, "Dispatcher", lambda *_: pytest.fail("simulated"))
