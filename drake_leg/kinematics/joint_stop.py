@@ -39,7 +39,7 @@ def limit_force(mechanics: JointMechanics, q: ArrayLike, qdot: ArrayLike) -> Arr
 
     Limits without a stop contribute nothing.
     """
-    at, rate = np.asarray(q, dtype=np.float64), np.asarray(qdot, dtype=np.float64)
+    at, rate = np.asarray(q), np.asarray(qdot)
     total: Array = np.zeros(np.broadcast_shapes(at.shape, rate.shape))
     for side, bound, stop in mechanics.stops:
         total = total - side * stop_force(stop, side * (at - bound), side * rate)

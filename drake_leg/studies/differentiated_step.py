@@ -22,6 +22,7 @@ from pydrake.systems.primitives import Integrator_
 from drake_leg.diagrams.hexabot_leg import HexabotLegConfig
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.differentiable import value_of
+from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import DifferentiableLeg, LegGeometry, MovableLeg
 from drake_leg.kinematics.movable import Movable
@@ -178,6 +179,7 @@ class _Torques:
 
     def __init__(self, config: HexabotLegConfig, numbers: Numbers) -> None:
         self._gravity = numbers.gravity
+        self._mechanics = [segment.mechanics for segment in config.robot.moving]
         self._plant = build_plant(config.robot, gravity=1.0).ToAutoDiffXd()
         self._context = self._plant.CreateDefaultContext()
         self._forces = MultibodyForces_[AutoDiffXd](self._plant)
@@ -192,7 +194,13 @@ class _Torques:
         plant.CalcForceElementsContribution(context, self._forces)
         torques = plant.CalcInverseDynamics(context, np.array(state.qddot), self._forces)
         weights = plant.CalcGravityGeneralizedForces(context)
-        total: Array = torques + (1.0 - self._gravity) * weights
+        stops = np.array(
+            [
+                limit_force(*joint)
+                for joint in zip(self._mechanics, state.q, state.qdot, strict=True)
+            ]
+        )
+        total: Array = torques + (1.0 - self._gravity) * weights - stops
         return total
 
     def _set_parameters(self, config: HexabotLegConfig, numbers: Numbers) -> None:

@@ -373,10 +373,19 @@ class _DifferentiatedRun:
             found.append(one_of(of, slopes))
         back = signs[0]
         value = back * sum(each.value for each in found)
-        if not between_rows:
-            self._compare(of, value, back * sum(float((sign * rows).max()) for sign in signs))
+        self._compare_at_rows(of, field, rows, signs)
         slope = back * np.sum([each.slope for each in found], axis=0) + 0.0  # + 0.0: no -0
         return value, slope, tuple(each.time for each in found)
+
+    def _compare_at_rows(self, of: str, field: _Field, rows: Array, signs: Sequence[float]) -> None:
+        """Compare the extremes of the rows, wherever those of the motion are."""
+        repeated = recorded = 0.0
+        for sign in signs:
+            row, series = np.unravel_index((sign * rows).argmax(), rows.shape)
+            time = float(self._time[row])
+            repeated += sign * value_of(self._at({time}, field)[time][series])
+            recorded += sign * float(rows[row, series])
+        self._compare(of, signs[0] * repeated, signs[0] * recorded)
 
     def _slope(self, scalar: Any, peak: Peak) -> Slope:  # noqa: ANN401
         return Slope(value_of(scalar), self._seeds.slopes(scalar), peak.time)
@@ -415,9 +424,9 @@ class _DifferentiatedRun:
         """Refuse a run that the repetition does not reproduce."""
         if np.abs(value - recorded).max() > ROUNDING * np.abs(recorded).max():
             raise InvalidValueError(
-                f"{of} is {recorded} in the run and {value} when it is repeated in AutoDiffXd, "
-                "which knows neither joint stops nor inertias that are not of solids",
-                advice="choose another result, as stroke_m",
+                f"{of} is {recorded} in the run and {value} when it is repeated in AutoDiffXd, so "
+                "it cannot be differentiated",
+                advice="choose a smaller `max_step`, or another result, as stroke_m",
             )
 
 

@@ -1,6 +1,7 @@
 """Derivatives through a run against differences of runs, closed forms and implicit functions."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -12,6 +13,7 @@ from drake_leg import LEG_B, gradient, run
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.differentiable import value_of
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian, foot_position
+from drake_leg.robot.joint_mechanics import HardStop
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.step import config_of
 from drake_leg.simulation.integrator import IntegratorSettings
@@ -180,7 +182,6 @@ def test_a_robot_of_ones_own_has_a_gradient(robot):
     options = {"q0": q0, "duration": 0.4, "amplitude": 0.01}
     slopes = gradient(robot, of="end_position_m", by=("amplitude", "q0"), **options)
     assert slopes["q0"].shape == (3, len(q0))
-    gradient(robot, of="max_torque_n_m", by="gravity", **options)
 
     def end(**changed):
         recording = run(robot, **(options | changed)).recording
@@ -190,6 +191,64 @@ def test_a_robot_of_ones_own_has_a_gradient(robot):
     np.testing.assert_allclose(slopes["amplitude"], by_amplitude, rtol=0.0, atol=1e-6)
     by_first = (end(q0=[20.01, *q0[1:]]) - end(q0=[19.99, *q0[1:]])) / 0.02
     np.testing.assert_allclose(slopes["q0"][:, 0], by_first, rtol=0.0, atol=1e-8)
+    torque = gradient(robot, of="max_torque_n_m", by="gravity", **options)
+
+    def greatest(gravity):
+        recording = run(robot, gravity=gravity, **options).recording
+        joints = enumerate(robot.moving, start=1)
+        turning = [i for i, joint in joints if joint.row.joint == "revolute"]
+        return max(np.abs(recording[f"tau{i}"]).max() for i in turning)
+
+    by_gravity = (greatest(9.81665) - greatest(9.79665)) / 0.02
+    assert torque["gravity"] == pytest.approx(by_gravity, rel=1e-6)
+    assert torque["gravity"] > 0.0
+
+
+def stopped_knee():
+    """Leg B with a soft stop that its knee presses all along."""
+    stop = HardStop(stiffness=2.0, damping=0.05, transition_width=0.1)
+    bounds = {"upper": math.radians(-53.0), "upper_stop": stop}
+    segments = [
+        replace(each, mechanics=replace(each.mechanics, **bounds)) if each.joint == "knee" else each
+        for each in LEG_B.segments
+    ]
+    return replace(LEG_B, segments=tuple(segments))
+
+
+@pytest.mark.parametrize("extremes", ["rows", "motion"])
+def test_the_force_of_joint_stops_is_differentiated(extremes):
+    """The torque is greatest at the end, which is a row and an extreme of the motion."""
+    q0 = np.array([90.0, -50.0, -90.0])
+    options = {"q0": q0.tolist(), "amplitude": 0.07, "duration": 1.0}
+    slopes = gradient(
+        stopped_knee(), of="max_torque_n_m", by=("amplitude", "q0"), extremes=extremes, **options
+    )
+
+    def greatest(robot, **changed):
+        recording = run(robot, **(options | changed)).recording
+        return max(np.abs(recording[f"tau{i}"]).max() for i in (1, 2, 3))
+
+    def difference(name, by):
+        at = np.asarray(options[name])
+        more, less = (greatest(stopped_knee(), **{name: (at + h).tolist()}) for h in (by, -by))
+        return (more - less) / (2.0 * np.max(by))
+
+    assert slopes.times == (1.0,)
+    assert slopes.value > 10.0 * greatest(LEG_B)
+    np.testing.assert_allclose(slopes.value, greatest(stopped_knee()), rtol=1e-8)
+    np.testing.assert_allclose(slopes["amplitude"], difference("amplitude", 1e-5), rtol=1e-5)
+    by_degrees = [difference("q0", 1e-3 * each) for each in np.eye(3)]
+    np.testing.assert_allclose(slopes["q0"], by_degrees, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("extremes", ["rows", "motion"])
+@pytest.mark.parametrize("of", ["max_torque_n_m", "stroke_m"])
+def test_a_run_that_is_not_reproduced_is_refused(extremes, of, monkeypatch):
+    exact = FIELDS[of]
+    wrong = exact._replace(rows=lambda *given: 1.001 * exact.rows(*given))
+    monkeypatch.setitem(FIELDS, of, wrong)
+    with pytest.raises(InvalidValueError, match=f"{of} is .* when it is repeated in AutoDiffXd"):
+        gradient("leg-b", of=of, by="l2", extremes=extremes, duration=0.4)
 
 
 def test_a_gradient_is_a_mapping_that_shows_itself():

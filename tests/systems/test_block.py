@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydrake.autodiffutils import AutoDiffXd, InitializeAutoDiff
 from pydrake.systems.analysis import Simulator, Simulator_
-from pydrake.systems.framework import LeafSystem, LeafSystem_
+from pydrake.systems.framework import DiagramBuilder, LeafSystem, LeafSystem_
 
 from drake_leg.diagrams import ellipse, hexabot_leg, kinematic_loop, pendulum, scara
 from drake_leg.diagrams.additions import Control
@@ -183,6 +183,51 @@ def test_a_block_of_ones_own_converts_too():
     twin = Named(1.0).ToAutoDiffXd()
     assert twin.name() == "mine"
     assert type(twin).__name__ == "Named_[AutoDiffXd]"
+
+
+class OtherArguments(SpeedLimit):
+    def __init__(self, top, label):
+        SpeedLimit.__init__(self, top)
+        self.label = label
+
+
+class FewerArguments(SpeedLimit):
+    def __init__(self):
+        SpeedLimit.__init__(self, 1.0)
+
+
+class WithoutItsArguments(Block):
+    def __init__(self, size):
+        Block.__init__(self)
+        self.DeclareVectorInputPort("u", size)
+
+
+class WithSuper(Block):
+    def __init__(self, size):
+        super().__init__(size)
+
+
+@pytest.mark.parametrize(
+    ("block", "says"),
+    [
+        (
+            OtherArguments(1.0, "mine"),
+            r"OtherArguments .*takes \(self, top, label\).*SpeedLimit.*\(self, top, lengths\).*"
+            r"derive it from Block.*`Block.__init__\(self, top, label\)`",
+        ),
+        (FewerArguments(), r"FewerArguments .*derive it from Block.*`Block.__init__\(self\)`"),
+        (WithoutItsArguments(2), r"missing 1 .*'size'.*with all of its own arguments"),
+        (WithSuper(2), r"WithSuper .*use no `super\(\)`"),
+    ],
+    ids=lambda each: type(each).__name__,
+)
+def test_a_block_that_cannot_be_constructed_again_says_why(block, says):
+    with pytest.raises(InvalidValueError, match=says):
+        block.ToAutoDiffXd()
+    builder = DiagramBuilder()
+    builder.AddSystem(block)
+    with pytest.raises(InvalidValueError, match=says):
+        builder.Build().ToAutoDiffXd()
 
 
 def test_every_block_in_python_converts():
