@@ -218,8 +218,7 @@ def stopped_knee():
 @pytest.mark.parametrize("extremes", ["rows", "motion"])
 def test_the_force_of_joint_stops_is_differentiated(extremes):
     """The torque is greatest at the end, which is a row and an extreme of the motion."""
-    q0 = np.array([90.0, -50.0, -90.0])
-    options = {"q0": q0.tolist(), "amplitude": 0.07, "duration": 1.0}
+    options = {"q0": [90.0, -50.0, -90.0], "amplitude": 0.07, "duration": 1.0}
     slopes = gradient(
         stopped_knee(), of="max_torque_n_m", by=("amplitude", "q0"), extremes=extremes, **options
     )

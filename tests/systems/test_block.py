@@ -219,7 +219,7 @@ class WithSuper(Block):
         (WithoutItsArguments(2), r"missing 1 .*'size'.*with all of its own arguments"),
         (WithSuper(2), r"WithSuper .*use no `super\(\)`"),
     ],
-    ids=lambda each: type(each).__name__,
+    ids=["other arguments", "fewer arguments", "passes on none", "super"],
 )
 def test_a_block_that_cannot_be_constructed_again_says_why(block, says):
     with pytest.raises(InvalidValueError, match=says):
