@@ -30,7 +30,7 @@ def holds_plan(folder: Path, plan: Plan) -> bool:
     Raises
     ------
     OutputError
-        If it holds a sweep of another plan.
+        If it holds a sweep of another plan, or of another version.
     """
     if not (folder / PLAN).is_file():
         return False
@@ -41,7 +41,7 @@ def holds_plan(folder: Path, plan: Plan) -> bool:
         digest = None
     if digest != plan.digest:
         raise OutputError(
-            f"{folder} holds a sweep with another plan",
+            f"{folder} holds a sweep with another plan, or one of another version of drake-leg",
             advice="choose another `out`, repeat the options of that sweep to go on with it, or "
             "add `overwrite=True`",
         )

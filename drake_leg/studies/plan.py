@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -88,6 +89,7 @@ class Plan:
     def described(self) -> dict[str, Any]:
         """What determines all rows, for the plan's file."""
         described: dict[str, Any] = {
+            "version": version("drake-leg"),
             "run": self.name,
             "options": dict(self.fixed),
             "vary": [one.described() for one in self.vary],
@@ -105,7 +107,7 @@ class Plan:
 
     @cached_property
     def digest(self) -> str:
-        """Identify the plan: equal for the same rows only."""
+        """Identify the plan and the version that carries it out: equal for the same rows only."""
         text = json.dumps(self.described(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 

@@ -232,7 +232,7 @@ def _in_folder(
             with folder.more() as scratch:
                 table.write(scratch / RUNS, plan.digest)
             journal.remove()
-    return SweepResult(plan=plan, table=read_table(path), folder=folder)
+    return SweepResult(plan=plan, table=read_table(path, plan.digest), folder=folder)
 
 
 def _folder(plan: Plan, target: Path, overwrite: bool) -> ResultsFolder:

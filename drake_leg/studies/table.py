@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.errors import InvalidValueError, UnreadableFileError, did_you_mean, require_pyarrow
+from drake_leg.errors import (
+    InvalidValueError,
+    OutputError,
+    UnreadableFileError,
+    did_you_mean,
+    require_pyarrow,
+)
 from drake_leg.studies.row import HEADING, Row
 
 Column = Sequence[Any] | NDArray[Any]
@@ -85,13 +91,15 @@ class Table(Mapping[str, NDArray[Any]]):
         pq.write_table(table, path, row_group_size=BLOCK)
 
 
-def read_table(path: Path) -> Table:
-    """Read a table that ``Table.write`` has written.
+def read_table(path: Path, digest: str | None = None) -> Table:
+    """Read a table that ``Table.write`` has written, of the plan with this digest.
 
     Raises
     ------
     UnreadableFileError
         With the reason.
+    OutputError
+        If it is another plan's table.
     """
     require_pyarrow()
     import pyarrow as pa
@@ -101,6 +109,11 @@ def read_table(path: Path) -> Table:
         table = pq.read_table(path)
     except (OSError, pa.ArrowInvalid) as error:
         raise UnreadableFileError(path, str(error).splitlines()[0]) from None
+    if digest is not None and (table.schema.metadata or {}).get(DIGEST) != digest.encode():
+        raise OutputError(
+            f"{path} is not the table of the plan beside it",
+            advice="add `overwrite=True` to carry out the sweep again",
+        )
     return Table({name: _numpy(table.column(name)) for name in table.column_names})
 
 

@@ -306,6 +306,25 @@ def test_another_plan_is_refused_and_replaced_where_that_is_asked_for(tmp_path):
         sweep("leg-b", vary={"amplitude": [0.02]}, out=where, overwrite=True, **SHORT)
 
 
+def test_a_table_of_another_plan_is_not_shown_as_this_ones(tmp_path):
+    call = {"vary": {"femur": [0.1, 0.11]}, "fields": ["stroke_m"], "out": tmp_path / "s"}
+    sweep("leg-b", **call)
+    sweep("leg-b", **call | {"vary": {"femur": [0.2]}, "out": tmp_path / "other"})
+    (tmp_path / "other" / TABLE).replace(tmp_path / "s" / TABLE)
+    with pytest.raises(OutputError, match=r"not the table of the plan beside it.*`overwrite=True`"):
+        sweep("leg-b", **call)
+    assert len(sweep("leg-b", **call, overwrite=True)) == 2
+
+
+def test_another_version_of_the_package_makes_another_plan(tmp_path, monkeypatch):
+    call = {"vary": {"femur": [0.1]}, "fields": ["stroke_m"], "out": tmp_path / "s"}
+    sweep("leg-b", **call)
+    sweep("leg-b", **call)
+    monkeypatch.setattr("drake_leg.studies.plan.version", lambda package: "99.0")
+    with pytest.raises(OutputError, match=r"of another version.*`overwrite=True`"):
+        sweep("leg-b", **call)
+
+
 def test_a_folder_of_something_else_is_left_alone(tmp_path):
     (tmp_path / "mine").mkdir()
     with pytest.raises(OutputError, match="exists"):
