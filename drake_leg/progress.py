@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -202,6 +203,7 @@ class _Worker(threading.Thread, Generic[T]):
 # --- interruption ----------------------------------------------------------------------------
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+SOON = 0.01  # [s], when a callback is over
 
 
 @dataclass
@@ -225,6 +227,13 @@ class Interrupts:
             self.held += 1
         raise KeyboardInterrupt
 
+    def repeat(self) -> None:
+        """Interrupt again soon: what was raised in a callback or a destructor is lost."""
+        if self.once and self.held:
+            self.held -= 1
+        main = threading.main_thread().ident
+        threading.Timer(SOON, signal.pthread_kill, [main, self.received]).start()
+
     def release(self, held: int) -> None:
         """Interrupt now, if a signal was held back and nothing holds signals back any longer."""
         self.held = held
@@ -245,9 +254,19 @@ def interruptible() -> Iterator[Interrupts]:
         for number in SIGNALS:
             if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
                 before[number] = signal.signal(number, _interrupts.take)
+    hook = sys.unraisablehook
+
+    def notice(lost: sys.UnraisableHookArgs) -> None:
+        if _interrupts.received is not None and issubclass(lost.exc_type, KeyboardInterrupt):
+            _interrupts.repeat()
+        else:
+            hook(lost)
+
+    sys.unraisablehook = notice
     try:
         yield _interrupts
     finally:
+        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
 

@@ -2,6 +2,7 @@
 
 import gc
 import io
+import signal
 import threading
 import time
 
@@ -9,7 +10,7 @@ import pytest
 
 from drake_leg import progress
 from drake_leg.errors import TimeBudgetError
-from drake_leg.progress import ProgressBar, TimeBudget
+from drake_leg.progress import ProgressBar, TimeBudget, interruptible, saved
 
 # --- progress bar ----------------------------------------------------------------------------
 
@@ -219,3 +220,33 @@ def test_what_was_dropped_before_is_freed_in_the_thread_that_dropped_it():
     finally:
         gc.enable()
     assert freed_in == [threading.current_thread()]
+
+
+# --- interruption ----------------------------------------------------------------------------
+
+
+class Dying:
+    """A signal comes while its destructor runs, out of which nothing can be raised."""
+
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+        time.sleep(0.0)
+
+
+def die():
+    dying = [Dying()]
+    dying.clear()
+    time.sleep(30.0)  # until the signal comes again
+
+
+def die_while_saving():
+    with saved():
+        die()
+
+
+@pytest.mark.parametrize("work", [die, die_while_saving])
+def test_an_interrupt_that_comes_in_a_destructor_is_not_lost(work, capfd):
+    with interruptible() as interrupts, pytest.raises(KeyboardInterrupt):
+        work()
+    assert interrupts.received == signal.SIGINT
+    assert capfd.readouterr().err == ""
