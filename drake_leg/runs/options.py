@@ -282,7 +282,7 @@ class StepOptions(RunOptions):
     dynamics: str | None = option(
         None,
         DYNAMICS,
-        shown="inverse; forward where `push`, `mass_error`, `torque_limit` or `stiffness` is given",
+        shown="inverse; forward with `push`, `mass_error`, `stiffness` or a `torque_limit` reached",
     )
 
     def motion(self, direction: Direction | None = None) -> "SineStep":

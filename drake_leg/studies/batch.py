@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import LegGeometry
+from drake_leg.processes import cores
 from drake_leg.robot.robots import hexabot_leg
 from drake_leg.runs.options import INVERSE, NONE, WEIGHTY, LegAOptions, LegBOptions
 from drake_leg.runs.peaks import link_mass
@@ -20,7 +21,6 @@ from drake_leg.simulation.integrator import ROW_INTERVAL
 from drake_leg.simulation.run import STEP_BUDGET
 from drake_leg.studies.leg_steps import Answers, LegSteps, answers
 from drake_leg.studies.plan import Plan
-from drake_leg.studies.pool import cores
 from drake_leg.studies.row import DONE, SINGULAR
 from drake_leg.units import LEAST, MOST
 

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
-import threading
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import (
@@ -13,12 +9,11 @@ from concurrent.futures import (
     BrokenExecutor,
     Executor,
     Future,
-    ProcessPoolExecutor,
     wait,
 )
-from multiprocessing.connection import wait as wait_for_process
 
 from drake_leg.errors import DrakeLegError, in_a_line
+from drake_leg.processes import new_processes
 from drake_leg.studies.row import LOST, Done, Row, Task, carried_out, failure
 
 SECONDS = 0.5  # of work in one task, about: what an interruption or a lost worker costs
@@ -29,11 +24,6 @@ MOST_MEMORY = 1 << 30  # bytes of a worker that is then replaced: Drake keeps so
 FEW = 8  # runs for which no process is started
 
 MakeTask = Callable[[Sequence[int]], Task]
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def carried_out_here(make: MakeTask, places: Iterable[int]) -> Iterator[dict[int, Row]]:
@@ -53,7 +43,7 @@ class Dispatcher:
         self._make = make
         self._given = executor
         self._workers = workers
-        self._executor = executor or started(workers)
+        self._executor = executor or new_processes(workers)
         self._size = 1
         self._tries: Counter[int] = Counter()
         self._answered = False  # whether a worker of the executor has ever answered
@@ -138,24 +128,5 @@ class Dispatcher:
     def _renew(self) -> None:
         """Start new processes; the old ones end."""
         self._executor.shutdown(cancel_futures=True)
-        self._executor = started(self._workers)
+        self._executor = new_processes(self._workers)
         self._tired = False
-
-
-def started(workers: int) -> ProcessPoolExecutor:
-    """Start processes that leave interruptions to their parent, and end when it does."""
-    return ProcessPoolExecutor(
-        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare
-    )
-
-
-def _prepare() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        wait_for_process([parent.sentinel])
-        os._exit(1)

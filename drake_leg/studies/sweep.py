@@ -14,6 +14,7 @@ import numpy as np
 from drake_leg.arguments import is_number, require_callable, require_kind, shown
 from drake_leg.errors import InvalidValueError, require_pyarrow
 from drake_leg.files import ResultsFolder
+from drake_leg.processes import cores
 from drake_leg.robot.robot import Robot, html_table
 from drake_leg.runs.catalogue import run_kind
 from drake_leg.studies.batch import batch, is_closed
@@ -25,7 +26,7 @@ from drake_leg.studies.journal import (
     plan_text,
 )
 from drake_leg.studies.plan import SAMPLERS, Plan, checked_plan
-from drake_leg.studies.pool import FEW, Dispatcher, carried_out_here, cores
+from drake_leg.studies.pool import FEW, Dispatcher, carried_out_here
 from drake_leg.studies.row import DONE, Row, Task, wanted
 from drake_leg.studies.table import Table, read_table
 from drake_leg.studies.variation import variations

@@ -403,7 +403,7 @@ def test_processes_with_too_much_memory_are_replaced(monkeypatch):
         memory = 2 * pool.MOST_MEMORY if task.places == [1] else 0
         return Done({place: {} for place in task.places}, 1.0, memory)
 
-    monkeypatch.setattr(pool, "started", start)
+    monkeypatch.setattr(pool, "new_processes", start)
     monkeypatch.setattr(pool, "carried_out", grown)
     monkeypatch.setattr(pool, "wait", first_of_all)
     rows = Dispatcher(lambda places: row.Task(None, places, (), None), None, 2).rows(range(12))
