@@ -96,12 +96,12 @@ def _own(robot: Robot, chosen: argparse.Namespace, budget: TimeBudget, bar: Prog
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import own_pieces
 
-    table = Derivation(robot.rows)
+    derivation = Derivation(robot.rows)
     undone: list[str] = []
     too_large: list[str] = []
-    letters = f"; {table.chain.legend}" if table.chain.legend else ""
+    letters = f"; {derivation.table.legend}" if derivation.table.legend else ""
     _print_heading(f"{robot.title}, derived from its table: {SHORTHAND}{letters}", chosen)
-    for piece in own_pieces(table):
+    for piece in own_pieces(derivation):
         bar.turn_to(piece.title)
         try:
             equations = budget.spend(piece.derive)

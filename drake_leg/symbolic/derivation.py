@@ -1,17 +1,12 @@
 """Derives a Khalil table's transforms, Jacobians, determinant and its zeros, in symbols.
 
-The chain is that of ``kinematics.khalil``, with expressions in place of numbers. ``tidy`` makes a
-result readable.
+``tidy`` makes a result readable.
 """
 
 from __future__ import annotations
 
-import math
-import operator
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import accumulate
 
@@ -21,7 +16,13 @@ from numpy.typing import ArrayLike
 from sympy.simplify.fu import TR10i
 
 from drake_leg.kinematics.khalil import Array, one_vector
-from drake_leg.robot.robot import JointType, Row
+from drake_leg.robot.robot import Row
+from drake_leg.symbolic.table import (
+    SymbolicTable,
+    base_transforms,
+    row_transform,
+    table_of_rows,
+)
 
 Function = Callable[[ArrayLike], Array]  # of the joint positions
 ANY_INTEGER = sp.Symbol("k", integer=True)
@@ -58,157 +59,55 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     return min(sp.factor(TR10i(expanded)), sp.factor(expanded), key=sp.count_ops)
 
 
-# --- the chain in symbols --------------------------------------------------------------------
+# --- the table's functions ----------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class SymbolicRow:
-    """A row of a Khalil table, its joint's position already in ``theta`` or ``r``."""
+def direct_jacobian(table: SymbolicTable) -> sp.Matrix:
+    """Jacobian of the last frame by the direct method, a column per joint, (6, m), rotation first.
 
-    joint: JointType
-    d: sp.Expr
-    alpha: sp.Expr
-    r: sp.Expr
-    theta: sp.Expr
-
-
-@dataclass(frozen=True, kw_only=True)
-class SymbolicChain:
-    """A Khalil table in symbols."""
-
-    rows: tuple[SymbolicRow, ...]
-    q: tuple[sp.Symbol, ...]  # joint positions, q1 ... qm
-    values: Mapping[sp.Symbol, float]  # of the other symbols [m or rad]
-
-    @property
-    def legend(self) -> str:
-        """The numbers of the letters, as in ``l1 = 0.25 m``."""
-        return ", ".join(
-            f"{symbol} = {value:.9g} {'m' if symbol.is_positive else 'rad'}"
-            for symbol, value in self.values.items()
-        )
-
-
-def symbolic_chain(rows: Sequence[Row]) -> SymbolicChain:
-    """Write a table in symbols, whose numbers ``values`` keeps.
-
-    Lengths along x that are not zero become l1, l2, ...; those along z become h, or h1, h2, ...
-    where there are several; a negative length becomes -l. Angles that are simple fractions of pi
-    become exact, others symbols with the row's number, alpha3 or theta5.
+    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint on the way to the frame adds ``[z; z x OF]``,
+    a prismatic one ``[0; z]``, another one nothing: report A, eq. 9-15.
     """
-    values: dict[sp.Symbol, float] = {}
-    q: list[sp.Symbol] = []
-    along_x = _names("l", [row.d for row in rows])
-    along_z = _names("h", [row.r for row in rows])
-    if len(along_z) == 1:
-        along_z = dict.fromkeys(along_z, "h")
-    symbolic = []
-    for index, row in enumerate(rows):
-        r = _length(along_z.get(index, ""), row.r, values)
-        theta = _angle(f"theta{index + 1}", row.theta, values)
-        if row.joint != "fixed":
-            q.append(sp.Symbol(f"q{len(q) + 1}", real=True))
-            r, theta = (r, theta + q[-1]) if row.joint == "revolute" else (r + q[-1], theta)
-        symbolic.append(
-            SymbolicRow(
-                joint=row.joint,
-                d=_length(along_x.get(index, ""), row.d, values),
-                alpha=_angle(f"alpha{index + 1}", row.alpha, values),
-                r=r,
-                theta=theta,
-            )
-        )
-    return SymbolicChain(rows=tuple(symbolic), q=tuple(q), values=values)
-
-
-def _names(letter: str, lengths: Sequence[float]) -> dict[int, str]:
-    """Number the lengths that are not zero: index -> name."""
-    present = [index for index, length in enumerate(lengths) if length != 0.0]
-    return {index: f"{letter}{number}" for number, index in enumerate(present, start=1)}
-
-
-def _length(name: str, value: float, values: dict[sp.Symbol, float]) -> sp.Expr:
-    if value == 0.0:
-        return sp.Integer(0)
-    symbol = sp.Symbol(name, positive=True)
-    values[symbol] = abs(value)
-    return symbol if value > 0.0 else -symbol
-
-
-def _angle(name: str, value: float, values: dict[sp.Symbol, float]) -> sp.Expr:
-    turns = Fraction(value / math.pi).limit_denominator(360)
-    if abs(float(turns) * math.pi - value) <= 2.0 * sys.float_info.epsilon * abs(value):
-        return sp.Rational(turns.numerator, turns.denominator) * sp.pi
-    symbol = sp.Symbol(name, real=True)
-    values[symbol] = value
-    return symbol
-
-
-def row_transform(row: SymbolicRow) -> sp.Matrix:
-    """Transform from a row's frame to the frame before it, ``X_PC``, (4, 4).
-
-    ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``: report A, eq. 1.
-    """
-    c, s = sp.cos(row.theta), sp.sin(row.theta)
-    ca, sa = sp.cos(row.alpha), sp.sin(row.alpha)
-    return sp.Matrix(
-        [
-            [c, -s, 0, row.d],
-            [s * ca, c * ca, -sa, -row.r * sa],
-            [s * sa, c * sa, ca, row.r * ca],
-            [0, 0, 0, 1],
-        ]
-    )
-
-
-def base_transforms(chain: SymbolicChain) -> tuple[sp.Matrix, ...]:
-    """Transforms from every row's frame to the base, each (4, 4); the last is the foot's."""
-    return tuple(accumulate(map(row_transform, chain.rows), operator.mul))
-
-
-def direct_jacobian(chain: SymbolicChain) -> sp.Matrix:
-    """Jacobian by the direct method, one joint's contribution per column, (6, m), rotation first.
-
-    ``[w_BF; v_BF] = Jv_BF @ qdot``; a revolute joint adds ``[z; z x OF]``, a prismatic one
-    ``[0; z]``: report A, eq. 9-15.
-    """
-    transforms = base_transforms(chain)
-    p_BF = transforms[-1][:3, 3]
+    transforms = base_transforms(table)
+    path, p_BF = table.path(len(table.rows)), transforms[-1][:3, 3]
     columns = []
-    for row, X_BC in zip(chain.rows, transforms, strict=True):
+    for number in table.moving:
+        row, X_BC = table.rows[number - 1], transforms[number - 1]
         z_B, p_BC = X_BC[:3, 2], X_BC[:3, 3]
-        if row.joint == "revolute":
+        if number not in path:
+            columns.append(sp.zeros(6, 1))
+        elif row.joint == "revolute":
             columns.append(sp.Matrix([*z_B, *z_B.cross(p_BF - p_BC)]))
-        elif row.joint == "prismatic":
+        else:
             columns.append(sp.Matrix([0, 0, 0, *z_B]))
     return sp.Matrix.hstack(sp.zeros(6, 0), *columns)
 
 
-def indirect_jacobian(chain: SymbolicChain) -> sp.Matrix:
+def indirect_jacobian(table: SymbolicTable) -> sp.Matrix:
     """Jacobian by the indirect method, differentiating the foot's pose, (6, m), rotation first.
 
     Its columns are ``[w; dp_BF/dqi]``, with ``w`` the axis of the skew matrix
     ``dR_BF/dqi R_BF'``: report A, appendix.
     """
-    X_BF = base_transforms(chain)[-1]
+    X_BF = base_transforms(table)[-1]
     R_BF, p_BF = X_BF[:3, :3], X_BF[:3, 3]
     columns = []
-    for position in chain.q:
+    for position in table.q:
         spin = R_BF.diff(position) * R_BF.T
         columns.append(sp.Matrix([spin[2, 1], spin[0, 2], spin[1, 0], *p_BF.diff(position)]))
     return sp.Matrix.hstack(sp.zeros(6, 0), *columns)
 
 
-def evaluator(chain: SymbolicChain, expression: sp.Matrix | Sequence[sp.Matrix]) -> Function:
+def evaluator(table: SymbolicTable, expression: sp.Matrix | Sequence[sp.Matrix]) -> Function:
     """Compile a matrix, or several alike, to a NumPy function of q (m,), with the table's numbers.
 
     The function raises ``InvalidValueError`` if q is not m finite numbers.
     """
-    symbols, numbers = list(chain.values), list(chain.values.values())
-    compiled = sp.lambdify([list(chain.q), symbols], expression, "numpy", cse=True)
+    symbols, numbers = list(table.values), list(table.values.values())
+    compiled = sp.lambdify([list(table.q), symbols], expression, "numpy", cse=True)
 
     def evaluate(q: ArrayLike) -> Array:
-        positions = one_vector("q", q, len(chain.q)).tolist()
+        positions = one_vector("q", q, len(table.q)).tolist()
         return np.array(compiled(positions, numbers), dtype=np.float64)
 
     return evaluate
@@ -225,8 +124,8 @@ def foot_function(rows: Sequence[Row]) -> Function:
 
     Its rows are multiplied as numbers: as formulas their product grows exponentially.
     """
-    chain = symbolic_chain(rows)
-    transforms = evaluator(chain, list(map(row_transform, chain.rows)))
+    table = table_of_rows(rows)
+    transforms = evaluator(table, list(map(row_transform, table.rows)))
     return lambda q: reduce(np.matmul, transforms(q))
 
 
@@ -237,11 +136,11 @@ def jacobian_function(rows: Sequence[Row]) -> Function:
     joint's position is in one row only, so that ``dX_BF/dqi`` is the product of the rows with that
     row's derivative in its place.
     """
-    chain = symbolic_chain(rows)
-    X = list(map(row_transform, chain.rows))
-    moving = [index for index, row in enumerate(chain.rows) if row.joint != "fixed"]
-    dX = [X[index].diff(position) for index, position in zip(moving, chain.q, strict=True)]
-    matrices = evaluator(chain, X + dX)
+    table = table_of_rows(rows)
+    X = list(map(row_transform, table.rows))
+    moving = [index for index, row in enumerate(table.rows) if row.joint != "fixed"]
+    dX = [X[index].diff(position) for index, position in zip(moving, table.q, strict=True)]
+    matrices = evaluator(table, X + dX)
 
     def jacobian(q: ArrayLike) -> Array:
         values, derivatives = np.split(matrices(q), [len(X)])
@@ -347,26 +246,26 @@ class Derivation:
     """
 
     def __init__(self, rows: Sequence[Row], task: Sequence[int] | None = None) -> None:
-        self.chain: SymbolicChain = symbolic_chain(rows)
+        self.table: SymbolicTable = table_of_rows(rows)
         self._chosen = task
 
     @cached_property
     def neighbours(self) -> tuple[sp.Matrix, ...]:
         """Frame i in frame i - 1, each (4, 4)."""
-        return tuple(map(row_transform, self.chain.rows))
+        return tuple(map(row_transform, self.table.rows))
 
     def in_base(self, frame: int) -> sp.Matrix:
         """Frame, from 1, in frame 0, (4, 4)."""
-        return base_transforms(self.chain)[frame - 1].applyfunc(tidy)
+        return base_transforms(self.table)[frame - 1].applyfunc(tidy)
 
     @cached_property
     def to_base(self) -> tuple[sp.Matrix, ...]:
         """Frame i in frame 0, each (4, 4)."""
-        return tuple(X_BC.applyfunc(tidy) for X_BC in base_transforms(self.chain))
+        return tuple(X_BC.applyfunc(tidy) for X_BC in base_transforms(self.table))
 
     @cached_property
     def _direct(self) -> sp.Matrix:
-        return direct_jacobian(self.chain)
+        return direct_jacobian(self.table)
 
     @cached_property
     def spatial_jacobian(self) -> sp.Matrix:
@@ -376,7 +275,7 @@ class Derivation:
     @cached_property
     def difference(self) -> sp.Matrix:
         """Direct minus indirect Jacobian, (6, m)."""
-        return (self._direct - indirect_jacobian(self.chain)).applyfunc(normal_form)
+        return (self._direct - indirect_jacobian(self.table)).applyfunc(normal_form)
 
     @cached_property
     def task(self) -> tuple[int, ...]:
@@ -385,7 +284,7 @@ class Derivation:
             return tuple(self._chosen)
         moved = [row for row in range(6) if not self.spatial_jacobian[row, :].is_zero_matrix]
         for rows in ([row for row in moved if row >= 3], moved):
-            if len(rows) == len(self.chain.q):
+            if len(rows) == len(self.table.q):
                 return tuple(rows)
         return ()
 
@@ -413,4 +312,4 @@ class Derivation:
     @cached_property
     def families(self) -> tuple[SingularFamily, ...]:
         """Where the determinant is zero."""
-        return singular_families(self.determinant, self.chain.q)
+        return singular_families(self.determinant, self.table.q)

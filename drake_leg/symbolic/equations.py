@@ -15,9 +15,8 @@ from drake_leg.symbolic.derivation import (
     ANY_INTEGER,
     Derivation,
     SingularFamily,
-    SymbolicRow,
-    row_transform,
 )
+from drake_leg.symbolic.table import SymbolicRow, row_transform
 
 PARTS = ("w_x", "w_y", "w_z", "v_x", "v_y", "v_z")  # rows of the spatial Jacobian
 
@@ -200,7 +199,7 @@ def own_pieces(robot: Derivation) -> Iterator[Piece]:
     for frame in range(2, len(robot.neighbours) + 1):
         left = sp.MatrixSymbol(f"T_0{frame}", 4, 4)
         yield _piece(f"frame {frame} in the base", left, partial(robot.in_base, frame))
-    J = sp.MatrixSymbol("J", 6, len(robot.chain.q))
+    J = sp.MatrixSymbol("J", 6, len(robot.table.q))
     yield _piece(f"Jacobian, its rows {', '.join(PARTS)}", J, lambda: robot.spatial_jacobian)
     yield _piece(
         "Jacobian by both methods",

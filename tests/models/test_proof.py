@@ -16,7 +16,7 @@ from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA
 from drake_leg.symbolic import derivation
-from drake_leg.symbolic.derivation import row_transform, symbolic_chain
+from drake_leg.symbolic.table import row_transform, table_of_rows
 
 
 def bare(*rows, **mechanics):
@@ -183,7 +183,7 @@ def test_one_slip_in_one_row_of_one_witness_is_found_and_named(broken, index, fi
     slip = replace(row, **{field: getattr(row, field) + 1e-9})
     rows = (*ODD[:index], slip, *ODD[index + 1 :])
     if broken == "SymPy":
-        monkeypatch.setattr(derivation, "symbolic_chain", lambda _, real=symbolic_chain: real(rows))
+        monkeypatch.setattr(derivation, "table_of_rows", lambda _, real=table_of_rows: real(rows))
     else:
         monkeypatch.setattr(khalil, "foot_pose", lambda _, q, real=khalil.foot_pose: real(rows, q))
     proof = prove(bare(*ODD), samples=4)

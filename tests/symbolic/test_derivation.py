@@ -8,19 +8,16 @@ from work import calls
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import khalil, leg, scara
 from drake_leg.robot.robot import Row
-from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA
+from drake_leg.robot.robots import LEG_A, LEG_B, ROBOTS, SCARA
 from drake_leg.symbolic.derivation import (
     Derivation,
-    SymbolicRow,
-    base_transforms,
     direct_jacobian,
     evaluator,
     foot_function,
     indirect_jacobian,
     jacobian_function,
-    row_transform,
-    symbolic_chain,
 )
+from drake_leg.symbolic.table import base_transforms, table_of_rows
 
 PUMA_560 = (
     Row(joint="revolute"),
@@ -56,17 +53,17 @@ def test_any_chains_foot_and_jacobian_are_the_numeric_ones(rng, rows):
 
 @pytest.mark.parametrize("rows", CHAINS.values(), ids=CHAINS)
 def test_the_two_methods_agree(rng, rows):
-    chain = symbolic_chain(rows)
-    difference = evaluator(chain, direct_jacobian(chain) - indirect_jacobian(chain))
+    table = table_of_rows(rows)
+    difference = evaluator(table, direct_jacobian(table) - indirect_jacobian(table))
     assert np.abs(difference(joint_positions(rows, rng))).max() < 1e-14
 
 
 @pytest.mark.parametrize("rows", CHAINS.values(), ids=CHAINS)
 def test_every_frame_and_the_foot_are_the_numeric_ones(rng, rows):
-    chain, q = symbolic_chain(rows), joint_positions(rows, rng)
-    for X_BC, right in zip(base_transforms(chain), khalil.base_transforms(rows, q), strict=True):
-        np.testing.assert_allclose(evaluator(chain, X_BC)(q), right, atol=1e-14)
-    foot = evaluator(chain, base_transforms(chain)[-1][:3, 3])(q)
+    table, q = table_of_rows(rows), joint_positions(rows, rng)
+    for X_BC, right in zip(base_transforms(table), khalil.base_transforms(rows, q), strict=True):
+        np.testing.assert_allclose(evaluator(table, X_BC)(q), right, atol=1e-14)
+    foot = evaluator(table, base_transforms(table)[-1][:3, 3])(q)
     np.testing.assert_allclose(foot[:, 0], khalil.foot_pose(rows, q)[:3, 3], atol=1e-14)
 
 
@@ -82,66 +79,7 @@ def test_the_work_is_proportional_to_the_number_of_joints(derive, rng):
     assert work(24) < 5 * work(8)
 
 
-def test_a_row_is_its_four_motions():
-    d, alpha, r, theta = sp.symbols("d alpha r theta", real=True)
-    row = SymbolicRow(joint="fixed", d=d, alpha=alpha, r=r, theta=theta)
-    about_x = sp.diag(sp.rot_axis1(-alpha), 1)
-    along_x = sp.eye(4) + sp.Matrix(4, 4, lambda i, j: d if (i, j) == (0, 3) else 0)
-    about_z = sp.diag(sp.rot_axis3(-theta), 1)
-    along_z = sp.eye(4) + sp.Matrix(4, 4, lambda i, j: r if (i, j) == (2, 3) else 0)
-    motions = about_x * along_x * about_z * along_z
-    assert (row_transform(row) - motions).expand() == sp.zeros(4)
-
-
-@pytest.mark.parametrize(
-    ("robot", "lengths"),
-    [
-        (LEG_A, {"l1": 0.05, "l2": 0.1, "l3": 0.1}),
-        (LEG_B, {"l1": 0.05, "l2": 0.1, "l3": 0.1}),
-        (SCARA, {"h": 0.4524, "l1": 0.22, "l2": 0.24}),
-        (PENDULUM, {"l1": 0.2}),
-    ],
-    ids=lambda value: getattr(value, "name", ""),
-)
-def test_the_reports_lengths_have_the_reports_names(robot, lengths):
-    chain = symbolic_chain(robot.rows)
-    assert {symbol.name: value for symbol, value in chain.values.items()} == lengths
-    assert [symbol.name for symbol in chain.q] == [
-        f"q{number}" for number in range(1, len(robot.moving) + 1)
-    ]
-
-
-def test_angles_are_exact_fractions_of_pi_or_symbols():
-    chain = symbolic_chain(ODD)
-    assert [row.alpha for row in chain.rows[2:]] == [sp.pi / 4, 0, 0, sp.pi]
-    assert chain.rows[1].theta == sp.pi / 3
-    assert chain.rows[3].theta == -sp.pi / 2
-    names = {symbol.name: value for symbol, value in chain.values.items()}
-    assert names["alpha1"] == 0.3
-    assert names["theta3"] == -0.7
-    assert chain.rows[2].theta == chain.q[1] + sp.Symbol("theta3", real=True)
-
-
-def test_nearly_a_fraction_of_pi_is_not_taken_for_one():
-    nearly = math.pi / 2 + 1e-14
-    chain = symbolic_chain([Row(joint="revolute", alpha=nearly)])
-    assert list(chain.values.values()) == [nearly]
-
-
-def test_a_negative_length_is_minus_a_positive_symbol():
-    chain = symbolic_chain([Row(joint="prismatic", d=-0.4, r=-0.1)])
-    l1, h = sp.Symbol("l1", positive=True), sp.Symbol("h", positive=True)
-    assert chain.rows[0].d == -l1
-    assert chain.rows[0].r == chain.q[0] - h
-    assert chain.values == {h: 0.1, l1: 0.4}
-
-
-def test_several_lengths_along_z_are_numbered():
-    names = {symbol.name for symbol in symbolic_chain(PUMA_560).values}
-    assert names == {"l1", "l2", "h1", "h2", "h3"}
-
-
-def test_a_chain_without_joints_has_a_foot_and_no_columns():
+def test_a_table_without_joints_has_a_foot_and_no_columns():
     rows = [Row(joint="fixed", d=1.0)]
     assert foot_function(rows)([])[0, 3] == 1.0
     assert jacobian_function(rows)([]).size == 0
@@ -182,9 +120,9 @@ def test_the_short_transforms_are_the_chains(rng, derived, name):
     right = khalil.base_transforms(robot.rows, q)
     before = np.eye(4)
     for index, X_BC in enumerate(right):
-        shown = evaluator(derivation.chain, derivation.to_base[index])(q)
+        shown = evaluator(derivation.table, derivation.to_base[index])(q)
         np.testing.assert_allclose(shown, X_BC, atol=1e-15)
-        neighbour = evaluator(derivation.chain, derivation.neighbours[index])(q)
+        neighbour = evaluator(derivation.table, derivation.neighbours[index])(q)
         np.testing.assert_allclose(before @ neighbour, X_BC, atol=1e-15)
         before = X_BC
 
@@ -193,21 +131,21 @@ def test_the_short_transforms_are_the_chains(rng, derived, name):
 def test_the_legs_jacobian_and_determinant_are_the_closed_forms(rng, derived, name, robot):
     derivation, geometry = derived(name), leg.LegGeometry.from_robot(robot)
     q = rng.uniform(-3.0, 3.0, 3)
-    J = evaluator(derivation.chain, derivation.jacobian)(q)
+    J = evaluator(derivation.table, derivation.jacobian)(q)
     np.testing.assert_allclose(J, leg.foot_jacobian(geometry, q), atol=1e-16)
-    det = evaluator(derivation.chain, sp.Matrix([derivation.determinant]))(q)[0, 0]
+    det = evaluator(derivation.table, sp.Matrix([derivation.determinant]))(q)[0, 0]
     assert det == pytest.approx(float(leg.determinant(geometry, q)), abs=1e-18)
 
 
 def test_the_scaras_jacobian_and_determinant_are_the_closed_forms(rng, derived):
     derivation, geometry = derived("scara"), scara.ScaraGeometry.from_robot(SCARA)
     q = rng.uniform(-3.0, 3.0, 4)
-    J = evaluator(derivation.chain, derivation.jacobian)(q)
+    J = evaluator(derivation.table, derivation.jacobian)(q)
     np.testing.assert_allclose(J, scara.task_jacobian(geometry, q[:3]), atol=1e-15)
-    det = evaluator(derivation.chain, sp.Matrix([derivation.determinant]))(q)[0, 0]
+    det = evaluator(derivation.table, sp.Matrix([derivation.determinant]))(q)[0, 0]
     assert det == pytest.approx(float(scara.determinant(geometry, q[:3])), abs=1e-16)
 
 
 def test_the_lengths_are_the_robots_own(rng):
-    long = Derivation(SCARA.rows, (3, 4, 2)).chain
+    long = Derivation(SCARA.rows, (3, 4, 2)).table
     assert sorted(long.values.values()) == [0.22, 0.24, 0.4524]

@@ -44,7 +44,7 @@ def test_every_equation_is_one_line_of_latex_and_a_text(numbered, derived, name)
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("label", ["2", "3", "4", "5", "1.3", "2.3"])
 def test_neighbours_are_the_chains(rng, numbered, derived, name, label):
-    robot, chain = ROBOTS[name], derived(name).chain
+    robot, chain = ROBOTS[name], derived(name).table
     q = rng.uniform(-3.0, 3.0, len(robot.moving))
     X_B = [np.eye(4), *khalil.base_transforms(robot.rows, q)]
     for equation in numbered(name).get(label, []):
@@ -63,7 +63,7 @@ def test_transforms_to_the_base_are_the_chains(rng, numbered, derived, name, lab
     q = rng.uniform(-3.0, 3.0, len(robot.moving))
     (equation,) = numbered(name)[label]
     assert equation.left.name == f"T_0{frame}"
-    shown = evaluator(derived(name).chain, equation.right)(q)
+    shown = evaluator(derived(name).table, equation.right)(q)
     np.testing.assert_allclose(shown, khalil.base_transforms(robot.rows, q)[frame - 1], atol=1e-14)
 
 
@@ -74,7 +74,7 @@ def test_transforms_to_the_base_are_the_chains(rng, numbered, derived, name, lab
 def test_jacobians_are_the_chains(rng, numbered, derived, name, label, rows):
     robot = ROBOTS[name]
     q = rng.uniform(-3.0, 3.0, len(robot.moving))
-    shown = evaluator(derived(name).chain, right_of(numbered, name, label))(q)
+    shown = evaluator(derived(name).table, right_of(numbered, name, label))(q)
     np.testing.assert_allclose(shown, khalil.jacobian(robot.rows, q)[rows, :3], atol=1e-14)
 
 

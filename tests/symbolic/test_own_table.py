@@ -28,22 +28,22 @@ SQUARE = {"odd": [3, 4, 5], "planar": [2, 3, 4], "scara": [2, 3, 4, 5], "desk": 
 
 @cache
 def derived(rows):
-    table = Derivation(rows)
-    return table, {piece.title: piece.derive() for piece in own_pieces(table)}
+    derivation = Derivation(rows)
+    return derivation, {piece.title: piece.derive() for piece in own_pieces(derivation)}
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_matrix_is_the_numeric_one(name, rng):
     rows = TABLES[name]
-    table, found = derived(rows)
-    q = rng.uniform(-1.0, 1.0, len(table.chain.q))
+    derivation, found = derived(rows)
+    q = rng.uniform(-1.0, 1.0, len(derivation.table.q))
     for frame, X_BC in enumerate(khalil.base_transforms(rows, q), start=1):
         title = f"frame {frame} in the base" if frame > 1 else "frame 1 in frame 0"
-        right = evaluator(table.chain, sp.Matrix(found[title][0].right))
+        right = evaluator(derivation.table, sp.Matrix(found[title][0].right))
         np.testing.assert_allclose(right(q), X_BC, atol=1e-14)
     J = khalil.jacobian(rows, q)
     right = evaluator(
-        table.chain, found["Jacobian, its rows w_x, w_y, w_z, v_x, v_y, v_z"][0].right
+        derivation.table, found["Jacobian, its rows w_x, w_y, w_z, v_x, v_y, v_z"][0].right
     )
     np.testing.assert_allclose(right(q), J, atol=1e-14)
     assert found["Jacobian by both methods"][0].right == 0
@@ -52,13 +52,13 @@ def test_every_matrix_is_the_numeric_one(name, rng):
 @pytest.mark.parametrize("name", NAMES)
 def test_the_determinant_is_that_of_the_rows_that_it_names(name, rng):
     rows, rows_of_jacobian = TABLES[name], SQUARE[name]
-    table, found = derived(rows)
+    derivation, found = derived(rows)
     (equation,) = found["determinant"]
     parts = ("w_x", "w_y", "w_z", "v_x", "v_y", "v_z")
     named = equation.title.removeprefix("determinant of the rows ").split(", ")
     assert named == [parts[row] for row in rows_of_jacobian]
-    q = rng.uniform(-1.0, 1.0, len(table.chain.q))
-    value = float(evaluator(table.chain, sp.Matrix([[equation.right]]))(q)[0, 0])
+    q = rng.uniform(-1.0, 1.0, len(derivation.table.q))
+    value = float(evaluator(derivation.table, sp.Matrix([[equation.right]]))(q)[0, 0])
     right = np.linalg.det(khalil.jacobian(rows, q)[rows_of_jacobian])
     assert value == pytest.approx(right, abs=1e-14)
 
@@ -73,9 +73,9 @@ def test_a_planar_arm_is_singular_where_it_is_stretched():
 
 @pytest.mark.slow
 def test_an_arm_of_six_joints_has_its_wrist_among_its_families():
-    table, found = derived(load_robot(ROBOTS / "rx90.toml").rows)
+    derivation, found = derived(load_robot(ROBOTS / "rx90.toml").rows)
     stated = [
         equation for equation in found["singular postures"] if equation.title[:8] == "singular"
     ]
-    assert sp.sin(table.chain.q[4]) in [equation.left for equation in stated]
+    assert sp.sin(derivation.table.q[4]) in [equation.left for equation in stated]
     assert found["Jacobian by both methods"][0].right == 0

@@ -109,8 +109,8 @@ class PrintedMatrices:
 def scara_matrices() -> PrintedMatrices:
     """Return the matrices of sections 1.3 and 1.4; θ12 is θ1 + θ2."""
     robot, arm = derived("scara"), ScaraGeometry.from_robot(SCARA)
-    numbers = {symbol: _mm(value) for symbol, value in robot.chain.values.items()}
-    *turns, lift = robot.chain.q
+    numbers = {symbol: _mm(value) for symbol, value in robot.table.values.items()}
+    *turns, lift = robot.table.q
     names = dict(zip(turns, (TH1, TH2, TH3), strict=True))
     names |= {lift: _mm(arm.height - arm.lowest) - R} | numbers
     found = dict(zip(NEIGHBOURS, robot.neighbours, strict=True)) | {"T03": robot.to_base[2]}
@@ -122,9 +122,9 @@ def scara_matrices() -> PrintedMatrices:
 def leg_b_matrices() -> PrintedMatrices:
     """Return the matrices of sections 2.3 to 2.5; T04 and J have numbers for L1, L2 and L3."""
     robot = derived("leg-b")
-    names = dict(zip(robot.chain.q, (TH1, TH2, TH3), strict=True))
-    letters = {symbol: sp.Symbol(f"L{symbol.name[1:]}") for symbol in robot.chain.values}
-    numbers = {symbol: _mm(value) for symbol, value in robot.chain.values.items()}
+    names = dict(zip(robot.table.q, (TH1, TH2, TH3), strict=True))
+    letters = {symbol: sp.Symbol(f"L{symbol.name[1:]}") for symbol in robot.table.values}
+    numbers = {symbol: _mm(value) for symbol, value in robot.table.values.items()}
     right = {
         name: matrix.subs(names | letters)
         for name, matrix in zip(NEIGHBOURS, robot.neighbours, strict=True)

@@ -18,15 +18,10 @@ from drake_leg.lab.grader.definitions import Cell, Names, Reader
 from drake_leg.lab.grader.matrix_text import Kind, read_name
 from drake_leg.lab.grader.printed import Printed
 from drake_leg.robot.robot import JointType, Robot, Row
-from drake_leg.symbolic.derivation import (
-    SymbolicChain,
-    direct_jacobian,
-    row_transform,
-    symbolic_chain,
-    tidy,
-)
+from drake_leg.symbolic.derivation import direct_jacobian, tidy
 from drake_leg.symbolic.formulas import DEGREE
 from drake_leg.symbolic.spelling import plain, spelled_as
+from drake_leg.symbolic.table import SymbolicTable, row_transform, table_of_rows
 
 POSITION, PLANAR = (3, 4, 5), (3, 4, 2)  # rows x, y, z; x, y, yaw
 FIRST_LENGTH = 3  # of a Jacobian's rows, rotation first
@@ -286,7 +281,7 @@ class RightForms:
     """Writes right entries for one print."""
 
     def __init__(self, robot: Robot, printed: Printed, reader: Reader, names: Names) -> None:
-        self._chain = symbolic_chain(robot.rows)
+        self._chain = table_of_rows(robot.rows)
         self._meters = printed.meters
         self._symbols = printed.symbols
         self._names = {
@@ -367,7 +362,7 @@ def _is_decimal(expression: sp.Basic) -> bool:
     return bool(expression.is_Rational and expression.q not in (1, 2))
 
 
-def _right_matrix(claim: Claim, chain: SymbolicChain) -> sp.Matrix:
+def _right_matrix(claim: Claim, chain: SymbolicTable) -> sp.Matrix:
     """Derive all entries of a claim, in the chain's symbols."""
     if claim.is_pose:
         pose = _pose(chain, *claim.frames)
@@ -379,13 +374,13 @@ def _right_matrix(claim: Claim, chain: SymbolicChain) -> sp.Matrix:
     return direct_jacobian(chain).extract(list(claim.rows), list(range(claim.shape[1])))
 
 
-def _determinant(chain: SymbolicChain, rows: Sequence[int]) -> sp.Expr:
+def _determinant(chain: SymbolicTable, rows: Sequence[int]) -> sp.Expr:
     """Derive the determinant of some rows, and as many columns, of the Jacobian."""
     square = direct_jacobian(chain).extract(list(rows), list(range(len(rows))))
     return square.applyfunc(tidy).det()
 
 
-def _pose(chain: SymbolicChain, first: int, last: int) -> sp.Matrix:
+def _pose(chain: SymbolicTable, first: int, last: int) -> sp.Matrix:
     """Derive the pose of one frame in another, of a later one in an earlier or the inverse."""
     if first > last:
         there = _pose(chain, last, first)
@@ -417,7 +412,7 @@ def _zeros_text(factor: sp.Expr) -> str:
     return re.sub(r"\d+\.\d+", lambda found: f"{float(found[0]):.9g}", text)
 
 
-def _values(factor: sp.Expr, chain: SymbolicChain) -> Callable[[Mapping[str, Array]], Array]:
+def _values(factor: sp.Expr, chain: SymbolicTable) -> Callable[[Mapping[str, Array]], Array]:
     variables = [f"q{index + 1}" for index in range(len(chain.q))]
     function = sp.lambdify(chain.q, factor.subs(chain.values), "numpy")
 

@@ -64,7 +64,7 @@ def comparisons(subject: PosedRobot) -> Mapping[str, Comparison]:
 
     The names are T, T01 ..., V1 ..., P, J, J⁻¹, det J, det J expanded.
     """
-    robot, q, chain = subject.robot, subject.q, derived(subject.name).chain
+    robot, q, chain = subject.robot, subject.q, derived(subject.name).table
     values = {symbol.name: value for symbol, value in chain.values.items()}
     values |= {symbol.name: value for symbol, value in zip(chain.q, q, strict=True)}
     witness = _Witness(robot, q)

@@ -39,7 +39,7 @@ def test_a_wrong_entry_is_seen(entry, monkeypatch):
     row, column = entry
     right = mathematics.matrices(derived("leg-b"))
     wrong = sp.Matrix(right["T04"])
-    wrong[row, column] += sp.cos(derived("leg-b").chain.q[0])
+    wrong[row, column] += sp.cos(derived("leg-b").table.q[0])
     monkeypatch.setattr(mathematics, "matrices", lambda _: right | {"T04": wrong})
     compared = comparisons(posed("leg-b", 0))["T04"]
     assert min(compared.from_chain, compared.from_drake) > 0.1
