@@ -46,8 +46,13 @@ def ranges(robot: Robot) -> list[tuple[float, float]]:
 
     Its limits; without them a full turn, or twice the table's length.
     """
-    length = table_length(robot.rows)
+    length = _longest(robot)
     return [_range(segment, length) for segment in robot.moving]
+
+
+def _longest(robot: Robot) -> float:
+    """Greatest ``table_length`` up to any tip [m]."""
+    return max(table_length(robot.rows[:tip]) for tip in robot.tips.values())
 
 
 def _range(segment: Segment, length: float) -> tuple[float, float]:
@@ -65,13 +70,13 @@ def random_configurations(robot: Robot, count: int, rng: np.random.Generator) ->
 
 
 def greatest_reach(robot: Robot) -> float:
-    """Upper bound of the foot's distance from the base [m]: the table's lengths and the strokes."""
+    """Upper bound of any tip's distance from the base [m]: the table's lengths and the strokes."""
     strokes = (
         max(map(abs, bounds))
         for bounds, segment in zip(ranges(robot), robot.moving, strict=True)
         if segment.row.joint == "prismatic"
     )
-    return table_length(robot.rows) + sum(strokes)
+    return _longest(robot) + sum(strokes)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,7 @@
-"""Khalil (modified DH) chains: transforms, poses and Jacobians, of one posture or of batches."""
+"""Khalil (modified DH) tables: transforms, poses and Jacobians, of one posture or of batches.
+
+A table is a chain, or a tree: then a row has an antecedent. The foot is the last frame.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.robot import JointType, Row
+from drake_leg.robot.tree import antecedents, path_to
 from drake_leg.units import AT_LIMIT
 
 Array = NDArray[np.float64]
@@ -157,21 +161,27 @@ def moving_rows(rows: Sequence[Row]) -> list[int]:
     return [index for index, row in enumerate(rows) if row.joint != "fixed"]
 
 
+def foot_rows(rows: Sequence[Row]) -> list[Row]:
+    """Rows that one passes from the base to the foot; all of them, if there are no branches."""
+    return [rows[row - 1] for row in path_to(antecedents(rows), len(rows))]
+
+
 def chain_length(rows: Sequence[Row]) -> float:
-    """Length of a chain from frame to frame, the sum of all ``hypot(d, r)`` [m]; 1 m if it is 0."""
-    return sum(math.hypot(row.d, row.r) for row in rows) or 1.0
+    """Length from frame to frame up to the foot, the sum of all ``hypot(d, r)`` [m]; 1 m if 0."""
+    return sum(math.hypot(row.d, row.r) + abs(row.b) for row in foot_rows(rows)) or 1.0
 
 
 def table_length(rows: Sequence[Row]) -> float:
-    """Sum of all ``|d|`` and ``|r|`` of a table, at least ``chain_length`` [m]; 1 m if it is 0."""
-    return sum(abs(row.d) + abs(row.r) for row in rows) or 1.0
+    """Sum of ``|d|``, ``|r|``, ``|b|`` up to the foot, at least ``chain_length`` [m]; 1 m if 0."""
+    return sum(abs(row.d) + abs(row.r) + abs(row.b) for row in foot_rows(rows)) or 1.0
 
 
 def row_transform(row: Row, q: ArrayLike = 0.0) -> Array:
-    """Transform X_PC from a row's frame C to the frame P before it, (..., 4, 4), report A, eq. 1.
+    """Transform X_PC from a row's frame C to its antecedent's frame P, (..., 4, 4).
 
-    ``X = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``, with ``q`` (...) [rad or m] added to
-    ``theta`` (revolute) or to ``r`` (prismatic); a fixed row ignores ``q``.
+    ``X = Rot_z(gamma) Trans_z(b) Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``, with ``q``
+    (...) [rad or m] added to ``theta`` (revolute) or to ``r`` (prismatic); a fixed row ignores it.
+    Without ``gamma`` and ``b`` it is report A's eq. 1.
     """
     position = np.asarray(q, dtype=np.float64)
     theta = row.theta + (position if row.joint == "revolute" else np.zeros_like(position))
@@ -188,7 +198,13 @@ def row_transform(row: Row, q: ArrayLike = 0.0) -> Array:
     )
     X_PC[..., 2, 0], X_PC[..., 2, 1], X_PC[..., 2, 2], X_PC[..., 2, 3] = s * sa, c * sa, ca, r * ca
     X_PC[..., 3, 3] = 1.0
-    return X_PC
+    return _branch(row) @ X_PC if row.gamma or row.b else X_PC
+
+
+def _branch(row: Row) -> Array:
+    """Transform ``Rot_z(gamma) Trans_z(b)``, (4, 4)."""
+    c, s = math.cos(row.gamma), math.sin(row.gamma)
+    return np.array([[c, -s, 0.0, 0.0], [s, c, 0.0, 0.0], [0.0, 0.0, 1.0, row.b], [0, 0, 0, 1.0]])
 
 
 def row_transform_rate(row: Row, q: ArrayLike = 0.0) -> Array:
@@ -206,6 +222,8 @@ def row_transform_rate(row: Row, q: ArrayLike = 0.0) -> Array:
 class Link(NamedTuple):
     """A row of a table, its angles as cosines and sines."""
 
+    branch: tuple[int, float, float, float] | None  # antecedent, from 1, cos gamma, sin gamma, b
+    leads: bool  # whether it is between the base and the foot
     joint: JointType
     d: float  # [m]
     ca: float  # of alpha
@@ -218,8 +236,12 @@ class Link(NamedTuple):
 
 def links_of(rows: Sequence[Row]) -> tuple[Link, ...]:
     """Compute what does not depend on the joint positions."""
+    before = antecedents(rows)
+    path = set(path_to(before, len(rows)))
     return tuple(
         Link(
+            _branching(row, before[index], index),
+            index + 1 in path,
             row.joint,
             row.d,
             math.cos(row.alpha),
@@ -229,20 +251,33 @@ def links_of(rows: Sequence[Row]) -> tuple[Link, ...]:
             math.cos(row.theta),
             math.sin(row.theta),
         )
-        for row in rows
+        for index, row in enumerate(rows)
     )
 
 
+def _branching(row: Row, antecedent: int, index: int) -> tuple[int, float, float, float] | None:
+    """What makes a row more than the next one of a chain; None if nothing does."""
+    if antecedent == index and not row.gamma and not row.b:
+        return None
+    return antecedent, math.cos(row.gamma), math.sin(row.gamma), row.b
+
+
+_BASE: Frame = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+
+
 def chain_frames(links: Sequence[Link], q: Components) -> list[Frame]:
-    """Walk from the base to the foot: the frame of every row, in the base frame."""
+    """Walk from the base to the foot, and along all branches: every row's frame, in the base's."""
     positions, cos, sin = q
-    xx, xy, xz = 1.0, 0.0, 0.0
-    yx, yy, yz = 0.0, 1.0, 0.0
-    zx, zy, zz = 0.0, 0.0, 1.0
-    ox, oy, oz = 0.0, 0.0, 0.0
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz), (ox, oy, oz) = _BASE
     frames: list[Frame] = []
     following = iter(positions)
-    for joint, d, ca, sa, theta, r, c, s in links:
+    for branch, _, joint, d, ca, sa, theta, r, c, s in links:
+        if branch is not None:
+            antecedent, cg, sg, b = branch
+            x, y, (zx, zy, zz), o = frames[antecedent - 1] if antecedent else _BASE
+            xx, xy, xz = (cg * u + sg * v for u, v in zip(x, y, strict=True))
+            yx, yy, yz = (cg * v - sg * u for u, v in zip(x, y, strict=True))
+            ox, oy, oz = o[0] + b * zx, o[1] + b * zy, o[2] + b * zz
         if joint == "revolute":
             angle = theta + next(following)
             c, s = cos(angle), sin(angle)
@@ -258,12 +293,17 @@ def chain_frames(links: Sequence[Link], q: Components) -> list[Frame]:
     return frames
 
 
+_STILL = (0.0,) * 6  # the column of a joint that does not move the foot
+
+
 def joint_columns(links: Sequence[Link], frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
-    """The columns of the Jacobian, six components each, rotation first."""
+    """The columns of the foot's Jacobian, six components each, rotation first."""
     fx, fy, fz = frames[-1][3]
     columns: list[tuple[Any, ...]] = []
     for link, (_, _, (zx, zy, zz), (ox, oy, oz)) in zip(links, frames, strict=True):
-        if link.joint == "revolute":
+        if not link.leads:
+            columns += [_STILL] if link.joint != "fixed" else []
+        elif link.joint == "revolute":
             ax, ay, az = fx - ox, fy - oy, fz - oz
             columns.append((zx, zy, zz, zy * az - zz * ay, zz * ax - zx * az, zx * ay - zy * ax))
         elif link.joint == "prismatic":
@@ -280,14 +320,17 @@ def foot_jacobian_rate(
     """
     wx, wy, wz = vx, vy, vz = bx, by, bz = 0.0, 0.0, 0.0
     rates = iter(qdot)
-    moved = []
+    moved: list[Any] = []
     for link, (_, _, (zx, zy, zz), (ox, oy, oz)) in zip(links, frames, strict=True):
         if link.joint == "fixed":
+            continue
+        rate = next(rates)
+        if not link.leads:
+            moved.append(None)
             continue
         ax, ay, az = ox - bx, oy - by, oz - bz
         vx, vy, vz = vx + (wy * az - wz * ay), vy + (wz * ax - wx * az), vz + (wx * ay - wy * ax)
         z_dot = wy * zz - wz * zy, wz * zx - wx * zz, wx * zy - wy * zx
-        rate = next(rates)
         if link.joint == "revolute":
             wx, wy, wz = wx + rate * zx, wy + rate * zy, wz + rate * zz
         else:
@@ -298,7 +341,11 @@ def foot_jacobian_rate(
     ax, ay, az = fx - bx, fy - by, fz - bz
     vx, vy, vz = vx + (wy * az - wz * ay), vy + (wz * ax - wx * az), vz + (wx * ay - wy * ax)
     columns = []
-    for joint, z, (ox, oy, oz), z_dot, (ux, uy, uz) in moved:
+    for motion in moved:
+        if motion is None:
+            columns.append(_STILL)
+            continue
+        joint, z, (ox, oy, oz), z_dot, (ux, uy, uz) = motion
         if joint == "revolute":
             arm = cross(z_dot, (fx - ox, fy - oy, fz - oz))
             swing = cross(z, (vx - ux, vy - uy, vz - uz))
@@ -316,8 +363,9 @@ def cross(u: Vector, v: Vector) -> Vector:
 def base_transforms(rows: Sequence[Row], q: ArrayLike) -> Array:
     """Transforms from every row's frame to the base, (..., n, 4, 4); the last one is the foot's.
 
-    ``X_B[i] = X_B[i-1] @ row_transform(rows[i], q_i)`` for a table of n rows, of which m move, at q
-    (..., m) [rad or m] (report A, eq. 6-8; report B, 1.4 and 2.4).
+    ``X_B[i] = X_B[a] @ row_transform(rows[i], q_i)``, a being the antecedent, i - 1 in a chain, for
+    a table of n rows, of which m move, at q (..., m) [rad or m] (report A, eq. 6-8; report B, 1.4
+    and 2.4).
     """
     links = links_of(rows)
 
@@ -388,9 +436,12 @@ def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
     """
     moving = moving_rows(rows)
 
+    path = [row - 1 for row in path_to(antecedents(rows), len(rows))]
+
     def product(block: Array, differentiated: int | None) -> Array:
         X = np.eye(4)
-        for index, row in enumerate(rows):
+        for index in path:
+            row = rows[index]
             value = block[..., moving.index(index)] if index in moving else np.zeros(())
             X = X @ (row_transform_rate if index == differentiated else row_transform)(row, value)
         return X
@@ -399,6 +450,9 @@ def jacobian_by_differentiation(rows: Sequence[Row], q: ArrayLike) -> Array:
         R_FB = np.swapaxes(product(block, None)[..., :3, :3], -1, -2)
         Jv_BF = np.empty((*block.shape[:-1], 6, len(moving)))
         for column, index in enumerate(moving):
+            if index not in path:
+                Jv_BF[..., column] = 0.0
+                continue
             rate = product(block, index)
             spin = rate[..., :3, :3] @ R_FB
             Jv_BF[..., 0, column] = spin[..., 2, 1]

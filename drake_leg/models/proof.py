@@ -34,6 +34,8 @@ TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size wher
 SAMPLES = 32
 MOST_SAMPLES = 10_000
 WITNESSES = ("chain", "SymPy", "Drake", "differences")
+ORDER = ("chain", "differences", "Drake", "SymPy")  # the quickest first
+FOOT, JACOBIAN = "foot", "Jacobian"
 
 Function = Callable[[Array], Array]  # of configurations (N, m), with the same first axis
 Report = Callable[[str], None]  # called with what is computed next
@@ -43,7 +45,7 @@ Report = Callable[[str], None]  # called with what is computed next
 class Comparison:
     """Two witnesses compared on all configurations: where they differ most."""
 
-    quantity: str  # foot or Jacobian
+    quantity: str  # foot or Jacobian; of which tip, if there are several
     first: str  # chain, SymPy, Drake or differences
     second: str
     difference: float  # of 1, or of the robot's size
@@ -203,7 +205,6 @@ def prove(
     q = random_configurations(robot, samples, np.random.default_rng(seed))
     found, missing = _compute(_testimonies(robot), q, TimeBudget(budget), progress)
     size = greatest_reach(robot)
-    scales = {"foot": _pose_scale(size), "Jacobian": _twist_scale(robot, size)}
     return Proof(
         robot=robot.name,
         samples=samples,
@@ -211,8 +212,13 @@ def prove(
         size=size,
         comparisons=tuple(
             comparison
-            for quantity, scale in scales.items()
-            for comparison in _compare_all(quantity, found[quantity], q, scale)
+            for quantity, values in found.items()
+            for comparison in _compare_all(
+                quantity,
+                values,
+                q,
+                _pose_scale(size) if quantity.startswith(FOOT) else _twist_scale(robot, size),
+            )
         ),
         missing=tuple(missing),
     )
@@ -230,20 +236,56 @@ def _require_whole(what: str, value: object, least: int, most: float = math.inf)
 
 
 def _testimonies(robot: Robot) -> list[_Testimony]:
-    """List every witness's foot and Jacobian, the quickest first."""
+    """List every witness's foot and Jacobian, the quickest first; of a tree, those of every tip."""
+    drake = cache(lambda: DrakeWitness(robot))
+    tips = robot.tips or {"": len(robot.rows)}
+    several = len(tips) > 1
+    found = [
+        testimony
+        for tip, row in tips.items()
+        for testimony in _testimonies_on(robot, row, f" of {tip}" if several else "", drake)
+    ]
+    return sorted(found, key=lambda one: ORDER.index(one.witness))
+
+
+def _testimonies_on(
+    robot: Robot, row: int, which: str, drake: Callable[[], DrakeWitness]
+) -> Iterator[_Testimony]:
+    """Ask every witness about the frame of one row."""
     from drake_leg.symbolic.derivation import foot_function, jacobian_function
 
-    rows = robot.rows
-    drake = cache(lambda: DrakeWitness(robot))
-    return [
-        _Testimony("foot", "chain", lambda q: khalil.foot_pose(rows, q)),
-        _Testimony("Jacobian", "chain", lambda q: khalil.jacobian(rows, q)),
-        _Testimony("Jacobian", "differences", lambda q: difference_jacobian(rows, q)),
-        _Testimony("foot", "Drake", lambda q: _one_by_one(drake().foot, q)),
-        _Testimony("Jacobian", "Drake", lambda q: _one_by_one(drake().jacobian, q)),
-        _Testimony("foot", "SymPy", lambda q: _one_by_one(foot_function(rows), q)),
-        _Testimony("Jacobian", "SymPy", lambda q: _one_by_one(jacobian_function(rows), q)),
-    ]
+    rows = robot.rows[:row]
+    moving, on_the_way = khalil.moving_rows(robot.rows), set(robot.path(row))
+    before = [column for column, index in enumerate(moving) if index < row]
+    leading = [column for column, index in enumerate(moving) if index + 1 in on_the_way]
+    path = khalil.foot_rows(rows)
+
+    def widened(columns: Sequence[int], J: Array) -> Array:
+        """Put columns among those of the joints that do not move this frame."""
+        wide = np.zeros((*J.shape[:-1], len(moving)))
+        wide[..., columns] = J
+        return wide
+
+    foot, jacobian = FOOT + which, JACOBIAN + which
+    chain = {
+        foot: lambda q: khalil.foot_pose(rows, q[:, before]),
+        jacobian: lambda q: widened(before, khalil.jacobian(rows, q[:, before])),
+    }
+    symbols = {
+        foot: lambda q: _one_by_one(foot_function(path), q[:, leading]),
+        jacobian: lambda q: widened(leading, _one_by_one(jacobian_function(path), q[:, leading])),
+    }
+    plant = {
+        foot: lambda q: _one_by_one(partial(drake().foot, row=row), q),
+        jacobian: lambda q: _one_by_one(partial(drake().jacobian, row=row), q),
+    }
+    differences = {
+        jacobian: lambda q: widened(before, difference_jacobian(rows, q[:, before])),
+    }
+    witnesses = zip(ORDER, (chain, differences, plant, symbols), strict=True)
+    for witness, functions in witnesses:
+        for quantity, function in functions.items():
+            yield _Testimony(quantity, witness, function)
 
 
 def _one_by_one(function: Function, configurations: Array) -> Array:
@@ -254,7 +296,7 @@ def _compute(
     testimonies: Sequence[_Testimony], q: Array, budget: TimeBudget, progress: Report | None
 ) -> tuple[dict[str, dict[str, Array]], list[Missing]]:
     """Ask the witnesses one after the other, as long as the budget lasts."""
-    found: dict[str, dict[str, Array]] = {"foot": {}, "Jacobian": {}}
+    found: dict[str, dict[str, Array]] = {one.quantity: {} for one in testimonies}
     missing = []
     for quantity, witness, function in testimonies:
         if progress is not None:
@@ -332,9 +374,9 @@ class DrakeWitness:
         self._positions = [joint.position_start() for joint in joints]
         self._velocities = [joint.velocity_start() for joint in joints]
 
-    def foot(self, q: Array) -> Array:
-        """Pose X_BF (4, 4) [-, m] of the last frame, at joint positions (m,) [rad or m]."""
-        return self.pose(q, 0, -1)
+    def foot(self, q: Array, row: int = -1) -> Array:
+        """Pose X_BF (4, 4) [-, m] of a row's frame, at joint positions (m,) [rad or m]."""
+        return self.pose(q, 0, row)
 
     def pose(self, q: ArrayLike, first: int, last: int) -> Array:
         """Pose (4, 4) [-, m] of one frame in another, by their indices."""
@@ -343,16 +385,16 @@ class DrakeWitness:
         X: Array = self._plant.CalcRelativeTransform(self._context, *frames).GetAsMatrix4()
         return X
 
-    def jacobian(self, q: ArrayLike) -> Array:
-        """Spatial Jacobian Jv_BF (6, m) of the last frame, rotation first, in the base frame."""
+    def jacobian(self, q: ArrayLike, row: int = -1) -> Array:
+        """Spatial Jacobian Jv_BF (6, m) of a row's frame, rotation first, in the base frame."""
         self._set(q)
-        base, *_, foot = self._frames
+        base, foot = self._frames[0], self._frames[row]
         spatial: Array = self._plant.CalcJacobianSpatialVelocity(
             self._context, JacobianWrtVariable.kV, foot, np.zeros(3), base, base
         )
         return spatial[:, self._velocities]
 
     def _set(self, q: ArrayLike) -> None:
-        positions = np.zeros(self._plant.num_positions())
+        positions = self._plant.GetPositions(self._context)
         positions[self._positions] = q
         self._plant.SetPositions(self._context, positions)

@@ -15,11 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.euler import euler_angles
-from drake_leg.kinematics.khalil import row_transform
+from drake_leg.kinematics.euler import euler_angles, quaternions
+from drake_leg.kinematics.khalil import Array, row_transform
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import (
-    BASE,
     BASE_WELD,
     PLACES,
     Brick,
@@ -43,25 +42,31 @@ STEEP = 0.99  # sine of the pitch beyond which roll, pitch, yaw lose digits
 
 
 def sdf_text(robot: Robot, *, origin: str = "drake_leg.robot.robots") -> str:
-    """Write a robot as an SDF 1.9 document with one model, its base welded to the world.
+    """Write a robot as an SDF 1.9 document with one model.
 
-    ``origin`` names the source in the document's comment.
+    Its base is welded to the world, unless it floats. ``origin`` names the source in the document's
+    comment. At a closed loop, the document has the two frames of the cut; SDF has no joint that
+    closes it.
     """
     sdf = ET.Element("sdf", version="1.9")
     about = f"{robot.title} ({robot.source}). Generated from {origin}."
     sdf.append(ET.Comment(_comment(about)))
     model = ET.SubElement(sdf, "model", name=robot.name)
-    _add_base(model)
-    parent = before = BASE  # the link that carries the next joint, and the frame of the row before
-    for index, segment in enumerate(robot.segments, start=1):
+    _add_base(model, robot)
+    # Of every row, 0 being the base: the link that carries it, and the name of its frame.
+    carriers, frames = [robot.base_name], [robot.base_name]
+    for index, (segment, antecedent) in enumerate(
+        zip(robot.segments, robot.antecedents, strict=True), start=1
+    ):
+        carrier, before = carriers[antecedent], frames[antecedent]
         if segment.link is None:
             _add_frame(model, frame_name(index), before, segment.row)
-            before = frame_name(index)
-            continue
-        model.append(ET.Comment(_comment(f"Row {index}: {_row_text(segment.row)}")))
-        _add_link(model, segment.link, segment.row, before, index)
-        _add_joint(model, segment, parent)
-        parent = before = segment.link.name
+        else:
+            model.append(ET.Comment(_comment(f"Row {index}: {_row_text(segment.row)}")))
+            _add_link(model, segment.link, segment.row, before, index)
+            _add_joint(model, segment, carrier)
+        carriers.append(carrier if segment.link is None else segment.link.name)
+        frames.append(frame_name(index) if segment.link is None else segment.link.name)
     return _document(sdf)
 
 
@@ -100,7 +105,10 @@ def _numbers(values: Sequence[float]) -> str:
 def _row_text(row: Row) -> str:
     sigma = "~" if row.sigma is None else row.sigma
     angles = f"alpha={math.degrees(row.alpha):g} deg, r={row.r:g} m"
-    return f"sigma={sigma}, d={row.d:g} m, {angles}, theta={math.degrees(row.theta):g} deg"
+    tree = "" if row.antecedent is None else f", antecedent={row.antecedent}"
+    if row.gamma or row.b:
+        tree += f", gamma={math.degrees(row.gamma):g} deg, b={row.b:g} m"
+    return f"sigma={sigma}, d={row.d:g} m, {angles}, theta={math.degrees(row.theta):g} deg{tree}"
 
 
 def _comment(text: str) -> str:
@@ -109,12 +117,27 @@ def _comment(text: str) -> str:
 
 
 def _set_pose(pose: ET.Element, row: Row) -> None:
-    """Write the pose of a row's frame at joint position 0: x, y, z [m] and its rotation.
+    """Write the pose of a row's frame at joint position 0."""
+    _set_transform(
+        pose,
+        row_transform(row),
+        lambda: (
+            math.sin(row.alpha / 2) * math.cos((row.theta - row.gamma) / 2),
+            -math.sin(row.alpha / 2) * math.sin((row.theta - row.gamma) / 2),
+            math.cos(row.alpha / 2) * math.sin((row.theta + row.gamma) / 2),
+            math.cos(row.alpha / 2) * math.cos((row.theta + row.gamma) / 2),
+        ),
+    )
 
-    The rotation is roll, pitch, yaw [rad], or a quaternion where these lose digits: near a pitch
-    of 90 degrees.
+
+def _set_transform(
+    pose: ET.Element, X_PC: Array, quaternion: Callable[[], tuple[float, ...]]
+) -> None:
+    """Write a pose: x, y, z [m] and its rotation.
+
+    The rotation is roll, pitch, yaw [rad], or a quaternion (x, y, z, w) where these lose digits:
+    near a pitch of 90 degrees.
     """
-    X_PC = row_transform(row)
     position = [0.0 if abs(value) < 1e-15 else float(value) for value in X_PC[:3, 3]]
     R_PC = np.where(np.abs(X_PC[:3, :3]) < 1e-15, 0.0, X_PC[:3, :3])
     if abs(R_PC[2, 0]) < STEEP:
@@ -123,10 +146,12 @@ def _set_pose(pose: ET.Element, row: Row) -> None:
         pose.text = _numbers((*position, *angles))
     else:
         pose.set("rotation_format", "quat_xyzw")
-        (ca, sa), (ct, st) = (
-            (math.cos(angle / 2), math.sin(angle / 2)) for angle in (row.alpha, row.theta)
-        )
-        pose.text = _numbers((*position, sa * ct, -sa * st, ca * st, ca * ct))
+        pose.text = _numbers((*position, *quaternion()))
+
+
+def _xyzw(X: Array) -> tuple[float, ...]:
+    w, x, y, z = quaternions(X[:3, :3]).tolist()
+    return x, y, z, w
 
 
 def _add_text(parent: ET.Element, tag: str, text: str) -> None:
@@ -146,19 +171,36 @@ def _add_place(model: ET.Element, link: str, place: str, position: Sequence[floa
         _add_text(frame, "pose", _numbers((*position, 0.0, 0.0, 0.0)))
 
 
-def _add_base(model: ET.Element) -> None:
-    model.append(ET.Comment(" Welded to the world: the inertia of the base never acts. "))
-    link = ET.SubElement(model, "link", name=BASE)
-    _add_inertial(link, CENTRED, 1.0, (1.0, 1.0, 1.0))
-    joint = ET.SubElement(model, "joint", name=BASE_WELD, type="fixed")
-    _add_text(joint, "parent", "world")
-    _add_text(joint, "child", BASE)
-    _add_frame(model, frame_name(0), BASE)
+def _add_base(model: ET.Element, robot: Robot) -> None:
+    """Add the base: a link welded to the world, or one that floats."""
+    if not robot.floating:
+        model.append(ET.Comment(" Welded to the world: the inertia of the base never acts. "))
+    link = ET.SubElement(model, "link", name=robot.base_name)
+    if robot.base_pose is not None:
+        X_W0 = np.array(robot.base_pose)
+        _set_transform(ET.SubElement(link, "pose"), X_W0, lambda: _xyzw(X_W0))
+    if robot.base_link is None:
+        _add_inertial(link, CENTRED, 1.0, (1.0, 1.0, 1.0))
+    else:
+        _add_body(link, robot.base_link)
+    if not robot.floating:
+        joint = ET.SubElement(model, "joint", name=BASE_WELD, type="fixed")
+        _add_text(joint, "parent", "world")
+        _add_text(joint, "child", robot.base_name)
+    _add_frame(model, frame_name(0), robot.base_name)
 
 
 def _add_link(model: ET.Element, link: Link, row: Row, before: str, index: int) -> None:
     element = ET.SubElement(model, "link", name=link.name)
     _set_pose(ET.SubElement(element, "pose", relative_to=before), row)
+    _add_body(element, link)
+    _add_frame(model, frame_name(index), link.name)
+    for place, position in zip(PLACES, (CENTRED, link.centre_of_mass, link.end), strict=True):
+        _add_place(model, link.name, place, position)
+
+
+def _add_body(element: ET.Element, link: Link) -> None:
+    """Add a link's mass properties and its shape."""
     _add_mass(element, link)
     solid = link.solid
     if solid is not None:
@@ -167,9 +209,6 @@ def _add_link(model: ET.Element, link: Link, row: Row, before: str, index: int) 
         _add_geometry(visual, solid.shape)
         material = ET.SubElement(visual, "material")
         _add_text(material, "diffuse", _numbers((*solid.colour, 1.0)))
-    _add_frame(model, frame_name(index), link.name)
-    for place, position in zip(PLACES, (CENTRED, link.centre_of_mass, link.end), strict=True):
-        _add_place(model, link.name, place, position)
 
 
 def _add_mass(element: ET.Element, link: Link) -> None:

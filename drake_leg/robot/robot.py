@@ -5,10 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from html import escape
-from types import NoneType
+from types import MappingProxyType, NoneType
 from typing import Literal
 
 from drake_leg.arguments import require_kind, shown
@@ -25,6 +26,16 @@ from drake_leg.colours import (
 )
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.tree import (
+    Loop,
+    Pose,
+    antecedents,
+    path_to,
+    require_base,
+    require_loops,
+    require_tree,
+    with_one_foot,
+)
 from drake_leg.units import LEAST, require_finite, require_positive, require_three
 
 JointType = Literal["revolute", "prismatic", "fixed"]
@@ -48,24 +59,29 @@ PLACES = ("base", "cog", "end")  # of the frames on every link
 class Row:
     """One row of a Khalil (modified DH) table.
 
-    The transform of the row is ``Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)``. A revolute
-    joint adds its position to ``theta``, a prismatic one to ``r``; a fixed row (printed as ~ in
-    the reports) has no joint position.
+    The transform of the row is ``Rot_z(gamma) Trans_z(b) Rot_x(alpha) Trans_x(d) Rot_z(theta)
+    Trans_z(r)``, in the frame of its antecedent. A revolute joint adds its position to ``theta``, a
+    prismatic one to ``r``; a fixed row (printed as ~ in the reports) has no joint position. Only
+    where a link carries several joints, ``gamma`` and ``b`` are needed.
     """
 
     joint: JointType
-    d: float = 0.0  # [m], along x of the frame before
-    alpha: float = 0.0  # [rad], about x of the frame before
+    d: float = 0.0  # [m], along x of the antecedent's frame, after gamma and b
+    alpha: float = 0.0  # [rad], about the same axis
     r: float = 0.0  # [m], along z of this frame
     theta: float = 0.0  # [rad], about z of this frame
+    gamma: float = 0.0  # [rad], about z of the antecedent's frame
+    b: float = 0.0  # [m], along the same axis
+    antecedent: int | None = None  # row, from 1; 0 is the base; None: the row before
 
     def __post_init__(self) -> None:
         if self.joint not in ("revolute", "prismatic", "fixed"):
             raise InvalidValueError(
                 f"a row's joint is {self.joint!r}; it must be revolute, prismatic or fixed"
             )
-        for name in ("d", "alpha", "r", "theta"):
+        for name in ("d", "alpha", "r", "theta", "gamma", "b"):
             require_finite(f"a row's {name}", getattr(self, name))
+        require_kind("a row's antecedent", self.antecedent, int, NoneType)
 
     @property
     def sigma(self) -> int | None:
@@ -214,8 +230,6 @@ class Segment:
             raise InvalidValueError(
                 f"a row has joint {self.joint!r} and link {self.link!r}; it must have both or none"
             )
-        if self.link is None and self.row.joint != "fixed":
-            raise InvalidValueError(f"a {self.row.joint} row has no link; only a fixed row may")
         if self.row.joint == "fixed" and self.mechanics != NO_MECHANICS:
             raise InvalidValueError(
                 "a fixed row has joint mechanics or limits; only a row that moves may"
@@ -232,9 +246,10 @@ def link_colour(row: int) -> Colour:
 
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """A serial robot on a fixed base.
+    """A robot: a tree of links on a base, from its Khalil table; its loops are cut.
 
-    Its end effector, the foot, is the last frame of the table.
+    A robot whose table has no branches is serial, and its end effector, the foot, is the last frame
+    of the table. ``at_tip`` chooses one foot of several.
 
     Parameters
     ----------
@@ -245,12 +260,22 @@ class Robot:
     source : str
         Where its numbers come from.
     segments : tuple of Segment
-        One for each row of the Khalil table, from base to tip, with its joint and its link.
+        One for each row of the Khalil table, an antecedent before what it carries, with its joint
+        and its link.
+    floating : bool
+        Whether the base moves freely, as that of a walking robot; else it is welded to the world.
+    base_link : Link, optional
+        The body of the base; its frame is frame 0. A floating base needs one with mass.
+    base_pose : (4, 4) array_like, optional
+        Pose of frame 0 in the world [-, m], at the beginning if the base floats.
+    loops : tuple of Loop
+        Where the closed loops of links are cut.
 
     Raises
     ------
     InvalidValueError
-        If a name is unusable or used twice, or no row moves.
+        If a name is unusable or used twice, no row moves, a row that moves has no link and is no
+        loop's cut, an antecedent does not come before its row, or the base's pose is not one.
 
     Examples
     --------
@@ -283,6 +308,10 @@ class Robot:
     title: str  # as in headings: Hexabot leg B
     source: str  # report and table
     segments: tuple[Segment, ...]
+    floating: bool = False
+    base_link: Link | None = None
+    base_pose: Pose | None = None  # X_W0 [-, m]
+    loops: tuple[Loop, ...] = ()
 
     def __post_init__(self) -> None:
         require_name("the robot's name", self.name)
@@ -290,12 +319,17 @@ class Robot:
         require_line("the robot's source", self.source)
         require_kind("the segments of a robot", self.segments, tuple, list)
         object.__setattr__(self, "segments", tuple(self.segments))
+        require_kind("the loops of a robot", self.loops, tuple, list)
+        object.__setattr__(self, "loops", tuple(self.loops))
         for index, segment in enumerate(self.segments, start=1):
             require_kind(f"segment {index} of a robot", segment, Segment)
         for index, segment in enumerate(self.segments, start=1):
             if segment.link is not None and segment.joint is not None:
                 require_name(f"the link of row {index}", segment.link.name)
                 require_name(f"the joint of row {index}", segment.joint)
+        require_tree(self)
+        require_base(self)
+        require_loops(self)
         require_unique(self._names())
         if not self.moving:
             raise InvalidValueError(
@@ -305,7 +339,7 @@ class Robot:
 
     def _names(self) -> Iterator[tuple[str, str]]:
         """List the names of all links, joints and frames of the model, with descriptions."""
-        yield BASE, "the base"
+        yield self.base_name, "the base"
         yield BASE_WELD, "the base's weld"
         yield frame_name(0), "the base's frame"
         for index, segment in enumerate(self.segments, start=1):
@@ -320,22 +354,101 @@ class Robot:
                         place_name(segment.link.name, place),
                         f"a frame on the link of row {index}",
                     )
+        for loop in self.loops:
+            yield loop.joint, f"the joint at which the loop of row {loop.cut} is cut"
 
     @property
+    def base_name(self) -> str:
+        """Name of the link that carries frame 0."""
+        return BASE if self.base_link is None else self.base_link.name
+
+    @cached_property
     def rows(self) -> tuple[Row, ...]:
-        """The Khalil table."""
-        return tuple(segment.row for segment in self.segments)
+        """The Khalil table; a row at which a loop is cut is fixed where its joint is at 0."""
+        return tuple(
+            replace(s.row, joint="fixed") if s.link is None and s.row.joint != "fixed" else s.row
+            for s in self.segments
+        )
 
     @property
     def moving(self) -> tuple[Segment, ...]:
-        """The segments with a joint position, in the table's order."""
-        return tuple(s for s in self.segments if s.row.joint != "fixed")
+        """The segments with a joint position, in the table's order; not those that are cut."""
+        return tuple(s for s in self.segments if s.row.joint != "fixed" and s.link is not None)
+
+    @property
+    def antecedents(self) -> tuple[int, ...]:
+        """The antecedent of every row, counted from 1; 0 is the base."""
+        return antecedents(self.rows)
+
+    @property
+    def is_serial(self) -> bool:
+        """Whether every row's antecedent is the row before."""
+        return self.antecedents == tuple(range(len(self.segments)))
+
+    @cached_property
+    def tips(self) -> Mapping[str, int]:
+        """Rows, from 1, that carry no other row, by the names of their links or frames.
+
+        The two frames of a loop are not tips.
+        """
+        carrying = {*self.antecedents, *(row for one in self.loops for row in (one.cut, one.end))}
+        leaves = [index for index in range(1, len(self.segments) + 1) if index not in carrying]
+        return MappingProxyType({self._frame_owner(index): index for index in leaves})
+
+    def _frame_owner(self, index: int) -> str:
+        link = self.segments[index - 1].link
+        return frame_name(index) if link is None else link.name
+
+    def path(self, row: int) -> tuple[int, ...]:
+        """Rows, from 1, that one passes from the base to a row, that row last."""
+        return path_to(self.antecedents, row)
+
+    def at_tip(self, tip: str | None = None, q: Sequence[float] | None = None) -> Robot:
+        """Return the robot with one foot: the joints that do not move it are fixed.
+
+        The rows keep their order, but the tip's comes last, and a floating base is held.
+
+        Parameters
+        ----------
+        tip : str, optional
+            One of ``tips``; needed where there are several.
+        q : (n,) sequence of float, optional
+            Joint positions of all joints [rad or m], in which the others are fixed. By default
+            their targets, or else as near to 0 as their limits allow.
+
+        Raises
+        ------
+        InvalidValueError
+            If there is no such tip, or there are several and none is chosen; or if the robot has
+            closed loops, whose joints cannot be fixed one by one.
+        """
+        return self if tip is None and self.has_one_foot else with_one_foot(self, tip, q)
+
+    @property
+    def has_one_foot(self) -> bool:
+        """Whether the last frame of the table is the only one that the joints lead to."""
+        return not self.floating and not self.loops and self._one_foot
+
+    @cached_property
+    def _one_foot(self) -> bool:
+        on_path = set(self.path(len(self.segments)))
+        return all(
+            index in on_path
+            for index, segment in enumerate(self.segments, start=1)
+            if segment.row.joint != "fixed"
+        )
 
     def __repr__(self) -> str:
-        return f"<Robot {self.name}: {self.title}, {len(self.segments)} rows>"
+        tree = "" if self.is_serial else f", {len(self.tips)} tips"
+        loops = f", {len(self.loops)} closed loop{'s' * (len(self.loops) > 1)}" * bool(self.loops)
+        floats = ", floating" * self.floating
+        return f"<Robot {self.name}: {self.title}, {len(self.segments)} rows{tree}{loops}{floats}>"
 
     def _repr_html_(self) -> str:
-        headings = ("row", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]", "joint", "link")
+        tree = not self.is_serial
+        headings = ["row", "σ", "d [m]", "α [rad]", "r [m]", "θ [rad]", "joint", "link"]
+        if tree:
+            headings[1:2] = ["antecedent", "σ", "γ [rad]", "b [m]"]
         rows = []
         variables = (f"q{number}" for number in itertools.count(1))
         for index, segment in enumerate(self.segments, start=1):
@@ -347,7 +460,10 @@ class Robot:
                 r = _sum(next(variables), row.r, r)
             sigma = "~" if row.sigma is None else row.sigma
             link = segment.link.name if segment.link else ""
-            cells = (index, sigma, f"{row.d:g}", angle_text(row.alpha), r, theta)
+            cells = [index, sigma, f"{row.d:g}", angle_text(row.alpha), r, theta]
+            if tree:
+                antecedent = self.antecedents[index - 1]
+                cells[1:2] = [antecedent, sigma, angle_text(row.gamma), f"{row.b:g}"]
             rows.append((*cells, segment.joint or "", link))
         return html_table(headings, rows, title=f"{self.title} ({self.source})")
 

@@ -68,7 +68,7 @@ def test_lengths_are_compared_relative_to_the_robots_size(size):
 def test_a_witness_that_differs_is_named_with_its_entry(entry, value, monkeypatch):
     honest = DrakeWitness.foot
 
-    def lies_once(self, q):
+    def lies_once(self, q, row):
         pose = honest(self, q)
         pose[entry] += value if q[0] > 0.0 else 0.0
         return pose
@@ -85,7 +85,7 @@ def test_a_witness_that_differs_is_named_with_its_entry(entry, value, monkeypatc
 
 
 def test_a_witness_without_a_number_proves_nothing(monkeypatch):
-    monkeypatch.setattr(DrakeWitness, "foot", lambda self, q: np.full((4, 4), np.nan))
+    monkeypatch.setattr(DrakeWitness, "foot", lambda self, q, row: np.full((4, 4), np.nan))
     proof = prove(LEG_B)
     assert not proof.holds
     assert math.isnan(proof.worst.difference)
@@ -118,7 +118,7 @@ def test_a_proof_shows_itself_in_a_notebook(monkeypatch):
     html = prove(LEG_B, samples=2)._repr_html_()
     assert "leg_b: proved: none is above 1e-12 (2 random configurations" in html
     assert html.count("<td>yes</td>") == 9
-    monkeypatch.setattr(DrakeWitness, "foot", lambda self, q: np.full((4, 4), np.nan))
+    monkeypatch.setattr(DrakeWitness, "foot", lambda self, q, row: np.full((4, 4), np.nan))
     html = prove(LEG_B, samples=2)._repr_html_()
     assert "NOT proved" in html
     assert html.count("<td>NO</td>") == 2

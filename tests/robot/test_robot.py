@@ -1,7 +1,7 @@
 """The data of a robot checks itself."""
 
 import math
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from drake_leg.robot.robot import (
     Solid,
     Sphere,
 )
+from drake_leg.robot.robots import LEG_B
 from drake_leg.units import LEAST, MOST, require_non_negative, require_positive
 
 NOT_FINITE = (math.nan, math.inf, -math.inf)
@@ -108,8 +109,8 @@ def test_a_joint_and_its_link_come_together(parts, named):
 
 @pytest.mark.parametrize("joint", ["revolute", "prismatic"])
 def test_only_a_fixed_row_may_be_a_mere_frame(joint):
-    with pytest.raises(InvalidValueError, match=f"a {joint} row has no link"):
-        Segment(row=Row(joint=joint))
+    with pytest.raises(InvalidValueError, match=f"row 5 of 'leg_b' is {joint} and has no link"):
+        replace(LEG_B, segments=(*LEG_B.segments, Segment(row=Row(joint=joint))))
     assert Segment(row=Row(joint="fixed")).link is None
 
 
