@@ -19,6 +19,7 @@ import sympy as sp
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import JointType, Link, Robot, Row, mass_properties
+from drake_leg.robot.tree import antecedents
 from drake_leg.units import STANDARD_GRAVITY
 
 ZERO = sp.Integer(0)
@@ -226,8 +227,9 @@ def table_of_rows(rows: Sequence[Row], name: str = "table") -> SymbolicTable:
     """Write a table in symbols, whose numbers ``values`` keeps.
 
     Lengths along x that are not zero become l1, l2, ...; those along z become h, or h1, h2, ...
-    where there are several; a negative length becomes -l. Angles that are simple fractions of pi
-    become exact, others symbols with the row's number, alpha3 or theta5.
+    where there are several; those along the antecedent's z become b1, b2, ...; a negative length
+    becomes -l. Angles that are simple fractions of pi become exact, others symbols with the row's
+    number, alpha3 or theta5.
     """
     values: dict[sp.Symbol, float] = {}
     q: list[sp.Symbol] = []
@@ -235,8 +237,9 @@ def table_of_rows(rows: Sequence[Row], name: str = "table") -> SymbolicTable:
     along_z = _names("h", [row.r for row in rows])
     if len(along_z) == 1:
         along_z = dict.fromkeys(along_z, "h")
+    beside = _names("b", [row.b for row in rows])
     symbolic = []
-    for index, row in enumerate(rows):
+    for index, (row, before) in enumerate(zip(rows, antecedents(rows), strict=True)):
         r = _length(along_z.get(index, ""), row.r, values)
         theta = _angle(f"theta{index + 1}", row.theta, values)
         if row.joint != "fixed":
@@ -249,7 +252,9 @@ def table_of_rows(rows: Sequence[Row], name: str = "table") -> SymbolicTable:
                 alpha=_angle(f"alpha{index + 1}", row.alpha, values),
                 r=r,
                 theta=theta,
-                antecedent=index,
+                gamma=_angle(f"gamma{index + 1}", row.gamma, values),
+                b=_length(beside.get(index, ""), row.b, values),
+                antecedent=before,
             )
         )
     return SymbolicTable(name=name, rows=tuple(symbolic), q=tuple(q), values=values)
@@ -258,7 +263,8 @@ def table_of_rows(rows: Sequence[Row], name: str = "table") -> SymbolicTable:
 def table_of_robot(robot: Robot) -> SymbolicTable:
     """Write a robot's table and its links' parameters in symbols, whose numbers ``values`` keeps.
 
-    Parameters that are zero are left out. Gravity is along the world's -z.
+    Parameters that are zero are left out. Gravity is along the world's -z; those of a floating
+    base have the number 0. The row at which a loop is cut is fixed, its joint at 0.
     """
     table = table_of_rows(robot.rows, robot.name)
     values = dict(table.values)
@@ -267,11 +273,29 @@ def table_of_robot(robot: Robot) -> SymbolicTable:
         parameters = {} if segment.link is None else link_numbers(segment.link)
         parameters["FV"] = segment.mechanics.damping
         links.append(LinkParameters(**_parameters(number, parameters, values)))
-    gravity = _upright()
-    values[-gravity[2]] = STANDARD_GRAVITY
+    base = NO_LINK
+    if robot.floating and robot.base_link is not None:
+        base = LinkParameters(**_parameters(0, link_numbers(robot.base_link), values))
+    values[-_upright()[2]] = STANDARD_GRAVITY
+    pose = None if robot.base_pose is None else sp.Matrix(robot.base_pose)
     actuated = [segment.mechanics.actuated for segment in robot.segments]
     rows = tuple(replace(row, actuated=own) for row, own in zip(table.rows, actuated, strict=True))
-    return replace(table, rows=rows, values=values, links=tuple(links), gravity=gravity)
+    return replace(
+        table,
+        rows=rows,
+        values=values,
+        links=tuple(links),
+        gravity=_upright() if pose is None else _three(pose[:3, :3].T * sp.Matrix(_upright())),
+        floating=robot.floating,
+        base=base,
+        pose=pose,
+        loops=tuple((loop.cut, loop.end) for loop in robot.loops),
+    )
+
+
+def _three(vector: sp.Matrix) -> Three:
+    x, y, z = vector
+    return x, y, z
 
 
 def link_numbers(link: Link) -> dict[str, float]:
