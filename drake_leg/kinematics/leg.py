@@ -42,7 +42,6 @@ from drake_leg.units import LEAST, MOST, require_positive
 
 # sin(q3), or the reach over the leg's length, below which the closed form no longer divides.
 SINGULAR_BELOW = 1e-12
-AT_REST = (0.0, 0.0, 0.0)
 BRANCHES = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # facing, bend
 JOINTS = ("revolute", "revolute", "revolute", "fixed")  # of the reports' table
 
@@ -216,7 +215,7 @@ class MovableLeg(Movable):
 
     def rates(self, q: Floats, v: Floats) -> Floats:
         """``J^-1 v``."""
-        return self._solve(q, v, AT_REST, AT_REST)
+        return _rates(self._numbers, self._regular_plane(q), v)
 
     def accelerations(
         self,
@@ -227,29 +226,38 @@ class MovableLeg(Movable):
         w: Floats | None = None,
     ) -> Floats:
         """``J^-1 (a - dJ/dt qdot)`` with J changing along w."""
-        return self._solve(q, a, qdot, qdot if w is None else w)
+        along = qdot if w is None else w
+        return _accelerations(self._numbers, self._regular_plane(q), a, qdot, along)
 
     def formula(
         self, q: Values, a: Values, qdot: Values, w: Values, functions: Functions
     ) -> tuple[Values, ...]:
         """``J^-1 (a - dJ/dt qdot)`` in the arithmetic of ``functions``."""
-        return _joint_accelerations(self._numbers, _plane(self._numbers, q, functions), a, qdot, w)
+        return _accelerations(self._numbers, _plane(self._numbers, q, functions), a, qdot, w)
+
+    def rate_formula(self, q: Values, v: Values, functions: Functions) -> tuple[Values, ...]:
+        """``J^-1 v`` in the arithmetic of ``functions``."""
+        return _rates(self._numbers, _plane(self._numbers, q, functions), v)
 
     def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
         """Position of the foot in the base frame, (3,) [m]."""
         c1, s1, *_, z2, _, z3, reach = _plane(self._numbers, q, functions)
         return c1 * reach, s1 * reach, self._numbers[3] * (z2 + z3)
 
+    def postures(self, task: Array, like: Floats) -> Array:
+        """Joint angles for feet (rows, 3) [m], on the branch of ``like``."""
+        return inverse_kinematics(self.geometry, task, like)
+
     def differentiable(self) -> DifferentiableLeg:
         """The leg for angles that carry derivatives."""
         return DifferentiableLeg(self.geometry)
 
-    def _solve(self, q: Floats, a: Floats, qdot: Floats, w: Floats) -> Floats:
+    def _regular_plane(self, q: Floats) -> tuple[Values, ...]:
         plane = _plane(self._numbers, q, self._functions)
         _, _, s3, *_, reach = plane
         if abs(s3) <= SINGULAR_BELOW or abs(reach) <= SINGULAR_BELOW * self.length:
             raise self.singular(q)
-        return _joint_accelerations(self._numbers, plane, a, qdot, w)
+        return plane
 
 
 Numbers = tuple[float, float, float, int]  # l1, l2, l3 and the sign
@@ -266,19 +274,33 @@ def _plane(leg: Numbers, q: Values, functions: Functions) -> tuple[Values, ...]:
     return cos(q1), sin(q1), sin(q3), c23, s23, x2, z2, x3, z3, l1 + x2 + x3
 
 
-def _joint_accelerations(
+def _rates(leg: Numbers, plane: tuple[Values, ...], v: Values) -> tuple[Values, ...]:
+    """``J^-1 v``."""
+    c1, s1 = plane[:2]
+    return _inverted(leg, plane, c1 * v[0] + s1 * v[1], c1 * v[1] - s1 * v[0], leg[3] * v[2])
+
+
+def _accelerations(
     leg: Numbers, plane: tuple[Values, ...], a: Values, qdot: Values, w: Values
 ) -> tuple[Values, ...]:
-    """``J^-1 (a - dJ/dt qdot)`` with J changing along w; with both zero, the rates for a."""
-    _, l2, l3, sign = leg
-    c1, s1, s3, c23, s23, x2, z2, x3, z3, reach = plane
+    """``J^-1 (a - dJ/dt qdot)`` with J changing along w."""
+    c1, s1, _, _, _, x2, z2, x3, z3, reach = plane
     u1, u2, u3 = qdot
     w1, w2, w3 = w
     u23, w23 = u2 + u3, w2 + w3
     w2_2, w23_2 = u2 * w2, u23 * w23
     radial = c1 * a[0] + s1 * a[1] + x2 * w2_2 + x3 * w23_2 + reach * u1 * w1
     tangential = c1 * a[1] - s1 * a[0] + (z2 * w2 + z3 * w23) * u1 + (z2 * u2 + z3 * u23) * w1
-    vertical = sign * a[2] + z2 * w2_2 + z3 * w23_2
+    vertical = leg[3] * a[2] + z2 * w2_2 + z3 * w23_2
+    return _inverted(leg, plane, radial, tangential, vertical)
+
+
+def _inverted(
+    leg: Numbers, plane: tuple[Values, ...], radial: Values, tangential: Values, vertical: Values
+) -> tuple[Values, ...]:
+    """Solve for the joints, from the foot's motion in the leg's plane and across it."""
+    _, l2, l3, _ = leg
+    _, _, s3, c23, s23, x2, z2, x3, z3, reach = plane
     return (
         tangential / reach,
         (c23 * radial + s23 * vertical) / (l2 * s3),
@@ -360,12 +382,11 @@ def branch_angles(leg: LegGeometry, p_BF: ArrayLike) -> Array:
     arbitrary.
     """
     points = finite_vectors("p_BF", p_BF, 3)
-    x, y, w = points[..., 0], points[..., 1], leg.sign * points[..., 2]
-    solutions = [_solve(leg, x, y, w, facing, bend) for facing, bend in BRANCHES]
-    return np.stack(solutions, axis=-2)
+    return np.stack([_solve(leg, points, *branch) for branch in BRANCHES], axis=-2)
 
 
-def _solve(leg: LegGeometry, x: Array, y: Array, w: Array, facing: int, bend: int) -> Array:
+def _solve(leg: LegGeometry, p_BF: Array, facing: int, bend: int) -> Array:
+    x, y, w = p_BF[..., 0], p_BF[..., 1], leg.sign * p_BF[..., 2]
     q1 = np.arctan2(facing * y, facing * x)
     u = facing * np.hypot(x, y) - leg.l1
     q3 = bend * triangle_angle(leg.l2, leg.l3, np.hypot(u, w))
@@ -409,6 +430,7 @@ def inverse_kinematics(leg: LegGeometry, p_BF: ArrayLike, like: ArrayLike) -> Ar
     ``foot_position(leg, inverse_kinematics(leg, p_BF, like)) == p_BF``. Every angle is the one
     nearest to that of ``like`` (3,) [rad], by whole turns; NaN where the point is out of reach.
     """
-    near = one_vector("like", like, 3)
-    branch = (1 if foot_reach(leg, near) >= 0.0 else -1, 1 if math.sin(near[2]) >= 0.0 else -1)
-    return nearest_turn(branch_angles(leg, p_BF)[..., BRANCHES.index(branch), :], near)
+    near, points = one_vector("like", like, 3), finite_vectors("p_BF", p_BF, 3)
+    facing = 1 if foot_reach(leg, near) >= 0.0 else -1
+    bend = 1 if math.sin(near[2]) >= 0.0 else -1
+    return nearest_turn(_solve(leg, points, facing, bend), near)

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_leg.kinematics.differentiable import cosine, sine
+from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import SineStep, limited_speed
 from drake_leg.kinematics.movable import Floats, Functions, Movable, Values
 
@@ -81,12 +82,23 @@ class KinematicEquation:
         if not (self.robot.has_formula and math.isinf(self.top_speed)):
             return None
         fed_back = self.fed_back(state)
-        rest = (0.0,) * self.joints
         v = self._corrected(self._velocity(time, functions), time, fed_back, functions)
-        qdot = self.robot.formula(fed_back, v, rest, rest, functions)
+        qdot = self.robot.rate_formula(fed_back, v, functions)
         if self.time_constant is None:
             return qdot
         return self._filtered(state, qdot)
+
+    def path(self, start: Sequence[float], time: Array) -> Array:
+        """Where an exact inverse has the foot in the task at times (rows,), (m, rows).
+
+        An error of the start (n,) at the first of them stays, or decays by the drift correction.
+        """
+        here = np.array(self.robot.task_position(start, self.functions))[:, np.newaxis]
+        way = np.array(self._displacement(time, (np.cos, np.sin)))
+        wanted = np.array(self._origin)[:, np.newaxis] + way
+        kept = np.exp(-self.correction * (time - time[0]))
+        path: Array = wanted + (here - wanted[:, :1]) * kept
+        return path
 
     def instant(self, time: float, state: Floats) -> Instant:
         """Command and joints at one instant."""

@@ -100,15 +100,26 @@ class Movable(ABC):
     ) -> tuple[Values, ...]:
         """``J^-1 (a - dJ/dt qdot)`` in any arithmetic, of a robot that ``has_formula``.
 
-        With ``qdot`` and ``w`` zero it is the rates for a velocity a. A singular posture is not
-        refused: the division by zero is left to the arithmetic.
+        A singular posture is not refused: the division by zero is left to the arithmetic.
         """
+        raise NotImplementedError
+
+    def rate_formula(self, q: Values, v: Values, functions: Functions) -> tuple[Values, ...]:
+        """``J^-1 v`` in any arithmetic, as ``formula``."""
         raise NotImplementedError
 
     def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
         """What the commanded velocities are the derivatives of, (m,); 0 for a rotation."""
         position: tuple[float, ...] = tuple((self.twists[3:].T @ self.foot(q)).tolist())
         return position
+
+    def postures(self, task: Array, like: Floats) -> Array | None:
+        """Joint positions for task positions along a path, (rows, m), in closed form, (rows, n).
+
+        The first one is ``like`` (n,), the others are on its branch; NaN out of reach. None where
+        there is no closed form.
+        """
+        return None
 
     @property
     def has_positions(self) -> tuple[bool, ...]:

@@ -149,16 +149,30 @@ class MovableScara(Movable):
         self, q: Values, a: Values, qdot: Values, w: Values, functions: Functions
     ) -> tuple[Values, ...]:
         """``J^-1 (a - dJ/dt qdot)`` in the arithmetic of ``functions``."""
-        l1, l2 = self.geometry.l1, self.geometry.l2
-        cos, sin = functions
-        q1, q2, _ = q
-        x1, y1, x2, y2 = l1 * cos(q1), l1 * sin(q1), l2 * cos(q1 + q2), l2 * sin(q1 + q2)
+        x1, y1, x2, y2 = plane = self._plane(q, functions)
         square1, square2 = qdot[0] * w[0], (qdot[0] + qdot[1]) * (w[0] + w[1])
         x, y = a[0] + x1 * square1 + x2 * square2, a[1] + y1 * square1 + y2 * square2
-        determinant = l1 * l2 * sin(q2)
-        first = (x2 * x + y2 * y) / determinant
-        second = -((x1 + x2) * x + (y1 + y2) * y) / determinant
-        return first, second, a[2] - first - second
+        return self._inverted(plane, q, (x, y, a[2]), functions)
+
+    def rate_formula(self, q: Values, v: Values, functions: Functions) -> tuple[Values, ...]:
+        """``J^-1 v`` in the arithmetic of ``functions``."""
+        return self._inverted(self._plane(q, functions), q, v, functions)
+
+    def _plane(self, q: Values, functions: Functions) -> tuple[Values, ...]:
+        """Both links in the base frame: x1, y1, x2, y2 [m]."""
+        l1, l2 = self.geometry.l1, self.geometry.l2
+        cos, sin = functions
+        first, both = q[0], q[0] + q[1]
+        return l1 * cos(first), l1 * sin(first), l2 * cos(both), l2 * sin(both)
+
+    def _inverted(
+        self, plane: tuple[Values, ...], q: Values, v: Values, functions: Functions
+    ) -> tuple[Values, ...]:
+        x1, y1, x2, y2 = plane
+        determinant = self.geometry.l1 * self.geometry.l2 * functions[1](q[1])
+        first = (x2 * v[0] + y2 * v[1]) / determinant
+        second = -((x1 + x2) * v[0] + (y1 + y2) * v[1]) / determinant
+        return first, second, v[2] - first - second
 
     @property
     def has_positions(self) -> tuple[bool, ...]:
@@ -167,10 +181,12 @@ class MovableScara(Movable):
 
     def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
         """Position [m] and yaw [rad] of the tool, (3,)."""
-        cos, sin = functions
-        first, both = q[0], q[0] + q[1]
-        l1, l2 = self.geometry.l1, self.geometry.l2
-        return l1 * cos(first) + l2 * cos(both), l1 * sin(first) + l2 * sin(both), both + q[2]
+        x1, y1, x2, y2 = self._plane(q, functions)
+        return x1 + x2, y1 + y2, q[0] + q[1] + q[2]
+
+    def postures(self, task: Array, like: Floats) -> Array:
+        """Angles for x, y [m] and yaw [rad] (rows, 3), with the elbow on the side of ``like``."""
+        return inverse_kinematics(self.geometry, task, like)
 
     def differentiable(self) -> DifferentiableChain:
         """The arm for angles that carry derivatives; x, y and yaw are those of the wrist."""

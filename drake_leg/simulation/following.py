@@ -31,6 +31,7 @@ from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.models.plant import build_plant
 from drake_leg.progress import held
 from drake_leg.robot.robot import Robot
+from drake_leg.simulation.all_steps import all_steps_of
 from drake_leg.simulation.guard import NEARLY_SINGULAR
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import INTERRUPTED, Progress, Run, Scopes, simulate
@@ -238,6 +239,9 @@ def _unguarded(
     progress: Progress | None,
 ) -> Run:
     """Simulate the loop with the exact inverse, at constant steps."""
+    found = all_steps_of(exact, config.start, duration, settings, progress)
+    if found is not None:
+        return found
 
     def start(_: Diagram, context: Context) -> None:
         context.SetContinuousState(exact.start(config.start))

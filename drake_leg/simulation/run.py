@@ -193,14 +193,7 @@ def simulate(
         settings = replace(settings, max_step=max_step)
     if duration is None:
         raise InvalidValueError("there is no duration", advice="give it, as `duration=2.0`")
-    require_positive("the duration", duration, "s")
-    if duration / settings.max_step > STEP_BUDGET:
-        raise InvalidValueError(
-            f"{duration!r} s at steps of {settings.max_step!r} s are more than the "
-            f"{STEP_BUDGET} steps a run may take",
-            advice="choose a shorter duration or a larger `max_step` and, where a light link's "
-            "damping or a stiff spring forbids that, `integrator='radau3'`",
-        )
+    require_steps(duration, settings)
     begin = start or start_on_motion
 
     def watched(diagram: Diagram, context: Context) -> _Watch:
@@ -211,6 +204,18 @@ def simulate(
     if failed or isinstance(done.stopped_by, UnstableRunError):  # at which step?
         done = _simulated(diagram, duration, settings, begin, watched, every_step=True)
     return done
+
+
+def require_steps(duration: float, settings: IntegratorSettings) -> None:
+    """Refuse a duration [s] that is not positive, or that takes more steps than the budget."""
+    require_positive("the duration", duration, "s")
+    if duration / settings.max_step > STEP_BUDGET:
+        raise InvalidValueError(
+            f"{duration!r} s at steps of {settings.max_step!r} s are more than the "
+            f"{STEP_BUDGET} steps a run may take",
+            advice="choose a shorter duration or a larger `max_step` and, where a light link's "
+            "damping or a stiff spring forbids that, `integrator='radau3'`",
+        )
 
 
 def _simulated(

@@ -193,15 +193,11 @@ class LegFamilies:
         ``T' = l1 H' / h`` or, behind the hip axis, its negative: a quartic, ``T'^2 H = l1^2 H'^2``.
         Among them are all extremes on either side of the axis, and the point nearest to it.
         """
-        H = np.array(
-            [d[0] ** 2 + d[1] ** 2, 2.0 * (p[0] * d[0] + p[1] * d[1]), p[0] ** 2 + p[1] ** 2]
-        )
-        slope_T, slope_H = np.array([2.0, 2.0 * float(p @ d)]), np.polyder(H)
-        quartic = np.polysub(
-            np.polymul(np.polymul(slope_T, slope_T), H),
-            self._leg.l1**2 * np.polymul(slope_H, slope_H),
-        )
-        nearest = [] if H[0] == 0.0 else [-float(H[1] / H[0]) / 2.0]
+        a, b, c = d[0] ** 2 + d[1] ** 2, 2.0 * (p[0] * d[0] + p[1] * d[1]), p[0] ** 2 + p[1] ** 2
+        slope_T, slope_H = np.array([2.0, 2.0 * float(p @ d)]), np.array([2.0 * a, b])
+        quartic = np.convolve(np.convolve(slope_T, slope_T), [a, b, c])
+        quartic[2:] -= self._leg.l1**2 * np.convolve(slope_H, slope_H)
+        nearest = [] if a == 0.0 else [-float(b / a) / 2.0]
         return [*np.roots(quartic).real.tolist(), *nearest]
 
     def posture(self, p: Array, like: Sequence[float]) -> Array:

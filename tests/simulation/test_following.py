@@ -78,10 +78,16 @@ def test_it_is_what_the_plant_does(name, is_clear):
     plant = simulate(build(config), DURATION, settings=FINE)
     assert run.stop_reason is None
     assert set(run.scopes) == set(plant.scopes)
-    assert run.time == pytest.approx(plant.time, abs=1e-12)
+    rows, of_plant = own_steps(run), own_steps(plant)
+    assert run.time[rows] == pytest.approx(plant.time[of_plant], abs=1e-12)
     for scope, values in plant.scopes.items():
         tolerance = TOLERANCE.get(scope, 2e-8)
-        assert np.abs(run.scopes[scope] - values).max() < tolerance, scope
+        assert np.abs(run.scopes[scope][rows] - values[of_plant]).max() < tolerance, scope
+
+
+def own_steps(run):
+    """Rows without those that a step of rounding has added."""
+    return np.append(np.diff(run.time) > 1e-9, True)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -174,7 +180,8 @@ def test_a_torque_limit_that_is_never_reached_disturbs_nothing():
     run, _ = follow_below_limit(high, DURATION, stepping())
     plant = simulate(hexabot_leg.build(high), DURATION, settings=FINE)
     assert set(run.scopes) == set(plant.scopes)
-    assert run.scopes["joint torques"] == pytest.approx(plant.scopes["joint torques"], abs=1e-9)
+    torques, of_plant = (each.scopes["joint torques"][own_steps(each)] for each in (run, plant))
+    assert torques == pytest.approx(of_plant, abs=1e-9)
     assert follow_below_limit(low, DURATION, stepping()) is None
 
 
