@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.inputs import add_robot_source, joint_positions, robot_source
+from drake_leg.cli.inputs import add_robot_source, add_tip, joint_positions, robot_source
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -42,6 +42,7 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
         "map could not be drawn, 2 bad input."
     )
     add_robot_source(parser)
+    add_tip(parser)
     parser.add_argument(
         "--q",
         metavar="X,Y,Z",
@@ -82,7 +83,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
-    robot, place = robot_source(chosen.robot).robot(), _place(chosen)
+    robot, place = robot_source(chosen.robot).robot().at_tip(chosen.tip), _place(chosen)
     if chosen.q is None:
         return _foot_alone(chosen, robot, place)
     values = numbers("--q", chosen.q)

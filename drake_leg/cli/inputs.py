@@ -18,6 +18,7 @@ from drake_leg.robot.toml_keys import Document, parse_document
 from drake_leg.robot.toml_reader import read_robot
 from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.runs.catalogue import reports_posture
+from drake_leg.runs.options import TIP
 
 # The reports' robots by their names on the command line.
 ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
@@ -49,6 +50,11 @@ def add_robot_source(parser: argparse.ArgumentParser) -> None:
         help=f"one of {names}, or a robot of your own: a TOML file ('drake-leg sdf leg-b --toml' "
         "prints one)",
     )
+
+
+def add_tip(parser: argparse.ArgumentParser) -> None:
+    """Add the option ``--tip``."""
+    parser.add_argument("--tip", metavar="NAME", help=f"{TIP} (default: the only one)")
 
 
 def robot_source(name: str) -> RobotSource:

@@ -6,7 +6,14 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.inputs import add_posture, add_robot_source, as_typed, posture, robot_source
+from drake_leg.cli.inputs import (
+    add_posture,
+    add_robot_source,
+    add_tip,
+    as_typed,
+    posture,
+    robot_source,
+)
 from drake_leg.cli.terminal import (
     add_view,
     numbers,
@@ -114,6 +121,7 @@ def configure_teleop(parser: argparse.ArgumentParser) -> None:
     )
     parser.epilog = LEAVING
     add_robot_source(parser)
+    add_tip(parser)
     add_posture(parser)
     parser.add_argument(
         "--task",
@@ -127,7 +135,7 @@ def configure_teleop(parser: argparse.ArgumentParser) -> None:
 def _teleop(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.teleop import drive_robot
 
-    robot = robot_source(chosen.robot).robot()
+    robot = robot_source(chosen.robot).robot().at_tip(chosen.tip)
     q = posture(chosen.robot, robot, chosen.q)
     start = _start(robot, q, chosen.task)
     try:

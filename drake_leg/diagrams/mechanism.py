@@ -90,7 +90,8 @@ def add_mechanism(
     builder.AddNamedSystem(MOTION, motion)
     converters = builder.AddNamedSystem("PS-Simulink Converters", Demultiplexer([n, n]))
     foot_frame = plant.GetFrameByName(f"frame_{len(robot.segments)}")
-    foot = builder.AddNamedSystem(SENSOR, FrameSensor(plant, foot_frame))
+    base_frame = None if robot.base_pose is None else plant.GetFrameByName("frame_0")
+    foot = builder.AddNamedSystem(SENSOR, FrameSensor(plant, foot_frame, base_frame))
 
     # Wires: the torque, and what disturbs.
     torque = motion.GetOutputPort("torque")

@@ -39,6 +39,7 @@ from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable, lapack
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
 from drake_leg.kinematics.scara import ScaraGeometry, is_scara
 from drake_leg.robot.robot import Robot, Row, Segment, require_robot
+from drake_leg.robot.tree import require_one_foot
 from drake_leg.units import exact_degrees
 
 TASKS = ("position", "pose")
@@ -307,6 +308,7 @@ def movable(robot: Robot, q0: Sequence[float] | None = None, task: str | None = 
     True
     """
     require_robot(robot)
+    require_one_foot(robot)
     if task is not None and task not in TASKS:
         raise InvalidValueError(f"the task is {shown(task)}; it must be {' or '.join(TASKS)}")
     posture = [0.0] * len(robot.moving) if q0 is None else joint_positions("q0", robot, q0)
@@ -377,6 +379,11 @@ def require_radians(q: Sequence[float], joints: Sequence[Segment]) -> None:
                     f"joint {joint.joint} is at {angle:g} rad, which is more than two turns",
                     advice=f"if degrees were meant, give math.radians({angle:g})",
                 )
+
+
+def base_rotation(robot: Robot) -> Array:
+    """Rotation R_W0 of the base in the world, (3, 3)."""
+    return np.eye(3) if robot.base_pose is None else np.array(robot.base_pose)[:3, :3]
 
 
 def joints_in_words(robot: Robot) -> str:

@@ -27,6 +27,7 @@ from drake_leg.kinematics.khalil import (
 from drake_leg.kinematics.leg import LegGeometry, branches
 from drake_leg.kinematics.scara import ScaraGeometry, branch_angles
 from drake_leg.robot.robot import Robot, Row, Segment, require_robot
+from drake_leg.robot.tree import require_one_foot
 from drake_leg.units import AT_LIMIT, beyond, require_angle
 
 STARTS = 400  # random postures
@@ -315,6 +316,7 @@ def feet(
     about the base's x, y, z [rad], or else any orientation.
     """
     require_robot(robot)
+    require_one_foot(robot)
     foot = one_vector("the foot", foot, 3).tolist()
     if q is not None:
         q = joint_positions("q", robot, q, least=min(3, len(robot.moving)))

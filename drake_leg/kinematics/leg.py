@@ -75,7 +75,8 @@ def is_hexabot_leg(robot: Robot) -> bool:
     """Whether a robot has the table of the reports' leg, of any lengths."""
     rows = robot.rows
     return (
-        tuple(row.joint for row in rows) == JOINTS
+        robot.is_plain
+        and tuple(row.joint for row in rows) == JOINTS
         and not any(row.r or row.theta for row in rows)
         and rows[0].d == 0.0
         and all(LEAST <= row.d <= MOST for row in rows[1:])

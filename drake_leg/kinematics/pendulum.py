@@ -91,7 +91,7 @@ class PendulumModel:
 
 def is_pendulum(robot: Robot) -> bool:
     """Whether a robot is one brick, of any size, that turns about the base's y axis."""
-    return _body(robot) is not None
+    return robot.is_plain and _body(robot) is not None
 
 
 def _body(robot: Robot) -> tuple[Solid, Brick] | None:

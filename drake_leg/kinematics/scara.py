@@ -57,7 +57,8 @@ def is_scara(robot: Robot) -> bool:
     rows = robot.rows
     kinds = ("revolute", "revolute", "revolute", "prismatic")
     return (
-        tuple(row.joint for row in rows) == kinds
+        robot.is_plain
+        and tuple(row.joint for row in rows) == kinds
         and tuple(row.alpha for row in rows) == (0.0, 0.0, 0.0, math.pi)
         and not any(row.theta for row in rows)
         and not any((rows[0].d, rows[3].d, rows[1].r, rows[2].r, rows[3].r))

@@ -5,11 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
-from types import MappingProxyType, NoneType
+from types import NoneType
 from typing import Literal
 
 from drake_leg.arguments import require_kind, shown
@@ -385,15 +385,22 @@ class Robot:
         """Whether every row's antecedent is the row before."""
         return self.antecedents == tuple(range(len(self.segments)))
 
-    @cached_property
-    def tips(self) -> Mapping[str, int]:
+    @property
+    def is_plain(self) -> bool:
+        """Whether the table is a chain on a base at rest in the world, without gamma and b."""
+        branched = any(row.gamma or row.b for row in self.rows)
+        placed = self.floating or self.base_pose is not None
+        return self.is_serial and not (branched or placed or self.loops)
+
+    @property
+    def tips(self) -> dict[str, int]:
         """Rows, from 1, that carry no other row, by the names of their links or frames.
 
         The two frames of a loop are not tips.
         """
         carrying = {*self.antecedents, *(row for one in self.loops for row in (one.cut, one.end))}
         leaves = [index for index in range(1, len(self.segments) + 1) if index not in carrying]
-        return MappingProxyType({self._frame_owner(index): index for index in leaves})
+        return {self._frame_owner(index): index for index in leaves}
 
     def _frame_owner(self, index: int) -> str:
         link = self.segments[index - 1].link

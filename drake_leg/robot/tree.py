@@ -145,6 +145,19 @@ def _require_frame(robot: Robot, loop: Loop, row: int, used: set[int], *, moves:
     used.add(row)
 
 
+def require_one_foot(robot: Robot) -> None:
+    """Refuse a robot with several feet, a floating base or closed loops: its foot is not clear."""
+    if robot.has_one_foot:
+        return
+    if robot.loops:
+        raise InvalidValueError(f"{robot.name!r} has closed loops; this needs an open chain")
+    names = list(robot.tips)
+    has = f"{len(names)} tips: {', '.join(names)}" if len(names) > 1 else "a floating base"
+    raise InvalidValueError(
+        f"{robot.name!r} has {has}", advice=f"take one foot, `robot.at_tip({names[0]!r})`"
+    )
+
+
 def with_one_foot(robot: Robot, tip: str | None, q: Sequence[float] | None) -> Robot:
     """Fix the joints that do not move one tip, and put its row last; see ``Robot.at_tip``."""
     foot = _tip_row(robot, tip)

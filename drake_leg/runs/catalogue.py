@@ -66,7 +66,7 @@ class RunKind:
 
     def robot(self, options: Any) -> Robot:  # noqa: ANN401
         """Return the robot that moves."""
-        robot: Robot = options.robot() if self.own is None else self.own
+        robot: Robot = options.robot() if self.own is None else self.own.at_tip(options.tip)
         return robot
 
     def posed(self, options: Any) -> Any:  # noqa: ANN401

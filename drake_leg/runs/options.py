@@ -61,6 +61,7 @@ DYNAMICS = (
 TASK = (
     "position moves the foot and lets it turn as the joints want; pose keeps its orientation, too"
 )
+TIP = "which tip of a branched robot is its foot; joints that do not move it are held"
 NO_FILTER = "none, the motion's derivatives are wired"
 L1 = "length of the coxa or of the first arm"
 L2 = "length of the femur or of the second arm"
@@ -401,6 +402,7 @@ class StraightOptions(StepOptions):
     task: str | None = option(
         None, TASK, shown="pose where the joints can keep it, otherwise position"
     )
+    tip: str | None = option(None, TIP, shown="the only one")
 
     def _refuse_at_rest(self) -> None:
         super()._refuse_at_rest()

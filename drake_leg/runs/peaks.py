@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_leg.kinematics.chain import base_rotation
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.robot.robot import Link, Robot, volume
 from drake_leg.simulation.run import Run
@@ -57,10 +58,11 @@ def greatest_between(time: Array, values: Array, slopes: Array) -> float:
 def static_torques(robot: Robot, q: Array, gravity: float) -> Array:
     """Torques or forces that hold the joints at rest at postures (rows, n), (rows, n) [N*m or N].
 
-    ``tau_j = g sum m_i (z_j x (c_i - o_j))_z`` over the centers of mass c_i beyond a joint that
-    turns about z_j through o_j, and ``g (z_j)_z sum m_i`` of one that slides.
+    ``tau_j = g sum m_i (z_j x (c_i - o_j)) . u`` over the centers of mass c_i beyond a joint that
+    turns about z_j through o_j, and ``g z_j . u sum m_i`` of one that slides, u pointing up.
     """
     X_B = base_transforms(robot.rows, q)
+    up = base_rotation(robot)[2]
     torques = np.zeros_like(q)
     joints = [index for index, one in enumerate(robot.segments) if one.row.joint != "fixed"]
     for index, segment in enumerate(robot.segments):
@@ -68,13 +70,15 @@ def static_torques(robot: Robot, q: Array, gravity: float) -> Array:
         if segment.link is None or mass == 0.0:
             continue
         centre = X_B[:, index] @ np.array([*segment.link.centre_of_mass, 1.0])
-        for column, joint in enumerate(each for each in joints if each <= index):
+        path = robot.path(index + 1)
+        for column, joint in enumerate(joints):
+            if joint + 1 not in path:
+                continue
             axis, origin = X_B[:, joint, :3, 2], X_B[:, joint, :3, 3]
             if robot.segments[joint].row.joint == "prismatic":
-                lever = axis[:, 2]
+                lever = axis @ up
             else:
-                to = centre[:, :3] - origin
-                lever = axis[:, 0] * to[:, 1] - axis[:, 1] * to[:, 0]
+                lever = np.cross(axis, centre[:, :3] - origin) @ up
             torques[:, column] += gravity * mass * lever
     return torques
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from drake_leg.diagrams.additions import Control
 from drake_leg.diagrams.disturbance import Disturbance
+from drake_leg.kinematics.chain import base_rotation
 from drake_leg.kinematics.khalil import Array, jacobian
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.robot.robot import Robot
@@ -180,7 +181,8 @@ def push_torques(robot: Robot, run: Run, disturbance: Disturbance) -> Array:
     if disturbance.push is None:
         return np.zeros_like(q)
     Jv = jacobian(robot.rows, q)[:, 3:, :]
-    torques: Array = np.einsum("rij,ri->rj", Jv, disturbance.push.at_time(run.time))
+    force = disturbance.push.at_time(run.time) @ base_rotation(robot)  # in the base frame
+    torques: Array = np.einsum("rij,ri->rj", Jv, force)
     return torques
 
 

@@ -227,9 +227,11 @@ class PlantMotion:
 def at_rest(what: Showable, q: ArrayLike | None = None) -> PlantMotion:
     """Make the motion of a plant at rest: one row, at time 0; by default at its own positions."""
     plant = shown(what)
-    posture = one_vector("q", plant.positions(q), plant.plant.num_positions())
-    if isinstance(what, Robot):
-        require_radians(posture.tolist(), what.moving)
+    if not isinstance(what, Robot):
+        posture = one_vector("q", plant.positions(q), plant.plant.num_positions())
+    else:
+        posture = plant.posture(q)
+        require_radians(posture[plant.joints].tolist(), what.moving)
     return PlantMotion(shown=plant, time=np.zeros(1), q=posture.reshape(1, -1))
 
 

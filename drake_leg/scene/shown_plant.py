@@ -38,7 +38,7 @@ from pydrake.systems.framework import Diagram, System
 
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.khalil import Array, finite_vectors
+from drake_leg.kinematics.khalil import Array, finite_vectors, one_vector
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robot import Robot, link_colour, place_name
 
@@ -161,6 +161,7 @@ class ShownPlant:
         if not plant.is_finalized():
             raise InvalidValueError("the plant is not finalized: call plant.Finalize() first")
         self.plant, self.name = plant, _name_of(plant)
+        self.joints: list[int] | None = None  # positions of a robot's joints, in its table's order
         self.title = title or self.name
         self.coordinates = _coordinates_of(plant)
         self._context, self._lock = plant.CreateDefaultContext(), Lock()
@@ -189,6 +190,16 @@ class ShownPlant:
         """Where among the positions the quaternions begin, w, x, y, z."""
         parts = [index for index, one in enumerate(self.coordinates) if one.in_quaternion]
         return parts[::4]
+
+    def posture(self, q: ArrayLike | None) -> Array:
+        """Positions, (q,), from those of a robot's joints in its table's order, or from all."""
+        if q is None or self.joints is None:
+            return self.positions(q)
+        if np.shape(q)[-1:] == (self.plant.num_positions(),) and self.quaternions:
+            return self.positions(q)
+        posture = self.default.copy()
+        posture[self.joints] = one_vector("q", q, len(self.joints))
+        return posture
 
     def positions(self, q: ArrayLike | None) -> Array:
         """Check joint positions, (..., q); None stands for the plant's default ones."""
@@ -469,7 +480,10 @@ def shown(what: Showable, *, title: str | None = None, trace: Sequence[str] = ()
 
 @lru_cache(maxsize=32)
 def _shown_robot(robot: Robot, title: str | None, trace: tuple[str, ...]) -> ShownPlant:
-    return _parsed(sdf_text(robot), title or robot.title, trace)
+    found = _parsed(sdf_text(robot), title or robot.title, trace)
+    joints = [found.plant.GetJointByName(str(segment.joint)) for segment in robot.moving]
+    found.joints = [joint.position_start() for joint in joints]
+    return found
 
 
 def _parsed(model: Path | str, title: str | None, trace: Sequence[str]) -> ShownPlant:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from drake_leg.arguments import require_callable
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
+from drake_leg.robot.robot import Robot
 from drake_leg.scene.scene import TRACE, Scene, View, as_view, at_rest, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, open_browser
 from drake_leg.scene.shown_plant import Coordinate, Showable, ShownPlant, shown
@@ -174,7 +175,8 @@ def view(
                 "no browser can be opened here",
                 advice="pass `announce=print` and open the address elsewhere",
             )
-        return view_served(motion.shown, motion.q[0], server, view=first.name)
+        seen = what if isinstance(what, Robot) else motion.shown
+        return view_served(seen, q, server, view=first.name)
 
 
 def view_served(
@@ -192,7 +194,8 @@ def view_served(
     until they are read again [s].
     """
     plant, first = shown(what), as_view(view)
-    posture = plant.positions(q).copy()
+    of_robot = isinstance(what, Robot)
+    posture = (plant.posture(q) if of_robot else plant.positions(q)).copy()
     sliders = joint_sliders(plant, posture)
     scene = scene_of(at_rest(plant, posture), room=ROOM)
     trace = Trace(scene.size)
@@ -212,7 +215,7 @@ def view_served(
             if once or quits:
                 break
             wait(PERIOD)
-    return posture
+    return posture[plant.joints] if of_robot else posture
 
 
 def _way(before: Array, after: Array) -> Array:

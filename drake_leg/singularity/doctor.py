@@ -24,6 +24,7 @@ from drake_leg.kinematics.khalil import Array, chain_length, foot_pose, jacobian
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.scara import ScaraGeometry
 from drake_leg.robot.robot import Robot, Row, Segment, html_table, require_robot
+from drake_leg.robot.tree import require_one_foot
 from drake_leg.singularity.families import Families, Nearness, families_of
 from drake_leg.singularity.stroke import (
     STRAIGHT,
@@ -314,6 +315,7 @@ def examine_posture(
     (0.1882, 'stretch')
     """
     require_robot(robot)
+    require_one_foot(robot)
     if frequency is not None and direction is None:
         raise InvalidValueError("a frequency needs a direction", advice="give `direction`, too")
     for name, value in (("yaw", yaw), ("rpy", rpy)):

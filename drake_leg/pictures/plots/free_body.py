@@ -7,6 +7,7 @@ and with the forces on its bodies, above its table.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from types import NoneType
 from typing import NamedTuple
 
@@ -24,7 +25,8 @@ from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.pictures.plots.sketch import AXES, COLOURS, Labels, Line, Sketch, direction, polar
 from drake_leg.pictures.plots.style import BODY, GREY, INK, new_figure
-from drake_leg.robot.robot import Robot, Segment, require_robot
+from drake_leg.robot.robot import Robot, Row, Segment, require_robot
+from drake_leg.robot.tree import antecedents
 
 HIP, KNEE, ANKLE = 25.0, 40.0, -105.0  # [deg], where leg B is drawn; leg A mirrors the last two
 RIGHT, BACK, UP = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -38,6 +40,9 @@ BESIDE = 0.8  # higher than this part of their width, views are side by side
 LINE = 0.2  # [inch] of the table
 COLUMNS = (("row", 0.0), ("σ", 0.08), ("d [mm]", 0.16), ("α [deg]", 0.31), ("r [mm]", 0.46),
            ("θ [deg]", 0.64), ("drawn at", 0.84))  # fmt: skip
+TREE_COLUMNS = (("row", 0.0), ("on", 0.07), ("σ", 0.13), ("γ [deg]", 0.19), ("b [mm]", 0.3),
+                ("d [mm]", 0.41), ("α [deg]", 0.52), ("r [mm]", 0.63), ("θ [deg]", 0.74),
+                ("drawn at", 0.89))  # fmt: skip
 
 
 def free_body(robot: Robot, *, title: str | None = None) -> Figure:
@@ -246,12 +251,22 @@ class _Seen(NamedTuple):
     X_B: Array  # (n + 1, 4, 4), of the base and every row
     right: Array
     up: Array
+    rows: tuple[Row, ...]
 
-    def corners(self) -> Array:
-        """Corner of each row's link: from x of the previous frame to its own z, (n, 3) [m]."""
-        start, end, x = self.X_B[:-1, :3, 3], self.X_B[1:, :3, 3], self.X_B[:-1, :3, 0]
-        found: Array = start + x * ((end - start) * x).sum(axis=1, keepdims=True)
-        return found
+    def bends(self) -> Array:
+        """Points of each row's link, (n, 4, 3) [m]: along the antecedent's z, along d, along z."""
+        before = list(antecedents(self.rows))
+        start, z, x = (self.X_B[before, :3, column] for column in (3, 2, 0))
+        y = self.X_B[before, :3, 1]
+        c, s = np.array([(math.cos(row.gamma), math.sin(row.gamma)) for row in self.rows]).T
+        b, d = np.array([(row.b, row.d) for row in self.rows]).T
+        raised = start + b[:, np.newaxis] * z
+        corner = raised + (d * c)[:, np.newaxis] * x + (d * s)[:, np.newaxis] * y
+        return np.stack([start, raised, corner, self.X_B[1:, :3, 3]], axis=1)
+
+    def points(self) -> Array:
+        """All origins and bends, (k, 3) [m]."""
+        return np.concatenate([self.X_B[:, :3, 3], self.bends().reshape(-1, 3)])
 
     def on_paper(self, p_B: Array) -> Array:
         """Project points [m] onto the paper [mm]."""
@@ -310,13 +325,18 @@ def _best_seen(robot: Robot) -> _Seen:
             c, s = math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth))
             right = np.array([-s, c, 0.0])
             up = np.array([-math.sin(el) * c, -math.sin(el) * s, math.cos(el)])
-            found.append(_Seen(q, X, right, up))
-    return max(found, key=lambda seen: _clearness(seen, chain_length(robot.rows)))
+            found.append(_Seen(q, X, right, up, robot.rows))
+    return max(found, key=lambda seen: _clearness(seen, _size(robot)))
+
+
+def _size(robot: Robot) -> float:
+    """Greatest length of the robot's branches, from frame to frame [m]."""
+    return max(chain_length(robot.rows[:row]) for row in robot.tips.values())
 
 
 def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
     """Range in which a joint may be drawn [rad or m]."""
-    mechanics, size = segment.mechanics, chain_length(robot.rows)
+    mechanics, size = segment.mechanics, _size(robot)
     turns = segment.row.joint == "revolute"
     low, high = (-WIDEST, WIDEST) if turns else (0.2 * size, 0.5 * size)
     lower = low if mechanics.lower is None else mechanics.lower
@@ -345,24 +365,23 @@ def _clearness(seen: _Seen, size: float) -> float:
 
 def _unit_of(seen: _Seen) -> float:
     """Length of an axis on paper [mm]."""
-    flat = seen.on_paper(np.concatenate([seen.X_B[:, :3, 3], seen.corners()]))
+    flat = seen.on_paper(seen.points())
     extent = float(np.ptp(flat, axis=0).max()) or 100.0
     return extent / (7.0 + 0.25 * len(seen.X_B))
 
 
 def _bounds(seen: _Seen, margin: float) -> tuple[Array, Array]:
-    flat = seen.on_paper(np.concatenate([seen.X_B[:, :3, 3], seen.corners()]))
+    flat = seen.on_paper(seen.points())
     low, high = flat.min(axis=0) - margin, flat.max(axis=0) + margin
     missing = np.maximum(np.array([0.0, 3.0 * margin]) - (high - low), 0.0) / 2.0
     return low - missing, high + missing
 
 
 def _draw_links(sketch: Sketch, seen: _Seen, width: float) -> list[Line]:
-    """Draw the link of every row: along x of the previous frame, then along its own z."""
+    """Draw the link of every row: along x of its antecedent, then along its own z."""
     drawn = []
-    origins = seen.X_B[:, :3, 3]
-    for start, corner, end in zip(origins[:-1], seen.corners(), origins[1:], strict=True):
-        for a, b in ((start, corner), (corner, end)):
+    for bends in seen.bends():
+        for a, b in pairwise(bends):
             pair = sketch.at(a), sketch.at(b)
             if math.dist(*pair) > 1e-3 * sketch.unit:
                 sketch.link(*pair, width=width)
@@ -412,11 +431,13 @@ def _draw_frames(sketch: Sketch, robot: Robot, seen: _Seen) -> None:
 
 def _draw_bodies(sketch: Sketch, robot: Robot, seen: _Seen) -> None:
     lines = _draw_links(sketch, seen, 9.0) + _draw_joints(sketch, robot, seen)
-    base = sketch.at(seen.X_B[0][:3, 3])
-    pulls = [((base[0] - 0.7 * sketch.unit, base[1] + 1.4 * sketch.unit), "$R$")]
-    starts = [base]
-    for number, segment in enumerate(robot.segments, start=1):
-        link = segment.link
+    starts, pulls = [], []
+    if not robot.floating:
+        base = sketch.at(seen.X_B[0][:3, 3])
+        starts.append(base)
+        pulls.append(((base[0] - 0.7 * sketch.unit, base[1] + 1.4 * sketch.unit), "$R$"))
+    carried = robot.base_link if robot.floating else None
+    for number, link in enumerate([carried, *(segment.link for segment in robot.segments)]):
         if link is not None and (link.solid or link.inertial):
             X = seen.X_B[number]
             at = sketch.at((X @ [*link.centre_of_mass, 1.0])[:3])
@@ -431,7 +452,9 @@ def _draw_bodies(sketch: Sketch, robot: Robot, seen: _Seen) -> None:
     for segment, X in zip(robot.segments, seen.X_B[1:], strict=True):
         if segment.row.joint != "fixed":
             labels.place(sketch.at(X[:3, 3]), str(segment.joint), GREY, size=9.0)
-    labels.place(sketch.at(seen.X_B[-1][:3, 3]), "foot", GREY, size=9.0)
+    for tip, row in robot.tips.items():
+        name = tip if len(robot.tips) > 1 else "foot"
+        labels.place(sketch.at(seen.X_B[row][:3, 3]), name, GREY, size=9.0)
 
 
 def _write_table(axes: Axes, robot: Robot, q: Array) -> None:
@@ -439,7 +462,8 @@ def _write_table(axes: Axes, robot: Robot, q: Array) -> None:
     axes.axis("off")
     count = len(robot.rows) + 1
     axes.set(xlim=(0.0, 1.0), ylim=(-count, 0.5))
-    for name, x in COLUMNS:
+    columns = COLUMNS if robot.is_serial else TREE_COLUMNS
+    for name, x in columns:
         axes.text(x, -0.3, name, fontsize=9.5, color=GREY)
     joint = 0
     for place, row in enumerate(robot.rows, start=1):
@@ -454,9 +478,11 @@ def _write_table(axes: Axes, robot: Robot, q: Array) -> None:
             there = f"{_number(round(math.degrees(q[joint - 1])))}°"
         sigma = "~" if row.sigma is None else str(row.sigma)
         d, alpha = _number(1e3 * row.d), _number(math.degrees(row.alpha))
-        for (_, x), text in zip(
-            COLUMNS, (str(place), sigma, d, alpha, r, theta, there), strict=True
-        ):
+        texts = [str(place), sigma, d, alpha, r, theta, there]
+        if not robot.is_serial:
+            gamma, b = _number(math.degrees(row.gamma)), _number(1e3 * row.b)
+            texts[1:2] = [str(robot.antecedents[place - 1]), sigma, gamma, b]
+        for (_, x), text in zip(columns, texts, strict=True):
             axes.text(x, -0.3 - place, text, fontsize=9.5, color=INK)
 
 
