@@ -32,12 +32,13 @@ from drake_leg.files import ResultsFolder
 from drake_leg.pictures.formats import CHOICES, CHOSEN, formats_of
 from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
-from drake_leg.runs.options import RunOptions, type_of
+from drake_leg.runs.options import OwnOptions, RunOptions, type_of
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
     from drake_leg.scene.scene import PlantMotion
 
+OWN = "a robot of your own"
 ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}  # of the files of these options
 
 
@@ -260,6 +261,8 @@ def _fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
     for name, kind in RUNS.items():
         for field in dataclasses.fields(kind.options):
             found.setdefault(field.name, {})[name] = field
+    for field in dataclasses.fields(OwnOptions):
+        found.setdefault(field.name, {OWN: field})
     return found
 
 

@@ -20,11 +20,11 @@ from drake_leg.runs.options import (
     FreePendulumOptions,
     LegAOptions,
     LegBOptions,
+    OwnOptions,
     PendulumOptions,
     RunOptions,
     ScaraOptions,
     SpringPendulumOptions,
-    StraightOptions,
 )
 
 if TYPE_CHECKING:
@@ -66,7 +66,8 @@ class RunKind:
 
     def robot(self, options: Any) -> Robot:  # noqa: ANN401
         """Return the robot that moves."""
-        robot: Robot = options.robot() if self.own is None else self.own.at_tip(options.tip)
+        tip = options.tip if isinstance(options, OwnOptions) else None
+        robot: Robot = options.robot() if self.own is None else self.own.at_tip(tip)
         return robot
 
     def posed(self, options: Any) -> Any:  # noqa: ANN401
@@ -112,7 +113,7 @@ def run_kind(what: str | Path | Robot) -> RunKind:
 
         what = load_robot(what)
     if isinstance(what, Robot):
-        return RunKind(title=what.title, motion=STEP, options=StraightOptions, own=what)
+        return RunKind(title=what.title, motion=STEP, options=OwnOptions, own=what)
     named = isinstance(what, str | Path)
     given = repr(str(what)) if named else shown(what)
     own = "a robot of your own is a file that ends in .toml"

@@ -389,7 +389,7 @@ class LegOptions(StepOptions, DampingOptions):
 
 @dataclass(kw_only=True)
 class StraightOptions(StepOptions):
-    """The straight step of a robot from a file."""
+    """The straight step of a foot."""
 
     amplitude: float = option(0.050, AMPLITUDE, "m/s")
     gain: float = option(
@@ -402,11 +402,17 @@ class StraightOptions(StepOptions):
     task: str | None = option(
         None, TASK, shown="pose where the joints can keep it, otherwise position"
     )
-    tip: str | None = option(None, TIP, shown="the only one")
 
     def _refuse_at_rest(self) -> None:
         super()._refuse_at_rest()
         self._require_defaults("amplitude is 0", "gain")
+
+
+@dataclass(kw_only=True)
+class OwnOptions(StraightOptions):
+    """The straight step of a robot from a file, or of one that is not the reports'."""
+
+    tip: str | None = option(None, TIP, shown="the only one")
 
 
 @dataclass(kw_only=True)

@@ -25,7 +25,7 @@ from drake_leg.scene.scene import Scene, View, triad_lengths
 Pixels = NDArray[np.uint8]  # (height, width, 3), red, green, blue
 
 HALO = 2  # [pixels] of paper around letters
-SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+SUBSCRIPTS = str.maketrans("0123456789W", "₀₁₂₃₄₅₆₇₈₉ᵂ")
 TOWARDS, AWAY = "⊙", "⊗"  # before the name of an axis that is seen from its end
 
 
@@ -268,7 +268,7 @@ class AxisNames:
         """List all axes as they are seen."""
         camera, rules, seen = self._camera, PLACEMENT, list[_Axis]()
         lengths = triad_lengths(len(X_WF), self._scene.size)
-        for frame, (X, length) in enumerate(zip(X_WF, lengths, strict=True)):
+        for mark, X, length in zip(self._scene.shown.marks, X_WF, lengths, strict=True):
             origin = X[:3, 3]
             sight = (camera - origin) / np.linalg.norm(camera - origin)
             tips = origin + length * X[:3, :3].T
@@ -276,7 +276,7 @@ class AxisNames:
             depth = float((camera - origin) @ self._view.axes[:, 2])
             aside = length * self._picture[1] / 2.0 / math.tan(self._view.field / 2.0) / depth
             for axis, (letter, end) in enumerate(zip("xyz", ends, strict=True)):
-                name = f"{letter}{frame}".translate(SUBSCRIPTS)
+                name = f"{letter}{mark}".translate(SUBSCRIPTS)
                 cosine = float(X[:3, axis] @ sight)
                 before, _ = self._before.get(name, (False, -1))
                 limit = rules.no_longer_end_on if before else rules.end_on

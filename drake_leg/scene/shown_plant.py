@@ -38,7 +38,7 @@ from pydrake.systems.framework import Diagram, System
 
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.khalil import Array, finite_vectors, one_vector
+from drake_leg.kinematics.khalil import Array, finite_vectors, one_vector, real_numbers
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robot import Robot, link_colour, place_name
 
@@ -186,6 +186,21 @@ class ShownPlant:
         return tuple(frame.name() for frame in self.frames)
 
     @property
+    def marks(self) -> tuple[str, ...]:
+        """What names the axes of each shown frame: its number in the table, or among these frames.
+
+        The world is W where the table's frame 0 is shown beside it.
+        """
+        found = [TABLE_FRAME.fullmatch(name) for name in self.names]
+        numbers = [match[1] if match else "" for match in found]
+        rest = [number for number in numbers[1:] if number]
+        if len(set(rest)) < len(rest) or "0" not in rest:
+            return tuple(map(str, range(len(self.frames))))
+        return tuple(
+            number or ("W" if index == 0 else f"{index}") for index, number in enumerate(numbers)
+        )
+
+    @property
     def quaternions(self) -> list[int]:
         """Where among the positions the quaternions begin, w, x, y, z."""
         parts = [index for index, one in enumerate(self.coordinates) if one.in_quaternion]
@@ -195,10 +210,11 @@ class ShownPlant:
         """Positions, (q,), from those of a robot's joints in its table's order, or from all."""
         if q is None or self.joints is None:
             return self.positions(q)
-        if np.shape(q)[-1:] == (self.plant.num_positions(),) and self.quaternions:
-            return self.positions(q)
+        given = real_numbers("q", q)
+        if self.quaternions and given.shape == self.default.shape:
+            return self.positions(given)
         posture = self.default.copy()
-        posture[self.joints] = one_vector("q", q, len(self.joints))
+        posture[self.joints] = one_vector("q", given, len(self.joints))
         return posture
 
     def positions(self, q: ArrayLike | None) -> Array:

@@ -117,6 +117,7 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
         "paths": [drake_path(index) for index in range(1, count)],
         "triads": [f"{drake_path(index)}/triad" for index in range(count)],
         "frames": scene.shown.names,
+        "marks": scene.shown.marks,
         "axes": lengths,
         "placement": asdict(PLACEMENT),
         "held": [np.round(points, 6).tolist() for points in held[1:]],

@@ -25,7 +25,7 @@ OF_RUNS = {
     "--inverse", "--correction", "--q0-error", "--push", "--mass-error", "--torque-limit", "--l1",
     "--l2", "--l3", "--density", "--filter-time-constant", "--feedback", "--lift", "--tool-height",
     "--size", "--velocity-target", "--lower-limit", "--upper-limit", "--spring-stiffness",
-    "--spring-unit", "--task", "--dynamics",
+    "--spring-unit", "--task", "--dynamics", "--tip",
 }  # fmt: skip
 
 ALWAYS = {
@@ -34,11 +34,11 @@ ALWAYS = {
                       "--max-step", "--stiffness"},
     "replay": {"--out", "--overwrite", "--from", "--robot"},
     "view": {"--q", "--still", "--from"},
-    "teleop": {"--q", "--task", "--host", "--port", "--no-browser", "--once"},
+    "teleop": {"--q", "--task", "--tip", "--host", "--port", "--no-browser", "--once"},
     "report": {"--out", "--overwrite"},
     "derive": {"--latex", "--budget"},
     "errata": {"--json"},
-    "doctor": {"--q", "--direction", "--frequency", "--foot", "--json", "--out"},
+    "doctor": {"--q", "--tip", "--direction", "--frequency", "--foot", "--json", "--out"},
     "sdf": {"--toml", "--out"},
     "check": {"--printed", "--json"},
     "inspect": {"--json"},

@@ -14,6 +14,7 @@ from drake_leg.runs.options import (
     EllipseOptions,
     LegAOptions,
     LegBOptions,
+    OwnOptions,
     ScaraOptions,
     StraightOptions,
 )
@@ -83,7 +84,7 @@ def test_the_options_know_the_leg():
 def test_an_own_robot_is_run_as_the_leg_is():
     kind = run_kind(dataclasses.replace(LEG_B, title="Mine"))
     assert kind.heading == "Mine: the step"
-    assert kind.options is StraightOptions
+    assert kind.options is OwnOptions
     options = LegBOptions(duration=0.1)
     assert kind.robot(options) is kind.own
     own, leg = kind.run(options), RUNS["leg-b"].run(options)

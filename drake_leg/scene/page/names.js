@@ -15,7 +15,7 @@ const makeNames = (data, pane) => {
     const name = document.createElement("span"), mark = document.createElement("i");
     name.className = "axis-name axis-" + letter;
     name.append(mark, letter);
-    name.append(Object.assign(document.createElement("sub"), { textContent: frame }));
+    name.append(Object.assign(document.createElement("sub"), { textContent: data.marks[frame] }));
     name.setAttribute("aria-hidden", "true");
     pane.append(name);
     const wide = name.offsetWidth, high = rules.high * letterSize(name);

@@ -133,7 +133,7 @@ const stage = (() => {
     return button;
   }
   makeShown("Frames", data.triads).title =
-    data.frames.map((name, number) => `${number} ${name}`).join(", ");
+    data.frames.map((name, place) => `${data.marks[place]} ${name}`).join(", ");
   makeShown("Trace", [data.trace]);
 
   // Whether a key is typed into a box, or belongs to the browser.
