@@ -24,7 +24,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 
 - ``PENDULUM``, ``LEG_A``, ``LEG_B``, ``SCARA``: the robots of the two reports, each a ``Robot``.
 - ``Robot``: a serial robot as data, one segment for each row of its table.
-- ``load_robot``: a robot from a TOML file.
+- ``load_robot``: a robot from a TOML file or a ``.par`` file of SYMORO.
 - ``build_plant``: a robot as Drake's ``MultibodyPlant``.
 - ``prove``: compare a robot's foot and Jacobian by its chain, SymPy, Drake and differences.
 - ``examine_posture``: a posture's rank, nearest singularity, strokes and inverse kinematics.
@@ -107,11 +107,11 @@ if TYPE_CHECKING:
     from drake_leg.pictures.block_diagram import block_diagram as block_diagram
     from drake_leg.pictures.plots import free_body as _free_body
     from drake_leg.robot.robot import Robot as Robot
+    from drake_leg.robot.robot_file import load_robot as load_robot
     from drake_leg.robot.robots import LEG_A as LEG_A
     from drake_leg.robot.robots import LEG_B as LEG_B
     from drake_leg.robot.robots import PENDULUM as PENDULUM
     from drake_leg.robot.robots import SCARA as SCARA
-    from drake_leg.robot.toml_reader import load_robot as load_robot
     from drake_leg.runs.named import run as run
     from drake_leg.scene.media import replay as replay
     from drake_leg.scene.media import still as still
@@ -173,7 +173,7 @@ _HOMES = {
     "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.pictures.plots.free_body", "free_body"),
     "gradient": ("drake_leg.studies.gradient", "gradient"),
-    "load_robot": ("drake_leg.robot.toml_reader", "load_robot"),
+    "load_robot": ("drake_leg.robot.robot_file", "load_robot"),
     "movable": ("drake_leg.kinematics.chain", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),
     "replay": ("drake_leg.scene.media", "replay"),

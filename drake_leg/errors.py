@@ -59,6 +59,26 @@ class InvalidValueError(DrakeLegError, ValueError):
     """A value that makes no sense."""
 
 
+class MissingNumbersError(InvalidValueError):
+    """Letters of a robot's file that need a number and have none.
+
+    Attributes
+    ----------
+    letters : tuple of str
+        All of them.
+    """
+
+    def __init__(self, where: object, letters: Mapping[str, str]) -> None:
+        self.letters = tuple(letters)
+        named = [f"{letter} ({place})" for letter, place in letters.items()]
+        listed = " and ".join(filter(None, (", ".join(named[:-1]), named[-1])))
+        numbers = ", ".join(f"{letter!r}: 0.1" for letter in letters)
+        super().__init__(
+            f"{where}: {listed} {'have' if len(named) > 1 else 'has'} no number",
+            advice=f"give numbers={{{numbers}}} with the right numbers",
+        )
+
+
 class OutputError(DrakeLegError):
     """A file or folder that cannot be written or read."""
 

@@ -22,6 +22,7 @@ from drake_leg.errors import (
     InvalidValueError,
     JointLimitError,
     LostMotionError,
+    MissingNumbersError,
     OutputError,
     PictureError,
     PlaceError,
@@ -72,6 +73,7 @@ PROVOKED_ELSEWHERE = {
     ServerError: "tests/scene/test_server.py",
     OtherRobotError: "tests/scene/test_scene.py",
     TimeBudgetError: "tests/test_progress.py",
+    MissingNumbersError: "tests/robot/test_par_robot.py",
 }
 
 
@@ -202,6 +204,7 @@ SAMPLES = {
     "HTTPStatus": HTTPStatus.FORBIDDEN,
     "Sequence[float]": (1.0, 2.0),
     "tuple[float, float]": (-1.0, 1.0),
+    "Mapping[str, str]": {"D3": "d of row 3"},
 }
 
 

@@ -141,6 +141,13 @@ class Keys:
             return None
         return self.positive(key, unit) if positive else self.number(key, unit)
 
+    def whole(self, key: str) -> int:
+        """A whole number that is not below zero, such as a row's."""
+        value = self.value(key, remedy="it must be the number of a row")
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= GREATEST:
+            raise self.error(f"{key} is {as_toml(value)}; it must be the number of a row")
+        return value
+
     def three(self, key: str, unit: str, default: Any = REQUIRED) -> tuple[float, float, float]:  # noqa: ANN401
         """Three finite numbers."""
         value = self.value(key, default, remedy=f"it must be three numbers [{unit}]")
@@ -149,6 +156,14 @@ class Keys:
             raise self.error(f"{key} is {as_toml(value)}; it must be three numbers [{unit}]")
         x, y, z = (self._checked(f"{key}[{i}]", part, unit) for i, part in enumerate(value))
         return x, y, z
+
+    def three_threes(self, key: str, unit: str) -> tuple[tuple[float, float, float], ...]:
+        """Three rows of three finite numbers."""
+        value = self.value(key)
+        if not isinstance(value, list) or len(value) != 3:
+            raise self.error(f"{key} is {as_toml(value)}; it must be three rows of three numbers")
+        rows = (Keys({key: row}, self.where, (key,)) for row in value)
+        return tuple(row.three(key, unit) for row in rows)
 
     def _checked(self, key: str, value: object, unit: str) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import Path
 
-from drake_leg.arguments import require_kind
-from drake_leg.files import read_text
 from drake_leg.robot.joint_mechanics import PRIORITIES, HardStop, JointMechanics, StateTarget
 from drake_leg.robot.robot import (
+    BASE,
     Brick,
     Cylinder,
     Inertial,
@@ -25,6 +24,7 @@ from drake_leg.robot.robot import (
     mass_properties,
     volume,
 )
+from drake_leg.robot.toml_base import BASE_KEYS, INSTEAD_OF_BASE, read_base_pose, read_loops
 from drake_leg.robot.toml_keys import Keys, parse_document
 from drake_leg.units import AngleUnit, JointUnits, in_radians, joint_units
 
@@ -87,11 +87,12 @@ _INSTEAD_OF_LIMITS = {
     ),
 }
 
-ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "row")
+ROBOT_KEYS = ("name", "title", "source", "convention", "angles", "base", "row", "loop")
 TABLE_KEYS = {
     "khalil": ("sigma", "d", "alpha", "r", "theta"),
     "classic": ("sigma", "theta", "d", "a", "alpha"),
 }
+TREE_KEYS = ("antecedent", "gamma", "b")  # of a row of Khalil's table that is a branch
 BODY_KEYS = ("joint", "link", "end", "solid", "inertial", "mechanics", "limits")
 SIGMAS: dict[int | str, JointType] = {0: "revolute", 1: "prismatic", "~": "fixed"}
 
@@ -106,9 +107,13 @@ _INSTEAD_OF_ROBOT = {
     "q0": "where it starts belongs to a run, as its option `q0`, or to [row.mechanics], as "
     "position_target",
     "tool": 'a tool is a last [[row]] with sigma = "~"',
-    "base": 'what raises or turns the base is a first [[row]] with sigma = "~"',
+    "loops": "every loop is a table of its own, under [[loop]]",
+    "floating": "it goes under [base]",
+    "pose": "the base's position and rotation go under [base]",
 }
-_NO_PARENTS = "a robot is one chain, and every row's parent is the row before it"
+_ANTECEDENT = (
+    "write antecedent, the number of the row that carries this one, from 1, or 0 for the base"
+)
 _OFFSET = (
     "the joint's position adds to theta where it turns, to r (classic: d) where it slides: write "
     "the offset there"
@@ -136,9 +141,7 @@ _INSTEAD_OF_ROW = {
         ("stiffness", "spring_stiffness"), "write spring_stiffness, under [row.mechanics]"
     ),
     "axis": "every joint turns about or slides along its z; alpha turns that axis",
-    "parent": _NO_PARENTS,
-    "child": _NO_PARENTS,
-    "children": _NO_PARENTS,
+    **dict.fromkeys(("parent", "child", "children", "ant"), _ANTECEDENT),
     "a": 'it belongs to the classic convention: say convention = "classic", or give d and r',
     "mass": "a mass goes with centre and moments under [row.inertial]",
     "density": "a density goes under [row.solid]",
@@ -297,42 +300,8 @@ def khalil_rows(rows: Sequence[ClassicRow]) -> tuple[Row, ...]:
     return (*moved, Row(joint="fixed", d=a, alpha=alpha))
 
 
-def load_robot(path: Path | str) -> Robot:
-    """Read a robot from a TOML file.
-
-    Parameters
-    ----------
-    path : Path or str
-        ``drake-leg sdf leg-b --toml`` prints one to start from.
-
-    Returns
-    -------
-    Robot
-        In Khalil's convention, whatever the file has.
-
-    Raises
-    ------
-    InvalidValueError
-        With file, key and value, if something is invalid.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from tempfile import TemporaryDirectory
-    >>> from drake_leg import LEG_B, load_robot
-    >>> from drake_leg.robot.toml_writer import robot_toml
-    >>> with TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "leg_b.toml"
-    ...     _ = path.write_text(robot_toml(LEG_B))
-    ...     load_robot(path) == LEG_B
-    True
-    """
-    require_kind("the path of a robot file", path, str, PurePath)
-    return read_robot(read_text(Path(path)), str(path))
-
-
 def read_robot(text: str, where: str) -> Robot:
-    """Read a robot from TOML, as ``load_robot`` does; errors begin with the file's name."""
+    """Read a robot from TOML; errors begin with the file's name."""
     keys = Keys(parse_document(text, where), where, ROBOT_KEYS, _INSTEAD_OF_ROBOT)
     name = keys.text("name")
     convention = keys.choice("convention", tuple(TABLE_KEYS), "khalil")
@@ -342,16 +311,40 @@ def read_robot(text: str, where: str) -> Robot:
         raise keys.error(
             "row is not a list of tables; every row goes under [[row]], with two brackets"
         )
+    tree = TREE_KEYS if convention == "khalil" else ()
+    known = (*TABLE_KEYS[convention], *tree, *BODY_KEYS)
     rows = [
-        Keys(table, f"{where}: row {index}", (*TABLE_KEYS[convention], *BODY_KEYS), _INSTEAD_OF_ROW)
+        Keys(table, f"{where}: row {index}", known, _INSTEAD_OF_ROW)
         for index, table in enumerate(tables, start=1)
     ]
-    title, source = keys.text("title", name), keys.text("source", Path(where).name)
-    segments = _segments(rows, convention, angles)
-    return keys.make(Robot, name=name, title=title, source=source, segments=segments)
+    loops = read_loops(keys)
+    return keys.make(
+        Robot,
+        name=name,
+        title=keys.text("title", name),
+        source=keys.text("source", Path(where).name),
+        segments=_segments(rows, convention, angles, {loop.cut for loop in loops}),
+        loops=loops,
+        **_base(keys, angles),
+    )
 
 
-def _segments(rows: list[Keys], convention: str, angles: AngleUnit) -> tuple[Segment, ...]:
+def _base(keys: Keys, angles: AngleUnit) -> dict[str, object]:
+    """Read what a robot has of a base, as arguments of ``Robot``."""
+    if not keys.has("base"):
+        return {}
+    base = Keys(keys.value("base"), f"{keys.where}: base", BASE_KEYS, INSTEAD_OF_BASE)
+    has_link = any(base.has(key) for key in ("link", "end", "solid", "inertial"))
+    return {
+        "floating": base.flag("floating", False),
+        "base_link": _link(base, base.text("link", BASE), 0) if has_link else None,
+        "base_pose": read_base_pose(base, angles),
+    }
+
+
+def _segments(
+    rows: list[Keys], convention: str, angles: AngleUnit, cuts: Collection[int]
+) -> tuple[Segment, ...]:
     tools: list[Row] = []
     if convention == "classic":
         *table, tool = khalil_rows([_classic_row(keys, angles) for keys in rows])
@@ -359,7 +352,10 @@ def _segments(rows: list[Keys], convention: str, angles: AngleUnit) -> tuple[Seg
     else:
         table = [_khalil_row(keys, angles) for keys in rows]
     numbered = enumerate(zip(rows, table, strict=True), start=1)
-    carried = [_segment(keys, row, index, angles) for index, (keys, row) in numbered]
+    carried = [
+        _cut(keys, row, angles) if index in cuts else _segment(keys, row, index, angles)
+        for index, (keys, row) in numbered
+    ]
     return (*carried, *(Segment(row=row) for row in tools))
 
 
@@ -375,6 +371,9 @@ def _khalil_row(keys: Keys, angles: AngleUnit) -> Row:
         alpha=in_radians(keys.number("alpha", angles), angles),
         r=keys.number("r", "m"),
         theta=in_radians(keys.number("theta", angles), angles),
+        gamma=in_radians(keys.number("gamma", angles, 0.0), angles),
+        b=keys.number("b", "m", 0.0),
+        antecedent=keys.whole("antecedent") if keys.has("antecedent") else None,
     )
 
 
@@ -401,12 +400,30 @@ def _segment(keys: Keys, row: Row, index: int, angles: AngleUnit) -> Segment:
         row=row,
         joint=joint,
         link=_link(keys, link, index),
-        mechanics=read_mechanics(
-            keys.value("mechanics", {}),
-            keys.value("limits", {}),
-            keys.where,
-            joint_units(row.joint, angles),
-        ),
+        mechanics=_mechanics(keys, row, angles),
+    )
+
+
+def _cut(keys: Keys, row: Row, angles: AngleUnit) -> Segment:
+    """Read the row of a cut joint, which carries no link."""
+    given = [key for key in ("joint", "link", "end", "solid", "inertial") if keys.has(key)]
+    if given:
+        raise keys.error(
+            f"{given[0]} is given at a row where a loop is cut, which has no link; its joint has "
+            "its name under [[loop]]"
+        )
+    mechanics = JointMechanics()
+    if row.joint != "fixed":
+        mechanics = _mechanics(keys, row, angles)
+    return keys.make(Segment, row=row, mechanics=mechanics)
+
+
+def _mechanics(keys: Keys, row: Row, angles: AngleUnit) -> JointMechanics:
+    return read_mechanics(
+        keys.value("mechanics", {}),
+        keys.value("limits", {}),
+        keys.where,
+        joint_units(row.joint, angles),
     )
 
 

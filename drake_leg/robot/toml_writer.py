@@ -36,15 +36,24 @@ def robot_toml(robot: Robot) -> str:
         _line("convention", "khalil", '"khalil" (modified DH) or "classic" (standard DH)'),
         _line("angles", angles, '"deg" or "rad"'),
     ]
+    lines += _base_lines(robot)
     for segment in robot.segments:
         lines += ["", "[[row]]", *_row_lines(segment, angles)]
+    for loop in robot.loops:
+        lines += [
+            "",
+            "[[loop]]",
+            _line("joint", loop.joint, "at which the loop is cut"),
+            _line("cut", loop.cut, "its row"),
+            _line("end", loop.end, "row of the frame on the other side"),
+        ]
     return "\n".join(lines) + "\n"
 
 
 def _angles(robot: Robot) -> Iterator[float]:
     """Yield every number of a robot that is written in the file's unit of angles."""
     for segment in robot.segments:
-        yield from (segment.row.alpha, segment.row.theta)
+        yield from (segment.row.alpha, segment.row.theta, segment.row.gamma)
         if segment.row.joint == "revolute":
             mechanics = segment.mechanics
             yield mechanics.equilibrium_position
@@ -58,15 +67,23 @@ def _angles(robot: Robot) -> Iterator[float]:
 def _row_lines(segment: Segment, angles: AngleUnit) -> Iterator[str]:
     row, link = segment.row, segment.link
     sigma = "~" if row.sigma is None else row.sigma
-    alpha, theta = (
-        exact_degrees(angle) if angles == "deg" else angle for angle in (row.alpha, row.theta)
+    alpha, theta, gamma = (
+        exact_degrees(angle) if angles == "deg" else angle
+        for angle in (row.alpha, row.theta, row.gamma)
     )
+    if row.antecedent is not None:
+        yield _line("antecedent", row.antecedent, "row that carries this one; 0 is the base")
     yield _line("sigma", sigma, '0 revolute, 1 prismatic, "~" fixed')
+    if gamma:
+        yield _line("gamma", gamma, f"[{angles}] about z of the antecedent's frame")
+    if row.b:
+        yield _line("b", row.b, "[m] along z of the antecedent's frame")
     yield _line("d", row.d, "[m] along x of the frame before")
     yield _line("alpha", alpha, f"[{angles}] about x of the frame before")
     yield _line("r", row.r, "[m] along z")
     yield _line("theta", theta, f"[{angles}] about z")
     if link is None:
+        yield from _joint_lines(segment.mechanics, joint_units(row.joint, angles))
         return
     yield _line("joint", segment.joint)
     yield _line("link", link.name)
@@ -76,25 +93,43 @@ def _row_lines(segment: Segment, angles: AngleUnit) -> Iterator[str]:
     yield from _joint_lines(segment.mechanics, joint_units(row.joint, angles))
 
 
-def _body_lines(link: Link) -> Iterator[str]:
+def _base_lines(robot: Robot) -> Iterator[str]:
+    pose, link = robot.base_pose, robot.base_link
+    if not robot.floating and pose is None and link is None:
+        return
+    yield from ("", "[base]")
+    if robot.floating:
+        yield _line("floating", True, "it moves freely")
+    if link is not None:
+        yield _line("link", link.name)
+        if link.end != ORIGIN:
+            yield _line("end", link.end, "[m] end of the link in its frame")
+    if pose is not None:
+        yield _line("position", tuple(row[3] for row in pose[:3]), "[m] of frame 0 in the world")
+        yield _line("rotation", tuple(row[:3] for row in pose[:3]), "its axes, as columns")
+    if link is not None:
+        yield from _body_lines(link, "base")
+
+
+def _body_lines(link: Link, table: str = "row") -> Iterator[str]:
     if link.inertial is not None:
-        yield from _inertial_lines(link.inertial)
+        yield from _inertial_lines(link.inertial, table)
     if link.solid is not None:
-        yield from _solid_lines(link.solid)
+        yield from _solid_lines(link.solid, table)
 
 
-def _inertial_lines(body: Inertial) -> Iterator[str]:
-    yield "[row.inertial]"
+def _inertial_lines(body: Inertial, table: str) -> Iterator[str]:
+    yield f"[{table}.inertial]"
     yield _line("mass", body.mass, "[kg]")
     yield _line("centre", body.centre, "[m] center of mass in the link's frame")
     yield _line("moments", body.moments, "[kg*m^2] Ixx, Iyy, Izz about the center of mass")
     yield _line("products", body.products, "[kg*m^2] Ixy, Ixz, Iyz of the inertia matrix")
 
 
-def _solid_lines(solid: Solid) -> Iterator[str]:
+def _solid_lines(solid: Solid, table: str) -> Iterator[str]:
     kinds = {kind: (name, dimensions) for name, (kind, dimensions) in SHAPES.items()}
     name, dimensions = kinds[type(solid.shape)]
-    yield "[row.solid]"
+    yield f"[{table}.solid]"
     yield _line("shape", name)
     for dimension in dimensions:
         yield _line(dimension, getattr(solid.shape, dimension), "[m]")

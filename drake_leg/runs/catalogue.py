@@ -109,7 +109,7 @@ def run_kind(what: str | Path | Robot) -> RunKind:
     if isinstance(what, str) and what in RUNS:
         return RUNS[what]
     if isinstance(what, str | Path) and Path(what).suffix.lower() == ".toml":
-        from drake_leg.robot.toml_reader import load_robot
+        from drake_leg.robot.robot_file import load_robot
 
         what = load_robot(what)
     if isinstance(what, Robot):

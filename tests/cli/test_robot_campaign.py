@@ -20,7 +20,7 @@ from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.feet import greatest_reach, random_configurations
 from drake_leg.models.proof import DrakeWitness
-from drake_leg.robot.toml_reader import load_robot
+from drake_leg.robot.robot_file import load_robot
 from drake_leg.scene.driven_foot import DrivenFoot
 from drake_leg.simulation.recording import Recording
 

@@ -8,8 +8,8 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.cli import main
 from drake_leg.models.plant import sdf_folder
+from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import LEG_B
-from drake_leg.robot.toml_reader import load_robot
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 ARM = """

@@ -10,8 +10,8 @@ from drake_leg.kinematics.euler import euler_angles
 from drake_leg.kinematics.feet import feet, limits_of, random_configurations, units_of
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.models.proof import DrakeWitness
+from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
-from drake_leg.robot.toml_reader import load_robot
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 SIX = ("puma560_modified", "puma560_classic", "puma560_classic_craig", "rx90")

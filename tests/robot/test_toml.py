@@ -24,9 +24,10 @@ from drake_leg.robot.robot import (
     Solid,
     Sphere,
 )
+from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import LEG_B, ROBOTS, hexabot_leg, pendulum
 from drake_leg.robot.toml_keys import parse_document
-from drake_leg.robot.toml_reader import load_robot, read_robot
+from drake_leg.robot.toml_reader import read_robot
 from drake_leg.robot.toml_writer import robot_toml
 
 ARM = """
@@ -335,7 +336,7 @@ def test_any_robot_is_proved(robot):
         ('link = "rod"', 'link = ""', ["link of row 2 is empty"]),
         ('link = "rod"', 'link = "my rod"', ["'my rod'", "letters"]),
         ('name = "arm"', 'name = "world"', ["'world'", "reserves"]),
-        ('link = "rod"', 'link = "rod"\nparent = "base"', ["'parent'", "one chain"]),
+        ('link = "rod"', 'link = "rod"\nparent = "base"', ["'parent'", "antecedent"]),
         ("lower = -150", "lower = 150", ["lower is 150 deg", "upper is 150 deg"]),
         ("lower = 0\n", "lower = 1\n", ["row 2, limits", "lower is 1 m"]),
         ("velocity = 180", "velocity = 0", ["velocity is 0 deg/s", "positive"]),

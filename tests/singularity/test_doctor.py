@@ -14,8 +14,8 @@ from drake_leg.kinematics.feet import feet
 from drake_leg.kinematics.khalil import foot_pose, jacobian
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian, foot_position
 from drake_leg.robot.robot import Row
+from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
-from drake_leg.robot.toml_reader import load_robot
 from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.singularity.doctor import examine, examine_posture, examine_whole
 

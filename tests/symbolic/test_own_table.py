@@ -7,8 +7,8 @@ import sympy as sp
 
 from drake_leg.kinematics import khalil
 from drake_leg.robot.robot import Row
+from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import SCARA
-from drake_leg.robot.toml_reader import load_robot
 from drake_leg.symbolic.derivation import Derivation, evaluator
 from drake_leg.symbolic.equations import own_pieces
 
