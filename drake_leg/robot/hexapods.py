@@ -1,0 +1,182 @@
+"""The whole hexabot: a body with six of report B's legs, one Khalil table.
+
+The reports have the leg only. Body, hips and masses are chosen here: each leg has a servo of
+57.2 g (XL430-W250, the vendor's manual) at its hip, carried by the body, one at its knee, carried
+by the coxa, and one at its ankle, carried by the femur; the rest is printed plastic, a battery and
+a computer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+from drake_leg.arguments import require_kind
+from drake_leg.colours import Colour
+from drake_leg.errors import InvalidValueError
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import (
+    NO_MECHANICS,
+    Brick,
+    Link,
+    Robot,
+    Row,
+    Segment,
+    Solid,
+    Sphere,
+    link_colour,
+    volume,
+)
+from drake_leg.robot.robots import GREY, HEXABOT_LENGTHS
+from drake_leg.units import require_finite, require_positive
+
+SERVO = 0.0572  # [kg], XL430-W250
+COXA = FEMUR = SERVO + 0.020  # [kg], with a printed bracket
+TIBIA, FOOT = 0.030, 0.002  # [kg], printed, and a rubber tip
+BODY = 6 * SERVO + 0.190 + 0.100 + 0.410  # [kg], with battery, computer, and printed plates
+BODY_SIZE = (0.240, 0.150, 0.040)  # [m]
+_SECTION = (0.024, 0.030)  # [m], width and height of a link, those of a servo
+_FOOT_RADIUS = 0.006  # [m]
+
+
+class Hip(NamedTuple):
+    """Where a leg's hip is on the body, and where the leg points at 0."""
+
+    x: float  # [m], forward
+    y: float  # [m], to the left
+    yaw: float  # [rad], from x towards y
+
+
+HIPS = {
+    "left_front": Hip(0.100, 0.060, math.radians(45.0)),
+    "left_middle": Hip(0.000, 0.080, math.radians(90.0)),
+    "left_rear": Hip(-0.100, 0.060, math.radians(135.0)),
+    "right_front": Hip(0.100, -0.060, math.radians(-45.0)),
+    "right_middle": Hip(0.000, -0.080, math.radians(-90.0)),
+    "right_rear": Hip(-0.100, -0.060, math.radians(-135.0)),
+}
+
+
+def hexapod(
+    *,
+    name: str = "hexabot",
+    title: str = "Hexabot",
+    source: str = "Report B, table 2.2, six times; body and masses are chosen",
+    lengths: tuple[float, float, float] = HEXABOT_LENGTHS,
+    hips: Mapping[str, Hip] = HIPS,
+    body_size: tuple[float, float, float] = BODY_SIZE,
+    body_mass: float = BODY,
+    mechanics: JointMechanics = NO_MECHANICS,
+) -> Robot:
+    """Make a floating body that carries legs of three joints.
+
+    Frame 0 is at the body's center, x forward, z up. At 0 the legs are stretched horizontally,
+    along their yaw; positive angles of knee and ankle lift the foot.
+
+    Parameters
+    ----------
+    lengths : (3,) tuple of float
+        Of coxa, femur and tibia [m].
+    hips : mapping of str to Hip
+        One leg for each, by its name.
+    body_size : (3,) tuple of float
+        Length, width and height of the body, a brick [m].
+    body_mass : float
+        [kg], with all that it carries but the legs.
+    mechanics : JointMechanics
+        Of every joint.
+
+    Raises
+    ------
+    InvalidValueError
+        If a length or the mass is not positive, a hip is not finite, or there is no leg.
+    """
+    for what, length in zip(("coxa", "femur", "tibia"), lengths, strict=True):
+        require_positive(f"the length of the {what}", length, "m")
+    require_positive("the body's mass", body_mass, "kg")
+    require_kind("the hips", hips, Mapping)
+    if not hips:
+        raise InvalidValueError("there is no hip; a walking robot has at least one leg")
+    length, width, height = body_size
+    brick = Brick(length=length, width=width, height=height)
+    legs = [
+        segment
+        for number, (leg, hip) in enumerate(hips.items(), start=1)
+        for segment in _leg(leg, Hip(*hip), lengths, mechanics, link_colour(number))
+    ]
+    return Robot(
+        name=name,
+        title=title,
+        source=source,
+        segments=tuple(legs),
+        floating=True,
+        base_link=_weighing(
+            body_mass, "body", Solid(shape=brick, density=1.0, centre=(0.0, 0.0, 0.0), colour=GREY)
+        ),
+    )
+
+
+def _leg(
+    name: str,
+    hip: Hip,
+    lengths: tuple[float, float, float],
+    mechanics: JointMechanics,
+    colour: Colour,
+) -> tuple[Segment, ...]:
+    """One leg, its hip on frame 0; its foot is a ball whose center is the last frame."""
+    for what, value in zip(("x", "y", "yaw"), hip, strict=True):
+        require_finite(f"{what} of the hip {name}", value)
+    coxa, femur, tibia = lengths
+    towards = math.atan2(hip.y, hip.x)
+
+    def moving(joint: str, link: str, length: float, mass: float, row: Row) -> Segment:
+        return Segment(
+            row=row,
+            joint=f"{name}_{joint}",
+            link=_bar(f"{name}_{link}", length, mass, colour),
+            mechanics=mechanics,
+        )
+
+    ball = Solid(
+        shape=Sphere(radius=_FOOT_RADIUS), density=1.0, centre=(0.0, 0.0, 0.0), colour=GREY
+    )
+    return (
+        moving(
+            "hip",
+            "coxa",
+            coxa,
+            COXA,
+            Row(
+                joint="revolute",
+                antecedent=0,
+                gamma=towards,
+                d=math.hypot(hip.x, hip.y),
+                theta=hip.yaw - towards,
+            ),
+        ),
+        moving("knee", "femur", femur, FEMUR, Row(joint="revolute", d=coxa, alpha=math.pi / 2)),
+        moving("ankle", "tibia", tibia, TIBIA, Row(joint="revolute", d=femur)),
+        Segment(
+            row=Row(joint="fixed", d=tibia),
+            joint=f"{name}_foot_weld",
+            link=_weighing(FOOT, f"{name}_foot", ball),
+        ),
+    )
+
+
+def _bar(name: str, length: float, mass: float, colour: Colour) -> Link:
+    brick = Brick(length=length, width=_SECTION[0], height=_SECTION[1])
+    solid = Solid(shape=brick, density=1.0, centre=(length / 2, 0.0, 0.0), colour=colour)
+    return _weighing(mass, name, solid, end=(length, 0.0, 0.0))
+
+
+def _weighing(
+    mass: float, name: str, solid: Solid, end: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> Link:
+    """Make a homogeneous link of a mass [kg]."""
+    return Link(name=name, solid=replace(solid, density=mass / volume(solid.shape)), end=end)
+
+
+HEXABOT = hexapod()

@@ -1,0 +1,42 @@
+import math
+
+import numpy as np
+import pytest
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.robot.hexapods import HEXABOT, HIPS, Hip, hexapod
+from drake_leg.robot.robot import mass_properties
+from drake_leg.robot.robots import LEG_B
+
+
+def test_the_hexabot_is_one_table_of_six_legs_of_report_b():
+    assert len(HEXABOT.rows) == 24
+    assert list(HEXABOT.tips) == [f"{leg}_foot" for leg in HIPS]
+    for first in range(0, 24, 4):
+        for own, reports in zip(HEXABOT.rows[first + 1 : first + 4], LEG_B.rows[1:], strict=True):
+            assert (own.joint, own.d, own.alpha) == (reports.joint, reports.d, reports.alpha)
+
+
+def test_hips_are_where_they_are_asked_for_and_legs_point_along_their_yaw():
+    X_B = base_transforms(HEXABOT.rows, np.zeros(18))
+    for hip, X in zip(HIPS.values(), X_B[::4], strict=True):
+        assert X[:3, 3] == pytest.approx([hip.x, hip.y, 0.0], abs=1e-15)
+        assert X[:3, 0] == pytest.approx([math.cos(hip.yaw), math.sin(hip.yaw), 0.0], abs=1e-15)
+    raised = base_transforms(HEXABOT.rows, np.tile([0.0, 0.3, 0.0], 6))
+    assert (raised[3::4, 2, 3] > 0.05).all()
+
+
+def test_it_weighs_what_its_parts_weigh():
+    links = [HEXABOT.base_link, *(segment.link for segment in HEXABOT.segments)]
+    masses = [mass_properties(link.solid).mass for link in links]
+    assert sum(masses) == pytest.approx(2.16, abs=0.01)
+
+
+def test_wrong_numbers_are_refused():
+    with pytest.raises(InvalidValueError, match=r"length of the femur is -0\.1 m"):
+        hexapod(lengths=(0.05, -0.1, 0.1))
+    with pytest.raises(InvalidValueError, match="there is no hip"):
+        hexapod(hips={})
+    with pytest.raises(InvalidValueError, match="yaw of the hip nose is nan"):
+        hexapod(hips={"nose": Hip(0.1, 0.0, math.nan)})
