@@ -23,7 +23,8 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 **Robots** (lengths in m, angles in rad)
 
 - ``PENDULUM``, ``LEG_A``, ``LEG_B``, ``SCARA``: the robots of the two reports, each a ``Robot``.
-- ``Robot``: a serial robot as data, one segment for each row of its table.
+- ``HEXABOT``: a body with six of report B's legs, one table of 24 rows.
+- ``Robot``: a robot as data, one segment for each row of its table, which may have branches.
 - ``load_robot``: a robot from a TOML file or a ``.par`` file of SYMORO.
 - ``build_plant``: a robot as Drake's ``MultibodyPlant``.
 - ``prove``: compare a robot's foot and Jacobian by its chain, SymPy, Drake and differences.
@@ -106,6 +107,7 @@ if TYPE_CHECKING:
     from drake_leg.models.proof import prove as prove
     from drake_leg.pictures.block_diagram import block_diagram as block_diagram
     from drake_leg.pictures.plots import free_body as _free_body
+    from drake_leg.robot.hexapods import HEXABOT as HEXABOT
     from drake_leg.robot.robot import Robot as Robot
     from drake_leg.robot.robot_file import load_robot as load_robot
     from drake_leg.robot.robots import LEG_A as LEG_A
@@ -146,6 +148,7 @@ _HOMES = {
     "EllipticStep": ("drake_leg.kinematics.motions", "EllipticStep"),
     "EnergySensor": ("drake_leg.systems.energy_sensor", "EnergySensor"),
     "FrameSensor": ("drake_leg.systems.frame_sensor", "FrameSensor"),
+    "HEXABOT": ("drake_leg.robot.hexapods", "HEXABOT"),
     "HexabotLegConfig": ("drake_leg.diagrams.hexabot_leg", "HexabotLegConfig"),
     "InputFilter": ("drake_leg.systems.input_filter", "InputFilter"),
     "InverseJacobian": ("drake_leg.systems.inverse_jacobian", "InverseJacobian"),

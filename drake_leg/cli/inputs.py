@@ -11,6 +11,7 @@ from pathlib import Path
 from drake_leg.cli.terminal import numbers
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import read_text
+from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot, Segment
 from drake_leg.robot.robots import ROBOTS
@@ -20,8 +21,8 @@ from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.runs.catalogue import reports_posture
 from drake_leg.runs.options import TIP
 
-# The reports' robots by their names on the command line.
-ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in ROBOTS}
+# The package's robots by their names on the command line.
+ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in (*ROBOTS, HEXABOT)}
 
 
 @dataclass(frozen=True, kw_only=True)

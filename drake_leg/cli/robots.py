@@ -227,12 +227,14 @@ def _proof_lines(robot: Robot, proof: Proof) -> Iterator[str]:
         f"greatest differences on {proof.samples} random configurations within the limits, "
         f"lengths relative to {proof.size:.6g} m:"
     )
+    names = [one.quantity for one in proof.comparisons] + [one.quantity for one in proof.missing]
+    wide = max(10, *map(len, names))
     for comparison in proof.comparisons:
         pair = f"{comparison.first} - {comparison.second}"
         mark = "" if comparison.agrees else "  !"
-        yield f"  {comparison.quantity:<10} {pair:<20} {comparison.difference:.1e}{mark}"
+        yield f"  {comparison.quantity:<{wide}} {pair:<20} {comparison.difference:.1e}{mark}"
     for missing in proof.missing:
-        yield f"  {missing.quantity:<10} {missing.witness:<20} {as_options(missing.why)}"
+        yield f"  {missing.quantity:<{wide}} {missing.witness:<20} {as_options(missing.why)}"
     if proof.worst is not None:
         yield f"the greatest of all: {_where(robot, proof.worst)}"
     yield proof.verdict

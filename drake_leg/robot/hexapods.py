@@ -16,7 +16,7 @@ from typing import NamedTuple
 from drake_leg.arguments import require_kind
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
 from drake_leg.robot.robot import (
     NO_MECHANICS,
     Brick,
@@ -37,6 +37,7 @@ COXA = FEMUR = SERVO + 0.020  # [kg], with a printed bracket
 TIBIA, FOOT = 0.030, 0.002  # [kg], printed, and a rubber tip
 BODY = 6 * SERVO + 0.190 + 0.100 + 0.410  # [kg], with battery, computer, and printed plates
 BODY_SIZE = (0.240, 0.150, 0.040)  # [m]
+HEIGHT, REACH = 0.085, 0.130  # [m], of the hips above the feet, and from a hip to its foot
 _SECTION = (0.024, 0.030)  # [m], width and height of a link, those of a servo
 _FOOT_RADIUS = 0.006  # [m]
 
@@ -68,9 +69,11 @@ def hexapod(
     hips: Mapping[str, Hip] = HIPS,
     body_size: tuple[float, float, float] = BODY_SIZE,
     body_mass: float = BODY,
+    height: float = HEIGHT,
+    reach: float = REACH,
     mechanics: JointMechanics = NO_MECHANICS,
 ) -> Robot:
-    """Make a floating body that carries legs of three joints.
+    """Make a floating body that carries legs of three joints and stands on them at the start.
 
     Frame 0 is at the body's center, x forward, z up. At 0 the legs are stretched horizontally,
     along their yaw; positive angles of knee and ankle lift the foot.
@@ -85,13 +88,18 @@ def hexapod(
         Length, width and height of the body, a brick [m].
     body_mass : float
         [kg], with all that it carries but the legs.
+    height : float
+        Of the hips above the feet, at the start [m].
+    reach : float
+        From a hip to its foot, along the ground, at the start [m].
     mechanics : JointMechanics
-        Of every joint.
+        Of every joint; its position target is replaced.
 
     Raises
     ------
     InvalidValueError
-        If a length or the mass is not positive, a hip is not finite, or there is no leg.
+        If a length or the mass is not positive, a hip is not finite, there is no leg, or the feet
+        cannot be that far.
     """
     for what, length in zip(("coxa", "femur", "tibia"), lengths, strict=True):
         require_positive(f"the length of the {what}", length, "m")
@@ -99,12 +107,12 @@ def hexapod(
     require_kind("the hips", hips, Mapping)
     if not hips:
         raise InvalidValueError("there is no hip; a walking robot has at least one leg")
-    length, width, height = body_size
-    brick = Brick(length=length, width=width, height=height)
+    standing = (0.0, *_standing(lengths, height, reach))
+    brick = Brick(**dict(zip(("length", "width", "height"), body_size, strict=True)))
     legs = [
         segment
         for number, (leg, hip) in enumerate(hips.items(), start=1)
-        for segment in _leg(leg, Hip(*hip), lengths, mechanics, link_colour(number))
+        for segment in _leg(leg, Hip(*hip), lengths, mechanics, standing, link_colour(number))
     ]
     return Robot(
         name=name,
@@ -112,6 +120,7 @@ def hexapod(
         source=source,
         segments=tuple(legs),
         floating=True,
+        base_pose=((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, height), (0, 0, 0, 1)),
         base_link=_weighing(
             body_mass, "body", Solid(shape=brick, density=1.0, centre=(0.0, 0.0, 0.0), colour=GREY)
         ),
@@ -123,6 +132,7 @@ def _leg(
     hip: Hip,
     lengths: tuple[float, float, float],
     mechanics: JointMechanics,
+    standing: tuple[float, ...],
     colour: Colour,
 ) -> tuple[Segment, ...]:
     """One leg, its hip on frame 0; its foot is a ball whose center is the last frame."""
@@ -136,7 +146,12 @@ def _leg(
             row=row,
             joint=f"{name}_{joint}",
             link=_bar(f"{name}_{link}", length, mass, colour),
-            mechanics=mechanics,
+            mechanics=replace(
+                mechanics,
+                position_target=StateTarget(
+                    value=standing[("hip", "knee", "ankle").index(joint)], priority="low"
+                ),
+            ),
         )
 
     ball = Solid(
@@ -164,6 +179,22 @@ def _leg(
             link=_weighing(FOOT, f"{name}_foot", ball),
         ),
     )
+
+
+def _standing(
+    lengths: tuple[float, float, float], height: float, reach: float
+) -> tuple[float, float]:
+    """Angles of knee and ankle [rad] that put a foot below its hip, the knee bent upwards."""
+    coxa, femur, tibia = lengths
+    far = math.hypot(reach - coxa, height)
+    if not abs(femur - tibia) < far < femur + tibia:
+        raise InvalidValueError(
+            f"a foot {height:g} m below its hip and {reach:g} m away is {far:.4g} m from the knee; "
+            f"it must be between {abs(femur - tibia):.4g} and {femur + tibia:.4g} m"
+        )
+    at_knee = math.acos((femur**2 + far**2 - tibia**2) / (2.0 * femur * far))
+    at_ankle = math.acos((femur**2 + tibia**2 - far**2) / (2.0 * femur * tibia))
+    return at_knee - math.atan2(height, reach - coxa), at_ankle - math.pi
 
 
 def _bar(name: str, length: float, mass: float, colour: Colour) -> Link:

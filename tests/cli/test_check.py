@@ -42,7 +42,7 @@ def test_the_proof_as_json(capsys):
 
 def test_a_witness_that_differs_ends_in_status_1_and_is_named(capsys, monkeypatch):
     honest = DrakeWitness.foot
-    monkeypatch.setattr(DrakeWitness, "foot", lambda self, q: honest(self, q) * 1.001)
+    monkeypatch.setattr(DrakeWitness, "foot", lambda self, q, row: honest(self, q) * 1.001)
     status, out = checked(capsys, "leg-b")
     assert status == 1
     assert "Drake" in out.splitlines()[-2]

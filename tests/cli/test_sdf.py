@@ -107,7 +107,7 @@ def test_a_length_in_millimetres_is_a_warning_and_no_error(arm, capsys):
     ("name", "said"),
     [
         ("leg-c", "there is no robot 'leg-c': did you mean leg-"),
-        ("hexapod", "the robots are pendulum, leg-a, leg-b, scara"),
+        ("spider", "the robots are pendulum, leg-a, leg-b, scara"),
         ("nowhere.toml", "nowhere.toml cannot be read: No such file"),
     ],
 )

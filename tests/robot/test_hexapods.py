@@ -6,6 +6,7 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.robot.hexapods import HEXABOT, HIPS, Hip, hexapod
+from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import mass_properties
 from drake_leg.robot.robots import LEG_B
 
@@ -40,3 +41,14 @@ def test_wrong_numbers_are_refused():
         hexapod(hips={})
     with pytest.raises(InvalidValueError, match="yaw of the hip nose is nan"):
         hexapod(hips={"nose": Hip(0.1, 0.0, math.nan)})
+
+
+def test_it_stands_on_its_feet_at_the_start():
+    X_B = base_transforms(HEXABOT.rows, starting_posture(HEXABOT))
+    feet = X_B[3::4, :3, 3]
+    assert feet[:, 2] == pytest.approx([-0.085] * 6, abs=1e-15)
+    for hip, foot in zip(HIPS.values(), feet, strict=True):
+        assert math.hypot(foot[0] - hip.x, foot[1] - hip.y) == pytest.approx(0.130, abs=1e-15)
+    assert HEXABOT.base_pose[2][3] == 0.085
+    with pytest.raises(InvalidValueError, match=r"0\.3 m below its hip .* between 0 and 0\.2 m"):
+        hexapod(height=0.3)
