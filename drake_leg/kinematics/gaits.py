@@ -1,0 +1,456 @@
+"""How six legs walk: gaits, and the paths of body and feet as functions of time alone.
+
+The body moves in the world along ``X(t) = Exp(xi_1 sigma_1(t)) Exp(xi_2 sigma_2(t)) ...``, a screw
+for each command with a smooth beginning and end. A foot stands where the body's motion puts its
+neutral place in the middle of its stance; between two footholds it swings in the world and is at
+rest at both. So stance feet never slip, and every derivative has a closed form.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.khalil import Array, finite_vectors
+from drake_leg.units import require_finite, require_non_negative, require_positive
+
+LEGS = ("left_front", "left_middle", "left_rear", "right_front", "right_middle", "right_rear")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gait:
+    """When each foot is down, as parts of a period.
+
+    Parameters
+    ----------
+    name : str
+        As on the command line.
+    phases : tuple of float
+        Of each leg: when its stance begins, 0 to 1.
+    duty : float
+        How long a stance lasts, 0 to 1.
+    source : str
+        Who published it.
+
+    Raises
+    ------
+    InvalidValueError
+        If a number is outside of its range.
+    """
+
+    name: str
+    phases: tuple[float, ...]
+    duty: float
+    source: str
+
+    def __post_init__(self) -> None:
+        if not self.phases:
+            raise InvalidValueError(f"the gait {self.name!r} has no leg")
+        for phase in self.phases:
+            require_finite("a phase", phase)
+            if not 0.0 <= phase < 1.0:
+                raise InvalidValueError(
+                    f"a phase of the gait {self.name!r} is {phase!r}; it must be at least 0 and "
+                    "less than 1"
+                )
+        require_finite("the duty factor", self.duty)
+        if not 0.0 < self.duty < 1.0:
+            raise InvalidValueError(
+                f"the duty factor of the gait {self.name!r} is {self.duty!r}; it must be between 0 "
+                "and 1"
+            )
+
+    @cached_property
+    def fewest_down(self) -> int:
+        """Smallest number of feet that are down together at any time."""
+        ends = [*self.phases, *((phase + self.duty) % 1.0 for phase in self.phases)]
+        just_after = [end + 1e-9 for end in ends]
+        return min(
+            sum((time - phase) % 1.0 < self.duty for phase in self.phases) for time in just_after
+        )
+
+
+_THIRD, _SIXTH = 1.0 / 3.0, 1.0 / 6.0
+
+# Legs in the order of LEGS. Both ripple gaits are published under that name: in the first, legs
+# follow one another and overlap; in the second, two legs swing together.
+GAITS = {
+    gait.name: gait
+    for gait in (
+        Gait(
+            name="tripod",
+            phases=(0.0, 0.5, 0.0, 0.5, 0.0, 0.5),
+            duty=0.55,
+            source="two groups of three; the duty factor makes them overlap",
+        ),
+        Gait(
+            name="ripple",
+            phases=(5 * _SIXTH, 3 * _SIXTH, _SIXTH, 2 * _SIXTH, 0.0, 4 * _SIXTH),
+            duty=2 * _THIRD,
+            source="OpenSHC's ripple gait: one leg after the other, two in the air",
+        ),
+        Gait(
+            name="ripple-pairs",
+            phases=(0.0, 2 * _THIRD, _THIRD, _THIRD, 2 * _THIRD, 0.0),
+            duty=2 * _THIRD,
+            source="OpenSHC's amble gait, elsewhere called ripple or tetrapod: legs in pairs",
+        ),
+        Gait(
+            name="wave",
+            phases=(2 * _SIXTH, _SIXTH, 0.0, 5 * _SIXTH, 4 * _SIXTH, 3 * _SIXTH),
+            duty=5 * _SIXTH,
+            source="the metachronal wave, from rear to front on each side",
+        ),
+    )
+}
+
+
+class Motion(NamedTuple):
+    """Values at times, and their first and second derivatives, alike in shape."""
+
+    value: Array
+    rate: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """A constant velocity of the body, in its own level frame, with a smooth beginning and end.
+
+    The velocity grows over ``ramp`` from ``start`` on, and falls over ``ramp`` from ``end`` on; its
+    integral over all time is the velocity times ``end - start``.
+    """
+
+    forward: float = 0.0  # [m/s], along x
+    sideways: float = 0.0  # [m/s], along y, to the left
+    turning: float = 0.0  # [rad/s], about z, to the left
+    start: float = 0.0  # [s]
+    end: float = math.inf  # [s]
+    ramp: float = 1.0  # [s]
+
+    def __post_init__(self) -> None:
+        for name in ("forward", "sideways", "turning", "start"):
+            require_finite(f"the command's {name}", getattr(self, name))
+        require_positive("the command's ramp", self.ramp, "s")
+        if not self.end > self.start:
+            raise InvalidValueError(
+                f"the command ends at {self.end!r} s and starts at {self.start!r} s; it must end "
+                "later"
+            )
+
+    @property
+    def twist(self) -> Array:
+        """Twist (6,), rotation first [rad/s, m/s]."""
+        return np.array([0.0, 0.0, self.turning, self.forward, self.sideways, 0.0])
+
+    def progress(self, time: Array) -> Motion:
+        """Equivalent time at full velocity, (...) [s], and its derivatives."""
+        rising = _ramped((time - self.start) / self.ramp)
+        if math.isinf(self.end):
+            part, share, bend = rising
+        else:
+            falling = _ramped((time - self.end) / self.ramp)
+            part, share, bend = (up - down for up, down in zip(rising, falling, strict=True))
+        return Motion(self.ramp * part, share, bend / self.ramp)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attitude:
+    """A change of the body's pose over its level frame: a screw, smooth at both ends."""
+
+    roll: float = 0.0  # [rad], rotation vector's part about x
+    pitch: float = 0.0  # [rad], about y
+    yaw: float = 0.0  # [rad], about z
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m]
+    start: float = 0.0  # [s]
+    lasting: float = 1.0  # [s]
+
+    def __post_init__(self) -> None:
+        for name in ("roll", "pitch", "yaw", "start"):
+            require_finite(f"the attitude's {name}", getattr(self, name))
+        for part in self.shift:
+            require_finite("the attitude's shift", part)
+        require_positive("how long the attitude changes", self.lasting, "s")
+
+    @property
+    def twist(self) -> Array:
+        """Logarithm of the pose, (6,), rotation first [rad, m]."""
+        w = np.array([self.roll, self.pitch, self.yaw])
+        angle = float(np.linalg.norm(w))
+        p = np.array(self.shift)
+        if angle == 0.0:
+            return np.concatenate([w, p])
+        K = _skew(w)
+        half = angle / 2.0
+        last = (1.0 - half / math.tan(half)) / angle**2
+        return np.concatenate([w, (np.eye(3) - 0.5 * K + last * K @ K) @ p])
+
+    def progress(self, time: Array) -> Motion:
+        """Part of the change that is done, (...), 0 to 1, and its derivatives."""
+        part, rate, bend = smoothstep((time - self.start) / self.lasting)
+        return Motion(part, rate / self.lasting, bend / self.lasting**2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Walk:
+    """The paths of a body and its feet.
+
+    Parameters
+    ----------
+    gait : Gait
+        With as many legs as there are feet.
+    period : float
+        Of the gait [s].
+    neutral : (n, 3) array_like
+        Feet in the level frame of the body when it stands [m].
+    commands : sequence of Command
+        One after the other; where two overlap, the later one acts in the frame that the earlier one
+        moves.
+    attitudes : sequence of Attitude
+        Changes of height, roll, pitch, yaw and place of the body over its feet.
+    lift : float
+        Height of a swing [m].
+
+    Raises
+    ------
+    InvalidValueError
+        If a number is invalid, there are not as many feet as the gait has legs, or a command starts
+        before ``earliest_start``.
+    """
+
+    gait: Gait
+    period: float
+    neutral: ArrayLike
+    commands: Sequence[Command] = ()
+    attitudes: Sequence[Attitude] = ()
+    lift: float = 0.03
+
+    def __post_init__(self) -> None:
+        require_positive("the period", self.period, "s")
+        require_non_negative("the lift", self.lift, "m")
+        feet = finite_vectors("the neutral places of the feet", self.neutral, 3)
+        if feet.shape != (len(self.gait.phases), 3):
+            raise InvalidValueError(
+                f"the neutral places of the feet have shape {feet.shape}; the gait "
+                f"{self.gait.name!r} has {len(self.gait.phases)} legs"
+            )
+        object.__setattr__(self, "neutral", feet)
+        least = self.earliest_start
+        for command in self.commands:
+            if command.start < least:
+                raise InvalidValueError(
+                    f"a command starts at {command.start:g} s, when a leg would already swing at "
+                    f"time 0; start it at {least:.6g} s at the earliest"
+                )
+
+    @property
+    def earliest_start(self) -> float:
+        """When a command may start [s]: all feet stand at time 0, whatever their phases."""
+        return self.period * (1.0 - self.gait.duty / 2.0)
+
+    def level(self, time: ArrayLike) -> Motion:
+        """Pose of the body's level frame in the world, (..., 4, 4) [-, m], with derivatives."""
+        return _screws(self.commands, np.asarray(time, dtype=np.float64))
+
+    def body(self, time: ArrayLike) -> Motion:
+        """Pose X_WB of the body, (..., 4, 4) [-, m], with derivatives."""
+        times = np.asarray(time, dtype=np.float64)
+        return _product(self.level(times), _screws(self.attitudes, times))
+
+    def feet_in_world(self, time: ArrayLike) -> Motion:
+        """Feet p_WF, (..., n, 3) [m], with velocities and accelerations in the world."""
+        here, u, _ = self._swing(time)
+        there = self._foothold(self._cycle(time)[0] + 1.0)
+        way = there - here
+        part, rate, bend = smoothstep(u)
+        moves = (way != 0.0).any(axis=-1)
+        rise, climb, arch = (self.lift * moves * one for one in _bump(u))
+        per = 1.0 / (self.period * (1.0 - self.gait.duty))
+
+        def along(share: Array, height: Array) -> Array:
+            found: Array = share[..., np.newaxis] * way
+            found[..., 2] += height
+            return found
+
+        return Motion(
+            here + along(part, rise), per * along(rate, climb), per**2 * along(bend, arch)
+        )
+
+    def feet(self, time: ArrayLike) -> Motion:
+        """Feet p_BF in the body's frame, (..., n, 3) [m], with derivatives there."""
+        X, dX, ddX = self.body(time)
+        p, v, a = (
+            _in_homogeneous(one, w)
+            for one, w in zip(self.feet_in_world(time), (1.0, 0.0, 0.0), strict=True)
+        )
+        Y = np.asarray(np.linalg.inv(X), dtype=np.float64)
+        dY: Array = -Y @ dX @ Y
+        ddY: Array = -Y @ ddX @ Y - 2.0 * Y @ dX @ dY
+
+        def moved(M: Array, q: Array) -> Array:
+            found: Array = np.einsum("...ij,...nj->...ni", M, q)[..., :3]
+            return found
+
+        return Motion(
+            moved(Y, p),
+            moved(dY, p) + moved(Y, v),
+            moved(ddY, p) + 2.0 * moved(dY, v) + moved(Y, a),
+        )
+
+    def down(self, time: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each foot stands, (..., n) of bool; it does between two equal footholds, too."""
+        here, _, swings = self._swing(time)
+        there = self._foothold(self._cycle(time)[0] + 1.0)
+        found: NDArray[np.bool_] = np.logical_not(swings) | (here == there).all(axis=-1)
+        return found
+
+    def _cycle(self, time: ArrayLike) -> tuple[Array, Array]:
+        """Number of each leg's cycle, and how much of it is done, (..., n)."""
+        times = np.asarray(time, dtype=np.float64)[..., np.newaxis]
+        s = times / self.period - np.array(self.gait.phases)
+        number = np.floor(s)
+        return number, s - number
+
+    def _swing(self, time: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Foothold of each leg, how much of its swing is done, and whether it swings."""
+        number, done = self._cycle(time)
+        u = np.clip((done - self.gait.duty) / (1.0 - self.gait.duty), 0.0, 1.0)
+        return self._foothold(number), u, done >= self.gait.duty
+
+    def _foothold(self, number: Array) -> Array:
+        """Where each foot stands in a cycle, (..., n, 3) [m]."""
+        middle = self.period * (number + np.array(self.gait.phases) + self.gait.duty / 2.0)
+        X = self.level(middle).value
+        feet = np.asarray(self.neutral)
+        found: Array = np.einsum("...nij,nj->...ni", X[..., :3, :3], feet) + X[..., :3, 3]
+        return found
+
+
+def support_margin(feet: ArrayLike, point: ArrayLike) -> float:
+    """Distance of a point (2,) inside the feet's convex hull from its edge [m]; outside negative.
+
+    The feet are (k, 2) [m]. Fewer than three feet, or feet on a line, support nothing: then it is
+    minus the distance from what they span.
+    """
+    places, at = np.asarray(feet, dtype=np.float64), np.asarray(point, dtype=np.float64)
+    edges = _hull(places)
+    if not edges:
+        return -_distance_to(places, at)
+    distances = []
+    for start, end in edges:
+        way = end - start
+        distances.append((way[0] * (at - start)[1] - way[1] * (at - start)[0]) / math.hypot(*way))
+    least = min(distances)
+    return float(least) if least >= 0.0 else -_distance_to(places, at)
+
+
+def _hull(places: Array) -> list[tuple[Array, Array]]:
+    """Edges of the convex hull, counterclockwise; none if it has no area."""
+    found = []
+    for start in places:
+        for end in places:
+            way = end - start
+            if not way.any():
+                continue
+            side = way[0] * (places[:, 1] - start[1]) - way[1] * (places[:, 0] - start[0])
+            if (side >= 0.0).all() and (side > 0.0).any():
+                found.append((start, end))
+    return found
+
+
+def _distance_to(places: Array, at: Array) -> float:
+    """Distance of a point from the segments between all pairs of places [m]."""
+    if not len(places):
+        return math.inf
+    least = math.inf
+    for start in places:
+        for end in places:
+            way = end - start
+            size = float(way @ way)
+            share = 0.0 if size == 0.0 else min(1.0, max(0.0, float((at - start) @ way) / size))
+            least = min(least, math.dist(at, start + share * way))
+    return least
+
+
+def smoothstep(u: Array) -> Motion:
+    """Quintic from 0 at 0 to 1 at 1, constant outside, and its derivatives by u."""
+    x = np.clip(u, 0.0, 1.0)
+    inside = (u > 0.0) & (u < 1.0)
+    return Motion(
+        x**3 * (10.0 + x * (6.0 * x - 15.0)),
+        inside * 30.0 * x**2 * (1.0 - x) ** 2,
+        inside * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x),
+    )
+
+
+def _ramped(u: Array) -> Motion:
+    """Integral of ``smoothstep`` from 0, and its derivatives by u."""
+    x = np.clip(u, 0.0, 1.0)
+    share, bend, _ = smoothstep(u)
+    return Motion(x**4 * (2.5 + x * (x - 3.0)) + np.maximum(u - 1.0, 0.0), share, bend)
+
+
+def _bump(u: Array) -> Motion:
+    """``64 u^3 (1 - u)^3``, 1 in the middle, and its derivatives by u."""
+    w = u * (1.0 - u)
+    slope = 1.0 - 2.0 * u
+    return Motion(64.0 * w**3, 192.0 * w**2 * slope, 384.0 * w * (slope**2 - w))
+
+
+def _skew(w: Array) -> Array:
+    x, y, z = w
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _screws(parts: Sequence[Command | Attitude], time: Array) -> Motion:
+    """Product of the screws of all parts, (..., 4, 4), with derivatives in time."""
+    identity = np.broadcast_to(np.eye(4), (*time.shape, 4, 4))
+    still = np.zeros_like(identity)
+    found = Motion(identity, still, still)
+    for part in parts:
+        found = _product(found, _screw(part.twist, part.progress(time)))
+    return found
+
+
+def _screw(twist: Array, progress: Motion) -> Motion:
+    """``Exp(twist s)``, (..., 4, 4), with its derivatives where s has some."""
+    generator = np.zeros((4, 4))
+    generator[:3, :3], generator[:3, 3] = _skew(twist[:3]), twist[3:]
+    rate, bend = (one[..., np.newaxis, np.newaxis] for one in progress[1:])
+    X = _exponential(twist, progress.value)
+    dX = X @ generator
+    return Motion(X, dX * rate, dX @ generator * rate**2 + dX * bend)
+
+
+def _exponential(twist: Array, s: Array) -> Array:
+    size = float(np.linalg.norm(twist[:3]))
+    X = np.zeros((*s.shape, 4, 4))
+    X[..., 3, 3] = 1.0
+    if size == 0.0:
+        X[..., :3, :3] = np.eye(3)
+        X[..., :3, 3] = s[..., np.newaxis] * twist[3:]
+        return X
+    K = _skew(twist[:3] / size)
+    angle = (size * s)[..., np.newaxis, np.newaxis]
+    sine, versine = np.sin(angle), 2.0 * np.sin(angle / 2.0) ** 2
+    X[..., :3, :3] = np.eye(3) + sine * K + versine * (K @ K)
+    V = angle * np.eye(3) + versine * K + (angle - sine) * (K @ K)
+    X[..., :3, 3] = V @ (twist[3:] / size)
+    return X
+
+
+def _product(first: Motion, second: Motion) -> Motion:
+    """Product of two matrices that depend on time, with its derivatives."""
+    (A, dA, ddA), (B, dB, ddB) = first, second
+    return Motion(A @ B, dA @ B + A @ dB, ddA @ B + 2.0 * dA @ dB + A @ ddB)
+
+
+def _in_homogeneous(p: Array, w: float) -> Array:
+    return np.concatenate([p, np.full((*p.shape[:-1], 1), w)], axis=-1)
