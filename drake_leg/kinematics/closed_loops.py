@@ -28,6 +28,7 @@ from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot, require_robot
 
 CLOSED = 1e-12  # closure error of a closed loop; lengths relative to the robot's size
+ROUNDING = 1e-15  # a closure error that need not get smaller
 ITERATIONS = 50  # of Newton's method, from anywhere
 FEW = 8  # the same, from nearby
 LONGEST_STEP = 0.5  # [rad, or parts of the robot's size], of one iteration
@@ -184,6 +185,11 @@ class ClosedLoops:
         """Greatest error of the equations in postures q (..., n) [rad, or parts of the size]."""
         return self._worst(self._cuts.equations(self._positions(q))[0])
 
+    def gap(self, q: ArrayLike) -> Array:
+        """Greatest distance between the two sides of a cut, (...) [m]; angles times the size."""
+        distance: Array = self.size * self.closure(q)
+        return distance
+
     def _worst(self, errors: Array) -> Array:
         worst: Array = np.abs(errors / self._cuts.units).max(axis=-1)
         return worst
@@ -223,7 +229,7 @@ class ClosedLoops:
         for _ in range(iterations):
             e, J = self._cuts.equations(q)
             error = self._worst(e)
-            is_done = ((least <= CLOSED) & (error >= 0.5 * least)) | (error == 0.0)
+            is_done = (error <= ROUNDING) | ((least <= CLOSED) & (error >= 0.5 * least))
             best = np.where((error < least)[..., np.newaxis], q, best)
             least = np.minimum(error, least)
             if is_done.all():
@@ -264,6 +270,45 @@ class ClosedLoops:
                 advice="choose other positions of the active joints, or other lengths",
             )
         return found
+
+    def closed_from(self, guess: Array) -> Array:
+        """Close the loops from a posture nearby; the active joints stay where they are.
+
+        Raises
+        ------
+        SingularConfigurationError
+            If they do not close nearby.
+        """
+        q, error = self.closest(guess, iterations=FEW)
+        if error > CLOSED:
+            raise self.singular(guess)
+        return q
+
+    def nearest(self, guess: Array) -> tuple[Array, Array, Array]:
+        """Close the loops from a posture nearby, all joints moving as little as possible.
+
+        Returns the posture, the motions N (n, freedom) that keep it closed, orthonormal with q in
+        its ``units``, and the pseudoinverse of J, (n, 5 loops).
+
+        Raises
+        ------
+        SingularConfigurationError
+            If the loops do not close nearby, or have more freedom there than elsewhere.
+        """
+        q, r = np.array(guess), self.rank
+        for _ in range(FEW):
+            e, J = self._cuts.equations(q)
+            U, sigma, Vt = np.linalg.svd(self._scaled(J))
+            if not sigma[r - 1] > SINGULAR_BELOW * sigma[0]:
+                raise self.singular(q)
+            inverse = (Vt[:r].T / sigma[:r]) @ U[:, :r].T
+            error = self._worst(e)
+            if error <= ROUNDING:
+                break
+            q = q - self.units * (inverse @ (e / self._cuts.units))
+        if not error <= CLOSED:
+            raise self.singular(q)
+        return q, Vt[r:].T, self.units[:, np.newaxis] * inverse / self._cuts.units
 
     def assemblies_near(self, q: Array) -> Array | None:
         """The assembly with the active joints of q that is nearest to q; None if there is none."""
@@ -347,19 +392,20 @@ class ClosedLoops:
         W, _ = self._rates(self._posture(q))
         return W
 
+    def rates_and_bias(self, q: Array, qdot_a: Array) -> tuple[Array, Array]:
+        """W, and the accelerations with the active joints at constant speed, together."""
+        W, inverse = self._rates(q)
+        bias = np.zeros(len(q))
+        bias[self._p] = -(inverse @ self._cuts.drift(q, W @ qdot_a))
+        return W, bias
+
     def bias(self, q: ArrayLike, qdot: ArrayLike) -> Array:
         """Accelerations with the active joints at constant speed: ``qddot = W qddot_a + bias``.
 
         ``qdot`` (n,) are the rates of all joints, ``W qdot_a``.
         """
-        q = self._posture(q)
-        return self._bias(q, one_vector("qdot", qdot, len(q)))
-
-    def _bias(self, q: Array, qdot: Array) -> Array:
-        _, inverse = self._rates(q)
-        bias = np.zeros(len(q))
-        bias[self._p] = -(inverse @ self._cuts.drift(q, qdot))
-        return bias
+        rates = one_vector("qdot", qdot, len(self.joints))
+        return self.rates_and_bias(self._posture(q), rates[self._a])[1]
 
     def _posture(self, q: ArrayLike) -> Array:
         return one_vector("q", q, len(self.joints))

@@ -293,7 +293,7 @@ def chain_frames(links: Sequence[Link], q: Components) -> list[Frame]:
     return frames
 
 
-_STILL = (0.0,) * 6  # the column of a joint that does not move the foot
+STILL = (0.0,) * 6  # the column of a joint that does not move the foot
 
 
 def joint_columns(links: Sequence[Link], frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
@@ -302,7 +302,7 @@ def joint_columns(links: Sequence[Link], frames: Sequence[Frame]) -> list[tuple[
     columns: list[tuple[Any, ...]] = []
     for link, (_, _, (zx, zy, zz), (ox, oy, oz)) in zip(links, frames, strict=True):
         if not link.leads:
-            columns += [_STILL] if link.joint != "fixed" else []
+            columns += [STILL] if link.joint != "fixed" else []
         elif link.joint == "revolute":
             ax, ay, az = fx - ox, fy - oy, fz - oz
             columns.append((zx, zy, zz, zy * az - zz * ay, zz * ax - zx * az, zx * ay - zy * ax))
@@ -343,7 +343,7 @@ def foot_jacobian_rate(
     columns = []
     for motion in moved:
         if motion is None:
-            columns.append(_STILL)
+            columns.append(STILL)
             continue
         joint, z, (ox, oy, oz), z_dot, (ux, uy, uz) = motion
         if joint == "revolute":

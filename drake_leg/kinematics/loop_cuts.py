@@ -10,17 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drake_leg.kinematics.khalil import (
+    STILL,
     Array,
     Frame,
     Link,
     Vector,
     chain_frames,
     components,
+    cross,
     foot_jacobian_rate,
     joint_columns,
     links_of,
@@ -29,6 +31,7 @@ from drake_leg.robot.robot import Robot
 from drake_leg.robot.tree import Loop
 
 TINY = 1e-300
+ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 class CutMotion(NamedTuple):
@@ -47,6 +50,10 @@ class _Cut:
     turns: bool  # cut at a revolute joint, not at a prismatic one
     to_cut: tuple[Link, ...]
     to_end: tuple[Link, ...]
+
+    def frames(self, frames: Sequence[Frame]) -> tuple[Frame, Frame]:
+        """Frames K and E, of those of all rows."""
+        return frames[self.loop.cut - 1], frames[self.loop.end - 1]
 
     @property
     def tied(self) -> list[int]:
@@ -83,121 +90,124 @@ class Cuts:
 
         ``de/dt = J qdot`` where the loops are closed, and to first order nearby.
         """
-        errors, rows = [], []
-        for cut, X_KE, twists in self.relative(q):
-            errors.append(_errors(cut, X_KE))
-            rows.append(twists[..., cut.tied, :])
-        return np.concatenate(errors, axis=-1), np.concatenate(rows, axis=-2)
-
-    def relative(self, q: Array) -> Iterator[tuple[_Cut, Array, Array]]:
-        """Of every cut: pose X_KE (..., 4, 4), and the twist of E in K by all joints, (..., 6, n).
-
-        Rotation first, at the origin of E, in the axes of K.
-        """
         frames = chain_frames(self._links, components(q))
+        errors: list[Any] = []
+        rows: list[list[Any]] = []
         for cut in self._cuts:
-            J_K = _jacobian(cut.to_cut, frames, q)
-            J_E = _jacobian(cut.to_end, frames, q)
-            R_BK, p_BK = _pose(frames[cut.loop.cut - 1])
-            R_BE, p_BE = _pose(frames[cut.loop.end - 1])
-            R_KB = np.swapaxes(R_BK, -1, -2)
-            p = p_BE - p_BK
-            X_KE = np.zeros((*q.shape[:-1], 4, 4))
-            X_KE[..., :3, :3] = R_KB @ R_BE
-            X_KE[..., :3, 3] = (R_KB @ p[..., np.newaxis])[..., 0]
-            X_KE[..., 3, 3] = 1.0
-            spin = J_E[..., :3, :] - J_K[..., :3, :]
-            moved = J_E[..., 3:, :] - J_K[..., 3:, :] + _crossed(p) @ J_K[..., :3, :]
-            yield cut, X_KE, np.concatenate([R_KB @ spin, R_KB @ moved], axis=-2)
+            errors += _errors(cut, frames)
+            twists = _twists(cut, frames, q.shape[-1])
+            rows += [[twist[component] for twist in twists] for component in cut.tied]
+        return _assembled(errors, q.shape[:-1]), _assembled(rows, q.shape[:-1])
 
     def drift(self, q: Array, qdot: Array) -> Array:
         """``dJ/dt qdot`` in one posture, (5 loops,)."""
-        return np.concatenate([drift[cut.tied] for cut, drift in self._drifts(q, qdot)])
+        return np.array([drift[part] for cut, drift in self._drifts(q, qdot) for part in cut.tied])
 
     def motion(self, q: Array, qdot: Array, qddot: Array) -> CutMotion:
         """Motion of the cut joints in one posture."""
-        positions, rates, accelerations = [], [], []
-        for (cut, X_KE, twists), (_, drift) in zip(
-            self.relative(q), self._drifts(q, qdot), strict=True
-        ):
-            positions.append(math.atan2(X_KE[1, 0], X_KE[0, 0]) if cut.turns else float(X_KE[2, 3]))
-            rates.append(twists[cut.own] @ qdot)
-            accelerations.append(twists[cut.own] @ qddot + drift[cut.own])
-        return CutMotion(np.array(positions), np.array(rates), np.array(accelerations))
+        frames = chain_frames(self._links, components(q))
+        found = []
+        for cut, drift in self._drifts(q, qdot):
+            (x, y, z, o), (x_E, _, _, o_E) = cut.frames(frames)
+            position = math.atan2(dot(y, x_E), dot(x, x_E)) if cut.turns else dot(z, minus(o_E, o))
+            own = np.array([twist[cut.own] for twist in _twists(cut, frames, len(q))])
+            found.append((position, own @ qdot, own @ qddot + drift[cut.own]))
+        return CutMotion(*np.array(found, dtype=np.float64).T)
 
-    def _drifts(self, q: Array, qdot: Array) -> Iterator[tuple[_Cut, Array]]:
-        """Of every cut: derivative of the twist of E in K, (6,), while no joint accelerates."""
+    def _drifts(self, q: Array, qdot: Array) -> Iterator[tuple[_Cut, list[float]]]:
+        """Of every cut: derivative of the twist of E in K, while no joint accelerates."""
         frames = chain_frames(self._links, components(q))
         for cut in self._cuts:
-            V_K, A_K = _twist(cut.to_cut, frames, qdot)
-            V_E, A_E = _twist(cut.to_end, frames, qdot)
-            R_BK, p_BK = _pose(frames[cut.loop.cut - 1])
-            p, w = _pose(frames[cut.loop.end - 1])[1] - p_BK, V_K[:3]
-            apart = V_E[3:] - V_K[3:]  # dp/dt
-            spun = A_E[:3] - A_K[:3] - np.cross(w, V_E[:3] - V_K[:3])
-            moved = A_E[3:] - A_K[3:] - np.cross(A_K[:3], p) - np.cross(w, apart)
-            moved -= np.cross(w, apart - np.cross(w, p))
-            yield cut, np.concatenate([R_BK.T @ spun, R_BK.T @ moved])
+            (x, y, z, o), (*_, o_E) = cut.frames(frames)
+            (w, v), (w_dot, v_dot) = _moving(cut.to_cut, frames, qdot)
+            (w_E, v_E), (w_dot_E, v_dot_E) = _moving(cut.to_end, frames, qdot)
+            p, p_dot = minus(o_E, o), minus(v_E, v)
+            spun = minus(minus(w_dot_E, w_dot), cross(w, minus(w_E, w)))
+            moved = minus(minus(v_dot_E, v_dot), cross(w_dot, p))
+            moved = minus(minus(moved, cross(w, p_dot)), cross(w, minus(p_dot, cross(w, p))))
+            yield cut, [dot(axis, part) for part in (spun, moved) for axis in (x, y, z)]
 
 
-def _jacobian(links: Sequence[Link], frames: Sequence[Frame], q: Array) -> Array:
-    """Jacobian of the last of some rows by all joints, (..., 6, n)."""
-    found = joint_columns(links, frames[: len(links)])
-    J = np.zeros((*q.shape[:-1], 6, q.shape[-1]))
-    if q.ndim == 1:
-        J[:, : len(found)] = np.array(found).reshape(-1, 6).T
-        return J
-    for number, column in enumerate(found):
-        for part, entry in enumerate(column):
-            J[..., part, number] = entry
-    return J
+def dot(u: Vector, v: Vector) -> Any:  # noqa: ANN401 - a float, or an array of a batch
+    """Scalar product of two vectors."""
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
-def _twist(links: Sequence[Link], frames: Sequence[Frame], qdot: Array) -> tuple[Array, Array]:
-    """Twist (6,) of the last of some rows, and its derivative while no joint accelerates."""
+def minus(u: Vector, v: Vector) -> Vector:
+    """Difference of two vectors."""
+    return u[0] - v[0], u[1] - v[1], u[2] - v[2]
+
+
+def _twists(cut: _Cut, frames: Sequence[Frame], joints: int) -> list[tuple[Any, ...]]:
+    """Twist of E in K by each joint: rotation first, at the origin of E, in the axes of K."""
+    (x, y, z, o), (*_, o_E) = cut.frames(frames)
+    p = minus(o_E, o)
+    here = joint_columns(cut.to_cut, frames[: cut.loop.cut])
+    there = joint_columns(cut.to_end, frames[: cut.loop.end])
+    twists = []
+    for index in range(joints):
+        wx, wy, wz, vx, vy, vz = there[index] if index < len(there) else STILL
+        if index < len(here) and here[index] is not STILL:
+            ux, uy, uz, *moved = here[index]
+            px, py, pz = cross(p, (ux, uy, uz))
+            wx, wy, wz = wx - ux, wy - uy, wz - uz
+            vx, vy, vz = vx - moved[0] + px, vy - moved[1] + py, vz - moved[2] + pz
+        w, v = (wx, wy, wz), (vx, vy, vz)
+        twists.append((dot(x, w), dot(y, w), dot(z, w), dot(x, v), dot(y, v), dot(z, v)))
+    return twists
+
+
+def _moving(
+    links: Sequence[Link], frames: Sequence[Frame], qdot: Array
+) -> tuple[tuple[Vector, Vector], tuple[Vector, Vector]]:
+    """Angular velocity and velocity of the last of some rows, and their derivatives.
+
+    No joint accelerates.
+    """
     own = frames[: len(links)]
     J = np.array(joint_columns(links, own)).reshape(-1, 6).T
     moved = qdot[: J.shape[1]]
     if not len(moved):
-        return np.zeros(6), np.zeros(6)
-    return J @ moved, foot_jacobian_rate(links, own, moved.tolist()) @ moved
+        return (ZERO, ZERO), (ZERO, ZERO)
+    twist = (J @ moved).tolist()
+    drift = (foot_jacobian_rate(links, own, moved.tolist()) @ moved).tolist()
+    return (tuple(twist[:3]), tuple(twist[3:])), (tuple(drift[:3]), tuple(drift[3:]))
 
 
-def _pose(frame: Frame) -> tuple[Array, Array]:
-    """Rotation (..., 3, 3) and origin (..., 3) of a frame."""
-    x, y, z, origin = map(_vector, frame)
-    return np.stack([x, y, z], axis=-1), origin
-
-
-def _vector(parts: Vector) -> Array:
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
-
-
-def _crossed(p: Array) -> Array:
-    """Matrix of ``p x``, (..., 3, 3)."""
-    matrix = np.zeros((*p.shape, 3))
-    for row, column, part in ((2, 1, 0), (0, 2, 1), (1, 0, 2)):
-        matrix[..., row, column], matrix[..., column, row] = p[..., part], -p[..., part]
-    return matrix
-
-
-def _errors(cut: _Cut, X_KE: Array) -> Array:
-    """Five errors of a cut, (..., 5) [m or rad]."""
-    R, p = X_KE[..., :3, :3], X_KE[..., :3, 3]
+def _errors(cut: _Cut, frames: Sequence[Frame]) -> list[Any]:
+    """Five errors of a cut [m or rad]."""
+    (x, y, z, o), (x_E, y_E, z_E, o_E) = cut.frames(frames)
+    p = minus(o_E, o)
     if cut.turns:  # the rotation from one z axis to the other
-        turned = _turn(np.stack([-R[..., 1, 2], R[..., 0, 2]], axis=-1), R[..., 2, 2])
-        return np.concatenate([p, turned], axis=-1)
-    twice = [R[..., i, j] - R[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))]
-    cosine = 0.5 * (np.trace(R, axis1=-2, axis2=-1) - 1.0)
-    return np.concatenate([_turn(0.5 * np.stack(twice, axis=-1), cosine), p[..., :2]], axis=-1)
+        return [dot(x, p), dot(y, p), dot(z, p), *_turn((-dot(y, z_E), dot(x, z_E)), dot(z, z_E))]
+    twice = (
+        dot(z, y_E) - dot(y, z_E),
+        dot(x, z_E) - dot(z, x_E),
+        dot(y, x_E) - dot(x, y_E),
+    )
+    cosine = 0.5 * (dot(x, x_E) + dot(y, y_E) + dot(z, z_E) - 1.0)
+    return [*_turn(tuple(0.5 * each for each in twice), cosine), dot(x, p), dot(y, p)]
 
 
-def _turn(axis: Array, cosine: Array) -> Array:
-    """Rotation vector (..., k) [rad], given its axis times the sine, and the cosine."""
-    sine = np.linalg.norm(axis, axis=-1)
+def _turn(axis: tuple[Any, ...], cosine: Any) -> list[Any]:  # noqa: ANN401
+    """Rotation vector [rad], given its axis times the sine, and the cosine."""
+    sine = np.sqrt(sum(part * part for part in axis))
     angle = np.arctan2(sine, cosine)
-    some = np.zeros_like(axis)
-    some[..., 0] = 1.0  # where the axis is undefined: half a turn
-    ratio = np.where(sine > TINY, angle / np.maximum(sine, TINY), 1.0)[..., np.newaxis]
-    flipped = ((sine <= TINY) & (cosine < 0.0))[..., np.newaxis]
-    return np.where(flipped, math.pi * some, ratio * axis)
+    ratio = angle / np.maximum(sine, TINY)
+    ratio = np.where(sine > TINY, ratio, 1.0)
+    first, *others = (ratio * part for part in axis)
+    half = (sine <= TINY) & (cosine < 0.0)  # half a turn, about whatever axis
+    return [np.where(half, math.pi, first), *others]
+
+
+def _assembled(entries: Sequence[Any], batch: tuple[int, ...]) -> Array:
+    """Assemble a vector (*batch, k) or a matrix (*batch, k, n) from its entries."""
+    if not batch:
+        return np.array(entries, dtype=np.float64)
+    if not isinstance(entries[0], list):
+        return np.stack(np.broadcast_arrays(*entries), axis=-1)
+    matrix = np.empty((*batch, len(entries), len(entries[0])))
+    for i, row in enumerate(entries):
+        for j, entry in enumerate(row):
+            matrix[..., i, j] = entry
+    return matrix
