@@ -193,7 +193,7 @@ def test_no_name_is_written_twice_and_none_is_read_before_it_is_there(page):
         words = words_of(command)
         read = after(words, "--config", "--printed")
         read += words[1:2] if words[0] == "replay" else []
-        read += [word for word in words[1:2] if word.endswith((".toml", ".slx"))]
+        read += [word for word in words[1:2] if word.endswith((".toml", ".par", ".slx"))]
         for name in read:
             assert name in TYPED | written or (ROOT / name).exists(), command
         for name in after(words, "--out", "--still"):
@@ -215,7 +215,7 @@ def test_a_pages_commands_work_one_after_the_other(page, tmp_path, monkeypatch, 
     """As a reader types them, in one folder, but shorter; pictures of runs are other tests'."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
-    for folder in ("notebooks", "tests"):
+    for folder in ("examples", "notebooks", "tests"):
         Path(folder).symlink_to(ROOT / folder)
     Path("arm.toml").write_text(*blocks("toml"), encoding="utf-8")
     Path("step.yaml").write_text(*blocks("yaml"), encoding="utf-8")

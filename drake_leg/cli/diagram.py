@@ -6,7 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
-from drake_leg.cli.terminal import option_of, picture
+from drake_leg.cli.inputs import add_numbers, named_or_robot
+from drake_leg.cli.terminal import option_of, picture, refuse_ignored
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.robot.robot import Robot
@@ -27,9 +28,10 @@ def configure_diagram(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "name",
         metavar="NAME|FILE.slx",
-        help=f"one of {', '.join(RUNS)}, a TOML file of a robot of your own, or a file that "
-        "Simulink saved",
+        help=f"one of {', '.join(RUNS)}, a TOML or .par file of a robot of your own, or a file "
+        "that Simulink saved",
     )
+    add_numbers(parser)
     parser.add_argument(
         "--part",
         default="all",
@@ -85,6 +87,7 @@ def _model(chosen: argparse.Namespace) -> str:
     from drake_leg.simulink.reader import read_model
 
     _refuse_signal_options(chosen, "is for runs and means nothing to a Simulink model")
+    refuse_ignored({"--set": bool(chosen.numbers)}, "means nothing to a Simulink model")
     model = read_model(Path(chosen.name))
     try:
         pictures = model_pictures(model, title=printable(model.name), part=chosen.part)
@@ -101,7 +104,7 @@ def _blocks(chosen: argparse.Namespace) -> str:
 
     if chosen.part not in (ALL, SIGNALS):
         _refuse_signal_options(chosen, f"is for signals and means nothing to {chosen.part}")
-    title, diagram, robot = _subject(chosen.name)
+    title, diagram, robot = _subject(chosen)
     if chosen.without_accelerations and not diagram.HasSubsystemNamed(MOTION):
         raise InvalidValueError(
             f"--without-accelerations means nothing to {chosen.name}, whose joint no motion "
@@ -129,7 +132,7 @@ def _frames(chosen: argparse.Namespace) -> str:
     from drake_leg.pictures.plots.style import svg_text
 
     _refuse_signal_options(chosen, "is for signals and means nothing to frames")
-    kind = run_kind(chosen.name)
+    kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
     robot = kind.robot(kind.options())
     return svg_text(free_body(robot, title=kind.title), background=chosen.background)
 
@@ -140,9 +143,9 @@ def _refuse_signal_options(chosen: argparse.Namespace, why: str) -> None:
             raise InvalidValueError(f"{option_of(option)} {why}: draw {chosen.name} without it")
 
 
-def _subject(name: str) -> tuple[str, Diagram, Robot]:
+def _subject(chosen: argparse.Namespace) -> tuple[str, Diagram, Robot]:
     """Return a run's title, its diagram with default options, and its robot."""
-    kind = run_kind(name)
+    kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
     options = kind.options()
     diagram, _ = kind.diagram(options)
     return kind.title, diagram, kind.robot(options)

@@ -83,7 +83,10 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
-    robot, place = robot_source(chosen.robot).robot().at_tip(chosen.tip), _place(chosen)
+    robot, place = (
+        robot_source(chosen.robot, chosen.numbers).robot().at_tip(chosen.tip),
+        _place(chosen),
+    )
     if chosen.q is None:
         return _foot_alone(chosen, robot, place)
     values = numbers("--q", chosen.q)

@@ -15,6 +15,7 @@ from drake_leg.cli.terminal import BAD_INPUT, FAILED, STOPPED_EARLY, fail, place
 from drake_leg.errors import (
     DrakeLegError,
     JointLimitError,
+    MissingNumbersError,
     OutputError,
     PictureError,
     SingularConfigurationError,
@@ -37,7 +38,7 @@ COMMANDS = {
     "derive": ("drake_leg.cli.reports", "derive a robot's matrices and equations with SymPy"),
     "errata": ("drake_leg.cli.reports", "list what the reports print wrongly"),
     "doctor": ("drake_leg.cli.doctor", "examine a posture before simulating it"),
-    "sdf": ("drake_leg.cli.robots", "write a robot as SDF, or as TOML"),
+    "sdf": ("drake_leg.cli.robots", "write a robot as SDF, as TOML or as a .par file"),
     "check": ("drake_leg.cli.robots", "prove a robot, or grade a print against it"),
     "inspect": ("drake_leg.cli.simulink", "list what a Simulink model holds"),
     "compare": ("drake_leg.cli.simulink", "compare a Simulink model with a run's diagram"),
@@ -131,6 +132,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return fail(error, STOPPED_EARLY)
     except PictureError as error:
         return fail(error, FAILED)
+    except MissingNumbersError as error:
+        error.advice = f"give numbers, as --set {','.join(f'{a}=0.1' for a in error.letters)}"
+        return fail(error, BAD_INPUT)
     except DrakeLegError as error:
         return fail(error, BAD_INPUT)
     except OSError as error:

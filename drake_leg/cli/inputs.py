@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from drake_leg.cli.terminal import numbers
+from drake_leg.cli.terminal import numbers, remark
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import read_text
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import starting_posture
+from drake_leg.robot.par_reader import ParFile, load_par
+from drake_leg.robot.par_robot import Numbers, numbers_of, require_letters, robot_of_par
+from drake_leg.robot.par_text import parts_of
 from drake_leg.robot.robot import Robot, Segment
+from drake_leg.robot.robot_file import ENDINGS, is_par, is_robot_file
 from drake_leg.robot.robots import ROBOTS
 from drake_leg.robot.toml_keys import Document, parse_document
 from drake_leg.robot.toml_reader import read_robot
@@ -21,12 +27,17 @@ from drake_leg.robot.toml_writer import robot_toml
 from drake_leg.runs.catalogue import reports_posture
 from drake_leg.runs.options import TIP
 
+if TYPE_CHECKING:
+    from drake_leg.symbolic.table import SymbolicTable
+
+FILE = "FILE.toml|FILE.par"  # of a robot
+
 # The package's robots by their names on the command line.
 ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in (*ROBOTS, HEXABOT)}
 
 
 @dataclass(frozen=True, kw_only=True)
-class RobotSource:
+class TomlSource:
     """The text of a robot, not yet read."""
 
     text: str  # TOML
@@ -41,15 +52,87 @@ class RobotSource:
         """Read the robot."""
         return read_robot(self.text, self.where)
 
+    @property
+    def title(self) -> str:
+        """The robot's title."""
+        return self.robot().title
+
+    def table(self) -> SymbolicTable:
+        """Write its table in symbols, whose numbers it keeps."""
+        from drake_leg.symbolic.table import table_of_robot
+
+        return table_of_robot(self.robot())
+
+
+class ParSource:
+    """A file of SYMORO, with numbers for its letters; what is doubtful about it is printed."""
+
+    def __init__(self, where: str, settings: Mapping[str, str]) -> None:
+        self.where, self.origin = where, Path(where).name
+        self._settings = settings
+
+    @cached_property
+    def _par(self) -> ParFile:
+        return load_par(self.where)
+
+    @cached_property
+    def _numbers(self) -> Numbers:
+        found = numbers_of(self._settings, "--set")
+        require_letters(self._par, found)
+        return found
+
+    @cached_property
+    def _robot(self) -> Robot:
+        loaded = robot_of_par(self._par, self._numbers)
+        for note in loaded.notes:
+            remark(note)
+        return loaded.robot
+
+    @property
+    def title(self) -> str:
+        """The robot's name in the file."""
+        return self._par.name
+
+    def document(self) -> Document:
+        """Return the nested tables that the robot has in TOML."""
+        return parse_document(robot_toml(self._robot), self.where)
+
+    def robot(self) -> Robot:
+        """Make the robot, for which all letters of its table need numbers."""
+        return self._robot
+
+    def table(self) -> SymbolicTable:
+        """Write its table in symbols: letters without numbers stay."""
+        from drake_leg.symbolic.par_table import table_of_par
+
+        for note in self._par.notes:
+            remark(note)
+        return table_of_par(self._par, self._numbers)
+
+
+RobotSource = TomlSource | ParSource
+
 
 def add_robot_source(parser: argparse.ArgumentParser) -> None:
     """Add the argument that names a robot or its file."""
     names = ", ".join(ROBOT_NAMES)
     parser.add_argument(
         "robot",
-        metavar="NAME|FILE.toml",
+        metavar=f"NAME|{FILE}",
         help=f"one of {names}, or a robot of your own: a TOML file ('drake-leg sdf leg-b --toml' "
-        "prints one)",
+        "prints one), or a .par file of SYMORO (--par prints one)",
+    )
+    add_numbers(parser)
+
+
+def add_numbers(parser: argparse.ArgumentParser) -> None:
+    """Add the option that gives numbers to the letters of a ``.par`` file."""
+    parser.add_argument(
+        "--set",
+        action="append",
+        dest="numbers",
+        metavar="D3=0.45,RL4=0.45",
+        help="numbers for letters of a .par file [m, rad, kg]; may be repeated",
     )
 
 
@@ -58,18 +141,54 @@ def add_tip(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tip", metavar="NAME", help=f"{TIP} (default: the only one)")
 
 
-def robot_source(name: str) -> RobotSource:
-    """Find the text of a robot by its name, or in its file."""
+def robot_source(name: str, numbers: Sequence[str] | None = None) -> RobotSource:
+    """Find the text of a robot by its name, or in its file.
+
+    ``numbers`` is what was given with ``--set``, for the letters of a ``.par`` file.
+    """
+    settings = _settings(name, numbers)
     if name in ROBOT_NAMES:
         text = robot_toml(ROBOT_NAMES[name])
-        return RobotSource(text=text, origin="drake_leg.robot.robots", where=name)
+        return TomlSource(text=text, origin="drake_leg.robot.robots", where=name)
     path = Path(name)
-    if path.suffix.lower() == ".toml":
-        return RobotSource(text=read_text(path), origin=path.name, where=name)
-    robots = f"the robots are {', '.join(ROBOT_NAMES)}; one of your own is a file ending in .toml"
+    if is_par(path):
+        return ParSource(name, settings)
+    if is_robot_file(path):
+        return TomlSource(text=read_text(path), origin=path.name, where=name)
+    robots = (
+        f"the robots are {', '.join(ROBOT_NAMES)}; one of your own is a file ending in {ENDINGS}"
+    )
     raise InvalidValueError(
         f"there is no robot {name!r}", advice=did_you_mean(name, ROBOT_NAMES, robots)
     )
+
+
+def named_or_robot(name: str, numbers: Sequence[str] | None) -> str | Robot:
+    """Return the robot of a ``.par`` file, and any other name as it is.
+
+    ``numbers`` is what was given with ``--set``.
+    """
+    if is_par(name):
+        return robot_source(name, numbers).robot()
+    _settings(name, numbers)
+    return name
+
+
+def _settings(name: str, given: Sequence[str] | None) -> dict[str, str]:
+    """Read ``D3=0.45,RL4=0.45``, of which there may be several."""
+    if given and not is_par(name):
+        raise InvalidValueError(
+            f"--set gives numbers to the letters of a .par file, and {name} has none: leave it out"
+        )
+    settings: dict[str, str] = {}
+    for part, _ in (each for text in given or () for each in parts_of(text)):
+        letter, equals, number = (word.strip() for word in part.partition("="))
+        if not (letter and equals and number):
+            raise InvalidValueError(f"--set has {part!r} in it; write D3=0.45,RL4=0.45")
+        if letter in settings:
+            raise InvalidValueError(f"--set gives {letter} twice; keep one of the numbers")
+        settings[letter] = number
+    return settings
 
 
 def add_posture(parser: argparse.ArgumentParser) -> None:

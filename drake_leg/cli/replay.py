@@ -6,17 +6,18 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
-from drake_leg.cli.terminal import add_view, picture, stop_note
+from drake_leg.cli.inputs import FILE, ROBOT_NAMES, add_numbers, robot_source
+from drake_leg.cli.terminal import add_view, picture, refuse_ignored, stop_note
 from drake_leg.errors import OutputError, UnreadableFileError
 from drake_leg.files import read_text
 from drake_leg.progress import ProgressBar
 from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot_file import PAR, TOML
 from drake_leg.runs.catalogue import RUNS, STEP
 
 if TYPE_CHECKING:
@@ -42,9 +43,10 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
     add_view(parser, "of a video, or first one of a page")
     parser.add_argument(
         "--robot",
-        metavar="NAME|FILE.toml",
+        metavar=f"NAME|{FILE}",
         help="the robot that moved, if the run was made with a robot or lengths of your own",
     )
+    add_numbers(parser)
     parser.set_defaults(command=_replay)
 
 
@@ -52,10 +54,12 @@ def _replay(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.media import check_show, write_show
     from drake_leg.scene.scene import as_view
 
+    if chosen.robot is None:
+        refuse_ignored({"--set": bool(chosen.numbers)}, "means nothing without --robot")
     view = as_view(chosen.view)
     check_show(chosen.out, overwrite=chosen.overwrite)
     run = _RecordedRun.of(chosen.run)
-    motion = _motion(run, chosen.robot)
+    motion = _motion(run, chosen.robot, chosen.numbers)
     with (
         ProgressBar(sys.stderr, "replay", max(motion.duration, 1e-300), "s") as bar,
         picture(f"the replay {chosen.out}"),
@@ -110,21 +114,21 @@ class _RecordedRun:
         return self.folder / "recording.csv"
 
     @property
-    def of_toml(self) -> bool:
+    def of_file(self) -> bool:
         """Whether the robot was read from a file; then it is not one of the reports'."""
-        return str(self.summary.get("run")).lower().endswith(".toml")
+        return str(self.summary.get("run")).lower().endswith((TOML, PAR))
 
     def title(self, robot: str) -> str:
         """Find the run's title; a robot from a file makes the straight step."""
         name = str(self.summary.get("run"))
         if name in RUNS:
             return RUNS[name].heading
-        return f"{robot}: {STEP}" if self.of_toml else robot
+        return f"{robot}: {STEP}" if self.of_file else robot
 
     def reports_robot(self) -> Robot | None:
         """Return the robot that moved if it is one of the reports'."""
         name = str(self.summary.get("robot"))
-        return None if self.of_toml else ROBOT_NAMES.get(name.replace("_", "-"))
+        return None if self.of_file else ROBOT_NAMES.get(name.replace("_", "-"))
 
     def robot(self) -> Robot:
         """Return the robot that moved, or refuse to guess."""
@@ -134,18 +138,18 @@ class _RecordedRun:
         robot, name = self.reports_robot(), self.summary["robot"]
         if robot is None:
             raise OutputError(
-                f"{self.folder} is a run of {name!r}, a robot of your own: give its TOML file with "
+                f"{self.folder} is a run of {name!r}, a robot of your own: give its file with "
                 f"--robot, as in --robot {name}.toml"
             )
         return robot
 
 
-def _motion(run: _RecordedRun, robot_name: str | None) -> PlantMotion:
+def _motion(run: _RecordedRun, robot_name: str | None, given: Sequence[str] | None) -> PlantMotion:
     """Read how a robot moved, the recorded one or the one that was named."""
     from drake_leg.scene.scene import OtherRobotError, motion_of
     from drake_leg.simulation.recording import Recording
 
-    robot = run.robot() if robot_name is None else robot_source(robot_name).robot()
+    robot = run.robot() if robot_name is None else robot_source(robot_name, given).robot()
     recording = Recording.read_csv(run.recording)
     found, rows = len(recording["time"]), run.summary.get("rows")
     if isinstance(rows, int) and rows != found:
@@ -175,5 +179,5 @@ def _other_robot(run: _RecordedRun, robot: Robot) -> OutputError | None:
     if run.fault is not None or name == robot.name:
         return None
     known = run.reports_robot() is not None
-    remedy = "leave --robot out" if known else f"give its TOML file, --robot {name}.toml"
+    remedy = "leave --robot out" if known else f"give its file, --robot {name}.toml"
     return OutputError(f"{run.folder} is a run of {name!r}, not of {robot.name!r}: {remedy}")

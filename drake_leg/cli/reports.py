@@ -11,7 +11,7 @@ import textwrap
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.inputs import ROBOT_NAMES, robot_source
+from drake_leg.cli.inputs import FILE, ROBOT_NAMES, RobotSource, add_numbers, robot_source
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -26,7 +26,6 @@ from drake_leg.cli.terminal import (
 from drake_leg.errors import InvalidValueError, TimeBudgetError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.progress import ProgressBar, TimeBudget
-from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.catalogue import (
     SUBJECTS,
     DerivedRobot,
@@ -56,24 +55,27 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "name",
-        metavar="NAME|FILE.toml",
+        metavar=f"NAME|{FILE}",
         help=f"one of {', '.join(SUBJECTS)}, with the numbers of the report's equations; "
         f"{' or '.join(name for name in ROBOT_NAMES if name not in SUBJECTS)}; or a robot of your "
         "own",
     )
+    add_numbers(parser)
     parser.add_argument("--latex", action="store_true", help="print lines of LaTeX")
     add_budget(parser, "of the derivation")
     parser.set_defaults(command=_derive)
 
 
 def _derive(chosen: argparse.Namespace) -> int:
-    robot = None if chosen.name in SUBJECTS else robot_source(chosen.name).robot()
+    source = None
+    if chosen.name not in SUBJECTS or chosen.numbers:
+        source = robot_source(chosen.name, chosen.numbers)
     import_module("drake_leg.symbolic.equations")  # loads SymPy before the time is limited
     budget = TimeBudget(budget_of(chosen))
     with ProgressBar(sys.stderr, f"derivation of {chosen.name}", budget.seconds, "s") as bar:
-        if robot is None:
+        if source is None:
             return _reports(chosen, budget, bar)
-        return _own(robot, chosen, budget, bar)
+        return _own(source, chosen, budget, bar)
 
 
 def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
@@ -91,16 +93,18 @@ def _reports(chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -
     return 0
 
 
-def _own(robot: Robot, chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar) -> int:
+def _own(
+    source: RobotSource, chosen: argparse.Namespace, budget: TimeBudget, bar: ProgressBar
+) -> int:
     """Derive what follows from a table, and print each piece when it is done."""
     from drake_leg.symbolic.derivation import Derivation
     from drake_leg.symbolic.equations import own_pieces
 
-    derivation = Derivation(robot.rows)
+    derivation = Derivation(source.table())
     undone: list[str] = []
     too_large: list[str] = []
     letters = f"; {derivation.table.legend}" if derivation.table.legend else ""
-    _print_heading(f"{robot.title}, derived from its table: {SHORTHAND}{letters}", chosen)
+    _print_heading(f"{source.title}, derived from its table: {SHORTHAND}{letters}", chosen)
     for piece in own_pieces(derivation):
         bar.turn_to(piece.title)
         try:

@@ -19,10 +19,12 @@ from drake_leg.cli.terminal import (
     as_options,
     budget_of,
     refuse_ignored,
+    remark,
 )
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import write_text
 from drake_leg.progress import ProgressBar
+from drake_leg.robot.par_writer import not_in_par, robot_par
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.toml_writer import robot_toml
 
@@ -38,12 +40,20 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
         "Print a robot's SDF for Drake or Gazebo, or write it to a file. With --toml, "
-        "write the robot as TOML instead, to start one of your own."
+        "write the robot as TOML instead, to start one of your own; with --par, as a file of "
+        "SYMORO."
     )
     add_robot_source(parser)
-    parser.add_argument("--toml", action="store_true", help="write TOML instead of SDF")
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument("--toml", action="store_true", help="write TOML instead of SDF")
+    instead.add_argument(
+        "--par", action="store_true", help="write a .par file of SYMORO instead of SDF"
+    )
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="file to write, .sdf or .toml (default: print)"
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="file to write, .sdf, .toml or .par (default: print)",
     )
     parser.add_argument("--overwrite", action="store_true", help="replace FILE if it exists")
     parser.set_defaults(command=_sdf)
@@ -51,23 +61,34 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
 
 def _sdf(chosen: argparse.Namespace) -> int:
     from drake_leg.lab.grader.tables import lint_sizes, lint_table, table_of_document
-    from drake_leg.models.sdf import sdf_text
 
     if chosen.out is None:
         refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --out")
-    source = robot_source(chosen.robot)
+    source = robot_source(chosen.robot, chosen.numbers)
     robot = source.robot()
     for finding in (*lint_table(table_of_document(source.document())), *lint_sizes(robot)):
         print(f"drake-leg: {source.where}: {finding.sentence()}", file=sys.stderr)
-    text = robot_toml(robot) if chosen.toml else sdf_text(robot, origin=source.origin)
+    ending, text = _written(robot, chosen, source.origin)
     if chosen.out is None:
         print(text, end="")
-        return 0
-    write_text(
-        chosen.out, text, ending=".toml" if chosen.toml else ".sdf", overwrite=chosen.overwrite
-    )
-    print(f"wrote {chosen.out}")
+    else:
+        write_text(chosen.out, text, ending=ending, overwrite=chosen.overwrite)
+        print(f"wrote {chosen.out}")
+    lost = not_in_par(robot) if chosen.par else ()
+    if lost:
+        remark(f"a .par file does not hold {', '.join(lost)}; they are left out")
     return 0
+
+
+def _written(robot: Robot, chosen: argparse.Namespace, origin: str) -> tuple[str, str]:
+    """Write a robot in the format that is asked for; return its ending, too."""
+    from drake_leg.models.sdf import sdf_text
+
+    if chosen.toml:
+        return ".toml", robot_toml(robot)
+    if not chosen.par:
+        return ".sdf", sdf_text(robot, origin=origin)
+    return ".par", robot_par(robot)
 
 
 def configure_check(parser: argparse.ArgumentParser) -> None:
@@ -104,12 +125,13 @@ def _check(chosen: argparse.Namespace) -> int:
             {"--samples": chosen.samples is not None, "--budget": chosen.budget is not None},
             "means nothing with --printed",
         )
-        return _check_print(robot_source(chosen.robot).robot(), chosen)
+        return _check_print(robot_source(chosen.robot, chosen.numbers).robot(), chosen)
     if Path(chosen.robot).suffix.lower() in TABLES:
+        refuse_ignored({"--set": bool(chosen.numbers)}, "means nothing to a printed table")
         return _check_table(Path(chosen.robot), chosen)
     from drake_leg.lab.grader.printed import is_print
 
-    source = robot_source(chosen.robot)
+    source = robot_source(chosen.robot, chosen.numbers)
     if is_print(source.document()):
         return _check_table(Path(chosen.robot), chosen)
     return _check_robot(source, chosen)

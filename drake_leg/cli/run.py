@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -55,9 +56,10 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "name",
         metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot of your own, "
+        help=f"one of {', '.join(RUNS)}, or a TOML or .par file of a robot of your own, "
         "whose foot makes the straight step",
     )
+    add_numbers(parser)
     add_output(parser)
     parser.add_argument(
         "--figures",
@@ -70,7 +72,7 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(chosen: argparse.Namespace) -> int:
-    kind = run_kind(chosen.name)
+    kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
     options, formats = _options_and_formats(kind, chosen)
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
     _check_shows(chosen)

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.run import add_run_options, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
@@ -63,8 +64,9 @@ def configure_compare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "name",
         metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML file with a robot of your own",
+        help=f"one of {', '.join(RUNS)}, or a TOML or .par file with a robot of your own",
     )
+    add_numbers(parser)
     parser.add_argument("--json", action="store_true", help="write the whole comparison as JSON")
     parser.add_argument(
         "--strict",
@@ -81,7 +83,7 @@ def _compare(chosen: argparse.Namespace) -> int:
         raise InvalidValueError(
             "the model comes first", advice=f"drake-leg compare {chosen.name} {chosen.model}"
         )
-    kind = run_kind(chosen.name)
+    kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
     options = options_of(kind, chosen)
     _refuse_options_of_runs(kind, options, chosen)
     from drake_leg.simulink.compare.compare import LiveModel, compare

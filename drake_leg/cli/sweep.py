@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.run import add_run_options, options_of
 from drake_leg.cli.terminal import (
     FAILED,
@@ -57,8 +58,9 @@ def configure_sweep(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "name",
         metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML file of a robot of your own",
+        help=f"one of {', '.join(RUNS)}, or a TOML or .par file of a robot of your own",
     )
+    add_numbers(parser)
     parser.add_argument(
         "--vary",
         action="append",
@@ -108,7 +110,7 @@ def configure_sweep(parser: argparse.ArgumentParser) -> None:
 
 def _sweep(chosen: argparse.Namespace) -> int:
     require_pyarrow()
-    kind = run_kind(chosen.name)
+    kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
     vary = _vary(chosen.vary)
     over = chosen.over.split(",") if chosen.over else None
     fronts = [_pair(text) for text in chosen.pareto]

@@ -74,7 +74,7 @@ def _view(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.scene import as_view
     from drake_leg.scene.viewer import view_served
 
-    robot = robot_source(chosen.robot).robot()
+    robot = robot_source(chosen.robot, chosen.numbers).robot()
     q = posture(chosen.robot, robot, chosen.q)
     view = as_view(chosen.view)
     try:
@@ -90,7 +90,7 @@ def _still(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.media import still
     from drake_leg.scene.scene import as_view
 
-    robot = robot_source(chosen.robot).robot()
+    robot = robot_source(chosen.robot, chosen.numbers).robot()
     q = posture(chosen.robot, robot, chosen.q)
     view = as_view(chosen.view)
     require_pillow()
@@ -135,7 +135,7 @@ def configure_teleop(parser: argparse.ArgumentParser) -> None:
 def _teleop(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.teleop import drive_robot
 
-    robot = robot_source(chosen.robot).robot().at_tip(chosen.tip)
+    robot = robot_source(chosen.robot, chosen.numbers).robot().at_tip(chosen.tip)
     q = posture(chosen.robot, robot, chosen.q)
     start = _start(robot, q, chosen.task)
     try:

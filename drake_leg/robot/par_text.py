@@ -117,7 +117,7 @@ class ParText:
         if key not in LISTS:
             raise self.error(f"{key} is a list in braces; it must be one value", line)
         values: list[RawValue] = []
-        for text, place in _parts(inside):
+        for text, place in parts_of(inside):
             values.append(RawValue(text, self._line(start + 1 + place)))
             if len(values) > MOST_VALUES:
                 raise self.error(f"{key} has more than {MOST_VALUES} values", line)
@@ -133,7 +133,7 @@ class ParText:
         return (value,), at + len(text)
 
 
-def _parts(inside: str) -> Iterator[tuple[str, int]]:
+def parts_of(inside: str) -> Iterator[tuple[str, int]]:
     """Cut a list at the commas that are in no brackets; each part with its place."""
     depth, begin = 0, 0
     for at, sign in enumerate(f"{inside},"):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot_file import ENDINGS, is_robot_file, load_robot
 from drake_leg.runs.options import (
     DampedPendulumOptions,
     EllipseOptions,
@@ -99,7 +100,7 @@ RUNS = {
 
 
 def run_kind(what: str | Path | Robot) -> RunKind:
-    """Look up a run by its name; a robot, or one from a TOML file, makes the straight step.
+    """Look up a run by its name; a robot, or one from a file, makes the straight step.
 
     Raises
     ------
@@ -108,15 +109,13 @@ def run_kind(what: str | Path | Robot) -> RunKind:
     """
     if isinstance(what, str) and what in RUNS:
         return RUNS[what]
-    if isinstance(what, str | Path) and Path(what).suffix.lower() == ".toml":
-        from drake_leg.robot.robot_file import load_robot
-
+    if isinstance(what, str | Path) and is_robot_file(what):
         what = load_robot(what)
     if isinstance(what, Robot):
         return RunKind(title=what.title, motion=STEP, options=OwnOptions, own=what)
     named = isinstance(what, str | Path)
     given = repr(str(what)) if named else shown(what)
-    own = "a robot of your own is a file that ends in .toml"
+    own = f"a robot of your own is a file that ends in {ENDINGS}"
     raise InvalidValueError(
         f"there is no run {given}; the runs are {', '.join(RUNS)}",
         advice=did_you_mean(what, RUNS, own if named else f"{own}, or a Robot"),

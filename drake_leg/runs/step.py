@@ -347,7 +347,8 @@ def _require_mass(robot: Robot) -> None:
         if segment.row.joint != "fixed" and not mass_beyond:
             raise InvalidValueError(
                 f"{robot.name}: nothing beyond joint {segment.joint} has a mass",
-                advice="give its row, or one after it, a [row.solid] or a [row.inertial]",
+                advice="give its row, or one after it, a [row.solid] or a [row.inertial], or in a "
+                ".par file numbers for XX ... M",
             )
 
 

@@ -238,15 +238,17 @@ class Derivation:
 
     Parameters
     ----------
-    rows : sequence of Row
+    table : SymbolicTable or sequence of Row
         The table, of which m rows move.
     task : sequence of int, optional
         Rows of the Jacobian (0-2 angular, 3-5 translational) that make it square; by default the
         translational rows that are not zero, or else all rows that are not zero, if they are m.
     """
 
-    def __init__(self, rows: Sequence[Row], task: Sequence[int] | None = None) -> None:
-        self.table: SymbolicTable = table_of_rows(rows)
+    def __init__(
+        self, table: SymbolicTable | Sequence[Row], task: Sequence[int] | None = None
+    ) -> None:
+        self.table = table if isinstance(table, SymbolicTable) else table_of_rows(table)
         self._chosen = task
 
     @cached_property

@@ -283,6 +283,7 @@ def _determinant(value: sp.Expr, title: str, *, label: str = "", size: int = 3) 
 
 
 SHORT = re.compile(r"([cs])(\d+)")  # c23 is cos(q2 + q3)
+POSITION = re.compile(r"q\d+")  # of a joint
 GREEK = {"alpha": "α", "theta": "θ"}
 
 
@@ -291,7 +292,7 @@ def shorthand(expression: sp.Basic) -> sp.Basic:
 
     def short(letter: str, function: type[sp.Function], angle: sp.Expr) -> sp.Expr:
         terms = sorted(sp.Add.make_args(angle), key=str)
-        if all(term.is_Symbol and term.name.startswith("q") for term in terms):
+        if all(term.is_Symbol and POSITION.fullmatch(term.name) for term in terms):
             return sp.Symbol(letter + "".join(term.name[1:] for term in terms))
         return function(angle)
 

@@ -20,6 +20,7 @@ from drake_leg.robot.arithmetic import (
 )
 from drake_leg.robot.par_positions import Position, positions
 from drake_leg.robot.par_reader import ParFile
+from drake_leg.robot.par_robot import letters_of
 from drake_leg.robot.par_text import AT_JOINT, FORCE, INERTIAL, MOMENT, POSE
 from drake_leg.robot.robot import JointType
 from drake_leg.symbolic.table import NO_LINK, LinkParameters, SymbolicRow, SymbolicTable, Three
@@ -41,7 +42,8 @@ _FUNCTIONS: dict[str, Callable[..., sp.Expr]] = {
 def table_of_par(par: ParFile, values: Mapping[str, Expression] | None = None) -> SymbolicTable:
     """Write a file's table and its links' parameters as expressions of its letters.
 
-    A joint's position has the letter of the file. Inertial parameters that the file does not have
+    The position of joint 3 is ``q3``, however the file calls it, unless that is another letter of
+    the file. Inertial parameters that the file does not have
     are ``XX1`` ... ``M1``, its forces, frictions and rotors 0, its gravity ``G3`` along z of frame
     0. ``values`` has numbers for letters that are not to stay.
 
@@ -62,12 +64,12 @@ class _Writer:
     def table(self) -> SymbolicTable:
         par = self._par
         found = positions(par, self._values)
-        moving = {position.row: position for position in found}
+        moving = {position.row: (position, self._symbol(position)) for position in found}
         links = [self._link(row) if row <= par.links else NO_LINK for row in par.rows]
         return SymbolicTable(
             name=par.name,
             rows=tuple(self._row(row, moving.get(row)) for row in par.rows),
-            q=tuple(symbol(position.name) for position in found),
+            q=tuple(own for _, own in moving.values()),
             links=tuple(links),
             gravity=self._gravity(),
             floating=par.floating,
@@ -76,23 +78,29 @@ class _Writer:
             loops=par.loops,
         )
 
-    def _row(self, row: int, position: Position | None) -> SymbolicRow:
+    def _symbol(self, position: Position) -> sp.Symbol:
+        name = f"q{position.row}"
+        taken = name in letters_of(self._par) and name != position.name
+        return symbol(position.name if taken else name)
+
+    def _row(self, row: int, moving: tuple[Position, sp.Symbol] | None) -> SymbolicRow:
         par = self._par
         return SymbolicRow(
             joint=JOINTS[par.sigmas[row - 1]],
             antecedent=par.antecedents[row - 1],
             actuated=par.actuated[row - 1],
-            gamma=self._of_row("gamma", row, position),
-            b=self._of_row("b", row, position),
-            alpha=self._of_row("alpha", row, position),
-            d=self._of_row("d", row, position),
-            theta=self._of_row("theta", row, position),
-            r=self._of_row("r", row, position),
+            gamma=self._of_row("gamma", row, moving),
+            b=self._of_row("b", row, moving),
+            alpha=self._of_row("alpha", row, moving),
+            d=self._of_row("d", row, moving),
+            theta=self._of_row("theta", row, moving),
+            r=self._of_row("r", row, moving),
         )
 
-    def _of_row(self, key: str, row: int, position: Position | None) -> sp.Expr:
-        if position is not None and position.key == key:
-            return self._read(key, row, position.offset) + symbol(position.name)
+    def _of_row(self, key: str, row: int, moving: tuple[Position, sp.Symbol] | None) -> sp.Expr:
+        if moving is not None and moving[0].key == key:
+            position, own = moving
+            return self._read(key, row, position.offset) + own
         return self._read(key, row, self._par.expression(key, row))
 
     def _link(self, link: int) -> LinkParameters:

@@ -117,7 +117,7 @@ def test_a_reports_equations_have_a_budget_too(capsys):
         (
             "robot",
             "the robots are pendulum, leg-a, leg-b, scara; one of your own is a file ending in "
-            ".toml",
+            ".toml or .par",
         ),
     ],
 )

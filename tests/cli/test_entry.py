@@ -129,7 +129,7 @@ def test_every_example_can_be_parsed():
     ("words", "said"),
     [
         ("run LEG-B --out x", "did you mean leg-b?"),
-        ("run README.md --out x", "a robot of your own is a file that ends in .toml\n"),
+        ("run README.md --out x", "a robot of your own is a file that ends in .toml or .par\n"),
         ("run leg-b --amplitude 0,05 --out x", "write a decimal point, as 0.05"),
         ("compare leg-b leg.slx", "the model comes first: drake-leg compare leg.slx leg-b"),
         ("errata 5,6", "'5,6' is not the number of an erratum: write drake-leg errata 5 6\n"),

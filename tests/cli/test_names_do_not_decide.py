@@ -100,7 +100,7 @@ def test_a_run_of_a_file_is_replayed_with_its_file(name, drawn, tmp_path, monkey
     words = ["run", f"{name}.toml", "--out", "out", "--q0", "20,60,30", "--duration", "0.2"]
     assert main(words) == 0
     assert main(["replay", "out", "--out", "out.html"]) != 0
-    assert f"a robot of your own: give its TOML file with --robot, as in --robot {name}.toml" in (
+    assert f"a robot of your own: give its file with --robot, as in --robot {name}.toml" in (
         capsys.readouterr().err
     )
     assert main(["replay", "out", "--out", "out.html", "--robot", f"{name}.toml"]) == 0

@@ -39,7 +39,7 @@ ALWAYS = {
     "derive": {"--latex", "--budget"},
     "errata": {"--json"},
     "doctor": {"--q", "--tip", "--direction", "--frequency", "--foot", "--json", "--out"},
-    "sdf": {"--toml", "--out"},
+    "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
     "inspect": {"--json"},
     "compare": OF_RUNS | {"--json", "--strict", "--frequency", "--direction", "--gain"},
@@ -62,7 +62,25 @@ OF_RUNS_MEANINGLESS = [
     ("leg-b --lift 0.04", "leg-b has no option --lift: only ellipse has it"),
 ]
 
+NO_LETTERS = "gives numbers to the letters of a .par file, and leg-b has none"
+
 MEANINGLESS = [
+    *(
+        (command, f"leg-b --set D3=1{more}", NO_LETTERS)
+        for command, more in (
+            ("run", ""),
+            ("compare", ""),
+            ("sweep", " --vary l1=0.04:0.06:2 --out s"),
+            ("view", ""),
+            ("teleop", ""),
+            ("derive", ""),
+            ("doctor", ""),
+            ("sdf", ""),
+            ("check", ""),
+            ("diagram", " --out a.svg"),
+        )
+    ),
+    ("replay", "somewhere --set D3=1 --out a.html", "means nothing without --robot"),
     *(("run", words, said) for words, said in OF_RUNS_MEANINGLESS),
     ("run", "leg-b --accuracy 1e-6 --integrator explicit_euler", "means nothing to it"),
     ("run", "leg-b --frequency 2 --amplitude 0", "the amplitude is 0"),

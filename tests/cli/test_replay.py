@@ -147,9 +147,9 @@ def test_a_summary_without_a_robot_asks_for_one(text, said, capsys):
 def test_a_run_of_a_robot_of_ones_own_needs_its_file(capsys):
     write_run("desk", replace(LEG_B, name="desk_arm"))
     said = refused(capsys, "desk", "--out", "a.html")
-    assert "desk is a run of 'desk_arm', a robot of your own: give its TOML file" in said
+    assert "desk is a run of 'desk_arm', a robot of your own: give its file" in said
     said = refused(capsys, "desk", "--robot", "leg-a", "--out", "a.html")
-    assert "not of 'leg_a': give its TOML file, --robot desk_arm.toml" in said
+    assert "not of 'leg_a': give its file, --robot desk_arm.toml" in said
 
 
 @pytest.mark.parametrize("other", ["leg-a", "scara", "pendulum"])

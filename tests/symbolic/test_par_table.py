@@ -75,3 +75,10 @@ def test_what_has_no_value_is_refused_with_its_row(d, said):
     text = f"sigma = {{0}}\nalpha = {{0}}\nd = {{{d}}}\ntheta = {{th1}}\nr = {{0}}\n"
     with pytest.raises(InvalidValueError, match=f"x.par, line 3: d of row 1 .*({said})"):
         table_of_par(read_par(text, "x.par"))
+
+
+def test_positions_are_q_with_the_number_of_their_joint():
+    text = "sigma = {0,2,1}\nalpha = {0,0,q3}\nd = {0,L,0}\ntheta = {th1,0,0}\nr = {0,0,H + r3}\n"
+    table = table_of_par(read_par(text, "x.par"))
+    assert [symbol.name for symbol in table.q] == ["q1", "r3"]
+    assert table.rows[2].r == sp.Symbol("H", real=True) + table.q[1]
