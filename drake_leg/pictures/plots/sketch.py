@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, FancyArrowPatch
+from numpy.typing import NDArray
 
 from drake_leg.colours import BLUE, GREEN, PURPLE, VERMILLION
 from drake_leg.kinematics.khalil import Array
@@ -18,6 +19,7 @@ Point = tuple[float, float]
 Line = tuple[Point, Point, float]
 
 TURNS = 24  # directions in which a place is searched
+ANGLES = 2.0 * math.pi * np.arange(TURNS) / TURNS  # [rad]
 RINGS = (0.0, 6.0, 14.0, 24.0, 36.0, 50.0, 70.0, 95.0)  # [pt] from what is named to its label
 LED = 20.0  # [pt], farther than which a thin line leads to a label
 SPARE = 2.0  # [px] around a label
@@ -58,15 +60,12 @@ class Labels:
         extent = label.get_window_extent()
         half = np.array([extent.width, extent.height]) / 2.0 + SPARE
         anchor = self._axes.transData.transform(at)
-        best, lowest = anchor, math.inf
-        for ring in RINGS:
-            for turn in range(TURNS):
-                angle = 2.0 * math.pi * turn / TURNS
-                out = np.array([math.cos(angle), math.sin(angle)])
-                centre = anchor + (pixels * ring + half @ np.abs(out)) * out
-                cost = self._cost(centre, half) + 0.06 * ring - 0.5 * float(out @ _unit(away))
-                if cost < lowest:
-                    best, lowest = centre, cost
+        rings = np.array(RINGS)[:, np.newaxis]
+        out = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
+        far = pixels * rings + np.abs(out) @ half
+        centres = (anchor + far[..., np.newaxis] * out).reshape(-1, 2)
+        price = 0.06 * rings - 0.5 * (out @ _unit(away))
+        best = centres[(self._costs(centres, half) + price.reshape(-1)).argmin()]
         self._boxes.append((*(best - half), *(best + half)))
         x, y = self._axes.transData.inverted().transform(best).tolist()
         label.set_position((x, y))
@@ -86,17 +85,24 @@ class Labels:
         aside = 0.5 * width * self._axes.figure.dpi / 72.0 * np.array([-dy, dx])
         return np.concatenate([along - aside, along, along + aside])
 
-    def _cost(self, centre: Array, half: Array) -> float:
-        """Count what a label would hide, and whether it would leave the axes."""
-        low, high = centre - half, centre + half
+    def _costs(self, centres: Array, half: Array) -> Array:
+        """Count what a label at each place (k, 2) would hide, and whether it would leave, (k,)."""
+        low, high = centres - half, centres + half
         box = self._axes.bbox
-        outside = low[0] < box.x0 or low[1] < box.y0 or high[0] > box.x1 or high[1] > box.y1
-        hidden = sum(
-            min(high[0], x1) > max(low[0], x0) and min(high[1], y1) > max(low[1], y0)
-            for x0, y0, x1, y1 in self._boxes
-        )
-        crossed = ((self._drawn > low) & (self._drawn < high)).all(axis=1).sum()
-        return float(100.0 * (hidden + outside) + 0.8 * crossed)
+        outside = (low < box.min).any(axis=1) | (high > box.max).any(axis=1)
+        boxes = np.array(self._boxes).reshape(-1, 4)
+        hidden = _overlap(low, high, boxes[:, :2], boxes[:, 2:]).sum(axis=1)
+        crossed = _overlap(low, high, self._drawn, self._drawn).sum(axis=1)
+        found: Array = 100.0 * (hidden + outside) + 0.8 * crossed
+        return found
+
+
+def _overlap(low: Array, high: Array, start: Array, end: Array) -> NDArray[np.bool_]:
+    """Whether boxes (k, 2) share points with others (n, 2), (k, n); corners are low and high."""
+    x = (high[:, :1] > start[:, 0]) & (low[:, :1] < end[:, 0])
+    y = (high[:, 1:] > start[:, 1]) & (low[:, 1:] < end[:, 1])
+    found: NDArray[np.bool_] = x & y
+    return found
 
 
 def _unit(vector: Point) -> Array:
