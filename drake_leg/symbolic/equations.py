@@ -16,9 +16,8 @@ from drake_leg.symbolic.derivation import (
     Derivation,
     SingularFamily,
 )
+from drake_leg.symbolic.geometry import PARTS
 from drake_leg.symbolic.table import SymbolicRow, row_transform
-
-PARTS = ("w_x", "w_y", "w_z", "v_x", "v_y", "v_z")  # rows of the spatial Jacobian
 
 
 @dataclass(frozen=True, kw_only=True)
