@@ -3,9 +3,10 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.kinematics.feet import find_postures
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, branch_angles
+from drake_leg.kinematics.screws import Screw, motion
+from drake_leg.kinematics.search import find_postures, rotation_vector
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_B
 
@@ -68,3 +69,20 @@ def test_a_point_out_of_reach_has_no_posture_and_a_distance():
 def test_the_same_question_has_the_same_answer():
     first, second = (find_postures(LEG_B.rows, [0.1, 0.05, -0.1], limits=[FREE] * 3) for _ in "ab")
     np.testing.assert_array_equal(first.q, second.q)
+
+
+def test_a_foot_turned_by_180_degrees_is_not_where_it_should_be():
+    half_turn = np.diag([1.0, -1.0, -1.0])
+    found = find_postures([Row(joint="revolute")], [0.0, 0.0, 0.0], half_turn, limits=[FREE])
+    assert len(found.q) == 0
+    assert found.nearest == pytest.approx(math.pi)
+
+
+def test_rotation_vectors_are_whole_up_to_180_degrees(rng):
+    for angle in (0.0, 1e-14, 1e-9, 1.0, 3.0, math.pi - 1e-9, math.pi):
+        axis = rng.normal(size=3)
+        axis /= np.linalg.norm(axis)
+        R = motion(Screw(turns=True, z=axis, o=np.zeros(3)), angle)[:3, :3]
+        vector = rotation_vector(R)
+        assert np.linalg.norm(vector) == pytest.approx(angle, rel=1e-6, abs=1e-15)
+        np.testing.assert_allclose(np.cross(vector, axis), 0.0, atol=1e-15)
