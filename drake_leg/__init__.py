@@ -29,6 +29,7 @@ Or the same as a named run, compared with the exact motion: ``run("leg-b").figur
 - ``build_plant``: a robot as Drake's ``MultibodyPlant``.
 - ``prove``: compare a robot's foot and Jacobian by its chain, SymPy, Drake and differences.
 - ``examine_posture``: a posture's rank, nearest singularity, strokes and inverse kinematics.
+- ``inverse_geometry``: all postures for a pose of the foot, in closed form where there is one.
 - ``derive``: a robot's transforms, Jacobian and singularities in symbols.
 
 **Diagrams** (Drake's, wired as in Simulink; each has a configuration)
@@ -99,6 +100,7 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.pendulum import PendulumConfig as PendulumConfig
     from drake_leg.diagrams.scara import ScaraConfig as ScaraConfig
     from drake_leg.kinematics.chain import movable as movable
+    from drake_leg.kinematics.inverse_geometry import inverse_geometry as inverse_geometry
     from drake_leg.kinematics.motions import EllipticStep as EllipticStep
     from drake_leg.kinematics.motions import SineStep as SineStep
     from drake_leg.lab.shown import errata as errata
@@ -176,6 +178,7 @@ _HOMES = {
     "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.pictures.plots.free_body", "free_body"),
     "gradient": ("drake_leg.studies.gradient", "gradient"),
+    "inverse_geometry": ("drake_leg.kinematics.inverse_geometry", "inverse_geometry"),
     "load_robot": ("drake_leg.robot.robot_file", "load_robot"),
     "movable": ("drake_leg.kinematics.chain", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),

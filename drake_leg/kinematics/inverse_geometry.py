@@ -8,14 +8,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import joints_in_words
 from drake_leg.kinematics.closed_form import ClosedForm, closed_forms, in_words
-from drake_leg.kinematics.khalil import Array, finite_vectors, real_numbers
-from drake_leg.kinematics.search import STARTS, Search, scattered
+from drake_leg.kinematics.khalil import Array, finite_vectors, real_numbers, table_length
+from drake_leg.kinematics.search import REACHED, STARTS, Search, scattered
 from drake_leg.kinematics.three_joints import Found
 from drake_leg.robot.robot import Robot, html_table, require_robot
 
@@ -39,7 +38,7 @@ class InverseGeometry:
     method: str
     complete: bool  # whether there is no other posture
     infinitely_many: bool  # whether joints can move while the foot stays
-    nearest: float | None  # [m], what the nearest posture misses by, where none reaches the goal
+    nearest: tuple[float, float] | None  # [m, rad], by how much the nearest one found misses it
     units: tuple[str, ...] = field(init=False)  # of each joint's position in texts: deg or m
 
     def __post_init__(self) -> None:
@@ -51,18 +50,23 @@ class InverseGeometry:
         """How many postures there are, whether these are all, and by which method."""
         count = len(self.solutions)
         if not count:
-            found = (
-                f"no posture reaches it; the nearest that was found misses by {self.nearest:.6g} m"
-            )
+            found = f"out of reach{self._by_how_much()}"
         elif self.infinitely_many:
             found = f"{count} of infinitely many postures"
         elif self.complete:
             found = {1: "the only posture", 2: "both postures"}.get(count, f"all {count} postures")
         else:
-            found = (
-                f"{count} posture{'s' * (count > 1)} found; that there is no other is not proved"
-            )
+            found = f"{count} posture{'s' * (count > 1)} found; there may be more"
         return f"{found} ({self.method})"
+
+    def _by_how_much(self) -> str:
+        if self.nearest is None:
+            return ""
+        distance, angle = self.nearest
+        least = REACHED * table_length(self.robot.rows)
+        parts = [f"{distance:.4g} m"] * (distance > least or angle <= REACHED)
+        parts += [f"{math.degrees(angle):.4g} deg"] * (angle > REACHED)
+        return f", by {' and '.join(parts)} from the nearest posture that was found"
 
     def as_json(self) -> dict[str, Any]:
         """The same under the command line's keys, joints that turn in degrees."""
@@ -71,7 +75,8 @@ class InverseGeometry:
             "method": self.method,
             "complete": self.complete,
             "infinitely_many": self.infinitely_many,
-            "nearest_m": self.nearest,
+            "nearest_m": self.nearest and self.nearest[0],
+            "nearest_deg": self.nearest and math.degrees(self.nearest[1]),
             "joints": [segment.joint for segment in self.robot.moving],
             "units": list(self.units),
             "solutions": [
@@ -196,8 +201,8 @@ def _pose(matrix: Array) -> Array:
     off = float(np.abs(R @ R.T - np.eye(3)).max())
     if not off < NOT_A_ROTATION or np.linalg.det(R) < 0.0 or (matrix[3] != [0, 0, 0, 1]).any():
         raise InvalidValueError(
-            f"the goal is {shown(matrix.tolist())}, which is no pose: its first three rows and "
-            f"columns must be a rotation (R R^T is off by {off:.3g}), its last row 0, 0, 0, 1"
+            f"the goal is no pose: its first three rows and columns must be a rotation R (R R^T is "
+            f"off by {off:.3g}), its last row 0, 0, 0, 1"
         )
     U, _, Vt = np.linalg.svd(R)
     X = np.eye(4)
@@ -237,11 +242,13 @@ def _closed(
         q, closes = _finished(search, candidates, len(robot.moving))
         if form.is_whole and not loose and closes.any():
             break
-    method, nearest = forms[0].method, None
+    method = forms[0].method
+    nearest: tuple[float, float] | None = None
     many = any(search.moves_freely(one) for one in q[closes])
-    if not many and (degenerate or not closes.any()):
+    numerical = not many and (degenerate or not closes.any())
+    if numerical:
         ends, miss = search.run(inside=False)
-        nearest = float(miss.min())
+        nearest = search.gap(ends[miss.argmin()])
         candidates += [Found(tuple(each), (False,) * len(each)) for each in ends.tolist()]
         q, closes = _finished(search, candidates, len(robot.moving))
         degenerate = degenerate or bool(closes.any())
@@ -249,26 +256,30 @@ def _closed(
         if degenerate:
             method += f"; it is degenerate here: Newton's method from {STARTS} random postures, too"
     reached = _one_of_each_family(candidates, closes) if many else np.flatnonzero(closes).tolist()
-    placed, chosen = search.distinct(q[reached], search.miss(q[reached]))
+    solutions, _ = search.different(q[reached], search.miss(q[reached]))
+    if many and numerical:
+        solutions = scattered(solutions)
     return _result(
         robot,
         goal,
         search,
-        placed[chosen],
+        solutions,
         method=method,
         complete=not (many or degenerate),
         infinitely_many=many,
-        nearest=None if chosen else nearest,
+        nearest=None if len(solutions) else nearest,
     )
 
 
-def _finished(search: Search, candidates: Sequence[Found], joints: int) -> tuple[Array, Array]:
+def _finished(
+    search: Search, candidates: Sequence[Found], joints: int
+) -> tuple[Array, NDArray[np.bool_]]:
     """The candidates by Newton's method, and which of them reach the goal."""
     q = search.polished(np.array([each.q for each in candidates]).reshape(-1, joints))
     return q, search.miss(q) <= CLOSES * search.size
 
 
-def _one_of_each_family(candidates: Sequence[Found], closes: Array) -> list[int]:
+def _one_of_each_family(candidates: Sequence[Found], closes: NDArray[np.bool_]) -> list[int]:
     """Indices of the candidates that close; where a joint is free, those of its first position."""
     first: dict[tuple[bool, ...], float] = {}
     chosen = []
@@ -285,13 +296,18 @@ def _searched(
 ) -> InverseGeometry:
     """Solve numerically: rounds of random starts, until some in a row find nothing new."""
     redundant = len(robot.moving) > (6 if has_pose else 3)
-    q, nearest, idle, rounds = np.empty((0, len(robot.moving))), math.inf, 0, 0
+    q, idle, rounds = np.empty((0, len(robot.moving))), 0, 0
+    best, nearest = math.inf, (math.inf, math.inf)
     many = redundant
     while rounds < MOST_ROUNDS and idle < IDLE_ROUNDS and len(q) < MOST_OF_SIX:
         found, miss = search.run(inside=False, seed=rounds)
         rounds += 1
-        nearest = min(nearest, float(miss.min()))
+        if miss.min() < best:
+            best, nearest = float(miss.min()), search.gap(found[miss.argmin()])
         more = found[miss <= CLOSES * search.size]
+        if redundant:
+            q = scattered(more)
+            break
         everything = np.concatenate([q, more])
         kept, _ = search.different(everything, search.miss(everything))
         many = many or any(search.moves_freely(one) for one in kept)
@@ -300,7 +316,8 @@ def _searched(
             break
         idle = idle + 1 if len(kept) == len(q) else 0
         q = kept
-    bound = f"; a pose has at most {MOST_OF_SIX} postures, or infinitely many" if has_pose else ""
+    bound = f"; a pose has at most {MOST_OF_SIX} postures, or infinitely many"
+    bound *= has_pose and not redundant
     why = "more joints than the foot has freedoms" if redundant else "no closed form is known"
     return _result(
         robot,
@@ -323,7 +340,7 @@ def _result(
     method: str,
     complete: bool,
     infinitely_many: bool,
-    nearest: float | None,
+    nearest: tuple[float, float] | None,
 ) -> InverseGeometry:
     return InverseGeometry(
         robot=robot,

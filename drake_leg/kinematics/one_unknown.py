@@ -19,8 +19,8 @@ VANISHES = 1e-11  # relative to its scale: a function that is zero everywhere
 LEADS = 1e-13  # relative to the greatest coefficient: a smaller leading one is rounding
 SMALL = 1e-5  # likewise: one so small that the equation without it is solved, too
 
-_ANGLES = np.arange(8) * (math.tau / 8.0)
-_PLACES = np.cos(np.arange(5) * (math.pi / 4.0))
+_ANGLES: Array = np.linspace(0.0, math.tau, 8, endpoint=False)
+_PLACES: Array = np.cos(np.arange(5) * (math.pi / 4.0)).astype(np.float64)
 _POWERS = np.linalg.inv(np.vander(_PLACES, 5))
 
 Function = Callable[[Array], Array]

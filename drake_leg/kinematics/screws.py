@@ -119,7 +119,8 @@ def turned(z: Array, t: Array, v: Array) -> Array:
 
 def angle_about(z: Array, u: Array, v: Array) -> float:
     """Angle [rad] about z from the half-plane of u to that of v."""
-    return math.atan2(z @ vector_product(u, v), u @ v - (z @ u) * (z @ v))
+    across_u, across_v = vector_product(z, u), vector_product(z, v)
+    return math.atan2(z @ vector_product(across_u, across_v), across_u @ across_v)
 
 
 def angle_between(u: Array, v: Array) -> float:

@@ -174,13 +174,19 @@ class Search:
         miss: Array = self.size * np.linalg.norm(self._error(q), axis=-1)
         return miss
 
+    def gap(self, q: Array) -> tuple[float, float]:
+        """Distance [m] and angle [rad] between a posture's foot and the goal; 0 if any will do."""
+        error = self._error(q)
+        turn, way = np.linalg.norm(error[:-3]), np.linalg.norm(error[-3:])
+        return float(self.size * way), float(turn)
+
     def null_motion(self, q: Array) -> Array | None:
         """Joint rates (n,) that do not move the foot, if there are any; the greatest is 1."""
         _, sigma, Vt = np.linalg.svd(self._jacobian(q))
         if len(sigma) == len(q) and sigma[-1] >= SINGULAR * max(sigma[0], LEAST_LEVER):
             return None
-        rates: Array = Vt[-1] * self._scale
-        return rates / np.abs(Vt[-1]).max()
+        rates: Array = Vt[-1] * self._scale / np.abs(Vt[-1]).max()
+        return rates
 
     def moves_freely(self, q: Array) -> bool:
         """Whether joints can move while the foot stays in place.
@@ -197,11 +203,6 @@ class Search:
 
     def different(self, q: Array, miss: Array) -> tuple[Array, Array]:
         """Keep one of each posture, turned into the limits, those within the limits first."""
-        placed, chosen = self.distinct(q, miss)
-        return placed[chosen], miss[chosen]
-
-    def distinct(self, q: Array, miss: Array) -> tuple[Array, list[int]]:
-        """All postures turned into the limits, and which to keep, those within the limits first."""
         placed = self._turned(q)
         chosen: list[int] = []
         for index in np.argsort(miss, kind="stable"):
@@ -213,7 +214,7 @@ class Search:
             return not self.within_limits(one), np.round(one, 6).tolist()
 
         chosen.sort(key=order)
-        return placed, chosen
+        return placed[chosen], miss[chosen]
 
     def within_limits(self, q: Array) -> bool:
         """Whether every joint of a posture is within its limits."""

@@ -34,13 +34,17 @@ from drake_leg.kinematics.screws import (
     angle_between,
     carried,
     common_normal,
+    motion,
     motions,
+    moved,
     moved_point,
     perpendicular,
     turned,
     vector_product,
 )
 
+SHARPENING = 3  # steps of Newton's method
+SHARP = 1e-16  # relative to the size: an error that no step makes smaller
 NOWHERE = 1e-12  # relative to the size: a lever about which a turn changes nothing
 BLURRED = 1e-6  # likewise, of a lever that depends on a root, which may be a double one
 GUESSES = tuple(
@@ -78,6 +82,64 @@ class _Turn(NamedTuple):
 
 def carry_point(joints: Sequence[Screw], p: Array, goal: Array, size: float) -> Iterator[Found]:
     """Positions of three joints with ``M_a M_b M_c p = goal``; lengths of about ``size`` [m]."""
+    for q, free in _point(joints, p, goal, size):
+        for _ in range(SHARPENING):
+            axes, M = _moved_axes(joints, q)
+            there = moved_point(M, p)
+            if np.linalg.norm(goal - there) < SHARP * size:
+                break
+            columns = [
+                vector_product(axis.z, there - axis.o) / size if axis.turns else axis.z
+                for axis in axes
+            ]
+            q = _stepped(joints, q, columns, (goal - there) / size, size)
+        yield Found(q, free)
+
+
+def carry_plane(joints: Sequence[Screw], plane: Plane, goal: Plane, size: float) -> Iterator[Found]:
+    """Positions of three joints that carry a plane; at least two of them must turn."""
+    turning = [joint for joint in joints if joint.turns]
+    if len(turning) < 2:
+        return
+    find = _plane_turned if len(turning) == 3 else _plane_turned_and_slid
+    for q, free in find(joints, plane, goal, size):
+        for _ in range(SHARPENING):
+            axes, M = _moved_axes(joints, q)
+            n, there = M[:3, :3] @ plane.n, moved_point(M, plane.p)
+            error = np.append(goal.n - n, goal.n @ (goal.p - there) / size)
+            if np.linalg.norm(error) < SHARP:
+                break
+            columns = []
+            for axis in axes:
+                turn = vector_product(axis.z, n) if axis.turns else np.zeros(3)
+                way = vector_product(axis.z, there - axis.o) / size if axis.turns else axis.z
+                columns.append(np.append(turn, goal.n @ way))
+            q = _stepped(joints, q, columns, error, size)
+        yield Found(q, free)
+
+
+def _moved_axes(joints: Sequence[Screw], q: Sequence[float]) -> tuple[list[Screw], Array]:
+    """The joints' axes at their positions, and the motion of all of them."""
+    axes, M = [], np.eye(4)
+    for joint, position in zip(joints, q, strict=True):
+        axes.append(moved(joint, M))
+        M = M @ motion(joint, position)
+    return axes, M
+
+
+def _stepped(
+    joints: Sequence[Screw], q: Sequence[float], columns: Sequence[Array], error: Array, size: float
+) -> tuple[float, ...]:
+    """The positions after a step of Newton's method; columns and error are in units of size."""
+    step = np.linalg.lstsq(np.transpose(columns), error, rcond=PARALLEL)[0].tolist()
+    return tuple(
+        position + change * (1.0 if joint.turns else size)
+        for joint, position, change in zip(joints, q, step, strict=True)
+    )
+
+
+def _point(joints: Sequence[Screw], p: Array, goal: Array, size: float) -> Iterator[Found]:
+    """The positions but for the rounding of the roots."""
     a, b, c = joints
     pairs = _point_turned if b.turns else _point_slid
     for found in pairs(a, b, c, p, goal, size):
@@ -91,15 +153,6 @@ def carry_point(joints: Sequence[Screw], p: Array, goal: Array, size: float) -> 
             yield from (Found((guess, qb, qc), (True, *free)) for guess in GUESSES)
         else:
             yield Found((angle_about(a.z, there - a.o, goal - a.o), qb, qc), (False, *free))
-
-
-def carry_plane(joints: Sequence[Screw], plane: Plane, goal: Plane, size: float) -> Iterator[Found]:
-    """Positions of three joints that carry a plane; at least two of them must turn."""
-    turning = [joint for joint in joints if joint.turns]
-    if len(turning) == 3:
-        yield from _plane_turned(joints, plane, goal, size)
-    elif len(turning) == 2:
-        yield from _plane_turned_and_slid(joints, plane, goal, size)
 
 
 def turn_vector(z1: Array, z2: Array, v: Array, goal: Array) -> Iterator[Found]:
