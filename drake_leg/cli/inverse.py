@@ -51,7 +51,7 @@ def configure_inverse(parser: argparse.ArgumentParser) -> None:
 def _inverse(chosen: argparse.Namespace) -> int:
     from drake_leg.kinematics.inverse_geometry import inverse_geometry
 
-    robot = robot_source(chosen.robot).robot().at_tip(chosen.tip)
+    robot = robot_source(chosen.robot, chosen.numbers).robot().at_tip(chosen.tip)
     goal = _goal(chosen, robot)
     with at_work(f"inverse of {chosen.robot}", "postures"):
         found = inverse_geometry(robot, goal)

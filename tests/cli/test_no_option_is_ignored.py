@@ -76,6 +76,7 @@ MEANINGLESS = [
             ("teleop", ""),
             ("derive", ""),
             ("doctor", ""),
+            ("inverse", " --q 90,-50,-90"),
             ("sdf", ""),
             ("check", ""),
             ("diagram", " --out a.svg"),
