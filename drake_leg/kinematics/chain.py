@@ -35,7 +35,13 @@ from drake_leg.kinematics.khalil import (
     real_numbers,
 )
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg, is_hexabot_leg
-from drake_leg.kinematics.movable import SINGULAR_BELOW, Floats, Movable, lapack
+from drake_leg.kinematics.movable import (
+    SINGULAR_BELOW,
+    Floats,
+    Movable,
+    lapack,
+    smallest_singular_value,
+)
 from drake_leg.kinematics.pendulum import PendulumModel, is_pendulum
 from drake_leg.kinematics.scara import ScaraGeometry, is_scara
 from drake_leg.robot.robot import Robot, Row, Segment, require_robot
@@ -140,6 +146,11 @@ class MovableChain(Movable):
     def sigma_min(self, q: Floats) -> float:
         """Smallest singular value of J, its rows scaled to lengths [m]."""
         return self._posture_at(tuple(q)).sigma_min
+
+    def sigma_mins(self, q: Array) -> Array:
+        """``sigma_min`` of many postures (rows, n), (rows,), with the twists of this one."""
+        J = self.twists.T @ khalil.jacobian(self.rows, q)
+        return smallest_singular_value(self.lengths[:, np.newaxis] * J)
 
     def rates(self, q: Floats, v: Floats) -> Floats:
         """Smallest rates that produce v."""

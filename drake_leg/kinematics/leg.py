@@ -157,6 +157,20 @@ def determinant(leg: LegGeometry, q: ArrayLike) -> Array:
     return np.asarray(-leg.sign * leg.l2 * leg.l3 * sin(q3) * _links(leg, q).reach)
 
 
+def sigma_min(leg: LegGeometry, q: ArrayLike) -> Array:
+    """Smallest singular value of the foot's translational Jacobian, (...) [m/rad].
+
+    One singular value is the foot's distance from the hip axis. The other two are those of femur
+    and tibia, the squares of which have the sum ``r^2 + l3^2``, with the foot r away from the knee,
+    and the product ``(l2 l3 sin q3)^2``.
+    """
+    _, _, x2, z2, x3, z3, reach = _links(leg, q)
+    total = np.square(x2 + x3) + np.square(z2 + z3) + leg.l3**2
+    product = 2.0 * np.abs(x2 * z3 - z2 * x3)
+    both = np.sqrt(total + product) + np.sqrt(np.maximum(total - product, 0.0))
+    return np.minimum(np.abs(reach), product / both)
+
+
 def jacobian_rate_bias(leg: LegGeometry, q: ArrayLike, qdot: ArrayLike) -> Array:
     """Acceleration of the foot at zero joint acceleration, (..., 3) [m/s^2].
 
@@ -213,6 +227,10 @@ class MovableLeg(Movable):
     def determinants(self, q: Array) -> Array:
         """Det J of many postures (rows, 3), (rows,) [m^3]."""
         return determinant(self.geometry, q)
+
+    def sigma_mins(self, q: Array) -> Array:
+        """Smallest singular value of J in many postures (rows, 3), (rows,) [m]."""
+        return sigma_min(self.geometry, q)
 
     def rates(self, q: Floats, v: Floats) -> Floats:
         """``J^-1 v``."""

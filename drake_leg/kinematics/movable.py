@@ -195,6 +195,10 @@ class Movable(ABC):
         """Smallest singular value of J, its rows scaled to lengths [m]."""
         return float(smallest_singular_value(self.jacobian_in_lengths(q)))
 
+    def sigma_mins(self, q: Array) -> Array:
+        """``sigma_min`` of many postures (rows, n), (rows,)."""
+        return np.array([self.sigma_min(posture) for posture in q.tolist()])
+
     def singular(self, q: Floats, time: float | None = None) -> SingularConfigurationError:
         """Make the error of a singular posture at a time [s], to be raised."""
         return SingularConfigurationError(q=q, sigma_min=self.sigma_min(q), time=time)

@@ -24,7 +24,13 @@ from drake_leg.kinematics.khalil import (
     split,
     triangle_angle,
 )
-from drake_leg.kinematics.movable import Floats, Functions, Movable, Values
+from drake_leg.kinematics.movable import (
+    Floats,
+    Functions,
+    Movable,
+    Values,
+    smallest_singular_value,
+)
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.robot.robots import SCARA_HEIGHT, SCARA_LOWEST
 from drake_leg.units import require_positive
@@ -141,6 +147,11 @@ class MovableScara(Movable):
     def jacobian(self, q: Floats) -> Array:
         """Jacobian of x and y [m/rad] and yaw, (3, 3)."""
         return task_jacobian(self.geometry, q)
+
+    def sigma_mins(self, q: Array) -> Array:
+        """Smallest singular value of J, its rows in lengths, of postures (rows, 3), (rows,) [m]."""
+        J = task_jacobian(self.geometry, q)
+        return smallest_singular_value(np.array(self.row_lengths)[:, np.newaxis] * J)
 
     def bias(self, q: Floats, qdot: Floats) -> Array:
         """``dJ/dt qdot``, (3,)."""

@@ -12,6 +12,7 @@ import reprlib
 from collections.abc import Collection, Mapping, Set
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cache
 from numbers import Real
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Any, get_args, get_origin
@@ -353,7 +354,7 @@ class StepOptions(RunOptions):
 
     def _require_defaults(self, why: str, *names: str) -> None:
         """Refuse options that were given but have no effect."""
-        defaults = type(self)()
+        defaults = _defaults(type(self))
         for name in names:
             value = getattr(self, name)
             if value != getattr(defaults, name):
@@ -600,6 +601,12 @@ class SpringPendulumOptions(PendulumOptions):
             "equilibrium_position": self.equilibrium(),
         }
         return super().mechanics() | spring
+
+
+@cache
+def _defaults(kind: type[RunOptions]) -> RunOptions:
+    """Options of a kind as they are by default, which are not changed."""
+    return kind()
 
 
 def _unit(what: str, unit: str | None, units: Mapping[str, float]) -> str:

@@ -19,7 +19,7 @@ from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.chain import geometry_of, movable
 from drake_leg.kinematics.euler import rotation_matrices
-from drake_leg.kinematics.khalil import Array, foot_pose, jacobian
+from drake_leg.kinematics.khalil import Array, foot_pose
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.leg import inverse_kinematics as inverse_of_leg
 from drake_leg.kinematics.motions import Push, SineStep
@@ -403,7 +403,6 @@ def _of_foot(config: HexabotLegConfig, run: Run) -> _View:
     X_BF = foot_pose(robot.rows, config.q0)
     start = X_BF[:3, 3]
     feet = start + config.motion.displacement(run.time)
-    J = moved.twists.T @ jacobian(robot.rows, run.scopes["joint positions"])
     geometry = geometry_of(robot)
     q = None  # there is no closed form for other robots
     if isinstance(geometry, LegGeometry):
@@ -418,7 +417,7 @@ def _of_foot(config: HexabotLegConfig, run: Run) -> _View:
     return _View(
         start=start,
         q=q,
-        sigma_min=smallest_singular_value(np.array(moved.row_lengths)[:, np.newaxis] * J),
+        sigma_min=moved.sigma_mins(run.scopes["joint positions"]),
         determinant=_determinant(robot, moved),
         command=("dx[m/s]", "dy[m/s]", "dz[m/s]"),
         columns={},

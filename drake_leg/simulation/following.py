@@ -25,9 +25,8 @@ from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import JointLimitError, SingularConfigurationError
 from drake_leg.kinematics.euler import quaternions
 from drake_leg.kinematics.joint_stop import limit_force
-from drake_leg.kinematics.khalil import Array, foot_pose_and_jacobian, jacobian
+from drake_leg.kinematics.khalil import Array, foot_pose_and_jacobian
 from drake_leg.kinematics.loop import KinematicEquation
-from drake_leg.kinematics.movable import smallest_singular_value
 from drake_leg.models.plant import build_plant
 from drake_leg.progress import held
 from drake_leg.robot.robot import Robot
@@ -285,12 +284,10 @@ def _stays_exact(config: Config, equation: KinematicEquation, run: Run) -> bool:
     if not isinstance(damped, Damped):
         return False
     moved, n = config.movable, config.movable.joints
-    q, qdot = run.scopes["joint positions"], run.scopes["joint velocities"][:, :n]
-    J = moved.twists.T @ jacobian(config.robot.rows, q)[:, :, :n]
-    sigma_min = smallest_singular_value(np.array(moved.row_lengths)[:, np.newaxis] * J)
+    q, qdot = (run.scopes[f"joint {name}"][:, :n] for name in ("positions", "velocities"))
     speed = np.linalg.norm(run.scopes["foot velocities"], axis=1)
     return bool(speed.max() < equation.top_speed) and damped.is_exact_along(
-        q[:, :n], qdot, sigma_min
+        q, qdot, moved.sigma_mins(q)
     )
 
 

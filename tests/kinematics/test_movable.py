@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import DrakeLegError, SingularConfigurationError
+from drake_leg.kinematics.chain import MovableChain
 from drake_leg.kinematics.leg import LegGeometry, MovableLeg
 from drake_leg.kinematics.movable import Movable
-from drake_leg.robot.robots import LEG_A, LEG_B
+from drake_leg.kinematics.scara import MovableScara, ScaraGeometry
+from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 
 LEGS = [LegGeometry.from_robot(robot) for robot in (LEG_A, LEG_B)]
 
@@ -87,3 +89,19 @@ def test_without_a_clock_no_instant_is_named():
     error = Diagonal(LEGS[0]).singular([0.0, 0.0])
     assert error.time is None
     assert "t =" not in str(error)
+
+
+SEVERAL = {
+    "leg A": MovableLeg(LEGS[0]),
+    "leg B": MovableLeg(LEGS[1]),
+    "SCARA": MovableScara(ScaraGeometry.from_robot(SCARA)),
+    "chain": MovableChain(LEG_B.rows, np.eye(6)[:, 3:5]),
+}
+
+
+@pytest.mark.parametrize("name", SEVERAL)
+def test_singular_values_of_many_postures_are_those_of_each(rng, name):
+    moved, q = SEVERAL[name], rng.uniform(-np.pi, np.pi, (200, 3))
+    q[0, 2], q[1, 1:] = 0.0, (0.0, np.pi)  # of a leg: stretched, folded
+    sigma = [np.linalg.svd(moved.jacobian_in_lengths(one), compute_uv=False)[-1] for one in q]
+    assert moved.sigma_mins(q) == pytest.approx(sigma, abs=1e-15)
