@@ -168,7 +168,8 @@ def sigma_min(leg: LegGeometry, q: ArrayLike) -> Array:
     total = np.square(x2 + x3) + np.square(z2 + z3) + leg.l3**2
     product = 2.0 * np.abs(x2 * z3 - z2 * x3)
     both = np.sqrt(total + product) + np.sqrt(np.maximum(total - product, 0.0))
-    return np.minimum(np.abs(reach), product / both)
+    smallest: Array = np.minimum(np.abs(reach), product / both)
+    return smallest
 
 
 def jacobian_rate_bias(leg: LegGeometry, q: ArrayLike, qdot: ArrayLike) -> Array:

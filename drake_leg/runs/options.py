@@ -12,7 +12,6 @@ import reprlib
 from collections.abc import Collection, Mapping, Set
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache
 from numbers import Real
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Any, get_args, get_origin
@@ -354,10 +353,10 @@ class StepOptions(RunOptions):
 
     def _require_defaults(self, why: str, *names: str) -> None:
         """Refuse options that were given but have no effect."""
-        defaults = _defaults(type(self))
+        known = {each.name: each for each in dataclasses.fields(self)}
         for name in names:
             value = getattr(self, name)
-            if value != getattr(defaults, name):
+            if value != _default(known[name]):
                 raise InvalidValueError(
                     f"{name} is {value!r}, which means nothing where the {why}",
                     advice="leave it out",
@@ -603,10 +602,11 @@ class SpringPendulumOptions(PendulumOptions):
         return super().mechanics() | spring
 
 
-@cache
-def _defaults(kind: type[RunOptions]) -> RunOptions:
-    """Options of a kind as they are by default, which are not changed."""
-    return kind()
+def _default(option: "dataclasses.Field[Any]") -> Any:  # noqa: ANN401
+    """Return the default of an option."""
+    if option.default_factory is dataclasses.MISSING:
+        return option.default
+    return option.default_factory()
 
 
 def _unit(what: str, unit: str | None, units: Mapping[str, float]) -> str:

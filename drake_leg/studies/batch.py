@@ -34,7 +34,7 @@ OPTIONS = {*LENGTHS, *NUMBERS, "q0", "direction"}
 # Quantities along a step that each entry of the summary is the greatest of.
 FIELDS: dict[str, tuple[str, ...]] = {
     "stroke_m": (),
-    "sigma_min_m": ("arm_sigma", "hip"),
+    "sigma_min_m": ("arm_sigma",),  # and the distance from the hip axis
     "det_j_min_m3": ("det_min",),
     "det_j_max_m3": ("det_max",),
     "max_rate_rad_s": ("rate_1", "rate_2", "rate_3"),
@@ -83,9 +83,9 @@ def batch(plan: Plan, report: Callable[[int, int], None]) -> Batch:
     with np.errstate(all="ignore"):
         valid = _valid(values)
         steps = _steps(plan, values)
-    quantities = {name for field in fields for name in FIELDS[field]} - {"hip"}
+    wanted = {field: FIELDS[field] for field in fields if FIELDS[field]}
     with ThreadPoolExecutor(cores()) as threads:
-        found = answers(steps, quantities, threads.map, lambda done: report(done, count))
+        found = answers(steps, wanted, threads.map, lambda done: report(done, count))
     with np.errstate(all="ignore"):
         columns = {
             "status": np.where(found.met, SINGULAR, DONE).astype("<U8"),
@@ -98,12 +98,11 @@ def batch(plan: Plan, report: Callable[[int, int], None]) -> Batch:
 
 def _field(field: str, steps: LegSteps, found: Answers) -> Array:
     if field == "stroke_m":
-        stroke: Array = (steps.length * steps.end)[:, 0]
+        stroke: Array = steps.length * steps.end
         return np.where(found.met, np.nan, stroke)
-    parts = [found.greatest[name] for name in FIELDS[field] if name != "hip"]
+    greatest = found.greatest[field]
     if field == "sigma_min_m":
-        parts.append(-steps.least_hip_distance)
-    greatest: Array = np.max(parts, axis=0)
+        greatest = np.maximum(greatest, -steps.least_hip_distance)
     return -greatest if field in NEGATED else greatest
 
 

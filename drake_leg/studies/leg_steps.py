@@ -14,7 +14,7 @@ that is not sure, on finer samples, and what is still not sure is left to a simu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import NamedTuple, Self
@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 from drake_leg.kinematics.khalil import Array
 
 SAMPLES = (32, 128, 512, 2048, 8192)  # of a step, each level for what was not sure on the last one
-POINTS = 2**16  # of the samples of a block, which bound the memory and fit into a cache
+POINTS = 2**17  # of the samples of a block, which bound the memory
+FREED = 31 << 20  # bytes of an array; glibc learns from those of less than 32 MB
 RESOLVED = 2.0  # samples in whatever is narrow
 ALIKE = 0.03  # of a maximum: another one that is lower by less may have its top between samples
 WINDOWS = (1 / 16, 1 / 256)  # of two samples: around a top, where it is computed again
@@ -40,7 +41,7 @@ Booleans = NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class LegSteps:
-    """Steps of n legs; each entry is (n, 1)."""
+    """Steps of n legs; each entry is (n,)."""
 
     l1: Array  # [m]
     l2: Array
@@ -66,32 +67,31 @@ class LegSteps:
 
         ``numbers`` are l1, l2, l3, amplitude, frequency, duration, weight_2, weight_3, (n,) each.
         """
-        column = {name: values[:, np.newaxis] for name, values in numbers.items()}
-        l1, l2, l3 = column["l1"], column["l2"], column["l3"]
-        q1, q2, q3 = (q0[:, i : i + 1] for i in range(3))
+        l1, l2, l3 = numbers["l1"], numbers["l2"], numbers["l3"]
+        q1, q2, q3 = q0.T
         reach = l1 + l2 * np.cos(q2) + l3 * np.cos(q2 + q3)
         height = l2 * np.sin(q2) + l3 * np.sin(q2 + q3)
-        amplitude, frequency = column["amplitude"], column["frequency"]
-        length = np.linalg.norm(direction, axis=1, keepdims=True)
-        heading = np.where(amplitude < 0.0, -1.0, 1.0) * direction / length
+        amplitude, frequency = numbers["amplitude"], numbers["frequency"]
+        length = np.copysign(np.linalg.norm(direction, axis=1), amplitude)
+        along_x, along_y, along_z = direction.T / length
         return cls(
             l1=l1,
             l2=l2,
             l3=l3,
-            side=side[:, np.newaxis],
+            side=side,
             facing=np.where(reach >= 0.0, 1.0, -1.0),
             bend=np.where(np.sin(q3) >= 0.0, 1.0, -1.0),
             x=np.cos(q1) * reach,
             y=np.sin(q1) * reach,
-            z=side[:, np.newaxis] * height,
-            along_x=heading[:, 0:1],
-            along_y=heading[:, 1:2],
-            along_z=heading[:, 2:3],
+            z=side * height,
+            along_x=along_x,
+            along_y=along_y,
+            along_z=along_z,
             speed=np.abs(amplitude),
             frequency=frequency,
-            end=np.sin(0.5 * np.minimum(frequency * column["duration"], np.pi)) ** 2,
-            weight_2=column["weight_2"],
-            weight_3=column["weight_3"],
+            end=np.sin(0.5 * np.minimum(frequency * numbers["duration"], np.pi)) ** 2,
+            weight_2=numbers["weight_2"],
+            weight_3=numbers["weight_3"],
         )
 
     def __len__(self) -> int:
@@ -113,8 +113,13 @@ class LegSteps:
 
     def time(self, part: Array) -> Array:
         """Time at which the foot first reaches a part of the line (n,) [s]."""
-        found: Array = 2.0 / self.frequency[:, 0] * np.arcsin(np.sqrt(part))
+        found: Array = 2.0 / self.frequency * np.arcsin(np.sqrt(part))
         return found
+
+    @cached_property
+    def level(self) -> Array:
+        """Length of the line, seen from above [m]."""
+        return self.length * np.hypot(self.along_x, self.along_y)
 
     @cached_property
     def past_hip(self) -> Array:
@@ -127,47 +132,42 @@ class LegSteps:
     def least_hip_distance(self) -> Array:
         """How near a whole step comes to the hip axis, (n,) [m]."""
         nearest = np.clip(self.past_hip, 0.0, self.end)
-        least: Array = Place(self, nearest).hip_distance[:, 0]
+        least: Array = Place(self, nearest).hip_distance
         return least
+
+    @cached_property
+    def turning(self) -> Array:
+        """Size of the line's moment about the hip axis, for a unit of velocity [m]."""
+        return np.abs(self.x * self.along_y - self.y * self.along_x)
 
     @cached_property
     def from_hip(self) -> Array:
         """How near the whole line comes to the hip axis [m]."""
-        turning = np.abs(self.x * self.along_y - self.y * self.along_x)
         across = np.hypot(self.along_x, self.along_y)
         outside = np.hypot(self.x, self.y)
-        return np.divide(turning, across, out=outside, where=across > 0.0)
+        return np.divide(self.turning, across, out=outside, where=across > 0.0)
 
 
 class Place:
-    """Where n legs have their feet at parts of their lines, (n, m), and what follows from it."""
+    """Where n legs have their feet at parts of their lines, (m, n), and what follows from it."""
 
     def __init__(self, steps: LegSteps, part: Array) -> None:
         self._of = steps
         self._part = part
 
     @cached_property
-    def x(self) -> Array:
-        """Of the foot [m]."""
-        return self._of.x + self._way * self._of.along_x
+    def _past_hip(self) -> Array:
+        """How far the foot has passed the hip axis, along the line seen from above [m]."""
+        return self._of.level * (self._part - self._of.past_hip)
 
     @cached_property
-    def y(self) -> Array:
-        """Of the foot [m]."""
-        return self._of.y + self._way * self._of.along_y
-
-    @cached_property
-    def _way(self) -> Array:
-        return self._of.length * self._part
+    def _hip_square(self) -> Array:
+        return self._past_hip * self._past_hip + self._of.from_hip**2
 
     @cached_property
     def hip_distance(self) -> Array:
         """h, from the hip axis [m]."""
         return np.sqrt(self._hip_square)
-
-    @cached_property
-    def _hip_square(self) -> Array:
-        return self.x * self.x + self.y * self.y
 
     @cached_property
     def _speed(self) -> Array:
@@ -182,7 +182,8 @@ class Place:
     @cached_property
     def across(self) -> Array:
         """w, of the foot from the knee [m]."""
-        return self._of.side * (self._of.z + self._way * self._of.along_z)
+        of = self._of
+        return of.side * of.z + of.side * of.length * of.along_z * self._part
 
     @cached_property
     def square(self) -> Array:
@@ -198,23 +199,30 @@ class Place:
         )
 
     @cached_property
+    def _twice_bent(self) -> Array:
+        """``2 l2 l3 |sin q3|`` [m^2]."""
+        stretched, folded = self.room
+        return np.sqrt(np.maximum(stretched * folded, 0.0))
+
+    @cached_property
     def bent(self) -> Array:
         """``l2 l3 sin q3`` [m^2]."""
-        stretched, folded = self.room
-        return 0.5 * self._of.bend * np.sqrt(np.maximum(stretched * folded, 0.0))
+        return 0.5 * self._of.bend * self._twice_bent
 
     @cached_property
     def slope(self) -> Array:
         """Derivative of r^2 by the part of the line [m^2]."""
         of = self._of
-        outwards = of.facing * (self.x * of.along_x + self.y * of.along_y) / self.hip_distance
-        return 2.0 * of.length * (self.outwards * outwards + self.across * of.side * of.along_z)
+        outwards = of.facing * of.level * self._past_hip / self.hip_distance
+        across = of.side * of.length * of.along_z
+        return 2.0 * (self.outwards * outwards + self.across * across)
 
     @cached_property
     def tibia(self) -> tuple[Array, Array]:
         """The tibia outwards and across, ``l3 cos(q2 + q3)`` and ``l3 sin(q2 + q3)`` [m]."""
-        part = 0.5 * (self.square + self._of.l3**2 - self._of.l2**2) / self.square
-        turned = self.bent / self.square
+        inverse = 1.0 / self.square
+        part = 0.5 + 0.5 * (self._of.l3**2 - self._of.l2**2) * inverse
+        turned = self.bent * inverse
         return (
             part * self.outwards - turned * self.across,
             part * self.across + turned * self.outwards,
@@ -223,7 +231,7 @@ class Place:
     @cached_property
     def arm_sigma(self) -> Array:
         """Smallest singular value of the two-link arm [m]."""
-        total, product = self.square + self._of.l3**2, 2.0 * np.abs(self.bent)
+        total, product = self.square + self._of.l3**2, self._twice_bent
         both = np.sqrt(total + product) + np.sqrt(np.maximum(total - product, 0.0))
         sigma: Array = product / both
         return sigma
@@ -237,17 +245,13 @@ class Place:
     def _motion(self) -> tuple[Array, Array]:
         """Foot's velocity outwards and across [m/s]."""
         of, speed = self._of, self._speed
-        outwards = self.x * of.along_x + self.y * of.along_y
-        return (
-            speed * of.facing * outwards / self.hip_distance,
-            speed * of.side * of.along_z,
-        )
+        level = of.facing * np.hypot(of.along_x, of.along_y)
+        return level * self._past_hip * speed / self.hip_distance, of.side * of.along_z * speed
 
     def rate(self, joint: int) -> Array:
         """Size of a joint's rate [rad/s]."""
         if joint == 0:
-            turning = self._of.x * self._of.along_y - self._of.y * self._of.along_x
-            return np.abs(turning) * self._speed / self._hip_square
+            return self._of.turning * self._speed / self._hip_square
         outwards, across = self._motion
         u, w = self.tibia if joint == 1 else (self.outwards, self.across)
         return np.abs((u * outwards + w * across) / self.bent)
@@ -266,7 +270,7 @@ Quantity = Callable[[Place], Array]
 QUANTITIES: dict[str, Quantity] = {
     "arm_sigma": lambda place: -place.arm_sigma,
     "det_min": lambda place: -place.determinant,
-    "det_max": lambda place: place.determinant.copy(),
+    "det_max": lambda place: place.determinant,
     "rate_1": lambda place: place.rate(0),
     "rate_2": lambda place: place.rate(1),
     "rate_3": lambda place: place.rate(2),
@@ -283,7 +287,7 @@ class Answers:
     at_hip: Booleans  # that one is on the hip axis
     stop: Array  # part of the line where it is met; NaN if there is none
     sure: Booleans  # whether all this is known
-    greatest: dict[str, Array]  # along the step, by quantity; NaN where a singularity is met
+    greatest: dict[str, Array]  # along the step, by what is wanted; NaN where a singularity is met
 
     def fill(self, rows: NDArray[np.intp], other: Answers) -> None:
         """Replace some rows."""
@@ -295,31 +299,33 @@ class Answers:
 
 def answers(
     steps: LegSteps,
-    wanted: Iterable[str],
+    wanted: Mapping[str, Sequence[str]],
     in_turn: Callable[..., Iterable[Answers]] = map,
     report: Callable[[int], None] = lambda _done: None,
 ) -> Answers:
     """Follow steps from their start to their end, or to the first singularity.
 
-    ``wanted`` are names of ``QUANTITIES``. Blocks of steps are computed by ``in_turn``, a map that
-    may use threads; ``report`` is called with the number of steps that are sure.
+    ``wanted`` names ``QUANTITIES`` of which the greatest is asked for. Blocks of steps are computed
+    by ``in_turn``, a map that may use threads; ``report`` is called with the number of steps that
+    are sure.
     """
-    names, count = list(wanted), len(steps)
+    count = len(steps)
     found = Answers(
         met=np.zeros(count, dtype=bool),
         at_hip=np.zeros(count, dtype=bool),
         stop=np.full(count, np.nan),
         sure=np.zeros(count, dtype=bool),
-        greatest={name: np.full(count, np.nan) for name in names},
+        greatest={name: np.full(count, np.nan) for name in wanted},
     )
     left = np.arange(count)
+    _keep_freed_memory()
     for samples in SAMPLES:
         size = max(POINTS // samples, 1)
         blocks = [left[start : start + size] for start in range(0, len(left), size)]
 
         def follow(rows: NDArray[np.intp], samples: int = samples) -> Answers:
             with np.errstate(all="ignore"):
-                return _on_samples(steps.of_rows(rows), names, samples)
+                return _on_samples(steps.of_rows(rows), wanted, samples)
 
         for rows, part in zip(blocks, in_turn(follow, blocks), strict=True):
             found.fill(rows, part)
@@ -328,12 +334,20 @@ def answers(
     return found
 
 
-def _on_samples(steps: LegSteps, names: list[str], samples: int) -> Answers:
+def _keep_freed_memory() -> None:
+    """Let glibc keep what a block frees, or each block would get all of its pages anew.
+
+    It keeps up to twice the size of the greatest array that was ever freed.
+    """
+    np.empty(FREED, dtype=np.uint8)
+
+
+def _on_samples(steps: LegSteps, wanted: Mapping[str, Sequence[str]], samples: int) -> Answers:
     parts = _parts(steps, samples)
     place = Place(steps, parts)
     found = _first_singularity(steps, parts, place)
-    for name in names:
-        top = _greatest(steps, QUANTITIES[name], parts, QUANTITIES[name](place))
+    for name, quantities in wanted.items():
+        top = _greatest_of(steps, [QUANTITIES[one] for one in quantities], parts, place)
         found.greatest[name] = np.where(found.met, np.nan, top.value)
         found.sure &= top.sure | found.met
     return found
@@ -342,45 +356,65 @@ def _on_samples(steps: LegSteps, names: list[str], samples: int) -> Answers:
 def _parts(steps: LegSteps, samples: int) -> Array:
     """Sample the lines, closer at their ends; one sample is where a line passes the hip axis."""
     turns = np.sin(np.linspace(0.0, np.pi / 2.0, samples + 1)) ** 2
-    parts: Array = steps.end * turns
+    parts: Array = np.multiply.outer(turns, steps.end)
     passes = np.flatnonzero((steps.past_hip > 0.0) & (steps.past_hip < steps.end))
-    there = (steps.past_hip / steps.end)[passes, 0]
+    there = (steps.past_hip / steps.end)[passes]
     after = np.clip(np.searchsorted(turns, there), 1, samples - 1)
     nearest = np.where(there - turns[after - 1] < turns[after] - there, after - 1, after)
-    parts[passes, np.clip(nearest, 1, samples - 1)] = steps.past_hip[passes, 0]
+    parts[np.clip(nearest, 1, samples - 1), passes] = steps.past_hip[passes]
     return parts
 
 
 def _first_singularity(steps: LegSteps, parts: Array, place: Place) -> Answers:
     """Find the first singularity of each step, if there is one."""
-    size, rows, last = steps.size[:, 0], np.arange(len(steps)), parts.shape[1] - 1
-    stretched, folded = place.room
-    room = np.minimum(stretched, folded)
-    beyond = room <= 0.0
-    met = beyond.any(axis=1)
-    first = np.where(met, beyond.argmax(axis=1), last)
-    stop, sure = np.full(len(steps), np.nan), np.ones(len(steps), dtype=bool)
-    crossing = np.flatnonzero(met)
-    if len(crossing):
-        before, after = parts[crossing, first[crossing] - 1], parts[crossing, first[crossing]]
-        stop[crossing], sure[crossing] = _crossing(steps.of_rows(crossing), before, after)
-    hip, end = steps.past_hip[:, 0], np.where(met, stop, steps.end[:, 0])
-    near_hip = np.where((hip > 0.0) & (hip <= end), steps.from_hip[:, 0], np.inf)
+    size, width = steps.size, _width(steps, parts)
+    met, stop, sure = _first_without_room(steps, parts, np.minimum(*place.room))
+    hip, end = steps.past_hip, np.where(met, stop, steps.end)
+    near_hip = np.where((hip > 0.0) & (hip <= end), steps.from_hip, np.inf)
     at_hip = near_hip <= TOUCH * size
+    sure &= at_hip | ((near_hip >= width) & (near_hip >= UNSURE * size))
+    sure &= 2.0 * np.minimum(steps.l2, steps.l3) >= width
+    sure &= np.abs(place.bent[0]) >= SINGULAR * (steps.l2 * steps.l3)
+    sure &= (place.hip_distance[0] >= SINGULAR * size) & (steps.length > 0.0)
     stop = np.where(at_hip, hip, stop)
-    # What is narrower than some samples may be missed by them.
-    width = RESOLVED * steps.length[:, 0] * 0.5 * np.pi / last
-    turns = (room[:, 1:-1] < room[:, :-2]) & (room[:, 1:-1] <= room[:, 2:]) & ~beyond[:, 1:-1]
-    turns &= np.arange(1, last) < first[:, np.newaxis]
-    least = np.where(turns, room[:, 1:-1], np.inf).min(axis=1, initial=np.inf)
-    at_ends = np.minimum(room[:, 0], room[rows, last])
-    least = np.where(met, least, np.minimum(least, at_ends))
-    sure &= (least >= width**2) & (at_hip | (near_hip >= width))
-    sure &= (least >= UNSURE * size**2) & (at_hip | (near_hip >= UNSURE * size))
-    sure &= 2.0 * np.minimum(steps.l2, steps.l3)[:, 0] >= width
-    sure &= np.abs(place.bent[:, 0]) >= SINGULAR * (steps.l2 * steps.l3)[:, 0]
-    sure &= (place.hip_distance[:, 0] >= SINGULAR * size) & (steps.length[:, 0] > 0.0)
     return Answers(met=met | at_hip, at_hip=at_hip, stop=stop, sure=sure, greatest={})
+
+
+def _width(steps: LegSteps, parts: Array) -> Array:
+    """What is narrower than some samples may be missed by them, (n,) [m]."""
+    width: Array = RESOLVED * steps.length * 0.5 * np.pi / (len(parts) - 1)
+    return width
+
+
+def _first_without_room(
+    steps: LegSteps, parts: Array, room: Array
+) -> tuple[Booleans, Array, Booleans]:
+    """Whether and where each leg is first stretched or folded, and whether that is sure, (n,).
+
+    ``room`` (m, n) is what is left of r^2 at each sample [m^2].
+    """
+    count = len(steps)
+    met, stop, sure = np.zeros(count, dtype=bool), np.full(count, np.nan), np.ones(count, bool)
+    enough = np.maximum(_width(steps, parts) ** 2, UNSURE * steps.size**2)
+    near = np.flatnonzero(~(room.min(axis=0) >= enough))
+    if not len(near):
+        return met, stop, sure
+    steps, parts, room = steps.of_rows(near), parts[:, near], room[:, near]
+    beyond, last = room <= 0.0, len(parts) - 1
+    crosses = beyond.any(axis=0)
+    first = np.where(crosses, beyond.argmax(axis=0), last)
+    turns = (room[1:-1] < room[:-2]) & (room[1:-1] <= room[2:]) & ~beyond[1:-1]
+    turns &= np.arange(1, last)[:, np.newaxis] < first
+    least = np.where(turns, room[1:-1], np.inf).min(axis=0, initial=np.inf)
+    least = np.where(crosses, least, np.minimum(least, np.minimum(room[0], room[last])))
+    met[near], sure[near] = crosses, least >= enough[near]
+    crossing = np.flatnonzero(crosses)
+    if len(crossing):
+        before, after = parts[first[crossing] - 1, crossing], parts[first[crossing], crossing]
+        at, found = _crossing(steps.of_rows(crossing), before, after)
+        stop[near[crossing]] = at
+        sure[near[crossing]] &= found
+    return met, stop, sure
 
 
 def _crossing(steps: LegSteps, low: Array, high: Array) -> tuple[Array, Booleans]:
@@ -389,12 +423,12 @@ def _crossing(steps: LegSteps, low: Array, high: Array) -> tuple[Array, Booleans
     Newton's method, kept between a part with room and one without by bisection.
     """
     at = high
-    which = np.argmin([room[:, 0] for room in Place(steps, at[:, np.newaxis]).room], axis=0)
+    which = np.argmin(Place(steps, at).room, axis=0)
     change = high - low
     for _ in range(NEWTON):
-        place = Place(steps, at[:, np.newaxis])
-        room = np.choose(which, [each[:, 0] for each in place.room])
-        slope = np.where(which == 0, -1.0, 1.0) * place.slope[:, 0]
+        place = Place(steps, at)
+        room = np.choose(which, place.room)
+        slope = np.where(which == 0, -1.0, 1.0) * place.slope
         low, high = np.where(room > 0.0, at, low), np.where(room > 0.0, high, at)
         ahead = at - room / slope
         ahead = np.where((ahead >= low) & (ahead <= high), ahead, 0.5 * (low + high))
@@ -411,23 +445,48 @@ class Top(NamedTuple):
     sure: Booleans
 
 
+def _greatest_of(
+    steps: LegSteps, quantities: Sequence[Quantity], parts: Array, place: Place
+) -> Top:
+    """Find the greatest value of some quantities along each step.
+
+    One whose samples are all much lower than those of another one is not looked at more closely.
+    """
+    series = [of(place) for of in quantities]
+    if len(series) == 1:
+        return _greatest(steps, quantities[0], parts, series[0])
+    peaks = [heights.max(axis=0) for heights in series]
+    value = np.fmax.reduce(peaks)
+    low, sure = value - ALIKE * np.abs(value), np.ones(len(steps), dtype=bool)
+    for of, heights, peak in zip(quantities, series, peaks, strict=True):
+        rows = np.flatnonzero(~(peak < low))
+        top = _greatest(steps.of_rows(rows), of, parts[:, rows], heights[:, rows])
+        value[rows] = np.fmax(value[rows], top.value)
+        sure[rows] &= top.sure
+    return Top(value, sure)
+
+
 def _greatest(steps: LegSteps, of: Quantity, parts: Array, heights: Array) -> Top:
-    """Find the greatest value along each step from its samples (n, m), which are used up."""
-    best = heights.argmax(axis=1)
+    """Find the greatest value along each step from its samples (m, n)."""
+    rises = heights[1:] > heights[:-1]
+    best = rises.sum(axis=0, dtype=np.int16).astype(np.intp)  # where it only rises, then falls
+    others = np.flatnonzero((rises[1:] > rises[:-1]).any(axis=0))
+    best[others] = heights[:, others].argmax(axis=0)
     value, sure = _top(steps, of, parts, heights, best)
     # Another maximum, not next to the first one, may be higher than its samples.
-    rows, last = np.arange(len(steps)), heights.shape[1] - 1
+    heights, rows, last = heights[:, others], np.arange(len(others)), len(heights) - 1
     for shift in (-1, 0, 1):
-        heights[rows, np.clip(best + shift, 0, last)] = -np.inf
-    second = heights.argmax(axis=1)
-    height = heights[rows, second]
-    is_rival = height > value - ALIKE * np.abs(value)
+        heights[np.clip(best[others] + shift, 0, last), rows] = -np.inf
+    second = heights.argmax(axis=0)
+    height = heights[second, rows]
+    is_rival = height > value[others] - ALIKE * np.abs(value[others])
     for shift in (-1, 1):
-        beside = heights[rows, np.clip(second + shift, 0, last)]
+        beside = heights[np.clip(second + shift, 0, last), rows]
         is_rival &= (height >= beside) & (beside > -np.inf)
-    rivals = np.flatnonzero(is_rival)
+    rivals = others[is_rival]
     if len(rivals):
-        rival = _top(steps.of_rows(rivals), of, parts[rivals], heights[rivals], second[rivals])
+        near = parts[:, rivals], heights[:, is_rival], second[is_rival]
+        rival = _top(steps.of_rows(rivals), of, *near)
         value[rivals] = np.fmax(value[rivals], rival.value)
         sure[rivals] &= rival.sure
     return Top(value, sure)
@@ -437,30 +496,30 @@ def _top(
     steps: LegSteps, of: Quantity, parts: Array, heights: Array, best: NDArray[np.intp]
 ) -> Top:
     """Climb to the top near a sample, by parabolas through ever closer points."""
-    rows, last = np.arange(len(steps)), parts.shape[1] - 1
+    rows, last = np.arange(len(steps)), len(parts) - 1
     middle = np.clip(best, 1, last - 1)
-    near = np.stack([parts[rows, middle + shift] for shift in (-1, 0, 1)], axis=1)
-    closer = np.stack([heights[rows, middle + shift] for shift in (-1, 0, 1)], axis=1)
-    low, high = near[:, 0], near[:, 2]
-    value = heights[rows, best]
+    around = middle + np.array([[-1], [0], [1]])
+    near, closer = parts[around, rows], heights[around, rows]
+    low, high = near[0], near[2]
+    value = heights[best, rows]
     for share in WINDOWS:
         window = share * (high - low)
         at = np.clip(_vertex(near, closer), low + window, high - window)
-        near = np.stack([at - window, at, at + window], axis=1)
+        near = np.stack([at - window, at, at + window])
         closer = of(Place(steps, near))
-        value = np.fmax(value, closer.max(axis=1))
-    slope = 0.5 * (closer[:, 2] - closer[:, 0])
-    curvature = closer[:, 2] - 2.0 * closer[:, 1] + closer[:, 0]
+        value = np.fmax(value, closer.max(axis=0))
+    slope = 0.5 * (closer[2] - closer[0])
+    curvature = closer[2] - 2.0 * closer[1] + closer[0]
     is_inside = np.abs(slope) <= -curvature
-    value = np.where(is_inside, np.fmax(value, closer[:, 1] - 0.5 * slope**2 / curvature), value)
+    value = np.where(is_inside, np.fmax(value, closer[1] - 0.5 * slope**2 / curvature), value)
     is_flat = np.abs(slope) + np.abs(curvature) <= FLAT * np.abs(value)
-    at_end = ((best == 0) | (best == last)) & (value == heights[rows, best])
+    at_end = ((best == 0) | (best == last)) & (value == heights[best, rows])
     return Top(value, is_inside | is_flat | at_end)
 
 
 def _vertex(near: Array, heights: Array) -> Array:
     """Highest point of the parabola through three points; the middle one where there is none."""
-    (a, b, c), (fa, fb, fc) = near.T, heights.T
+    (a, b, c), (fa, fb, fc) = near, heights
     left, right = (b - a) * (fb - fc), (b - c) * (fb - fa)
     found: Array = b - 0.5 * ((b - a) * left - (b - c) * right) / (left - right)
     return np.where(np.isfinite(found), found, b)
