@@ -133,7 +133,7 @@ def _frames(chosen: argparse.Namespace) -> str:
 
     _refuse_signal_options(chosen, "is for signals and means nothing to frames")
     kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
-    robot = kind.robot(kind.options())
+    robot = kind.own or kind.robot(kind.options())
     return svg_text(free_body(robot, title=kind.title), background=chosen.background)
 
 

@@ -35,8 +35,8 @@ def ranges(robot: Robot) -> list[tuple[float, float]]:
 
 
 def _longest(robot: Robot) -> float:
-    """Greatest ``table_length`` up to any tip [m]."""
-    return max(table_length(robot.rows[:tip]) for tip in robot.tips.values())
+    """Greatest ``table_length`` of the branches [m]."""
+    return max(table_length(robot.rows[:row]) for row in robot.leaves.values())
 
 
 def _range(segment: Segment, length: float) -> tuple[float, float]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -162,8 +163,9 @@ def moving_rows(rows: Sequence[Row]) -> list[int]:
 
 
 def foot_rows(rows: Sequence[Row]) -> list[Row]:
-    """Rows that one passes from the base to the foot; all of them, if there are no branches."""
-    return [rows[row - 1] for row in path_to(antecedents(rows), len(rows))]
+    """Chain of the rows that one passes from the base to the foot."""
+    path = [rows[row - 1] for row in path_to(antecedents(rows), len(rows))]
+    return [row if row.antecedent is None else replace(row, antecedent=None) for row in path]
 
 
 def chain_length(rows: Sequence[Row]) -> float:

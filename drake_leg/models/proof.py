@@ -236,14 +236,13 @@ def _require_whole(what: str, value: object, least: int, most: float = math.inf)
 
 
 def _testimonies(robot: Robot) -> list[_Testimony]:
-    """List every witness's foot and Jacobian, the quickest first; of a tree, those of every tip."""
+    """List every witness's foot and Jacobian, the quickest first; of a tree, of all its leaves."""
     drake = cache(lambda: DrakeWitness(robot))
-    tips = robot.tips or {"": len(robot.rows)}
-    several = len(tips) > 1
+    several = len(robot.leaves) > 1
     found = [
         testimony
-        for tip, row in tips.items()
-        for testimony in _testimonies_on(robot, row, f" of {tip}" if several else "", drake)
+        for leaf, row in robot.leaves.items()
+        for testimony in _testimonies_on(robot, row, f" of {leaf}" if several else "", drake)
     ]
     return sorted(found, key=lambda one: ORDER.index(one.witness))
 

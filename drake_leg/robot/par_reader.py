@@ -30,6 +30,7 @@ from drake_leg.robot.par_text import (
     OF_LINKS,
     POSE,
     ParText,
+    RawValue,
     quoted,
 )
 
@@ -173,6 +174,7 @@ class _Reader:
     def __init__(self, source: ParText) -> None:
         self._source = source
         self._notes: list[str] = []
+        self._rounded: dict[str, list[tuple[int, RawValue]]] = {}  # by key: rows and their values
 
     def par(self) -> ParFile:
         """Read all of it."""
@@ -219,7 +221,7 @@ class _Reader:
         )
         self._check_loops(par)
         self._note_type(par)
-        notes = (*self._notes, *_branch_notes(par))
+        notes = (*self._rounding_notes(), *self._notes, *_branch_notes(par))
         return replace(par, notes=tuple(in_file(source.where, note) for note in notes))
 
     def _flag(self, key: str) -> bool:
@@ -284,8 +286,19 @@ class _Reader:
         if key in _ANGLES:
             printed, expression = expression, in_parts_of_pi(expression)
             if printed != expression and _differs(printed, expression):
-                self._notes.append(f"line {line}: {stated}; taken as the part of pi that it rounds")
+                self._rounded.setdefault(key, []).append((index, RawValue(text, line)))
         return ParValue(text=" ".join(text.split()), line=line, expression=expression)
+
+    def _rounding_notes(self) -> Iterator[str]:
+        """Say which angles are taken as the parts of pi that they round."""
+        for key, rounded in self._rounded.items():
+            row, first = rounded[0]
+            others = ", ".join(str(other) for other, _ in rounded[1:])
+            more = f", and so on in row{'s' * (len(rounded) > 2)} {others}" if others else ""
+            yield (
+                f"line {first.line}: {key} of row {row} is {quoted(first.text)}{more}; taken as "
+                "the part of pi that it rounds"
+            )
 
     def _integers(
         self, key: str, values: Mapping[str, tuple[ParValue, ...]], known: range

@@ -402,6 +402,12 @@ class Robot:
         leaves = [index for index in range(1, len(self.segments) + 1) if index not in carrying]
         return {self._frame_owner(index): index for index in leaves}
 
+    @property
+    def leaves(self) -> dict[str, int]:
+        """The tips, and the two frames of each loop: every row that carries no other row."""
+        frames = sorted(row for one in self.loops for row in (one.cut, one.end))
+        return {**self.tips, **{frame_name(row): row for row in frames}}
+
     def _frame_owner(self, index: int) -> str:
         link = self.segments[index - 1].link
         return frame_name(index) if link is None else link.name

@@ -160,11 +160,12 @@ def require_one_foot(robot: Robot) -> None:
 
 def with_one_foot(robot: Robot, tip: str | None, q: Sequence[float] | None) -> Robot:
     """Fix the joints that do not move one tip, and put its row last; see ``Robot.at_tip``."""
-    foot = _tip_row(robot, tip)
     if robot.loops:
         raise InvalidValueError(
-            f"{robot.name!r} has closed loops; its joints cannot be fixed one by one"
+            f"{robot.name!r} has closed loops; its joints cannot be fixed one by one, as it takes "
+            "to move one foot"
         )
+    foot = _tip_row(robot, tip)
     path = set(robot.path(foot))
     order = [row for row in range(1, len(robot.segments) + 1) if row != foot] + [foot]
     place = {0: 0, **{row: number for number, row in enumerate(order, start=1)}}

@@ -168,3 +168,22 @@ def test_python_takes_a_file_wherever_it_takes_toml(leg):
     assert run_kind(Path(leg)).own.name == "leg_b"
     with pytest.raises(InvalidValueError, match=r"give numbers=\{'D3': 0.1, 'RL4': 0.1\}"):
         run_kind(RX90)
+
+
+@pytest.mark.parametrize("path", [TREE, LOOP], ids=["tree", "loop"])
+def test_all_branches_are_drawn_with_their_frames(path):
+    lengths = ["--set", "D2=0.2,D3=0.5,D4=-0.1,D8=0.3,RL4=0.6"] if path == LOOP else []
+    assert main(["diagram", path, *lengths, "--part", "frames", "--out", "f.svg"]) == 0
+    assert "joint_5" in Path("f.svg").read_text(encoding="utf-8")
+
+
+def test_a_loop_whose_branches_all_end_in_it_is_proved_and_has_no_foot(capsys):
+    Path("x.par").write_text(
+        "NL = 3\nNJ = 4\nant = {0,1,0,3,2}\nsigma = {0,0,0,0,2}\nmu = {1,0,0,0,0}\n"
+        "alpha = {0,0,0,0,0}\nd = {0,0.2,0.3,0.2,0.3}\ntheta = {th1,th2,th3,th4,0}\n"
+        "r = {0,0,0,0,0}\n"
+    )
+    assert main(["check", "x.par", "--samples", "2"]) == 0
+    assert "foot of frame_5" in capsys.readouterr().out
+    assert main(["doctor", "x.par", "--q", "0,0,0"]) == 2
+    assert "has closed loops" in capsys.readouterr().err

@@ -4,20 +4,41 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trees import hexapod, parallelogram, two_fingers
+from trees import bar, hexapod, parallelogram, turning, two_fingers
 
-from drake_leg import LEG_B, build_plant, prove
+from drake_leg import LEG_B, Robot, build_plant, prove
+from drake_leg.robot.robot import Row, Segment
+from drake_leg.robot.tree import Loop
 
 
-@pytest.mark.parametrize("robot", [two_fingers(), hexapod()], ids=["hand", "hexapod"])
-def test_a_tree_is_proved_at_every_tip(robot):
+def crossed():
+    """Two branches in turns, so that no row's antecedent is the row before, and no foot."""
+    return Robot(
+        name="crossed",
+        title="Rows of two branches in turns",
+        source="a test",
+        segments=(
+            turning("a1", bar("a", 0.1)),
+            turning("b1", bar("b", 0.1), d=0.2, gamma=0.3, antecedent=0),
+            turning("a2", bar("c", 0.2), d=0.1, alpha=0.4, antecedent=1),
+            turning("b2", bar("d", 0.2), d=0.1, b=0.1, alpha=-0.4, antecedent=2),
+            Segment(row=Row(joint="revolute", d=0.2, antecedent=3)),
+            Segment(row=Row(joint="fixed", d=0.2, antecedent=4)),
+        ),
+        loops=(Loop(joint="cut", cut=5, end=6),),
+    )
+
+
+@pytest.mark.parametrize(
+    "robot", [two_fingers(), hexapod(), parallelogram(), crossed()], ids=lambda robot: robot.name
+)
+def test_a_tree_is_proved_at_every_leaf(robot):
     proof = prove(robot, samples=4)
     assert proof.holds
     assert proof.complete
-    tips = len(robot.tips)
-    assert len(proof.comparisons) == tips * (3 + 6)
+    assert len(proof.comparisons) == len(robot.leaves) * (3 + 6)
     assert {c.quantity for c in proof.comparisons} == {
-        f"{quantity} of {tip}" for quantity in ("foot", "Jacobian") for tip in robot.tips
+        f"{quantity} of {leaf}" for quantity in ("foot", "Jacobian") for leaf in robot.leaves
     }
 
 

@@ -331,7 +331,7 @@ def _best_seen(robot: Robot) -> _Seen:
 
 def _size(robot: Robot) -> float:
     """Greatest length of the robot's branches, from frame to frame [m]."""
-    return max(chain_length(robot.rows[:row]) for row in robot.tips.values())
+    return max(chain_length(robot.rows[:row]) for row in robot.leaves.values())
 
 
 def _range(robot: Robot, segment: Segment) -> tuple[float, float]:
