@@ -12,6 +12,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.inputs import FILE, ROBOT_NAMES, RobotSource, add_numbers, robot_source
+from drake_leg.cli.models import (
+    add_model,
+    derive_model,
+    refuse_without_model,
+    require_meaning,
+)
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -48,7 +54,8 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
         "Derive a report's transforms, its Jacobian by two methods, its determinant "
-        "and its singularities from the Khalil rows, in symbols; or those of a robot of your own."
+        "and its singularities from the Khalil rows, in symbols; or those of a robot of your own. "
+        "With --model, derive a geometric, kinematic or dynamic model of any robot."
     )
     parser.epilog = (
         "Exit status: 0 everything was derived, 2 bad input, 3 something was not derived in time."
@@ -63,18 +70,25 @@ def configure_derive(parser: argparse.ArgumentParser) -> None:
     add_numbers(parser)
     parser.add_argument("--latex", action="store_true", help="print lines of LaTeX")
     add_budget(parser, "of the derivation")
+    add_model(parser)
     parser.set_defaults(command=_derive)
 
 
 def _derive(chosen: argparse.Namespace) -> int:
+    if chosen.model is None:
+        refuse_without_model(chosen)
+    else:
+        require_meaning(chosen)
     source = None
-    if chosen.name not in SUBJECTS or chosen.numbers:
+    if chosen.name not in SUBJECTS or chosen.numbers or chosen.model is not None:
         source = robot_source(chosen.name, chosen.numbers)
     import_module("drake_leg.symbolic.equations")  # loads SymPy before the time is limited
     budget = TimeBudget(budget_of(chosen))
     with ProgressBar(sys.stderr, f"derivation of {chosen.name}", budget.seconds, "s") as bar:
         if source is None:
             return _reports(chosen, budget, bar)
+        if chosen.model is not None:
+            return derive_model(source, chosen, budget, bar)
         return _own(source, chosen, budget, bar)
 
 

@@ -68,6 +68,16 @@ class BaseParameters:
             lines.append(f"without effect: {', '.join(map(str, self.without_effect))}")
         return "\n".join(lines)
 
+    def latex(self) -> str:
+        """Write the groups as lines of LaTeX's mathematics."""
+        lines = [
+            f"{sp.latex(sp.Symbol(name))} = {sp.latex(self.expression(kept))}"
+            for name, kept in zip(self.names, self.groups, strict=True)
+        ]
+        if self.without_effect:
+            lines.append(f"% without effect: {', '.join(map(str, self.without_effect))}")
+        return "\n".join(lines)
+
     def _value(self, parameter: Parameter) -> sp.Expr:
         links = (self.table.base, *self.table.links)
         return getattr(links[parameter.link], parameter.name)

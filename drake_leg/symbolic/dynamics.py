@@ -148,9 +148,11 @@ def program(frames: Mechanism, name: str, title: str, outputs: Sequence[Output])
         assignments=frames.steps.needed(outputs),
         outputs=tuple(outputs),
         values=frames.table.values,
+        notes=(CUT,) if frames.table.loops else (),
     )
 
 
+CUT = "the loops are cut: the model is that of the tree that is left"
 BASE_WRENCH = "moment and force on the base, in frame 0 [N*m, N]"
 
 
@@ -178,15 +180,15 @@ def coriolis(table: SymbolicTable) -> Program:
     frames = Mechanism(table, "q", "qdot", "w0")
     w0 = frames.base_motion[0] if table.floating else ORIGIN
     torques = newton_euler(frames, frames.motion(frames.qdot, still(frames), w0=w0))
-    outputs = _torque_outputs(frames, torques, "c", "joint torques [N*m or N]")
+    outputs = _torque_outputs(frames, torques, "C", "joint torques [N*m or N]")
     title = "Coriolis and centrifugal torques"
     return program(frames, "coriolis", title, outputs)
 
 
 def gravity(table: SymbolicTable) -> Program:
-    """Joint torques that hold the links against gravity: ``G(q)``."""
+    """Joint torques that hold the links against gravity: ``Q(q)``."""
     frames = Mechanism(table, "q", "g0")
     motion = frames.motion(still(frames), still(frames), vd0=-frames.gravity)
     torques = newton_euler(frames, motion)
-    outputs = _torque_outputs(frames, torques, "g", "joint torques [N*m or N]")
+    outputs = _torque_outputs(frames, torques, "Q", "joint torques [N*m or N]")
     return program(frames, "gravity", "gravity torques", outputs)

@@ -42,12 +42,17 @@ def code(program: Program, language: str) -> str:
     InvalidValueError
         If there is no such language.
     """
+    require_language(language)
+    return LANGUAGES[language].write(_with_plain_names(program))
+
+
+def require_language(language: str) -> None:
+    """Refuse what is not one of ``LANGUAGES``."""
     if language not in LANGUAGES:
         raise InvalidValueError(
             f"there is no language {language!r}",
             advice=did_you_mean(language, LANGUAGES, f"there are {', '.join(LANGUAGES)}"),
         )
-    return LANGUAGES[language].write(_with_plain_names(program))
 
 
 def _with_plain_names(program: Program) -> Program:

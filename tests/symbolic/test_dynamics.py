@@ -60,8 +60,8 @@ def test_the_models_are_drakes(name, rng):
         scale = max(np.abs(drake.torques).max(), np.abs(drake.bias).max())
         found = of_joints_and_base(torques(*drake.motion), "tau")
         close(found, drake.torques, scale)
-        close(of_joints_and_base(velocities(q, qdot, *w0), "c"), drake.bias, scale)
-        close(of_joints_and_base(weight(q, *g0), "g"), drake.gravity, scale)
+        close(of_joints_and_base(velocities(q, qdot, *w0), "C"), drake.bias, scale)
+        close(of_joints_and_base(weight(q, *g0), "Q"), drake.gravity, scale)
         close(matrix(q)["A"], drake.mass_matrix, np.abs(drake.mass_matrix).max())
         if not robot.floating:
             found = direct(q, qdot, drake.torques)["qddot"]
@@ -120,7 +120,7 @@ def test_the_energys_rate_is_the_torques_power(rng):
     for t in (0.3, 1.1):
         q, qdot, qddot = motion(t)
         power = torques(q, qdot, qddot)["tau"] @ qdot
-        rate = (kinetic(t + 1e-5) - kinetic(t - 1e-5)) / 2e-5 + weight(q)["g"] @ qdot
+        rate = (kinetic(t + 1e-5) - kinetic(t - 1e-5)) / 2e-5 + weight(q)["Q"] @ qdot
         assert rate == pytest.approx(power, rel=1e-7)
 
 

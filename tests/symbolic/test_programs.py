@@ -159,14 +159,14 @@ def test_words_that_a_language_keeps_are_not_used():
 
 def test_text_and_latex_have_every_assignment():
     program = derive_model(LEG_B, "gravity")
-    assert "g3 = " in text(program)
-    assert "gravity torques: g of q" in text(program)
+    assert "Q3 = " in text(program)
+    assert "gravity torques: Q of q" in text(program)
     assert str(program) == text(program)
     lines = latex(program).splitlines()
     assert any(line.startswith("c_{2} = ") for line in lines)
     assert all("=" in line for line in lines if not line.startswith("%"))
     assert program._repr_latex_().count("$$") == 2 * (len(program.assignments) + 1)
-    assert repr(program).startswith("<Program gravity: g, ")
+    assert repr(program).startswith("<Program gravity: Q, ")
 
 
 def test_a_language_that_is_not_there_is_refused():
