@@ -168,6 +168,14 @@ def read_par(text: str, where: str) -> ParFile:
     return _Reader(ParText(text, where)).par()
 
 
+def _carrier(par: ParFile, row: int) -> int:
+    """Link that carries a row's frame; the second frame of a cut may be placed on another such."""
+    row = par.antecedents[row - 1]
+    while row > par.links:
+        row = par.antecedents[row - 1]
+    return row
+
+
 class _Reader:
     """Reads the values of a file, and checks that they fit one another."""
 
@@ -348,11 +356,11 @@ class _Reader:
         if all(sigma == FIXED for sigma in par.sigmas[: par.links]):
             raise error_at("sigma", "sigma is 2 at every link; at least one joint must move")
         for row, antecedent in zip(par.rows, par.antecedents, strict=True):
-            if antecedent > par.links:
+            if par.links < antecedent <= par.joints:
                 raise error_at(
                     "ant",
-                    f"ant of row {row} is {antecedent}, a frame of a cut joint, which has no link; "
-                    f"the links are 1 to {par.links}",
+                    f"ant of row {row} is {antecedent}, a cut joint's own frame, which moves "
+                    f"without a link; the links are 1 to {par.links}",
                 )
         for cut, end in par.loops:
             frames = f"rows {cut} and {end} are the two frames of a cut joint"
@@ -360,11 +368,11 @@ class _Reader:
                 raise error_at(
                     "sigma", f"{frames}; sigma must be 0 or 1 in row {cut}, and 2 in row {end}"
                 )
-            if par.antecedents[cut - 1] == par.antecedents[end - 1]:
+            carrier = _carrier(par, cut)
+            if carrier == _carrier(par, end):
                 raise error_at(
                     "ant",
-                    f"{frames}, but both have the antecedent {par.antecedents[cut - 1]}; a loop "
-                    "has two sides",
+                    f"{frames}, but both have the antecedent {carrier}; a loop has two sides",
                 )
 
     def _note_type(self, par: ParFile) -> None:

@@ -110,8 +110,8 @@ def require_loops(robot: Robot) -> None:
         require_kind("a loop of a robot", loop, Loop)
         _require_frame(robot, loop, loop.cut, used, moves=True)
         _require_frame(robot, loop, loop.end, used, moves=False)
-        carrier = robot.antecedents[loop.cut - 1]
-        if carrier == robot.antecedents[loop.end - 1]:
+        carrier = _carrier(robot, loop.cut)
+        if carrier == _carrier(robot, loop.end):
             raise InvalidValueError(
                 f"the two frames of the loop {loop.joint!r}, rows {loop.cut} and {loop.end}, have "
                 f"one antecedent, {carrier}; they must be on two links"
@@ -122,6 +122,14 @@ def require_loops(robot: Robot) -> None:
                 f"row {index} of {robot.name!r} is {segment.row.joint} and has no link; only a "
                 "fixed row, or one at which a loop is cut, may have none"
             )
+
+
+def _carrier(robot: Robot, row: int) -> int:
+    """Row of the link that carries a row's frame; 0 is the base."""
+    row = robot.antecedents[row - 1]
+    while row and robot.segments[row - 1].link is None:
+        row = robot.antecedents[row - 1]
+    return row
 
 
 def _require_frame(robot: Robot, loop: Loop, row: int, used: set[int], *, moves: bool) -> None:
@@ -137,7 +145,7 @@ def _require_frame(robot: Robot, loop: Loop, row: int, used: set[int], *, moves:
             f"the loop {loop.joint!r} has row {row} as its {what}; it must be a row that "
             f"{'moves' if moves else 'is fixed'}, without a link"
         )
-    if row in robot.antecedents:
+    if moves and row in robot.antecedents:
         raise InvalidValueError(
             f"the loop {loop.joint!r} has row {row} as its {what}, which carries another row; a "
             "loop is cut between links that the table has"

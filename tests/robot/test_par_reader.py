@@ -227,7 +227,7 @@ def test_every_fault_is_one_sentence_with_file_line_row_and_key(old, new, said):
     [
         ("1,7,8,3}", "1,7,8,8}", "line 13: rows 9 and 10 .* both have the antecedent 8"),
         ("1,7,8,3}", "1,7,9,3}", "line 13: ant of row 9 is 9"),
-        ("1,7,8,3}", "1,7,8,9}", "line 13: ant of row 10 is 9, a frame of a cut joint"),
+        ("1,7,8,3}", "1,7,8,9}", "line 13: ant of row 10 is 9, a cut joint's own frame"),
         ("0,0,2}", "0,0,0}", "line 14: rows 9 and 10 .* 2 in row 10"),
         ("0,0,2}", "0,2,2}", "line 14: rows 9 and 10 .* 0 or 1 in row 9"),
         ("NL = 8", "NL = 7", "line 7: NF is 10, but NL is 7 and NJ is 9"),

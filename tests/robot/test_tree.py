@@ -114,3 +114,16 @@ def test_links_without_a_joint_between_them_are_one_tip_each():
     robot = Robot(name="arm", title="Arm", source="a test", segments=(moving, *frames))
     assert dict(robot.tips) == {"frame_2": 2, "frame_3": 3}
     assert robot.has_one_foot
+
+
+def test_the_second_frame_of_a_cut_may_stand_on_another_frame():
+    robot = parallelogram()
+    end = robot.segments[4].row
+    beside = Segment(row=replace(end, d=0.1))
+    moved = Segment(row=replace(end, d=0.2, antecedent=5))
+    segments = (*robot.segments[:4], beside, moved)
+    loops = (Loop(joint="cut", cut=4, end=6),)
+    assert replace(robot, segments=segments, loops=loops).loops == loops
+    on_crank = Segment(row=replace(end, antecedent=3))
+    with pytest.raises(InvalidValueError, match="have one antecedent, 3"):
+        replace(robot, segments=(*robot.segments[:4], on_crank, moved), loops=loops)
