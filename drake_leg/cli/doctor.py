@@ -18,6 +18,7 @@ from drake_leg.cli.terminal import (
     at_work,
     fail,
     numbers,
+    refuse_ignored,
 )
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.files import ResultsFolder
@@ -35,7 +36,9 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
         "Describe a posture: the foot's pose, rank and smallest singular value of its "
         "Jacobian, manipulability, the singular family that is near, what motion is lost, the "
         "stroke along a direction to the first singularity or joint limit, and the greatest "
-        "amplitude that stays inside. With --foot: the joint positions that put the foot there."
+        "amplitude that stays inside. With --foot: the joint positions that put the foot there. "
+        "Of a robot with closed loops: its freedoms, its assemblies, the passive joints' rates, "
+        "and the singular assemblies."
     )
     parser.epilog = (
         "Exit status: 0 all well, 1 no posture within the joints' limits puts the foot there or a "
@@ -83,10 +86,10 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
-    robot, place = (
-        robot_source(chosen.robot, chosen.numbers).robot().at_tip(chosen.tip),
-        _place(chosen),
-    )
+    whole = robot_source(chosen.robot, chosen.numbers).robot()
+    if whole.loops:
+        return _closed_loops(chosen, whole)
+    robot, place = whole.at_tip(chosen.tip), _place(chosen)
     if chosen.q is None:
         return _foot_alone(chosen, robot, place)
     values = numbers("--q", chosen.q)
@@ -115,6 +118,32 @@ def _doctor(chosen: argparse.Namespace) -> int:
     if folder.remark:
         return fail(folder.remark, BAD_INPUT)
     return FAILED if pictures.failures else reached
+
+
+def _closed_loops(chosen: argparse.Namespace, robot: Robot) -> int:
+    """Examine a robot with closed loops."""
+    from drake_leg.singularity.loop_doctor import examine_loops
+
+    refuse_ignored(
+        {
+            f"--{option}": getattr(chosen, option) is not None
+            for option in ("tip", "direction", "frequency", "foot", "rpy", "yaw", "out")
+        },
+        "means nothing for a robot with closed loops",
+    )
+    q = None
+    if chosen.q is not None:
+        values = numbers("--q", chosen.q)
+        active = [segment for segment in robot.moving if segment.mechanics.actuated]
+        moving = active if len(values) == len(active) else ()
+        q = joint_positions(robot, values, moving=moving)
+    with at_work(f"doctor of {chosen.robot}", "the loops"):
+        diagnosis = examine_loops(robot, q)
+    if chosen.json:
+        print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
+    else:
+        print("\n".join(f"{name:<15} {words}" for name, words in diagnosis.entries))
+    return 0
 
 
 def _reaches(found: Feet) -> bool:

@@ -15,6 +15,7 @@ from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import read_text
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import starting_posture
+from drake_leg.robot.linkages import NAMED_LINKAGES
 from drake_leg.robot.par_reader import ParFile, load_par
 from drake_leg.robot.par_robot import Numbers, numbers_of, require_letters, robot_of_par
 from drake_leg.robot.par_text import parts_of
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 FILE = "FILE.toml|FILE.par"  # of a robot
 
 # The package's robots by their names on the command line.
-ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in (*ROBOTS, HEXABOT)}
+ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in (*ROBOTS, HEXABOT, *NAMED_LINKAGES)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,8 +206,21 @@ def posture(name: str, robot: Robot, text: str | None) -> list[float]:
     """
     if text is None:
         reports = reports_posture(ROBOT_NAMES[name]) if name in ROBOT_NAMES else None
-        return list(starting_posture(robot)) if reports is None else joint_positions(robot, reports)
-    return joint_positions(robot, numbers("--q", text))
+        q = list(starting_posture(robot)) if reports is None else joint_positions(robot, reports)
+    else:
+        q = joint_positions(robot, numbers("--q", text))
+    return closed_posture(robot, q)
+
+
+def closed_posture(robot: Robot, q: list[float]) -> list[float]:
+    """Close the loops of a robot from a posture, if it has any; the passive joints move."""
+    if not robot.loops:
+        return q
+    from drake_leg.kinematics.closed_loops import ClosedLoops
+
+    loops = ClosedLoops(robot)
+    closed: list[float] = loops.position([q[i] for i in loops.active_columns], q).tolist()
+    return closed
 
 
 def joint_positions(

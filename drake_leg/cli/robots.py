@@ -74,6 +74,12 @@ def _sdf(chosen: argparse.Namespace) -> int:
     else:
         write_text(chosen.out, text, ending=ending, overwrite=chosen.overwrite)
         print(f"wrote {chosen.out}")
+    if robot.loops and ending == ".sdf":
+        cuts = ", ".join(loop.joint for loop in robot.loops)
+        remark(
+            f"SDF has no joint that closes a loop: the model is the tree that is cut at {cuts}, "
+            "with the two frames of each cut"
+        )
     lost = not_in_par(robot) if chosen.par else ()
     if lost:
         remark(f"a .par file does not hold {', '.join(lost)}; they are left out")

@@ -14,30 +14,27 @@ from dataclasses import asdict, dataclass
 from functools import cache, partial
 from itertools import combinations
 from numbers import Integral
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
-from pydrake.multibody.tree import JacobianWrtVariable
 
 from drake_leg.arguments import require_callable, shown
 from drake_leg.errors import InvalidValueError, TimeBudgetError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.feet import greatest_reach, random_configurations
 from drake_leg.kinematics.khalil import Array
-from drake_leg.models.plant import build_plant
+from drake_leg.models.witnesses import DrakeWitness, Testimony, one_by_one
 from drake_leg.progress import BUDGET, TimeBudget
-from drake_leg.robot.robot import Robot, Row, frame_name, html_table, require_robot
+from drake_leg.robot.robot import Robot, Row, Segment, html_table, require_robot
 from drake_leg.units import require_positive
 
 TOLERANCE = 1e-12  # of 1 where an entry is a rotation, of the robot's size where it is a length
 SAMPLES = 32
 MOST_SAMPLES = 10_000
-WITNESSES = ("chain", "SymPy", "Drake", "differences")
-ORDER = ("chain", "differences", "Drake", "SymPy")  # the quickest first
+WITNESSES = ("loops", "chain", "SymPy", "Drake", "differences")
+ORDER = ("loops", "chain", "differences", "Drake", "SymPy")  # the quickest first
 FOOT, JACOBIAN = "foot", "Jacobian"
 
-Function = Callable[[Array], Array]  # of configurations (N, m), with the same first axis
 Report = Callable[[str], None]  # called with what is computed next
 
 
@@ -46,7 +43,7 @@ class Comparison:
     """Two witnesses compared on all configurations: where they differ most."""
 
     quantity: str  # foot or Jacobian; of which tip, if there are several
-    first: str  # chain, SymPy, Drake or differences
+    first: str  # loops, chain, SymPy, Drake or differences
     second: str
     difference: float  # of 1, or of the robot's size
     entry: tuple[int, int]  # row and column, counted from 1
@@ -145,14 +142,6 @@ class Proof:
         }
 
 
-class _Testimony(NamedTuple):
-    """How one witness computes one quantity."""
-
-    quantity: str
-    witness: str
-    function: Function
-
-
 def prove(
     robot: Robot,
     *,
@@ -162,6 +151,9 @@ def prove(
     progress: Report | None = None,
 ) -> Proof:
     """Compare the chain with SymPy, with Drake and with its own differences.
+
+    Of closed loops, pose and twist at each cut are compared with the motion of the cut joint, too,
+    in closed postures.
 
     Entries of a rotation are compared as they are, lengths relative to ``greatest_reach``; both
     must agree to 1e-12.
@@ -203,8 +195,11 @@ def prove(
     require_positive("the budget", budget, "s")
     require_callable("progress", progress)
     q = random_configurations(robot, samples, np.random.default_rng(seed))
-    found, missing = _compute(_testimonies(robot), q, TimeBudget(budget), progress)
+    drake = cache(lambda: DrakeWitness(robot))
+    spending = TimeBudget(budget)
+    found, missing = _compute(_testimonies(robot, drake), q, spending, progress)
     size = greatest_reach(robot)
+    closed, also_missing = _closed(robot, drake, q, spending, progress) if robot.loops else ((), ())
     return Proof(
         robot=robot.name,
         samples=samples,
@@ -217,10 +212,13 @@ def prove(
                 quantity,
                 values,
                 q,
-                _pose_scale(size) if quantity.startswith(FOOT) else _twist_scale(robot, size),
+                _pose_scale(size)
+                if quantity.startswith(FOOT)
+                else _twist_scale(robot.moving, size),
             )
-        ),
-        missing=tuple(missing),
+        )
+        + tuple(closed),
+        missing=(*missing, *also_missing),
     )
 
 
@@ -235,9 +233,38 @@ def _require_whole(what: str, value: object, least: int, most: float = math.inf)
         raise InvalidValueError(f"{what} is {shown(value)}; it must be a whole number, {span}")
 
 
-def _testimonies(robot: Robot) -> list[_Testimony]:
+def _closed(
+    robot: Robot,
+    drake: Callable[[], DrakeWitness],
+    q: Array,
+    budget: TimeBudget,
+    progress: Report | None,
+) -> tuple[list[Comparison], list[Missing]]:
+    """Compare what the witnesses say of the loops, in closed postures near q (N, m)."""
+    from drake_leg.kinematics.closed_loops import ClosedLoops
+    from drake_leg.models.loop_proof import CLOSURE, closed_postures, loop_testimonies
+
+    loops = ClosedLoops(robot)
+    postures = closed_postures(loops, q)
+    testimonies = sorted(loop_testimonies(loops, drake), key=lambda one: ORDER.index(one.witness))
+    found, missing = _compute(testimonies, postures, budget, progress)
+    active = [robot.moving[column] for column in loops.active_columns]
+    of_rates = _twist_scale(active, loops.size)
+    compared = [
+        comparison
+        for quantity, values in found.items()
+        for comparison in _compare_all(
+            quantity,
+            values,
+            postures,
+            _pose_scale(loops.size) if quantity.startswith(CLOSURE) else of_rates,
+        )
+    ]
+    return compared, missing
+
+
+def _testimonies(robot: Robot, drake: Callable[[], DrakeWitness]) -> list[Testimony]:
     """List every witness's foot and Jacobian, the quickest first; of a tree, of all its leaves."""
-    drake = cache(lambda: DrakeWitness(robot))
     several = len(robot.leaves) > 1
     found = [
         testimony
@@ -249,7 +276,7 @@ def _testimonies(robot: Robot) -> list[_Testimony]:
 
 def _testimonies_on(
     robot: Robot, row: int, which: str, drake: Callable[[], DrakeWitness]
-) -> Iterator[_Testimony]:
+) -> Iterator[Testimony]:
     """Ask every witness about the frame of one row."""
     from drake_leg.symbolic.derivation import foot_function, jacobian_function
 
@@ -271,28 +298,24 @@ def _testimonies_on(
         jacobian: lambda q: widened(before, khalil.jacobian(rows, q[:, before])),
     }
     symbols = {
-        foot: lambda q: _one_by_one(foot_function(path), q[:, leading]),
-        jacobian: lambda q: widened(leading, _one_by_one(jacobian_function(path), q[:, leading])),
+        foot: lambda q: one_by_one(foot_function(path), q[:, leading]),
+        jacobian: lambda q: widened(leading, one_by_one(jacobian_function(path), q[:, leading])),
     }
     plant = {
-        foot: lambda q: _one_by_one(partial(drake().foot, row=row), q),
-        jacobian: lambda q: _one_by_one(partial(drake().jacobian, row=row), q),
+        foot: lambda q: one_by_one(partial(drake().foot, row=row), q),
+        jacobian: lambda q: one_by_one(partial(drake().jacobian, row=row), q),
     }
     differences = {
         jacobian: lambda q: widened(before, difference_jacobian(rows, q[:, before])),
     }
-    witnesses = zip(ORDER, (chain, differences, plant, symbols), strict=True)
+    witnesses = zip(ORDER[1:], (chain, differences, plant, symbols), strict=True)
     for witness, functions in witnesses:
         for quantity, function in functions.items():
-            yield _Testimony(quantity, witness, function)
-
-
-def _one_by_one(function: Function, configurations: Array) -> Array:
-    return np.array([function(q) for q in configurations])
+            yield Testimony(quantity, witness, function)
 
 
 def _compute(
-    testimonies: Sequence[_Testimony], q: Array, budget: TimeBudget, progress: Report | None
+    testimonies: Sequence[Testimony], q: Array, budget: TimeBudget, progress: Report | None
 ) -> tuple[dict[str, dict[str, Array]], list[Missing]]:
     """Ask the witnesses one after the other, as long as the budget lasts."""
     found: dict[str, dict[str, Array]] = {one.quantity: {} for one in testimonies}
@@ -313,10 +336,10 @@ def _pose_scale(size: float) -> Array:
     return scale
 
 
-def _twist_scale(robot: Robot, size: float) -> Array:
+def _twist_scale(joints: Sequence[Segment], size: float) -> Array:
     """Scale angular rows and sliding joints' columns by 1, lengths by the robot's size."""
-    scale = np.ones((6, len(robot.moving)))
-    turning = [segment.row.joint == "revolute" for segment in robot.moving]
+    scale = np.ones((6, len(joints)))
+    turning = [segment.row.joint == "revolute" for segment in joints]
     scale[3:, turning] = size
     return scale
 
@@ -356,44 +379,3 @@ def difference_jacobian(rows: Sequence[Row], q: Array) -> Array:
         twist = (spin[..., 2, 1], spin[..., 0, 2], spin[..., 1, 0])
         columns.append(np.stack([*twist, *np.moveaxis(dX[..., :3, 3], -1, 0)], axis=-1))
     return np.stack(columns, axis=-1)
-
-
-class DrakeWitness:
-    """Drake's foot and Jacobian: a plant parsed from a robot's SDF, with a scratch context.
-
-    ``InvalidValueError`` is raised if Drake's strict parser refuses the SDF.
-    """
-
-    def __init__(self, robot: Robot) -> None:
-        self._plant = build_plant(robot)
-        self._context = self._plant.CreateDefaultContext()
-        frames = range(len(robot.rows) + 1)
-        self._frames = [self._plant.GetFrameByName(frame_name(index)) for index in frames]
-        joints = [self._plant.GetJointByName(str(segment.joint)) for segment in robot.moving]
-        self._positions = [joint.position_start() for joint in joints]
-        self._velocities = [joint.velocity_start() for joint in joints]
-
-    def foot(self, q: Array, row: int = -1) -> Array:
-        """Pose X_BF (4, 4) [-, m] of a row's frame, at joint positions (m,) [rad or m]."""
-        return self.pose(q, 0, row)
-
-    def pose(self, q: ArrayLike, first: int, last: int) -> Array:
-        """Pose (4, 4) [-, m] of one frame in another, by their indices."""
-        self._set(q)
-        frames = self._frames[first], self._frames[last]
-        X: Array = self._plant.CalcRelativeTransform(self._context, *frames).GetAsMatrix4()
-        return X
-
-    def jacobian(self, q: ArrayLike, row: int = -1) -> Array:
-        """Spatial Jacobian Jv_BF (6, m) of a row's frame, rotation first, in the base frame."""
-        self._set(q)
-        base, foot = self._frames[0], self._frames[row]
-        spatial: Array = self._plant.CalcJacobianSpatialVelocity(
-            self._context, JacobianWrtVariable.kV, foot, np.zeros(3), base, base
-        )
-        return spatial[:, self._velocities]
-
-    def _set(self, q: ArrayLike) -> None:
-        positions = self._plant.GetPositions(self._context)
-        positions[self._positions] = q
-        self._plant.SetPositions(self._context, positions)

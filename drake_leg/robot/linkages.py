@@ -177,6 +177,17 @@ BENNETT = Robot(
     loops=(Loop(joint="fourth", cut=4, end=5),),
 )
 
+_ELBOW = Link(
+    name="elbow",
+    solid=Solid(
+        shape=Brick(length=WIDTH, width=ARM_D8, height=HEIGHT),
+        density=DENSITY,
+        centre=(0.0, -ARM_D8 / 2.0, 0.0),
+        colour=link_colour(3),
+    ),
+    end=(0.0, -ARM_D8, 0.0),
+)
+
 # Khalil and Kleinfinger's table of an arm whose third joint is driven by a parallelogram: six
 # degrees of freedom, NL = 8 moving links, NJ = 9 joints, NF = 2 NJ - NL = 10 frames.
 PARALLELOGRAM_ARM = Robot(
@@ -192,7 +203,7 @@ PARALLELOGRAM_ARM = Robot(
             d=ARM_D2,
             alpha=-QUARTER,
         ),
-        _turning("joint3", bar("elbow", ARM_D8, link_colour(3)), _following(1.9), d=ARM_D3),
+        _turning("joint3", _ELBOW, _following(1.9), d=ARM_D3),
         _turning(
             "joint4",
             ball("forearm", 0.04, link_colour(4)),
@@ -218,11 +229,5 @@ PARALLELOGRAM_ARM = Robot(
     loops=(Loop(joint="joint9", cut=9, end=10),),
 )
 
-LINKAGES = (
-    FOUR_BAR,
-    SLIDER_CRANK,
-    SLIDER_CRANK_CUT_AT_SLIDE,
-    FIVE_BAR,
-    BENNETT,
-    PARALLELOGRAM_ARM,
-)
+NAMED_LINKAGES = (FOUR_BAR, SLIDER_CRANK, FIVE_BAR, BENNETT, PARALLELOGRAM_ARM)
+LINKAGES = (*NAMED_LINKAGES, SLIDER_CRANK_CUT_AT_SLIDE)

@@ -19,7 +19,9 @@ from drake_leg.colours import PURPLE, rgb
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import require_radians
 from drake_leg.kinematics.khalil import Array, one_vector, real_numbers
+from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot
+from drake_leg.scene.closed import closing
 from drake_leg.scene.shown_plant import (
     Part,
     Showable,
@@ -225,13 +227,18 @@ class PlantMotion:
 
 
 def at_rest(what: Showable, q: ArrayLike | None = None) -> PlantMotion:
-    """Make the motion of a plant at rest: one row, at time 0; by default at its own positions."""
+    """Make the motion of a plant at rest: one row, at time 0; by default at its own positions.
+
+    The loops of a robot are closed first.
+    """
     plant = shown(what)
     if not isinstance(what, Robot):
         posture = one_vector("q", plant.positions(q), plant.plant.num_positions())
     else:
-        posture = plant.posture(q)
+        posture = plant.posture(starting_posture(what) if q is None and what.loops else q)
         require_radians(posture[plant.joints].tolist(), what.moving)
+        loops = closing(what, plant)
+        posture = posture if loops is None else loops.near(posture)
     return PlantMotion(shown=plant, time=np.zeros(1), q=posture.reshape(1, -1))
 
 

@@ -17,6 +17,7 @@ from drake_leg.arguments import require_callable
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot
+from drake_leg.scene.closed import closing
 from drake_leg.scene.scene import TRACE, Scene, View, as_view, at_rest, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, open_browser
 from drake_leg.scene.shown_plant import Coordinate, Showable, ShownPlant, shown
@@ -196,7 +197,10 @@ def view_served(
     plant, first = shown(what), as_view(view)
     of_robot = isinstance(what, Robot)
     posture = (plant.posture(q) if of_robot else plant.positions(q)).copy()
-    sliders = joint_sliders(plant, posture)
+    loops, sliders = closing(what, plant), joint_sliders(plant, posture)
+    if loops is not None:
+        posture = loops.near(posture)
+        sliders = tuple(one for one in sliders if one.joint in loops.driven)
     scene = scene_of(at_rest(plant, posture), room=ROOM)
     trace = Trace(scene.size)
     commands, feed = SliderCommands(sliders, trace), Feed(trace)
@@ -207,6 +211,8 @@ def view_served(
             before, posture = posture, posture.copy()
             for slider, value in zip(sliders, values, strict=True):
                 posture[slider.position] = value * slider.unit
+            if loops is not None:
+                posture = loops.moved(before, posture)
             if put:
                 trace.lift()
             for points in plant.traced(plant.poses(_way(posture if put else before, posture))):

@@ -159,8 +159,9 @@ def _on(curve: _Curve, points: list[_Point]) -> list[SingularAssembly]:
     for column in curve.columns:
         kind = ACTUATION if column == curve.active else DEAD_CENTER
         moves = np.abs(rates[:, column]).max() > 1e3 * STILL
-        for index in np.flatnonzero(rates[:-1, column] * rates[1:, column] < 0.0) if moves else ():
-            point = _stopped(curve, points[index], points[index + 1], column)
+        flips = np.flatnonzero(rates[:-1, column] * rates[1:, column] < 0.0).tolist()
+        for flip in flips if moves else ():
+            point = _stopped(curve, points[flip], points[flip + 1], column)
             if point is not None:
                 found.append(_singular(curve, kind, loops.joints[column], point))
     sigma = np.array([point.sigma for point in points])
@@ -187,7 +188,7 @@ def _singular(curve: _Curve, kind: str, joint: str, point: _Point) -> SingularAs
 
 def _between(curve: _Curve, first: _Point, last: _Point) -> Callable[[float], _Point]:
     """The curve from one point to a near one, by the length along the first one's tangent."""
-    reach = (last.q - first.q) / curve.loops.units @ first.tangent
+    reach = float((last.q - first.q) / curve.loops.units @ first.tangent)
 
     def point(part: float) -> _Point:
         found = curve.moved(first, part * reach)

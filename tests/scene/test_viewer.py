@@ -1,10 +1,13 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.closed_loops import ClosedLoops
 from drake_leg.kinematics.khalil import foot_pose
+from drake_leg.robot.linkages import FOUR_BAR
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.robot.toml_reader import read_robot
 from drake_leg.scene.shown_plant import shown
@@ -156,3 +159,24 @@ def test_without_a_browser_the_address_must_be_announced(views, monkeypatch):
     with pytest.raises(InvalidValueError, match="no browser can be opened here: pass `announce="):
         view(LEG_B, Q)
     assert not views
+
+
+def test_the_sliders_of_a_robot_with_loops_are_those_of_its_active_joints():
+    loops = ClosedLoops(FOUR_BAR)
+    person = Person(joints(100.0), joints(-170.0))
+    q = person.view(FOUR_BAR, [1.0, 0.0, 0.0])
+    assert q[0] == pytest.approx(math.radians(-170.0))
+    assert loops.closure(q) <= 1e-12
+    assert len(person.states[0]["values"]) == 1
+
+
+def test_a_slider_stops_where_the_loops_do_not_close():
+    driven = replace(FOUR_BAR, segments=tuple(map(_driven_by_the_rocker, FOUR_BAR.segments)))
+    start = ClosedLoops(FOUR_BAR).position([1.0])
+    q = Person(joints(5.0)).view(driven, start)
+    assert q == pytest.approx(start)
+
+
+def _driven_by_the_rocker(segment):
+    mechanics = replace(segment.mechanics, actuated=segment.joint == "rocker")
+    return segment if segment.row.joint == "fixed" else replace(segment, mechanics=mechanics)

@@ -26,7 +26,7 @@ from drake_leg.kinematics.khalil import (
 from drake_leg.kinematics.leg import LegGeometry, foot_jacobian
 from drake_leg.lab.page.contents import SUBJECTS, Item, PosedRobot, angles, option
 from drake_leg.lab.page.pieces import number, piece, power, prose
-from drake_leg.models.proof import DrakeWitness
+from drake_leg.models.witnesses import DrakeWitness
 from drake_leg.robot.robot import Robot, angle_text
 from drake_leg.runs.options import LegBOptions
 from drake_leg.singularity.doctor import examine, examine_posture

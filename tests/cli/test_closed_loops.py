@@ -1,0 +1,53 @@
+"""Commands of robots with closed loops: doctor, check, sdf, view, run."""
+
+import json
+import math
+
+import pytest
+
+from drake_leg.cli import main
+from drake_leg.robot.linkages import FOUR_BAR, SLIDER_CRANK
+from drake_leg.robot.toml_writer import robot_toml
+
+
+def test_the_doctor_says_assemblies_and_dead_centers(capsys):
+    assert main(["doctor", "four-bar", "--q", "60"]) == 0
+    said = capsys.readouterr().out
+    assert "1, cut at pin; 2 independent equations, 5 frames" in said
+    assert "negative: crank 60 deg, coupler -33.4722 deg, rocker 97.5622 deg" in said
+    assert "dead center of rocker, moving crank: crank 34.7719 deg, coupler 0 deg" in said
+
+
+def test_the_doctor_takes_all_joints_or_the_active_ones(capsys):
+    assert main(["doctor", "slider-crank", "--q", "60,-80,0.28", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["q_rad_or_m"][0] == pytest.approx(math.radians(60.0))
+    assert found["assembly"] == "1"
+    assert main(["doctor", "slider-crank", "--q", "60,-80"]) == 2
+    assert "--q has 2 numbers; slider_crank has 3 joint positions" in capsys.readouterr().err
+
+
+def test_options_of_one_foot_are_refused(capsys):
+    assert main(["doctor", "four-bar", "--foot", "0,0,0"]) == 2
+    assert "--foot means nothing for a robot with closed loops" in capsys.readouterr().err
+
+
+def test_a_linkage_of_ones_own_is_checked_and_written(tmp_path, capsys):
+    file = tmp_path / "linkage.toml"
+    file.write_text(robot_toml(FOUR_BAR), encoding="utf-8")
+    assert main(["check", str(file)]) == 0
+    assert "closure at pin" in capsys.readouterr().out
+    assert main(["sdf", str(file)]) == 0
+    printed = capsys.readouterr()
+    assert "SDF has no joint that closes a loop" in printed.err
+    assert "frame_5" in printed.out
+
+
+def test_too_many_actuated_joints_are_refused(tmp_path, capsys):
+    text = robot_toml(SLIDER_CRANK).replace("actuated = false", "actuated = true")
+    file = tmp_path / "driven.toml"
+    file.write_text(text, encoding="utf-8")
+    assert main(["doctor", str(file)]) == 2
+    said = capsys.readouterr().err
+    assert "has 1 degree of freedom with its loops closed" in said
+    assert "3 (crank, rod, slide) are active" in said
