@@ -244,8 +244,11 @@ def _closed(
     from drake_leg.kinematics.closed_loops import ClosedLoops
     from drake_leg.models.loop_proof import CLOSURE, closed_postures, loop_testimonies
 
-    loops = ClosedLoops(robot)
-    postures = closed_postures(loops, q)
+    try:
+        loops = ClosedLoops(robot)
+        postures = closed_postures(loops, q)
+    except InvalidValueError as error:
+        return [], [Missing(quantity="closure", witness="loops", why=str(error))]
     testimonies = sorted(loop_testimonies(loops, drake), key=lambda one: ORDER.index(one.witness))
     found, missing = _compute(testimonies, postures, budget, progress)
     active = [robot.moving[column] for column in loops.active_columns]

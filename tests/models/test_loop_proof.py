@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from trees import parallelogram
 
 from drake_leg.kinematics.closed_loops import ClosedLoops
 from drake_leg.kinematics.loop_cuts import CutMotion, Cuts
@@ -61,3 +62,10 @@ def test_another_model_in_drake_is_named(monkeypatch):
     assert not proof.holds
     wrong = {c.quantity for c in proof.comparisons if not c.agrees}
     assert "closure at pin" in wrong
+
+
+def test_loops_that_cannot_be_closed_are_missing():
+    proof = prove(parallelogram(), samples=2)  # all of its joints are actuated
+    assert proof.holds
+    (missing,) = proof.missing
+    assert "has 1 degree of freedom with its loops closed" in missing.why
