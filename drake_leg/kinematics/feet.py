@@ -10,7 +10,9 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import geometry_of, joint_positions, joints_in_words
+from drake_leg.kinematics.closed_form import closed_forms
 from drake_leg.kinematics.euler import euler_rotation
+from drake_leg.kinematics.inverse_geometry import inverse_geometry
 from drake_leg.kinematics.khalil import (
     Array,
     one_vector,
@@ -196,13 +198,26 @@ def lift_limits(robot: Robot) -> tuple[float, float]:
 def _chain_feet(robot: Robot, foot: Sequence[float], rpy: Sequence[float] | None) -> Feet:
     limits = limits_of(robot.moving)
     rotation = None if rpy is None else euler_rotation("ZYX", [rpy[2], rpy[1], rpy[0]])
-    found = find_postures(robot.rows, foot, rotation, limits=limits)
+    exact = None
+    if closed_forms(robot.rows, pose=rotation is not None):
+        exact = inverse_geometry(robot, foot if rotation is None else _pose(foot, rotation))
+    if exact is not None and not exact.infinitely_many:
+        q, heading = exact.solutions, exact.heading
+    else:
+        found = find_postures(robot.rows, foot, rotation, limits=limits)
+        q = found.q
+        heading = _found(robot, len(q), found.nearest, rpy, many=found.infinitely_many)
     solutions = tuple(
-        _solution(robot, f"posture {number}", q, limits)
-        for number, q in enumerate(found.q.tolist(), start=1)
+        _solution(robot, f"posture {number}", one, limits)
+        for number, one in enumerate(q.tolist(), start=1)
     )
-    heading = _found(robot, len(solutions), found.nearest, rpy, many=found.infinitely_many)
     return Feet(solutions=solutions, heading=heading, units=units_of(robot))
+
+
+def _pose(p: Sequence[float], R: Array) -> Array:
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = R, p
+    return X
 
 
 def _found(

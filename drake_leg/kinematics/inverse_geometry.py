@@ -255,7 +255,9 @@ def _closed(
         many = any(search.moves_freely(one) for one in q[closes])
         if degenerate:
             method += f"; it is degenerate here: Newton's method from {STARTS} random postures, too"
-    reached = _one_of_each_family(candidates, closes) if many else np.flatnonzero(closes).tolist()
+    reached = np.flatnonzero(closes).tolist()
+    if many:
+        reached = _one_of_each_family(search, candidates, q, closes)
     solutions, _ = search.different(q[reached], search.miss(q[reached]))
     if many and numerical:
         solutions = scattered(solutions)
@@ -279,14 +281,23 @@ def _finished(
     return q, search.miss(q) <= CLOSES * search.size
 
 
-def _one_of_each_family(candidates: Sequence[Found], closes: NDArray[np.bool_]) -> list[int]:
-    """Indices of the candidates that close; where a joint is free, those of its first position."""
+def _one_of_each_family(
+    search: Search, candidates: Sequence[Found], q: Array, closes: NDArray[np.bool_]
+) -> list[int]:
+    """Indices of the candidates that close; where a joint is free, those of one position of it.
+
+    That is, if possible, one in which all joints are within their limits.
+    """
+    placed = search.turned(q)
+    reached = np.flatnonzero(closes).tolist()
     first: dict[tuple[bool, ...], float] = {}
     chosen = []
-    for index in np.flatnonzero(closes).tolist():
-        q, free = candidates[index]
-        if any(free) and q[free.index(True)] != first.setdefault(free, q[free.index(True)]):
-            continue
+    for index in sorted(reached, key=lambda index: not search.within_limits(placed[index])):
+        position, free = candidates[index]
+        if any(free) and search.moves_freely(q[index]):
+            own = position[free.index(True)]
+            if own != first.setdefault(free, own):
+                continue
         chosen.append(index)
     return chosen
 

@@ -203,7 +203,7 @@ class Search:
 
     def different(self, q: Array, miss: Array) -> tuple[Array, Array]:
         """Keep one of each posture, turned into the limits, those within the limits first."""
-        placed = self._turned(q)
+        placed = self.turned(q)
         chosen: list[int] = []
         for index in np.argsort(miss, kind="stable"):
             if not any(self._is_same(placed[index], placed[other]) for other in chosen):
@@ -220,7 +220,8 @@ class Search:
         """Whether every joint of a posture is within its limits."""
         return not ((q < self._low - AT_LIMIT) | (q > self._high + AT_LIMIT)).any()
 
-    def _turned(self, q: Array) -> Array:
+    def turned(self, q: Array) -> Array:
+        """Postures whose joints are turned into their limits, where whole turns can do that."""
         turn = 2.0 * math.pi
         wrapped = principal(q)
         up = wrapped + turn * np.maximum(np.ceil((self._low - AT_LIMIT - wrapped) / turn), 0.0)

@@ -71,8 +71,6 @@ def turn_about_point(joints: Sequence[Screw], R: Array) -> Iterator[Found]:
     d, e, f = (joint.z for joint in joints)
     across = perpendicular(f)
     for (q1, q2), (free, _) in turn_vector(d, e, f, R @ f):
-        if free and q1 != 0.0:  # the third angle makes up for the first
-            continue
         left = rotation(e, -q2) @ rotation(d, -q1) @ R
         q3 = angle_about(f, across, left @ across)
         yield Found((q1, q2, q3), (free, False, free))

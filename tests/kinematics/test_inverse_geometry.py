@@ -359,6 +359,14 @@ def test_postures_within_the_limits_come_first_turned_into_them():
     assert "outside the limits" in repr(found)
 
 
+def test_of_a_free_joint_a_position_within_its_limits_is_shown():
+    robot = limited(RX90, [(-3.2, 3.2)] * 3 + [(0.5, 1.0), (-3.2, 3.2), (-3.2, 3.2)])
+    found = inverse_geometry(robot, foot_pose(robot.rows, [0.2, -0.5, 0.7, 0.9, 0.0, 0.3]))
+    assert found.infinitely_many
+    assert found.within_limits[0]
+    assert 0.5 <= found.solutions[0, 3] <= 1.0
+
+
 def test_a_tree_asks_which_foot():
     link = Link(name="body")
     rows = [turn(), turn(d=0.1, alpha=RIGHT), turn(d=0.2)]
