@@ -200,6 +200,21 @@ class _Worker(threading.Thread, Generic[T]):
         return self._results[0]
 
 
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Let the garbage collector rest while many objects are made, nearly all of which are kept.
+
+    It would go through all of them again and again.
+    """
+    worked = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if worked:
+            gc.enable()
+
+
 # --- interruption ----------------------------------------------------------------------------
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

@@ -10,7 +10,7 @@ import pytest
 
 from drake_leg import progress
 from drake_leg.errors import TimeBudgetError
-from drake_leg.progress import ProgressBar, TimeBudget, interruptible, saved
+from drake_leg.progress import ProgressBar, TimeBudget, interruptible, saved, uncollected
 
 # --- progress bar ----------------------------------------------------------------------------
 
@@ -250,3 +250,19 @@ def test_an_interrupt_that_comes_in_a_destructor_is_not_lost(work, capfd):
         work()
     assert interrupts.received == signal.SIGINT
     assert capfd.readouterr().err == ""
+
+
+# --- garbage ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("works", [True, False])
+def test_the_collector_rests_and_works_on_if_it_did_before(works):
+    before = gc.isenabled()
+    try:
+        (gc.enable if works else gc.disable)()
+        with pytest.raises(KeyboardInterrupt), uncollected():
+            assert not gc.isenabled()
+            raise KeyboardInterrupt
+        assert gc.isenabled() == works
+    finally:
+        (gc.enable if before else gc.disable)()

@@ -13,6 +13,7 @@ from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.run import add_run_options, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
+from drake_leg.progress import uncollected
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
 from drake_leg.runs.options import RunOptions
 
@@ -77,6 +78,7 @@ def configure_compare(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(command=_compare)
 
 
+@uncollected()
 def _compare(chosen: argparse.Namespace) -> int:
     endings = [Path(place).suffix.lower() for place in (chosen.model, chosen.name)]
     if endings[1] == ".slx" and endings[0] != ".slx":

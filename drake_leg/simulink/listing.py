@@ -124,6 +124,8 @@ def plain(value: object) -> object:
 
 def printable(text: str) -> str:
     """Write control characters out, so that a name cannot speak to the terminal."""
+    if text.isprintable():
+        return text
     return "".join(sign if sign.isprintable() else f"\\x{ord(sign):02x}" for sign in text)
 
 
