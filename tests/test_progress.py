@@ -255,14 +255,19 @@ def test_an_interrupt_that_comes_in_a_destructor_is_not_lost(work, capfd):
 # --- garbage ---------------------------------------------------------------------------------
 
 
+@uncollected()
+def interrupted_work():
+    assert not gc.isenabled()
+    raise KeyboardInterrupt
+
+
 @pytest.mark.parametrize("works", [True, False])
 def test_the_collector_rests_and_works_on_if_it_did_before(works):
     before = gc.isenabled()
     try:
         (gc.enable if works else gc.disable)()
-        with pytest.raises(KeyboardInterrupt), uncollected():
-            assert not gc.isenabled()
-            raise KeyboardInterrupt
+        with pytest.raises(KeyboardInterrupt):
+            interrupted_work()
         assert gc.isenabled() == works
     finally:
         (gc.enable if before else gc.disable)()
