@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from drake_leg.symbolic.loops import actuated_joints, motor_torques
 from drake_leg.symbolic.mechanism import ORIGIN, Mechanism, Motion
 from drake_leg.symbolic.programs import Output, Program
 from drake_leg.symbolic.table import LinkParameters, SymbolicTable
@@ -134,25 +135,6 @@ def drive_torques(frames: Mechanism) -> sp.Matrix:
     return sp.Matrix(len(found), 1, found)
 
 
-def still(frames: Mechanism) -> list[sp.Expr]:
-    """Zeros, as many as joints."""
-    return [ZERO] * len(frames.numbers)
-
-
-def program(frames: Mechanism, name: str, title: str, outputs: Sequence[Output]) -> Program:
-    """Make a program of what was derived."""
-    return Program(
-        name=name,
-        title=title,
-        inputs=frames.inputs,
-        assignments=frames.steps.needed(outputs),
-        outputs=tuple(outputs),
-        values=frames.table.values,
-        notes=(CUT,) if frames.table.loops else (),
-    )
-
-
-CUT = "the loops are cut: the model is that of the tree that is left"
 BASE_WRENCH = "moment and force on the base, in frame 0 [N*m, N]"
 
 
@@ -172,23 +154,33 @@ def inverse_dynamics(table: SymbolicTable) -> Program:
     torques = newton_euler(frames, motion, exerted=True)
     total = Torques(joints=torques.joints + drive_torques(frames), base=torques.base)
     outputs = _torque_outputs(frames, total, "tau", "joint torques [N*m or N]")
-    return program(frames, "inverse_dynamics", "inverse dynamic model", outputs)
+    if table.loops:
+        outputs.append(_motors(frames, outputs[0].value))
+    return frames.program("inverse_dynamics", "inverse dynamic model", outputs)
+
+
+def _motors(frames: Mechanism, torques: sp.Matrix) -> Output:
+    """What the motors of a robot with closed loops supply, where its loops are closed."""
+    value = frames.steps.matrix("motor", motor_torques(frames, torques))
+    numbers = ", ".join(map(str, actuated_joints(frames.table)))
+    meaning = f"torques of the actuated joints, {numbers}, where the loops are closed [N*m or N]"
+    return Output(name="motor", value=value, meaning=meaning)
 
 
 def coriolis(table: SymbolicTable) -> Program:
     """Joint torques of the velocities alone: ``C(q, qdot) qdot``."""
     frames = Mechanism(table, "q", "qdot", "w0")
     w0 = frames.base_motion[0] if table.floating else ORIGIN
-    torques = newton_euler(frames, frames.motion(frames.qdot, still(frames), w0=w0))
+    torques = newton_euler(frames, frames.motion(frames.qdot, frames.still, w0=w0))
     outputs = _torque_outputs(frames, torques, "C", "joint torques [N*m or N]")
     title = "Coriolis and centrifugal torques"
-    return program(frames, "coriolis", title, outputs)
+    return frames.program("coriolis", title, outputs)
 
 
 def gravity(table: SymbolicTable) -> Program:
     """Joint torques that hold the links against gravity: ``Q(q)``."""
     frames = Mechanism(table, "q", "g0")
-    motion = frames.motion(still(frames), still(frames), vd0=-frames.gravity)
+    motion = frames.motion(frames.still, frames.still, vd0=-frames.gravity)
     torques = newton_euler(frames, motion)
     outputs = _torque_outputs(frames, torques, "Q", "joint torques [N*m or N]")
-    return program(frames, "gravity", "gravity torques", outputs)
+    return frames.program("gravity", "gravity torques", outputs)

@@ -9,7 +9,6 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.symbolic.derivation import tidy
-from drake_leg.symbolic.dynamics import program, still
 from drake_leg.symbolic.mechanism import ORIGIN, Mechanism, Turn
 from drake_leg.symbolic.programs import Output, Program
 from drake_leg.symbolic.table import SymbolicTable
@@ -85,7 +84,7 @@ def geometric_model(table: SymbolicTable, frame: int | None = None, within: int 
     value = frames.steps.matrix("T", X)
     output = Output(name="T", value=value, meaning=f"pose of frame {frame} in frame {within}")
     title = f"geometric model of frame {frame} in frame {within}"
-    return program(frames, "geometry", title, [output])
+    return frames.program("geometry", title, [output])
 
 
 def jacobian_entries(
@@ -129,18 +128,18 @@ def jacobian(table: SymbolicTable, frame: int | None = None, within: int = 0) ->
     meaning = f"angular and linear velocity of frame {frame}, along frame {within}, per joint"
     output = Output(name="J", value=value, meaning=meaning + of_base)
     title = f"Jacobian of frame {frame} in frame {within}"
-    return program(frames, "jacobian", title, [output])
+    return frames.program("jacobian", title, [output])
 
 
 def velocities(table: SymbolicTable) -> Program:
     """Angular velocity of every frame and velocity of its origin, in its own axes."""
     frames = Mechanism(table, "q", "qdot", "w0", "v0")
     w0, v0 = _base_velocities(frames)
-    motion = frames.motion(frames.qdot, still(frames), w0=w0)
+    motion = frames.motion(frames.qdot, frames.still, w0=w0)
     v = frames.speeds(frames.qdot, motion, v0)
     outputs = _each_frame(frames, {"w": motion.w, "v": v}, ("rad/s", "m/s"))
     title = "velocities of all frames, each in its own axes"
-    return program(frames, "velocity", title, outputs)
+    return frames.program("velocity", title, outputs)
 
 
 def accelerations(table: SymbolicTable) -> Program:
@@ -150,7 +149,7 @@ def accelerations(table: SymbolicTable) -> Program:
     motion = frames.motion(frames.qdot, frames.qddot, w0=w0, wd0=wd0, vd0=vd0)
     outputs = _each_frame(frames, {"wd": motion.wd, "vd": motion.vd}, ("rad/s^2", "m/s^2"))
     title = "accelerations of all frames, each in its own axes"
-    return program(frames, "acceleration", title, outputs)
+    return frames.program("acceleration", title, outputs)
 
 
 def bias_acceleration(table: SymbolicTable, frame: int | None = None, within: int = 0) -> Program:
@@ -161,7 +160,7 @@ def bias_acceleration(table: SymbolicTable, frame: int | None = None, within: in
     frames = Mechanism(table, "q", "qdot", "w0")
     frame = _frame(table, frame)
     w0 = _base_velocities(frames)[0]
-    motion = frames.motion(frames.qdot, still(frames), w0=w0)
+    motion = frames.motion(frames.qdot, frames.still, w0=w0)
     poses = Poses(frames, within)
     poses.find(frame)
     R = poses.R[frame]
@@ -169,7 +168,7 @@ def bias_acceleration(table: SymbolicTable, frame: int | None = None, within: in
     meaning = f"angular and linear acceleration of frame {frame}, along frame {within}"
     output = Output(name="a", value=value, meaning=meaning)
     title = f"Jdot qdot of frame {frame} in frame {within}"
-    return program(frames, "bias_acceleration", title, [output])
+    return frames.program("bias_acceleration", title, [output])
 
 
 def _base_velocities(frames: Mechanism) -> tuple[sp.Matrix, sp.Matrix]:
@@ -230,7 +229,7 @@ def determinant(
     meaning = f"determinant of the rows {', '.join(PARTS[row] for row in rows)}"
     output = Output(name="det", value=value, meaning=meaning)
     title = f"determinant of the Jacobian of frame {frame}"
-    return program(frames, "determinant", title, [output])
+    return frames.program("determinant", title, [output])
 
 
 def _short_jacobian(table: SymbolicTable, frame: int) -> sp.Matrix:

@@ -12,8 +12,6 @@ from drake_leg.symbolic.dynamics import (
     at_antecedent,
     drive_torques,
     newton_euler,
-    program,
-    still,
 )
 from drake_leg.symbolic.mechanism import ORIGIN, Mechanism, Turn
 from drake_leg.symbolic.programs import Output, Program, Steps
@@ -175,7 +173,7 @@ def inertia(table: SymbolicTable) -> Program:
     frames = Mechanism(table, "q")
     value = _symmetric_result(frames, inertia_matrix(frames))
     output = Output(name="A", value=value, meaning="inertia matrix, rotors' inertias included")
-    return program(frames, "inertia", "inertia matrix", [output])
+    return frames.program("inertia", "inertia matrix", [output])
 
 
 # --- direct dynamics -------------------------------------------------------------------------
@@ -189,7 +187,7 @@ def direct_dynamics(table: SymbolicTable) -> Program:
     """
     frames = Mechanism(table, "q", "qdot", "tau", "w0", "g0")
     w0 = frames.base_motion[0] if table.floating else ORIGIN
-    motion = frames.motion(frames.qdot, still(frames), w0=w0, vd0=-frames.gravity)
+    motion = frames.motion(frames.qdot, frames.still, w0=w0, vd0=-frames.gravity)
     bias = newton_euler(frames, motion, exerted=True)
     friction = drive_torques(frames).subs(dict.fromkeys(frames.qddot, 0))
     torques = sp.Matrix(frames.torques) - bias.joints - friction
@@ -202,7 +200,7 @@ def direct_dynamics(table: SymbolicTable) -> Program:
         value = frames.steps.matrix("base", sp.Matrix(x[:first]))
         meaning = "acceleration of the base, angular and of its origin, in frame 0"
         outputs.append(Output(name="base", value=value, meaning=meaning))
-    return program(frames, "direct_dynamics", "direct dynamic model", outputs)
+    return frames.program("direct_dynamics", "direct dynamic model", outputs)
 
 
 def _solution(A: sp.Matrix, right: sp.Matrix, steps: Steps) -> list[sp.Expr]:

@@ -14,11 +14,12 @@ from typing import Literal
 
 import sympy as sp
 
-from drake_leg.symbolic.programs import AXES, Input, Steps
+from drake_leg.symbolic.programs import AXES, Input, Output, Program, Steps
 from drake_leg.symbolic.table import SymbolicRow, SymbolicTable
 
 Axis = Literal["x", "z"]
 ORIGIN = sp.zeros(3, 1)
+CUT = "the loops are cut: the model is that of the tree that is left"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,6 +124,23 @@ class Mechanism:
     def gravity(self) -> sp.Matrix:
         """Acceleration of gravity in frame 0, (3, 1); a floating base turns it."""
         return self.base_motion[3] if self.table.floating else sp.Matrix(self.table.gravity)
+
+    @property
+    def still(self) -> list[sp.Expr]:
+        """Velocities or accelerations of joints that do not move: zeros."""
+        return [sp.Integer(0)] * len(self.numbers)
+
+    def program(self, name: str, title: str, outputs: Sequence[Output]) -> Program:
+        """Make a program of what was derived."""
+        return Program(
+            name=name,
+            title=title,
+            inputs=self.inputs,
+            assignments=self.steps.needed(outputs),
+            outputs=tuple(outputs),
+            values=self.table.values,
+            notes=(CUT,) if self.table.loops else (),
+        )
 
     # --- frames ------------------------------------------------------------------------------
 

@@ -13,7 +13,6 @@ from drake_leg.symbolic.dynamics import (
     along_joint,
     at_antecedent,
     link_wrench,
-    program,
 )
 from drake_leg.symbolic.mechanism import ORIGIN, Mechanism
 from drake_leg.symbolic.programs import Output, Program
@@ -124,4 +123,4 @@ def regressor(
         columns=tuple(names or map(str, wanted)),
     )
     title = "identification model"
-    return program(frames, "identification", title, [output])
+    return frames.program("identification", title, [output])

@@ -110,6 +110,7 @@ class SymbolicTable:
     base: LinkParameters = NO_LINK  # of a floating base, in frame 0
     pose: sp.Matrix | None = None  # of frame 0 in the world, (4, 4); None: they coincide
     loops: tuple[tuple[int, int], ...] = ()  # rows of a cut joint's two frames: cut, end
+    sliding_cuts: frozenset[int] = frozenset()  # fixed rows whose cut joint is prismatic
 
     def __post_init__(self) -> None:
         if not self.links:
@@ -290,6 +291,11 @@ def table_of_robot(robot: Robot) -> SymbolicTable:
         base=base,
         pose=pose,
         loops=tuple((loop.cut, loop.end) for loop in robot.loops),
+        sliding_cuts=frozenset(
+            loop.cut
+            for loop in robot.loops
+            if robot.segments[loop.cut - 1].row.joint == "prismatic"
+        ),
     )
 
 
