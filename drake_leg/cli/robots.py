@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.inputs import RobotSource, add_robot_source, robot_source
+from drake_leg.cli.inputs import ParSource, RobotSource, add_robot_source, robot_source
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -60,13 +60,11 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
 
 
 def _sdf(chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.grader.tables import lint_sizes, lint_table, table_of_document
-
     if chosen.out is None:
         refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --out")
     source = robot_source(chosen.robot, chosen.numbers)
     robot = source.robot()
-    for finding in (*lint_table(table_of_document(source.document())), *lint_sizes(robot)):
+    for finding in (*_slips(source), *_doubts(source)):
         print(f"drake-leg: {source.where}: {finding.sentence()}", file=sys.stderr)
     ending, text = _written(robot, chosen, source.origin)
     if chosen.out is None:
@@ -144,14 +142,13 @@ def _check(chosen: argparse.Namespace) -> int:
 
 
 def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
-    from drake_leg.lab.grader.tables import lint_sizes, lint_table, table_of_document
     from drake_leg.models.proof import prove
 
-    findings = lint_table(table_of_document(source.document()))
+    findings = _slips(source)
     if any(_counts(findings)):
         return _report(source.where, findings, chosen)
     robot = source.robot()
-    findings += lint_sizes(robot)
+    findings += _doubts(source)
     samples = SAMPLES if chosen.samples is None else chosen.samples
     budget = budget_of(chosen)
     with ProgressBar(sys.stderr, f"check of {source.where}", budget, "s") as bar:
@@ -166,6 +163,22 @@ def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
     if not proof.holds:
         return FAILED
     return 0 if proof.complete else STOPPED_EARLY
+
+
+def _slips(source: RobotSource) -> list[Finding]:
+    """Look for slips in a robot's table."""
+    from drake_leg.lab.grader.tables import lint_table, table_of_document
+
+    return lint_table(table_of_document(source.document()))
+
+
+def _doubts(source: RobotSource) -> list[Finding]:
+    """Look at the robot itself; a file of SYMORO has said which branches are doubtful."""
+    from drake_leg.lab.grader.tables import lint_branches, lint_sizes
+
+    robot = source.robot()
+    branches = () if isinstance(source, ParSource) else lint_branches(robot)
+    return [*lint_sizes(robot), *branches]
 
 
 def _seed(chosen: argparse.Namespace) -> int:

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import sympy as sp
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.robot.arithmetic import (
     PI,
     Call,
@@ -37,6 +38,9 @@ _FUNCTIONS: dict[str, Callable[..., sp.Expr]] = {
     "atan2": sp.atan2,
     "abs": sp.Abs,
 }
+
+
+_INFINITE = (sp.zoo, sp.nan, sp.oo, -sp.oo)
 
 
 def table_of_par(par: ParFile, values: Mapping[str, Expression] | None = None) -> SymbolicTable:
@@ -134,9 +138,10 @@ class _Writer:
         return None if pose == sp.eye(4) else pose
 
     def _read(self, key: str, index: int, expression: Expression) -> sp.Expr:
-        found = sympy_of(expression, self._values)
-        if found.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
-            raise self._par.error(key, index, "it divides by zero")
+        try:
+            found = sympy_of(expression, self._values)
+        except InvalidValueError as error:
+            raise self._par.error(key, index, error) from None
         if found.has(sp.I) or (found.is_number and found.is_real is False):
             raise self._par.error(key, index, "it is not a real number")
         return found
@@ -148,7 +153,20 @@ def symbol(name: str) -> sp.Symbol:
 
 
 def sympy_of(expression: Expression, values: Mapping[str, Expression]) -> sp.Expr:
-    """Write arithmetic with SymPy, its numbers as exact fractions."""
+    """Write arithmetic with SymPy, its numbers as exact fractions.
+
+    Raises
+    ------
+    InvalidValueError
+        If it divides by zero, or takes a function where it is infinite.
+    """
+    found = _written(expression, values)
+    if found in _INFINITE:
+        raise InvalidValueError("it divides by zero")
+    return found
+
+
+def _written(expression: Expression, values: Mapping[str, Expression]) -> sp.Expr:
     match expression:
         case Number(value):
             return _exact(value)
@@ -159,11 +177,17 @@ def sympy_of(expression: Expression, values: Mapping[str, Expression]) -> sp.Exp
         case Sum(terms):
             return sp.Add(*(sign * sympy_of(term, values) for sign, term in terms))
         case Product(factors):
-            return sp.Mul(*(sympy_of(factor, values) ** power for power, factor in factors))
+            return sp.Mul(*(_power(sympy_of(factor, values), n) for n, factor in factors))
         case Power(base, exponent):
-            return sympy_of(base, values) ** _exact(exponent)
+            return _power(sympy_of(base, values), _exact(exponent))
         case Call(function, arguments):
             return _FUNCTIONS[function](*(sympy_of(each, values) for each in arguments))
+
+
+def _power(base: sp.Expr, exponent: sp.Expr | int) -> sp.Expr:
+    if base.is_zero and exponent < 0:
+        raise InvalidValueError("it divides by zero")
+    return base**exponent
 
 
 def _exact(value: Value) -> sp.Expr:

@@ -1,17 +1,21 @@
 """A SYMORO file in symbols: letters stay, numbers are exact, and it is the robot's table."""
 
 import math
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms as poses
+from drake_leg.robot.arithmetic import evaluate, parse_arithmetic
 from drake_leg.robot.par_reader import load_par, read_par
 from drake_leg.robot.par_robot import numbers_of, robot_of_par
-from drake_leg.symbolic.par_table import table_of_par
+from drake_leg.symbolic.par_table import sympy_of, table_of_par
 from drake_leg.symbolic.table import base_transforms
 
 SAMPLES = Path(__file__).parents[2] / "examples" / "symoro"
@@ -69,7 +73,12 @@ def test_what_the_file_leaves_out_is_a_letter_or_zero():
 
 @pytest.mark.parametrize(
     ("d", "said"),
-    [("L/(L - L)", "divides by zero"), ("L + sqrt(-1 - 0*L)", "not a real number|not defined")],
+    [
+        ("L/(L - L)", "divides by zero"),
+        ("atan2(1, L/(1 - 1))", "divides by zero"),
+        ("L*tan(Pi/2)", "divides by zero"),
+        ("L + sqrt(-1 - 0*L)", "not a real number|not defined"),
+    ],
 )
 def test_what_has_no_value_is_refused_with_its_row(d, said):
     text = f"sigma = {{0}}\nalpha = {{0}}\nd = {{{d}}}\ntheta = {{th1}}\nr = {{0}}\n"
@@ -82,3 +91,32 @@ def test_positions_are_q_with_the_number_of_their_joint():
     table = table_of_par(read_par(text, "x.par"))
     assert [symbol.name for symbol in table.q] == ["q1", "r3"]
     assert table.rows[2].r == sp.Symbol("H", real=True) + table.q[1]
+
+
+LEAVES = st.sampled_from(["1", "2", "0.5", "0.1", "L", "H", "Pi/7"])
+FORMULAS = st.recursive(
+    LEAVES,
+    lambda inner: st.one_of(
+        st.tuples(inner, st.sampled_from("+-*/"), inner).map(lambda p: f"({p[0]}){p[1]}({p[2]})"),
+        st.tuples(inner, st.sampled_from(["2", "-1", "(1/2)"])).map(lambda p: f"({p[0]})^{p[1]}"),
+        st.tuples(st.sampled_from(["sin", "cos", "sqrt", "atan"]), inner).map(
+            lambda p: f"{p[0]}({p[1]})"
+        ),
+        st.tuples(inner, inner).map(lambda p: f"atan2({p[0]}, {p[1]})"),
+    ),
+    max_leaves=5,
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(formula=FORMULAS)
+def test_arithmetic_has_the_same_value_in_symbols_and_in_numbers(formula):
+    numbers = {"L": Fraction(3, 10), "H": Fraction(-7, 5)}
+    expression = parse_arithmetic(formula)
+    try:
+        expected = float(evaluate(expression, numbers))
+        found = sympy_of(expression, {})
+    except InvalidValueError:
+        return  # it divides by zero, or has no real value
+    values = {sp.Symbol(n, real=True): sp.Rational(str(v)) for n, v in numbers.items()}
+    assert complex(found.xreplace(values)) == pytest.approx(expected, rel=1e-9, abs=1e-9)

@@ -8,13 +8,13 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, fields, replace
 from functools import lru_cache
 from typing import Any, Literal
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.robot import Link, Robot, Segment, bounding_radius
+from drake_leg.robot.robot import Link, Robot, Row, bounding_radius
 from drake_leg.symbolic.spelling import plain, quoted
 
 
@@ -507,11 +507,11 @@ def lint_sizes(robot: Robot) -> Iterator[Finding]:
                 remedy = f"write {value / 1000:g} if it is {value:g} mm"
                 fault = f"{what} is {value:g} m"
                 yield Finding(f"row {index}", fault, remedy, severity="warning")
-    following = [*robot.segments[1:], None]
-    for index, (segment, after) in enumerate(zip(robot.segments, following, strict=True), start=1):
+    for index, segment in enumerate(robot.segments, start=1):
         if segment.link is None or segment.link.inertial is None:
             continue
-        body, size = segment.link.inertial, _size(segment.link, after)
+        carried = [row for row, a in zip(robot.rows, robot.antecedents, strict=True) if a == index]
+        body, size = segment.link.inertial, _size(segment.link, carried)
         if size == 0.0:
             continue
         radius = math.sqrt(body.principal_moments()[-1] / body.mass)
@@ -526,11 +526,27 @@ def lint_sizes(robot: Robot) -> Iterator[Finding]:
             )
 
 
-def _size(link: Link, after: Segment | None) -> float:
-    """Return the greatest length known to be the link's: to its end, the next joint, its solid."""
+def lint_branches(robot: Robot) -> Iterator[Finding]:
+    """Look for gamma and b where no branch needs them: the row before could do without."""
+    before = robot.antecedents
+    for index, row in enumerate(robot.rows, start=1):
+        if before.count(before[index - 1]) > 1:
+            continue
+        for key, value in (("gamma", f"{math.degrees(row.gamma):g} deg"), ("b", f"{row.b:g} m")):
+            if getattr(row, key):
+                yield Finding(
+                    f"row {index}",
+                    f"{key} is {value}, which no branch needs: no other row has the antecedent "
+                    f"{before[index - 1]}",
+                    "it is allowed; theta and r of the antecedent do the same",
+                    severity="warning",
+                )
+
+
+def _size(link: Link, carried: Sequence[Row]) -> float:
+    """Return the greatest length known to be the link's: to its end, a next joint, its solid."""
     sizes = [math.hypot(*link.end), 2.0 * math.hypot(*link.centre_of_mass)]
-    if after is not None:
-        sizes.append(math.hypot(after.row.d, after.row.r))
+    sizes += [math.hypot(row.d, row.r) for row in carried]
     if link.solid is not None:
         sizes.append(2.0 * bounding_radius(link.solid.shape))
     return max(sizes)

@@ -1,5 +1,6 @@
 """The linter: every slip with its row and its remedy."""
 
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from trees import two_fingers
 
 from drake_leg.lab.grader.printed import read_printed
 from drake_leg.lab.grader.tables import (
@@ -15,12 +17,13 @@ from drake_leg.lab.grader.tables import (
     Table,
     TableRow,
     errors,
+    lint_branches,
     lint_sizes,
     lint_table,
     repaired,
     table_of_document,
 )
-from drake_leg.robot.robot import Inertial
+from drake_leg.robot.robot import Inertial, Link
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
 from drake_leg.robot.toml_keys import parse_document
 from drake_leg.robot.toml_reader import read_robot
@@ -263,3 +266,25 @@ def test_an_inertia_that_no_such_link_has_is_a_warning():
 def test_no_robot_of_the_reports_has_such_an_inertia():
     for robot in ROBOTS:
         assert not list(lint_sizes(robot))
+
+
+def test_gamma_and_b_are_doubtful_where_no_branch_needs_them():
+    assert not list(lint_branches(two_fingers()))
+    wrist, *others = two_fingers().segments
+    turned = replace(wrist, row=replace(wrist.row, gamma=math.pi / 6, b=0.1))
+    faults = [f.fault for f in lint_branches(replace(two_fingers(), segments=(turned, *others)))]
+    assert [fault.partition(":")[0] for fault in faults] == [
+        "gamma is 30 deg, which no branch needs",
+        "b is 0.1 m, which no branch needs",
+    ]
+
+
+def test_a_link_of_a_tree_is_as_long_as_the_way_to_what_it_carries():
+    """The row after the left tip belongs to the other finger, 0.09 m from the wrist."""
+    tree = two_fingers()
+    wide = 0.01 * 0.05**2  # a radius of gyration of 50 mm
+    body = Inertial(mass=0.01, centre=(0.0, 0.0, 0.0), moments=(wide, wide, wide))
+    tip = replace(tree.segments[2], link=Link(name="left_tip", inertial=body, end=(0.02, 0, 0)))
+    segments = (*tree.segments[:2], tip, *tree.segments[3:])
+    (finding,) = lint_sizes(replace(tree, segments=segments))
+    assert "the link is 20 mm long" in finding.fault
