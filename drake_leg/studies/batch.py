@@ -19,7 +19,8 @@ from drake_leg.runs.peaks import link_mass
 from drake_leg.runs.step import STEPS_PER_PERIOD
 from drake_leg.simulation.integrator import ROW_INTERVAL
 from drake_leg.simulation.run import STEP_BUDGET
-from drake_leg.studies.leg_steps import Answers, LegSteps, answers
+from drake_leg.studies.leg_places import LegSteps
+from drake_leg.studies.leg_steps import Answers, answers
 from drake_leg.studies.plan import Plan
 from drake_leg.studies.row import DONE, SINGULAR
 from drake_leg.units import LEAST, MOST

@@ -15,7 +15,8 @@ from drake_leg.singularity.families import LegFamilies
 from drake_leg.singularity.stroke import closed_stroke
 from drake_leg.studies import sweep as sweeps
 from drake_leg.studies.batch import FIELDS, batch, is_closed
-from drake_leg.studies.leg_steps import QUANTITIES, LegSteps, answers
+from drake_leg.studies.leg_places import QUANTITIES, LegSteps
+from drake_leg.studies.leg_steps import answers
 from drake_leg.studies.sweep import sweep
 
 EVERY = list(FIELDS)
