@@ -406,8 +406,8 @@ def _later(antecedents: tuple[int, ...], row: int) -> str:
 
 
 def _branch_notes(par: ParFile) -> Iterator[str]:
-    """Say where gamma or b is given though no branch needs it."""
-    for row, antecedent in zip(par.rows, par.antecedents, strict=True):
+    """Say where gamma or b of a link is given though no branch needs it."""
+    for row, antecedent in zip(par.rows, par.antecedents[: par.links], strict=False):
         for key in ("gamma", "b"):
             value = par.value(key, row)
             if value and value.expression != ZERO and par.antecedents.count(antecedent) == 1:

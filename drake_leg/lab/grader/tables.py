@@ -527,10 +527,11 @@ def lint_sizes(robot: Robot) -> Iterator[Finding]:
 
 
 def lint_branches(robot: Robot) -> Iterator[Finding]:
-    """Look for gamma and b where no branch needs them: the row before could do without."""
+    """Look for gamma and b where no branch and no frame of a loop needs them."""
     before = robot.antecedents
+    frames = {row for loop in robot.loops for row in (loop.cut, loop.end)}
     for index, row in enumerate(robot.rows, start=1):
-        if before.count(before[index - 1]) > 1:
+        if index in frames or before.count(before[index - 1]) > 1:
             continue
         for key, value in (("gamma", f"{math.degrees(row.gamma):g} deg"), ("b", f"{row.b:g} m")):
             if getattr(row, key):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trees import two_fingers
+from trees import parallelogram, two_fingers
 
 from drake_leg.lab.grader.printed import read_printed
 from drake_leg.lab.grader.tables import (
@@ -23,6 +23,8 @@ from drake_leg.lab.grader.tables import (
     repaired,
     table_of_document,
 )
+from drake_leg.robot.par_reader import read_par
+from drake_leg.robot.par_writer import robot_par
 from drake_leg.robot.robot import Inertial, Link
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
 from drake_leg.robot.toml_keys import parse_document
@@ -288,3 +290,12 @@ def test_a_link_of_a_tree_is_as_long_as_the_way_to_what_it_carries():
     segments = (*tree.segments[:2], tip, *tree.segments[3:])
     (finding,) = lint_sizes(replace(tree, segments=segments))
     assert "the link is 20 mm long" in finding.fault
+
+
+def test_the_frames_of_a_loop_may_be_turned():
+    robot = parallelogram()
+    *links, cut, end = robot.segments
+    turned = replace(cut, row=replace(cut.row, gamma=0.3))
+    robot = replace(robot, segments=(*links, turned, end))
+    assert not list(lint_branches(robot))
+    assert not read_par(robot_par(robot), "x.par").notes
