@@ -23,7 +23,7 @@ from drake_leg.symbolic.derivation import pythagoras
 from drake_leg.symbolic.inertia import at_parent
 from drake_leg.symbolic.mechanism import ORIGIN, Turn, row_position, row_turns
 from drake_leg.symbolic.programs import Program
-from drake_leg.symbolic.regressor import Parameter, parameters, regressor
+from drake_leg.symbolic.regressor import Parameter, parameters, regressor, require_parameters
 from drake_leg.symbolic.table import INERTIAL, JOINT, LinkParameters, SymbolicRow, SymbolicTable
 
 Combination = dict[Parameter, sp.Expr]  # a sum of parameters: the coefficient of each
@@ -119,12 +119,13 @@ def group_parameters(table: SymbolicTable) -> BaseParameters:
     Raises
     ------
     InvalidValueError
-        If a coefficient is not recognized as a formula.
+        If a coefficient is not recognized as a formula, or all parameters are 0.
     """
+    require_parameters(table)
     groups = _across_joints(table)
     candidates = [kept for kept in groups if kept.name not in FRICTION]
     samples = _Samples(table, candidates)
-    independent, dependent = samples.split()
+    independent, dependent = samples.split() if candidates else ([], [])
     for kept in dependent:
         group = groups.pop(kept)
         for other, coefficient in samples.coefficients(kept, independent).items():

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import sympy as sp
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.symbolic.dynamics import (
     Wrench,
     along_joint,
@@ -192,7 +193,9 @@ def direct_dynamics(table: SymbolicTable) -> Program:
     friction = drive_torques(frames).subs(dict.fromkeys(frames.qddot, 0))
     torques = sp.Matrix(frames.torques) - bias.joints - friction
     rest = sp.Matrix([*(-bias.base), *torques])
-    x = _solution(inertia_matrix(frames), rest, frames.steps)
+    A = inertia_matrix(frames)
+    _require_inertia(table, A)
+    x = _solution(A, rest, frames.steps)
     first = BASE_ROWS if table.floating else 0
     joints = frames.steps.matrix("qddot", sp.Matrix(x[first:]))
     outputs = [Output(name="qddot", value=joints, meaning="joint accelerations [rad/s^2 or m/s^2]")]
@@ -201,6 +204,18 @@ def direct_dynamics(table: SymbolicTable) -> Program:
         meaning = "acceleration of the base, angular and of its origin, in frame 0"
         outputs.append(Output(name="base", value=value, meaning=meaning))
     return frames.program("direct_dynamics", "direct dynamic model", outputs)
+
+
+def _require_inertia(table: SymbolicTable, A: sp.Matrix) -> None:
+    """Refuse a joint that moves nothing, whose acceleration no torque determines."""
+    first = A.rows - len(table.moving)
+    for index, number in enumerate(table.moving):
+        if A[first + index, first + index] == 0:
+            raise InvalidValueError(
+                f"the joint of row {number} of {table.name} moves no mass, so that its "
+                "acceleration is not determined",
+                advice="give its link or one behind it a mass, or the joint a rotor's inertia",
+            )
 
 
 def _solution(A: sp.Matrix, right: sp.Matrix, steps: Steps) -> list[sp.Expr]:

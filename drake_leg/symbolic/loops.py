@@ -32,6 +32,8 @@ def motor_torques(frames: Mechanism, torques: sp.Matrix) -> sp.Matrix:
     table = frames.table
     passive = [k for k, n in enumerate(table.moving) if not table.rows[n - 1].actuated]
     active = [k for k in range(len(table.moving)) if k not in passive]
+    if not passive:
+        return torques
     D = _closure(frames)
     rows = _independent_rows(frames, D, passive)
     if len(rows) < len(passive):
@@ -54,8 +56,9 @@ def _closure(frames: Mechanism) -> sp.Matrix:
         apart = jacobian_entries(frames, cut, cut, poses) - jacobian_entries(
             frames, end, cut, poses
         )
+        apart = apart[:, -len(table.moving) :]  # a floating base moves both alike
         common = [k for k, number in enumerate(table.moving) if number not in sides]
-        for k in common:  # moves both alike
+        for k in common:  # so does a joint before both
             apart[:, k] = sp.zeros(SPATIAL, 1)
         free = V_Z if cut in table.sliding_cuts else W_Z
         if table.rows[cut - 1].joint == "fixed":  # the cut joint is not among the others

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.symbolic.dynamics import (
     MOTION,
     Wrench,
@@ -39,6 +40,15 @@ def parameters(table: SymbolicTable) -> tuple[Parameter, ...]:
         for name in (*INERTIAL, *JOINT)
         if getattr(link, name) != 0 and (number or table.floating)
     )
+
+
+def require_parameters(table: SymbolicTable) -> None:
+    """Refuse a table without dynamic parameters."""
+    if not parameters(table):
+        raise InvalidValueError(
+            f"all dynamic parameters of {table.name} are 0, and there are none to identify",
+            advice="give its links mass and its joints friction",
+        )
 
 
 def with_all_parameters(table: SymbolicTable) -> SymbolicTable:
@@ -113,6 +123,7 @@ def regressor(
 
     A parameter of the base parameters has the column of the parameter that it is grouped about.
     """
+    require_parameters(table)
     frames = Mechanism(table, *MOTION)
     value = frames.steps.matrix("W", columns(frames, wanted))
     of_base = "moment and force on the base, then " if table.floating else ""

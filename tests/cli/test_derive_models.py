@@ -58,6 +58,23 @@ def test_a_zero_of_a_file_stays_zero_unless_all_parameters_are_named(capsys, tmp
     assert "ZZR1 = IA1 + ZZ1" in every
 
 
+@pytest.mark.parametrize(
+    ("model", "said"),
+    [
+        ("base-parameters", "all dynamic parameters of arm are 0"),
+        ("identification", "all dynamic parameters of arm are 0"),
+        ("direct", "the joint of row 1 of arm moves no mass"),
+    ],
+)
+def test_a_table_without_mass_is_refused(capsys, tmp_path, model, said):
+    zeros = "".join(
+        f"{key} = {{0}}\n" for key in ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M"]
+    )
+    file = tmp_path / "arm.par"
+    file.write_text(f"sigma = {{0}}\nalpha = {{0}}\nd = {{0}}\ntheta = {{th1}}\nr = {{0}}\n{zeros}")
+    assert said in refused(capsys, str(file), "--model", model)
+
+
 def test_code_is_printed_alone(capsys):
     out = derived(capsys, "leg-b", "--model", "gravity", "--code", "numpy")
     names = {}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from trees import parallelogram
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.closed_loops import ClosedLoops
@@ -78,6 +79,24 @@ def test_a_parallelogram_needs_the_sum_of_what_its_cranks_need(rng):
     q[8] -= np.pi
     found = model(q, qdot, qddot, letters=letters)
     np.testing.assert_allclose(found["motor"], W.T @ found["tau"], atol=1e-11)
+
+
+def test_where_all_joints_are_actuated_they_supply_the_trees_torques(rng):
+    robot = parallelogram()
+    q, qdot, qddot = rng.uniform(-1.0, 1.0, (3, len(robot.moving)))
+    found = derive_model(robot, "dynamics")(q, qdot, qddot)
+    np.testing.assert_array_equal(found["motor"], found["tau"])
+
+
+def test_the_base_of_closed_loops_may_float(rng):
+    table = table_of_robot(FOUR_BAR)
+    loops = ClosedLoops(FOUR_BAR)
+    q, qdot, qddot = closed_motion(loops)
+    still = inverse_dynamics(replace(table, floating=True))
+    zero = np.zeros(3)
+    found = still(q, qdot, qddot, zero, zero, zero, [0, 0, -9.80665])
+    expected = inverse_dynamics(table)(q, qdot, qddot)["motor"]
+    np.testing.assert_allclose(found["motor"], expected, rtol=1e-10)
 
 
 def test_joints_that_the_loops_do_not_determine_are_refused():
