@@ -153,10 +153,11 @@ def prove(
     """Compare the chain with SymPy, with Drake and with its own differences.
 
     Of closed loops, pose and twist at each cut are compared with the motion of the cut joint, too,
-    in closed postures.
+    in closed postures. If a link has mass, the torques of random motions by SymPy's Newton-Euler
+    equations are compared with Drake's inverse dynamics; closed loops are cut for that.
 
-    Entries of a rotation are compared as they are, lengths relative to ``greatest_reach``; both
-    must agree to 1e-12.
+    Entries of a rotation are compared as they are, lengths relative to ``greatest_reach``, torques
+    to the greatest of them; all must agree to 1e-12.
 
     Parameters
     ----------
@@ -200,25 +201,24 @@ def prove(
     found, missing = _compute(_testimonies(robot, drake), q, spending, progress)
     size = greatest_reach(robot)
     closed, also_missing = _closed(robot, drake, q, spending, progress) if robot.loops else ((), ())
+    driven, undriven = _driven(robot, drake, q, spending, progress)
+    posed = [
+        comparison
+        for quantity, values in found.items()
+        for comparison in _compare_all(
+            quantity,
+            values,
+            q,
+            _pose_scale(size) if quantity.startswith(FOOT) else _twist_scale(robot.moving, size),
+        )
+    ]
     return Proof(
         robot=robot.name,
         samples=samples,
         seed=seed,
         size=size,
-        comparisons=tuple(
-            comparison
-            for quantity, values in found.items()
-            for comparison in _compare_all(
-                quantity,
-                values,
-                q,
-                _pose_scale(size)
-                if quantity.startswith(FOOT)
-                else _twist_scale(robot.moving, size),
-            )
-        )
-        + tuple(closed),
-        missing=(*missing, *also_missing),
+        comparisons=(*posed, *closed, *driven),
+        missing=(*missing, *also_missing, *undriven),
     )
 
 
@@ -264,6 +264,30 @@ def _closed(
         )
     ]
     return compared, missing
+
+
+def _driven(
+    robot: Robot,
+    drake: Callable[[], DrakeWitness],
+    q: Array,
+    budget: TimeBudget,
+    progress: Report | None,
+) -> tuple[list[Comparison], list[Missing]]:
+    """Compare the torques of random motions through the postures q (N, m), if there is mass."""
+    from drake_leg.models.dynamics_proof import dynamic_testimonies
+
+    found, missing = _compute(list(dynamic_testimonies(robot, drake)), q, budget, progress)
+    compared = [
+        comparison
+        for quantity, values in found.items()
+        for comparison in _compare_all(quantity, values, q, _greatest(values))
+    ]
+    return compared, missing
+
+
+def _greatest(values: dict[str, Array]) -> Array:
+    """Greatest size among what all witnesses say; 1 if all is 0."""
+    return np.array(max((float(np.abs(each).max()) for each in values.values()), default=0.0) or 1)
 
 
 def _testimonies(robot: Robot, drake: Callable[[], DrakeWitness]) -> list[Testimony]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.multibody.tree import JacobianWrtVariable, MultibodyForces
 
 from drake_leg.kinematics.khalil import Array
 from drake_leg.models.plant import build_plant
@@ -63,6 +63,26 @@ class DrakeWitness:
             self._context, JacobianWrtVariable.kV, foot, np.zeros(3), base, base
         )
         return spatial[:, self._velocities]
+
+    def torques(self, q: Array, qdot: Array, qddot: Array, base: Array) -> tuple[Array, Array]:
+        """Torques of a motion, (m,), and the wrench on a floating base, (6,), moment first.
+
+        ``base`` has its angular velocity and acceleration and the acceleration of its origin, and
+        the wrench is about that, all in the world, (3, 3) [rad/s, rad/s^2, m/s^2, N*m, N]. Springs
+        and dampers are left out.
+        """
+        self._set(q)
+        v, vdot = np.zeros((2, self._plant.num_velocities()))
+        v[self._velocities], vdot[self._velocities] = qdot, qddot
+        # Drake puts the velocities of a floating base first, its rotation before its translation.
+        floating = len(v) > len(qdot)
+        if floating:
+            v[:3], vdot[:3], vdot[3:6] = base
+        self._plant.SetVelocities(self._context, v)
+        none = MultibodyForces(self._plant)
+        needed = self._plant.CalcInverseDynamics(self._context, vdot, none)
+        needed -= self._plant.CalcGravityGeneralizedForces(self._context)
+        return needed[self._velocities], needed[:6] if floating else np.zeros(6)
 
     def _set(self, q: ArrayLike) -> None:
         positions = self._plant.GetPositions(self._context)

@@ -36,10 +36,10 @@ def test_a_tree_is_proved_at_every_leaf(robot):
     proof = prove(robot, samples=4)
     assert proof.holds
     assert proof.complete == (not robot.loops)  # these loops have no posture that joints determine
-    assert len(proof.comparisons) == len(robot.leaves) * (3 + 6)
+    assert len(proof.comparisons) == len(robot.leaves) * (3 + 6) + 1
     assert {c.quantity for c in proof.comparisons} == {
         f"{quantity} of {leaf}" for quantity in ("foot", "Jacobian") for leaf in robot.leaves
-    }
+    } | {"torques"}
 
 
 def test_a_floating_body_has_six_more_coordinates_and_falls():
