@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -58,7 +59,8 @@ def by_symbols(robot: Robot, motions: _Motions) -> Array:
     if robot.floating:
         down = np.array([0.0, 0.0, -STANDARD_GRAVITY]) @ base_rotation(robot)
         given += [*motions.base, np.broadcast_to(down, (len(motions.q), 3))]
-    found = inverse_dynamics(table_of_robot(robot))(*given)
+    tree = replace(table_of_robot(robot), loops=())
+    found = inverse_dynamics(tree)(*given)
     parts = [found["tau"], found["base"]] if robot.floating else [found["tau"]]
     return np.concatenate(parts, axis=-1)[..., np.newaxis]
 

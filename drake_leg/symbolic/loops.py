@@ -30,6 +30,8 @@ def motor_torques(frames: Mechanism, torques: sp.Matrix) -> sp.Matrix:
         If the loops do not determine the passive joints.
     """
     table = frames.table
+    if all(table.rows[number - 1].actuated for number in table.moving):
+        return torques  # as in the tree: then no force passes through the cut
     passive = [k for k, n in enumerate(table.moving) if not table.rows[n - 1].actuated]
     active = [k for k in range(len(table.moving)) if k not in passive]
     if not passive:

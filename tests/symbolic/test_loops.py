@@ -104,3 +104,13 @@ def test_joints_that_the_loops_do_not_determine_are_refused():
     rows = tuple(replace(row, actuated=False) for row in table.rows)
     with pytest.raises(InvalidValueError, match="9 joints that are not actuated, and its loops"):
         inverse_dynamics(replace(table, rows=rows))
+
+
+def test_where_all_joints_have_motors_they_may_move_the_tree():
+    from trees import parallelogram
+
+    from drake_leg.symbolic.models import derive_model
+
+    q, qdot, qddot = [0.3, 0.2, 0.3], [0.1, 0.2, 0.3], [1.0, 2.0, 3.0]
+    found = derive_model(parallelogram(), "dynamics")(q, qdot, qddot)
+    assert (found["motor"] == found["tau"]).all()
