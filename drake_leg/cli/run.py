@@ -33,13 +33,13 @@ from drake_leg.files import ResultsFolder
 from drake_leg.pictures.formats import CHOICES, CHOSEN, formats_of
 from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
-from drake_leg.runs.options import OwnOptions, RunOptions, type_of
+from drake_leg.runs.options import LoopOptions, OwnOptions, RunOptions, type_of
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
     from drake_leg.scene.scene import PlantMotion
 
-OWN = "a robot of your own"
+OWN, LOOPS = "a robot of your own", "a robot with closed loops"
 ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}  # of the files of these options
 
 
@@ -164,6 +164,8 @@ def _quality(summary: Mapping[str, Any]) -> str:
             f"{1e3 * summary['off_command_m']:g} mm for "
             f"{summary['time_off_command_s']:.3g} s"
         )
+    if "max_closure_m" in summary:
+        return f", loops closed to {summary['max_closure_m']:.1e} m"
     if "max_position_error_m" in summary:
         lag = summary.get("filter_time_constant_s")
         filters = "" if lag is None else f", by input filters of {lag:g} s"
@@ -263,8 +265,9 @@ def _fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
     for name, kind in RUNS.items():
         for field in dataclasses.fields(kind.options):
             found.setdefault(field.name, {})[name] = field
-    for field in dataclasses.fields(OwnOptions):
-        found.setdefault(field.name, {OWN: field})
+    for who, options in ((OWN, OwnOptions), (LOOPS, LoopOptions)):
+        for field in dataclasses.fields(options):
+            found.setdefault(field.name, {who: field})
     return found
 
 

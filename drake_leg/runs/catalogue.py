@@ -21,6 +21,7 @@ from drake_leg.runs.options import (
     FreePendulumOptions,
     LegAOptions,
     LegBOptions,
+    LoopOptions,
     OwnOptions,
     PendulumOptions,
     RunOptions,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from drake_leg.simulation.run import Progress, Start
 
 STEP = "the step"
+LOOPS = "its loops closed"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +70,8 @@ class RunKind:
     def robot(self, options: Any) -> Robot:  # noqa: ANN401
         """Return the robot that moves."""
         tip = options.tip if isinstance(options, OwnOptions) else None
+        if self.own is not None and self.own.loops:
+            return self.own
         robot: Robot = options.robot() if self.own is None else self.own.at_tip(tip)
         return robot
 
@@ -79,6 +83,7 @@ class RunKind:
 
     def _module(self) -> Any:  # noqa: ANN401
         name = "pendulum" if issubclass(self.options, PendulumOptions) else "step"
+        name = "closed_loop" if issubclass(self.options, LoopOptions) else name
         return import_module(f"drake_leg.runs.{name}")
 
 
@@ -111,6 +116,8 @@ def run_kind(what: str | Path | Robot) -> RunKind:
         return RUNS[what]
     if isinstance(what, str | Path) and is_robot_file(what):
         what = load_robot(what)
+    if isinstance(what, Robot) and what.loops:
+        return RunKind(title=what.title, motion=LOOPS, options=LoopOptions, own=what)
     if isinstance(what, Robot):
         return RunKind(title=what.title, motion=STEP, options=OwnOptions, own=what)
     named = isinstance(what, str | Path)

@@ -416,6 +416,22 @@ class OwnOptions(StraightOptions):
 
 
 @dataclass(kw_only=True)
+class LoopOptions(RunOptions):
+    """The motion of a robot with closed loops."""
+
+    q0: list[float] | None = option(
+        None, "of all joints, or of the active ones", "deg", shown="the joints' state targets"
+    )
+    swing: list[float] | None = option(
+        None,
+        "of a robot with closed loops: A of each active joint, q0 + A (1 - cos w t)",
+        "deg, or m of a joint that slides",
+        shown="none, it is released from rest",
+    )
+    frequency: float | None = option(None, "w of the swing", "rad/s", shown="1")
+
+
+@dataclass(kw_only=True)
 class LegBOptions(LegOptions, StraightOptions):
     """The straight step of variant B."""
 

@@ -51,3 +51,13 @@ def test_too_many_actuated_joints_are_refused(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "has 1 degree of freedom with its loops closed" in said
     assert "3 (crank, rod, slide) are active" in said
+
+
+def test_a_linkage_of_ones_own_runs(tmp_path, capsys):
+    file = tmp_path / "linkage.toml"
+    file.write_text(robot_toml(FOUR_BAR), encoding="utf-8")
+    given = ["run", str(file), "--swing", "30", "--duration", "0.2", "--figures", "none"]
+    assert main([*given, "--out", str(tmp_path / "out")]) == 0
+    assert "loops closed to" in capsys.readouterr().out
+    assert main([*given, "--out", str(tmp_path / "out"), "--amplitude", "0.1"]) == 2
+    assert "has no option --amplitude" in capsys.readouterr().err

@@ -25,7 +25,7 @@ OF_RUNS = {
     "--inverse", "--correction", "--q0-error", "--push", "--mass-error", "--torque-limit", "--l1",
     "--l2", "--l3", "--density", "--filter-time-constant", "--feedback", "--lift", "--tool-height",
     "--size", "--velocity-target", "--lower-limit", "--upper-limit", "--spring-stiffness",
-    "--spring-unit", "--task", "--dynamics", "--tip",
+    "--spring-unit", "--task", "--dynamics", "--tip", "--swing",
 }  # fmt: skip
 
 ALWAYS = {

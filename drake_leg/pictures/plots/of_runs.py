@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -18,7 +19,7 @@ from drake_leg.simulation.recording import Recording
 
 LEG_JOINTS = {1: "hip", 2: "knee", 3: "ankle"}
 
-Subject = Literal["swing", "foot", "tool"]  # what a run shows
+Subject = Literal["swing", "foot", "tool", "loops"]  # what a run shows
 
 Named = Iterator[tuple[str, Callable[[], Figure]]]
 
@@ -28,13 +29,16 @@ def figures_of_run(
 ) -> Named:
     """Name the figures of a run, and the functions that draw them.
 
-    ``subject`` is what the run shows: a pendulum that swings, a foot or a tool that is moved.
+    ``subject`` is what the run shows: a pendulum that swings, a foot or a tool that is moved, or
+    the joints of closed loops.
     ``title`` begins the figures' titles; ``summary`` is the run's.
     """
     if subject == "swing":
         yield from _pendulum(title, robot, recording, summary)
     elif subject == "tool":
         yield from _scara(title, robot, recording)
+    elif subject == "loops":
+        yield from _loops(title, robot, recording)
     else:
         yield from _leg(title, robot, recording)
 
@@ -84,6 +88,25 @@ def _joints(title: str, robot: Robot, recording: Recording) -> Named:
         yield "joint_strokes", lambda: foot_plots.joint_strokes(recording, strokes, sliding)
         if recording.has("tau"):
             yield "joint_forces", lambda: foot_plots.forces(recording, forces, sliding)
+
+
+def _loops(title: str, robot: Robot, recording: Recording) -> Named:
+    """Name the figures of a robot with closed loops: all joints, the torques of the active ones."""
+    turning, sliding = _numbers(robot, "revolute"), _numbers(robot, "prismatic")
+    columns = {header.partition("[")[0] for header in recording.columns}
+    driven = {number for number in (*turning, *sliding) if f"tau{number}" in columns}
+    for name, draw, what, numbers in (
+        ("joint_angles", foot_plots.joint_angles, "joint angles", turning),
+        ("joint_strokes", foot_plots.joint_strokes, "sliding joints", sliding),
+        ("joint_torques", foot_plots.torques, "joint torques", _of(turning, driven)),
+        ("joint_forces", foot_plots.forces, "joint forces", _of(sliding, driven)),
+    ):
+        if numbers:
+            yield name, partial(draw, recording, f"{title}: {what}", numbers)
+
+
+def _of(numbers: Mapping[int, str], driven: set[int]) -> dict[int, str]:
+    return {number: joint for number, joint in numbers.items() if number in driven}
 
 
 def _numbers(robot: Robot, kind: JointType) -> dict[int, str]:
