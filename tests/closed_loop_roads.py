@@ -187,7 +187,7 @@ def roads(duration):
     for stiffness in (1e5, 1e6):  # slow
         yield (
             f"continuous plant, bushing of {stiffness:g} N/m, 1e-6",
-            0.1 * duration,
+            min(duration, 1.0),
             lambda time, k=stiffness: of_plant(0.0, time, k, "runge_kutta3", 1e-6),
         )
     yield (
