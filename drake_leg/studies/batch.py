@@ -25,6 +25,7 @@ from drake_leg.studies.plan import Plan
 from drake_leg.studies.row import DONE, SINGULAR
 from drake_leg.units import LEAST, MOST
 
+CHUNK = 2**16  # runs at once, which bound the memory
 TURNS = 4.0 * math.pi  # [rad], of a joint at the start: more is not what was meant
 
 # Options of a run that the answers follow from; where another one is given, runs are simulated.
@@ -79,22 +80,40 @@ def is_closed(plan: Plan) -> bool:
 
 def batch(plan: Plan, report: Callable[[int, int], None]) -> Batch:
     """Answer a plan for which ``is_closed`` holds, in blocks, on all cores."""
-    count, fields = len(plan), plan.fields or ()
-    values = _values(plan)
-    with np.errstate(all="ignore"):
-        valid = _valid(values)
-        steps = _steps(plan, values)
+    count, values = len(plan), _values(plan)
+    columns: list[dict[str, NDArray[Any]]] = []
+    known: list[NDArray[np.bool_]] = []
+    with ThreadPoolExecutor(cores()) as threads, np.errstate(all="ignore"):
+        for first in range(0, count, CHUNK):
+            chunk = {name: each[first : first + CHUNK] for name, each in values.items()}
+
+            def tell(done: int, first: int = first) -> None:
+                report(first + done, count)
+
+            found, surely = _answered(plan, chunk, threads, tell)
+            columns.append(found)
+            known.append(surely)
+    together = {name: np.concatenate([each[name] for each in columns]) for name in columns[0]}
+    return Batch(together, np.flatnonzero(~np.concatenate(known)).tolist())
+
+
+def _answered(
+    plan: Plan,
+    values: Mapping[str, Array],
+    threads: ThreadPoolExecutor,
+    report: Callable[[int], None],
+) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_]]:
+    """Columns of some runs, and which of them need no simulation."""
+    fields, steps = plan.fields or (), _steps(plan, values)
     wanted = {field: FIELDS[field] for field in fields if FIELDS[field]}
-    with ThreadPoolExecutor(cores()) as threads:
-        found = answers(steps, wanted, threads.map, lambda done: report(done, count))
-    with np.errstate(all="ignore"):
-        columns = {
-            "status": np.where(found.met, SINGULAR, DONE).astype("<U8"),
-            "message": MESSAGES[np.where(found.met, np.where(found.at_hip, 2, 1), 0)],
-            "stopped_at_s": np.where(found.met, steps.time(found.stop), np.nan),
-            **{field: _field(field, steps, found) for field in fields},
-        }
-    return Batch(columns, np.flatnonzero(~(found.sure & valid)).tolist())
+    found = answers(steps, wanted, threads.map, report)
+    columns = {
+        "status": np.where(found.met, SINGULAR, DONE).astype("<U8"),
+        "message": MESSAGES[np.where(found.met, np.where(found.at_hip, 2, 1), 0)],
+        "stopped_at_s": np.where(found.met, steps.time(found.stop), np.nan),
+        **{field: _field(field, steps, found) for field in fields},
+    }
+    return columns, found.sure & _valid(values)
 
 
 def _field(field: str, steps: LegSteps, found: Answers) -> Array:
@@ -111,7 +130,7 @@ def _values(plan: Plan) -> dict[str, Array]:
     """Numbers of all runs: (runs,), or (runs, 3) of q0 and the direction."""
     base: Any = plan.kind.options(**plan.fixed)
     count = len(plan)
-    values = {name: np.full(count, getattr(base, name)) for name in (*LENGTHS, *NUMBERS)}
+    values = {name: np.broadcast_to(getattr(base, name), (count,)) for name in (*LENGTHS, *NUMBERS)}
     lists = {name: np.tile(getattr(base, name), (count, 1)) for name in ("q0", "direction")}
     for one in plan.vary:
         column = np.array(plan.columns[one.name], dtype=float)

@@ -178,10 +178,12 @@ def test_where_something_else_is_asked_for_runs_are_simulated():
         assert not is_closed(other)
 
 
-def test_blocks_make_no_difference(monkeypatch):
+@pytest.mark.parametrize("chunk", [2**16, 20])
+def test_blocks_make_no_difference(monkeypatch, chunk):
     plan = planned(vary={"femur": "0.06:0.14:37"})
     whole = batch(plan, lambda *_: None)
     monkeypatch.setattr("drake_leg.studies.leg_steps.POINTS", 5 * 32)
+    monkeypatch.setattr("drake_leg.studies.batch.CHUNK", chunk)
     counts = []
     parts = batch(plan, lambda done, total: counts.append((done, total)))
     assert len(counts) > 7
