@@ -6,7 +6,7 @@ import keyword
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
@@ -25,15 +25,6 @@ where end function begin local module using otherwise persistent np numpy zero e
 """  # in C, MATLAB, Julia and what the functions use themselves
 
 
-@dataclass(frozen=True, kw_only=True)
-class Language:
-    """A language that programs are printed in."""
-
-    title: str
-    suffix: str  # of a file
-    write: Callable[[Program], str]
-
-
 def code(program: Program, language: str) -> str:
     """Write a program as a function in one of ``LANGUAGES``.
 
@@ -43,7 +34,7 @@ def code(program: Program, language: str) -> str:
         If there is no such language.
     """
     require_language(language)
-    return LANGUAGES[language].write(_with_plain_names(program))
+    return LANGUAGES[language](_with_plain_names(program))
 
 
 def require_language(language: str) -> None:
@@ -326,9 +317,9 @@ def _julia(program: Program) -> str:
     return "\n".join(lines) + "\n"
 
 
-LANGUAGES = {
-    "numpy": Language(title="Python with NumPy", suffix="py", write=_numpy),
-    "c": Language(title="C", suffix="c", write=_c),
-    "matlab": Language(title="MATLAB and Octave", suffix="m", write=_matlab),
-    "julia": Language(title="Julia", suffix="jl", write=_julia),
+LANGUAGES: dict[str, Callable[[Program], str]] = {
+    "numpy": _numpy,
+    "c": _c,
+    "matlab": _matlab,  # and Octave
+    "julia": _julia,
 }
