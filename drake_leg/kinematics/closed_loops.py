@@ -32,6 +32,9 @@ ROUNDING = 1e-15  # a closure error that need not get smaller
 ITERATIONS = 50  # of Newton's method, from anywhere
 FEW = 8  # the same, from nearby
 LONGEST_STEP = 0.5  # [rad, or parts of the robot's size], of one iteration
+# Smallest singular value of J_p, relative to the greatest: below it, rounding of a closed posture,
+# divided by the square of this, leaves no digit of the passive joints' rates.
+UNDETERMINED = 1e-7
 RANK_TOLERANCE = 1e-6  # of the greatest singular value: smaller ones do not count
 TRIALS = 48  # random starts, of which those that close tell the rank
 SUBSTEPS = 10  # halvings of a step along a motion
@@ -414,7 +417,7 @@ class ClosedLoops:
         """W, (n, a), and ``J_p^+``, (p, 5 loops)."""
         J = self.jacobian(q)
         U, sigma, Vt = np.linalg.svd(self._scaled(J)[:, self._p], full_matrices=False)
-        if not sigma[-1] > SINGULAR_BELOW * sigma[0]:
+        if not sigma[-1] > UNDETERMINED * sigma[0]:
             raise self.singular(q)
         inverse = self.units[self._p, np.newaxis] * ((Vt.T / sigma) @ U.T) / self._cuts.units
         W = np.zeros((len(q), len(self._a)))
