@@ -17,9 +17,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_leg.arguments import require_kind
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.khalil import Array, finite_vectors
-from drake_leg.units import require_finite, require_non_negative, require_positive
+from drake_leg.kinematics.khalil import Array, finite_vectors, real_numbers
+from drake_leg.units import (
+    require_finite,
+    require_non_negative,
+    require_positive,
+    require_three,
+)
 
 LEGS = ("left_front", "left_middle", "left_rear", "right_front", "right_middle", "right_rear")
 
@@ -51,6 +57,7 @@ class Gait:
     source: str
 
     def __post_init__(self) -> None:
+        require_kind("the phases of a gait", self.phases, tuple, list)
         if not self.phases:
             raise InvalidValueError(f"the gait {self.name!r} has no leg")
         for phase in self.phases:
@@ -175,8 +182,12 @@ class Attitude:
     def __post_init__(self) -> None:
         for name in ("roll", "pitch", "yaw", "start"):
             require_finite(f"the attitude's {name}", getattr(self, name))
-        for part in self.shift:
-            require_finite("the attitude's shift", part)
+        require_three("the attitude's shift", self.shift)
+        angle = math.hypot(self.roll, self.pitch, self.yaw)
+        if angle > math.pi:
+            raise InvalidValueError(
+                f"the attitude turns the body by {angle:.6g} rad; it must be half a turn at most"
+            )
         require_positive("how long the attitude changes", self.lasting, "s")
 
     @property
@@ -233,6 +244,14 @@ class Walk:
     lift: float = 0.03
 
     def __post_init__(self) -> None:
+        require_kind("the gait", self.gait, Gait)
+        for what, parts, kind in (
+            ("commands", self.commands, Command),
+            ("attitudes", self.attitudes, Attitude),
+        ):
+            require_kind(f"the {what} of a walk", parts, tuple, list)
+            for part in parts:
+                require_kind(f"one of the {what} of a walk", part, kind)
         require_positive("the period", self.period, "s")
         require_non_negative("the lift", self.lift, "m")
         feet = finite_vectors("the neutral places of the feet", self.neutral, 3)
@@ -257,11 +276,11 @@ class Walk:
 
     def level(self, time: ArrayLike) -> Motion:
         """Pose of the body's level frame in the world, (..., 4, 4) [-, m], with derivatives."""
-        return _screws(self.commands, np.asarray(time, dtype=np.float64))
+        return _screws(self.commands, real_numbers("the time", time))
 
     def body(self, time: ArrayLike) -> Motion:
         """Pose X_WB of the body, (..., 4, 4) [-, m], with derivatives."""
-        times = np.asarray(time, dtype=np.float64)
+        times = real_numbers("the time", time)
         return _product(self.level(times), _screws(self.attitudes, times))
 
     def feet_in_world(self, time: ArrayLike) -> Motion:
@@ -313,7 +332,7 @@ class Walk:
 
     def _cycle(self, time: ArrayLike) -> tuple[Array, Array]:
         """Number of each leg's cycle, and how much of it is done, (..., n)."""
-        times = np.asarray(time, dtype=np.float64)[..., np.newaxis]
+        times = real_numbers("the time", time)[..., np.newaxis]
         s = times / self.period - np.array(self.gait.phases)
         number = np.floor(s)
         return number, s - number

@@ -345,8 +345,13 @@ def thigh_leg_text(robot: Robot) -> str:
     Raises
     ------
     InvalidValueError
-        If a link is not a brick, or does not end where the next row begins.
+        If the robot is not a chain of bricks, or a link does not end where the next row begins.
     """
+    if not robot.is_plain:
+        raise InvalidValueError(
+            f"{robot.name!r} is not a chain on a base at rest; only a chain of bricks is made of "
+            "thighs"
+        )
     ET.register_namespace("experimental", _EXPERIMENTAL)
     sdf = ET.Element("sdf", version="1.9")
     sdf.append(ET.Comment(f" A leg that includes {THIGH_FILE} once for every joint. Generated. "))

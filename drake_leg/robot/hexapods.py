@@ -30,7 +30,7 @@ from drake_leg.robot.robot import (
     volume,
 )
 from drake_leg.robot.robots import GREY, HEXABOT_LENGTHS
-from drake_leg.units import require_finite, require_positive
+from drake_leg.units import require_finite, require_positive, require_three
 
 SERVO = 0.0572  # [kg], XL430-W250
 COXA = FEMUR = SERVO + 0.020  # [kg], with a printed bracket
@@ -101,9 +101,17 @@ def hexapod(
         If a length or the mass is not positive, a hip is not finite, there is no leg, or the feet
         cannot be that far.
     """
+    require_three("the lengths of coxa, femur and tibia", lengths)
+    require_three("the size of the body", body_size)
     for what, length in zip(("coxa", "femur", "tibia"), lengths, strict=True):
         require_positive(f"the length of the {what}", length, "m")
-    require_positive("the body's mass", body_mass, "kg")
+    for what, value, unit in (
+        ("the body's mass", body_mass, "kg"),
+        ("the height", height, "m"),
+        ("the reach", reach, "m"),
+    ):
+        require_positive(what, value, unit)
+    require_kind("the mechanics of a joint", mechanics, JointMechanics)
     require_kind("the hips", hips, Mapping)
     if not hips:
         raise InvalidValueError("there is no hip; a walking robot has at least one leg")
@@ -112,7 +120,7 @@ def hexapod(
     legs = [
         segment
         for number, (leg, hip) in enumerate(hips.items(), start=1)
-        for segment in _leg(leg, Hip(*hip), lengths, mechanics, standing, link_colour(number))
+        for segment in _leg(leg, hip, lengths, mechanics, standing, link_colour(number))
     ]
     return Robot(
         name=name,
@@ -136,6 +144,7 @@ def _leg(
     colour: Colour,
 ) -> tuple[Segment, ...]:
     """One leg, its hip on frame 0; its foot is a ball whose center is the last frame."""
+    require_kind(f"the hip {name}", hip, Hip)
     for what, value in zip(("x", "y", "yaw"), hip, strict=True):
         require_finite(f"{what} of the hip {name}", value)
     coxa, femur, tibia = lengths

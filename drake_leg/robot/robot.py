@@ -81,7 +81,11 @@ class Row:
             )
         for name in ("d", "alpha", "r", "theta", "gamma", "b"):
             require_finite(f"a row's {name}", getattr(self, name))
-        require_kind("a row's antecedent", self.antecedent, int, NoneType)
+        if self.antecedent is not None and type(self.antecedent) is not int:
+            raise InvalidValueError(
+                f"a row's antecedent is {shown(self.antecedent)}; it must be the number of a row, "
+                "0 for the base, or None"
+            )
 
     @property
     def sigma(self) -> int | None:
@@ -323,6 +327,9 @@ class Robot:
         object.__setattr__(self, "loops", tuple(self.loops))
         for index, segment in enumerate(self.segments, start=1):
             require_kind(f"segment {index} of a robot", segment, Segment)
+        for loop in self.loops:
+            require_kind("a loop of a robot", loop, Loop)
+            require_name("the cut joint of a loop", loop.joint)
         for index, segment in enumerate(self.segments, start=1):
             if segment.link is not None and segment.joint is not None:
                 require_name(f"the link of row {index}", segment.link.name)
@@ -414,6 +421,10 @@ class Robot:
 
     def path(self, row: int) -> tuple[int, ...]:
         """Rows, from 1, that one passes from the base to a row, that row last."""
+        if type(row) is not int or not 0 <= row <= len(self.segments):
+            raise InvalidValueError(
+                f"{self.name!r} has no row {shown(row)}; its rows are 1 to {len(self.segments)}"
+            )
         return path_to(self.antecedents, row)
 
     def at_tip(self, tip: str | None = None, q: Sequence[float] | None = None) -> Robot:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from drake_leg.arguments import require_kind, shown
+from drake_leg.arguments import is_number, require_kind, shown
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.robot.joint_mechanics import JointMechanics, starting_posture
 
@@ -107,7 +107,6 @@ def require_loops(robot: Robot) -> None:
     """Refuse a loop whose rows are not a cut, and a moving row that is neither link nor cut."""
     used: set[int] = set()
     for loop in robot.loops:
-        require_kind("a loop of a robot", loop, Loop)
         _require_frame(robot, loop, loop.cut, used, moves=True)
         _require_frame(robot, loop, loop.end, used, moves=False)
         carrier = _carrier(robot, loop.cut)
@@ -207,7 +206,10 @@ def _tip_row(robot: Robot, tip: str | None) -> int:
 
 def _positions(robot: Robot, q: Sequence[float] | None) -> dict[int, float]:
     """Joint positions by their rows, from 1 [rad or m]."""
-    posture = starting_posture(robot) if q is None else tuple(q)
+    given = starting_posture(robot) if q is None else q
+    posture = tuple(given) if isinstance(given, Iterable) else ()
+    if not isinstance(given, Iterable) or not all(map(is_number, posture)):
+        raise InvalidValueError(f"q is {shown(q)}; it must be joint positions")
     moving = [row for row, one in enumerate(robot.rows, start=1) if one.joint != "fixed"]
     if len(posture) != len(moving):
         raise InvalidValueError(

@@ -384,6 +384,7 @@ def _compared(
     moving = robot.moving[: len(config.q0)]
     findings = {
         **joint_entries("q0", config.q0, [s.row.joint == "prismatic" for s in moving]),
+        **({"tip": list(robot.tips)[-1]} if len(robot.tips) > 1 else {}),
         **view.task,
         **control_findings(config.control, robot),
         **tip_findings(run, view.start, motion, disturbance),

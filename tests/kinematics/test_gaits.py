@@ -161,6 +161,12 @@ def test_the_margin_is_the_distance_from_the_edge_of_support(feet, point, margin
         (lambda: Walk(gait=GAITS["wave"], period=0.0, neutral=NEUTRAL), "the period is 0.0 s"),
         (lambda: Walk(gait=GAITS["wave"], period=1.0, neutral=NEUTRAL[:5]), "has 6 legs"),
         (lambda: replace(WALKS["wave forward"], period=2.0), "start it at 1.16667 s"),
+        (lambda: Gait(name="x", phases=5, duty=0.5, source=""), "the phases of a gait is 5"),
+        (lambda: Attitude(roll=math.tau), "turns the body by 6.28319 rad"),
+        (lambda: Attitude(shift=(1, 2)), "shift is .1, 2.; it must be three finite numbers"),
+        (lambda: Walk(gait=3, period=1.0, neutral=NEUTRAL), "the gait is 3"),
+        (lambda: replace(WALKS["wave forward"], commands=[3]), "one of the commands of a walk is"),
+        (lambda: WALKS["wave forward"].feet("x"), "the time is 'x'"),
         (lambda: Attitude(lasting=-1.0), "how long the attitude changes is -1.0 s"),
     ],
 )

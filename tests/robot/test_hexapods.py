@@ -37,6 +37,12 @@ def test_it_weighs_what_its_parts_weigh():
 def test_wrong_numbers_are_refused():
     with pytest.raises(InvalidValueError, match=r"length of the femur is -0\.1 m"):
         hexapod(lengths=(0.05, -0.1, 0.1))
+    with pytest.raises(InvalidValueError, match="must be three finite numbers"):
+        hexapod(lengths=(0.05, 0.1))
+    with pytest.raises(InvalidValueError, match=r"the hip a is \(1, 2\); it must be a Hip"):
+        hexapod(hips={"a": (1, 2)})
+    with pytest.raises(InvalidValueError, match="the height is nan"):
+        hexapod(height=math.nan)
     with pytest.raises(InvalidValueError, match="there is no hip"):
         hexapod(hips={})
     with pytest.raises(InvalidValueError, match="yaw of the hip nose is nan"):

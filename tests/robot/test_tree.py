@@ -127,3 +127,19 @@ def test_the_second_frame_of_a_cut_may_stand_on_another_frame():
     on_crank = Segment(row=replace(end, antecedent=3))
     with pytest.raises(InvalidValueError, match="have one antecedent, 3"):
         replace(robot, segments=(*robot.segments[:4], on_crank, moved), loops=loops)
+
+
+@pytest.mark.parametrize(
+    ("ask", "said"),
+    [
+        (lambda: Row(joint="fixed", antecedent=True), "a row's antecedent is True"),
+        (lambda: two_fingers().path(6), "'hand' has no row 6; its rows are 1 to 5"),
+        (lambda: two_fingers().path(-1), "'hand' has no row -1"),
+        (lambda: two_fingers().at_tip("left_tip", 3), "q is 3; it must be joint positions"),
+        (lambda: two_fingers().at_tip("left_tip", ["a"] * 3), "it must be joint positions"),
+        (lambda: replace(parallelogram(), loops=(Loop(joint="a b", cut=4, end=5),)), "cut joint"),
+    ],
+)
+def test_wrong_values_are_refused(ask, said):
+    with pytest.raises(InvalidValueError, match=said):
+        ask()
