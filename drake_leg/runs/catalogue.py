@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, did_you_mean
+from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robot_file import ENDINGS, is_robot_file, load_robot
 from drake_leg.runs.options import (
@@ -107,6 +108,8 @@ RUNS = {
 def run_kind(what: str | Path | Robot) -> RunKind:
     """Look up a run by its name; a robot, or one from a file, makes the straight step.
 
+    So does one leg of the hexabot.
+
     Raises
     ------
     InvalidValueError
@@ -114,6 +117,8 @@ def run_kind(what: str | Path | Robot) -> RunKind:
     """
     if isinstance(what, str) and what in RUNS:
         return RUNS[what]
+    if what == HEXABOT.name:
+        what = HEXABOT
     if isinstance(what, str | Path) and is_robot_file(what):
         what = load_robot(what)
     if isinstance(what, Robot) and what.loops:
