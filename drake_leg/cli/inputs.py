@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from drake_leg.cli.terminal import numbers, remark
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import read_text
+from drake_leg.robot.file_names import ENDINGS, is_par, is_robot_file
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.linkages import NAMED_LINKAGES
@@ -20,7 +21,6 @@ from drake_leg.robot.par_reader import ParFile, load_par
 from drake_leg.robot.par_robot import Numbers, numbers_of, require_letters, robot_of_par
 from drake_leg.robot.par_text import parts_of
 from drake_leg.robot.robot import Robot, Segment
-from drake_leg.robot.robot_file import ENDINGS, is_par, is_robot_file
 from drake_leg.robot.robots import ROBOTS
 from drake_leg.robot.toml_keys import Document, parse_document
 from drake_leg.robot.toml_reader import read_robot

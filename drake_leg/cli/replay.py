@@ -16,8 +16,8 @@ from drake_leg.cli.terminal import add_view, picture, refuse_ignored, stop_note
 from drake_leg.errors import OutputError, UnreadableFileError
 from drake_leg.files import read_text
 from drake_leg.progress import ProgressBar
+from drake_leg.robot.file_names import PAR, TOML
 from drake_leg.robot.robot import Robot
-from drake_leg.robot.robot_file import PAR, TOML
 from drake_leg.runs.catalogue import RUNS, STEP
 
 if TYPE_CHECKING:

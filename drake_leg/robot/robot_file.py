@@ -9,13 +9,11 @@ from types import NoneType
 from drake_leg.arguments import require_kind
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
+from drake_leg.robot.file_names import is_par
 from drake_leg.robot.par_reader import load_par
 from drake_leg.robot.par_robot import LoadedRobot, numbers_of, robot_of_par
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.toml_reader import read_robot
-
-TOML, PAR = ".toml", ".par"
-ENDINGS = f"{TOML} or {PAR}"
 
 
 def load_robot(path: Path | str, numbers: Mapping[str, float | str] | None = None) -> Robot:
@@ -75,13 +73,3 @@ def read_robot_file(
         return LoadedRobot(robot=read_robot(read_text(Path(path)), str(path)))
     par = load_par(path)
     return robot_of_par(par, numbers_of(numbers or {}, par.where))
-
-
-def is_par(path: Path | str) -> bool:
-    """Whether a file is one of SYMORO, by its name."""
-    return Path(path).suffix.lower() == PAR
-
-
-def is_robot_file(path: Path | str) -> bool:
-    """Whether a file holds a robot, by its name."""
-    return Path(path).suffix.lower() in (TOML, PAR)

@@ -79,28 +79,31 @@ def require_base(robot: Robot) -> None:
 
 
 def _pose(given: object) -> Pose:
-    import numpy as np
-
     try:
-        matrix = np.array(given, dtype=np.float64)
+        rows = tuple(tuple(map(float, row)) for row in given)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
-        matrix = np.empty(0)
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+        rows = ()
+    if [len(row) for row in rows] != [4] * 4 or not all(math.isfinite(x) for r in rows for x in r):
         raise InvalidValueError(
             f"the base's pose is {shown(given)}; it must be a matrix of 4 x 4 finite numbers"
         )
-    axes = matrix[:3, :3]
+    x, y, z = (tuple(row[column] for row in rows[:3]) for column in range(3))
+    lengths = (math.dist(axis, (0.0, 0.0, 0.0)) for axis in (x, y, z))
     if (
-        np.abs(axes.T @ axes - np.eye(3)).max() > ORTHONORMAL
-        or np.linalg.det(axes) < 0.0
-        or matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]
+        any(abs(length - 1.0) > ORTHONORMAL for length in lengths)
+        or math.dist(_cross(x, y), z) > ORTHONORMAL
+        or rows[3] != (0.0, 0.0, 0.0, 1.0)
     ):
         raise InvalidValueError(
             "the base's pose is not one: its first three columns must be right-handed orthonormal "
             "axes, and its last row 0, 0, 0, 1"
         )
-    first, second, third, last = (tuple(row) for row in matrix.tolist())
-    return (first, second, third, last)
+    first, second, third, last = rows
+    return (first, second, third, last)  # type: ignore[return-value]
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def require_loops(robot: Robot) -> None:

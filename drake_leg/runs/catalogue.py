@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, did_you_mean
+from drake_leg.robot.file_names import ENDINGS, is_robot_file
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.robot import Robot
-from drake_leg.robot.robot_file import ENDINGS, is_robot_file, load_robot
 from drake_leg.runs.options import (
     DampedPendulumOptions,
     EllipseOptions,
@@ -120,6 +120,8 @@ def run_kind(what: str | Path | Robot) -> RunKind:
     if what == HEXABOT.name:
         what = HEXABOT
     if isinstance(what, str | Path) and is_robot_file(what):
+        from drake_leg.robot.robot_file import load_robot  # with readers that help does not need
+
         what = load_robot(what)
     if isinstance(what, Robot) and what.loops:
         return RunKind(title=what.title, motion=LOOPS, options=LoopOptions, own=what)
