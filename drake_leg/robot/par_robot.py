@@ -10,8 +10,10 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from numbers import Real
 from pathlib import PurePath
 
+from drake_leg.arguments import is_number, shown
 from drake_leg.errors import InvalidValueError, MissingNumbersError, did_you_mean
 from drake_leg.robot.arithmetic import (
     Expression,
@@ -65,7 +67,12 @@ def numbers_of(given: Mapping[str, object], where: str) -> Numbers:
 def _number_of(name: str, value: object, where: str) -> Expression:
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
         raise InvalidValueError(f"{where}: {quoted(str(name))} is no letter of a file")
-    text = value if isinstance(value, str) else repr(value)
+    if isinstance(value, str):
+        text = value
+    elif isinstance(value, Real) and is_number(value):
+        text = repr(float(value))
+    else:
+        raise InvalidValueError(f"{where}: {name} is {shown(value)}; it must be a number")
     try:
         expression = parse_arithmetic(text)
         if any(names_in(expression)):

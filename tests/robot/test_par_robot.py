@@ -65,7 +65,7 @@ def test_numbers_may_be_arithmetic():
         ({"D3": "1/"}, "D3 is '1/'; it ends with '/'"),
         ({"D3": "RL4"}, "D3 is 'RL4'; it must be a number"),
         ({"D3": math.inf}, "D3 is 'inf'; it must be a number"),
-        ({"D3": None}, "D3 is 'None'; it must be a number"),
+        ({"D3": None}, "D3 is None; it must be a number"),
         ({"D3 ": 1.0}, "'D3' is no letter"),
         ({"th1": 1.0, **LENGTHS}, "th1 is the position of this joint, which moves"),
         ({"D3": 1e12, "RL4": 1}, "line 18: d of row 3 is 'D3'; it must be at most 1e.09"),
@@ -389,3 +389,10 @@ def test_rows_of_loops_come_last():
 )
 def test_any_title_makes_a_name(title, name):
     assert robot_name(title) == name
+
+
+def test_numbers_may_be_those_of_numpy():
+    exact = {name: np.float64(value) for name, value in LENGTHS.items()}
+    assert load_robot(RX90, exact) == load_robot(RX90, LENGTHS)
+    with pytest.raises(InvalidValueError, match="D3 is True; it must be a number"):
+        load_robot(RX90, LENGTHS | {"D3": True})
