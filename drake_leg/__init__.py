@@ -100,7 +100,7 @@ if TYPE_CHECKING:
     from drake_leg.diagrams.pendulum import PendulumConfig as PendulumConfig
     from drake_leg.diagrams.scara import ScaraConfig as ScaraConfig
     from drake_leg.kinematics.chain import movable as movable
-    from drake_leg.kinematics.inverse_geometry import inverse_geometry as inverse_geometry
+    from drake_leg.kinematics.inverse.geometry import inverse_geometry as inverse_geometry
     from drake_leg.kinematics.motions import EllipticStep as EllipticStep
     from drake_leg.kinematics.motions import SineStep as SineStep
     from drake_leg.lab.shown import errata as errata
@@ -178,7 +178,7 @@ _HOMES = {
     "examine_posture": ("drake_leg.singularity.doctor", "examine_posture"),
     "frames_drawing": ("drake_leg.pictures.plots.free_body", "free_body"),
     "gradient": ("drake_leg.studies.gradient", "gradient"),
-    "inverse_geometry": ("drake_leg.kinematics.inverse_geometry", "inverse_geometry"),
+    "inverse_geometry": ("drake_leg.kinematics.inverse.geometry", "inverse_geometry"),
     "load_robot": ("drake_leg.robot.robot_file", "load_robot"),
     "movable": ("drake_leg.kinematics.chain", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),

@@ -14,7 +14,8 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import Demultiplexer, Integrator, MatrixGain, Sine
 
 import drake_leg as dl
-from drake_leg.robot.robot import Brick, Link, Row, Segment, Solid
+from drake_leg.robot.robot import Link, Row, Segment
+from drake_leg.robot.solids import Brick, Solid
 
 
 def bar(joint: str, length: float, row: Row) -> Segment:

@@ -7,7 +7,8 @@ import numpy as np
 
 from drake_leg import build_plant
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Inertial, Link, Robot, Row, Segment
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.solids import Inertial
 from drake_leg.units import STANDARD_GRAVITY
 
 RX_90 = (

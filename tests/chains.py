@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drake_leg.robot.robot import Inertial, Link, Robot, Row, Segment
+from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robot_file import load_robot
+from drake_leg.robot.solids import Inertial
 
 RIGHT = math.pi / 2
 TEXTBOOKS = Path(__file__).parent / "lab" / "grader" / "robots"

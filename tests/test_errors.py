@@ -73,7 +73,7 @@ PROVOKED_ELSEWHERE = {
     ServerError: "tests/scene/test_server.py",
     OtherRobotError: "tests/scene/test_scene.py",
     TimeBudgetError: "tests/test_progress.py",
-    MissingNumbersError: "tests/robot/test_par_robot.py",
+    MissingNumbersError: "tests/robot/symoro/test_as_robot.py",
 }
 
 

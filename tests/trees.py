@@ -2,7 +2,8 @@
 
 import math
 
-from drake_leg.robot.robot import Brick, Link, Robot, Row, Segment, Solid, Sphere
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.solids import Brick, Solid, Sphere
 from drake_leg.robot.tree import Loop
 
 COLOUR = (0.2, 0.4, 0.6)

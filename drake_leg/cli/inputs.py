@@ -17,14 +17,14 @@ from drake_leg.robot.file_names import ENDINGS, is_par, is_robot_file
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.linkages import NAMED_LINKAGES
-from drake_leg.robot.par_reader import ParFile, load_par
-from drake_leg.robot.par_robot import Numbers, numbers_of, require_letters, robot_of_par
-from drake_leg.robot.par_text import parts_of
 from drake_leg.robot.robot import Robot, Segment
 from drake_leg.robot.robots import ROBOTS
-from drake_leg.robot.toml_keys import Document, parse_document
-from drake_leg.robot.toml_reader import read_robot
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.symoro.as_robot import Numbers, numbers_of, require_letters, robot_of_par
+from drake_leg.robot.symoro.reader import ParFile, load_par
+from drake_leg.robot.symoro.text import parts_of
+from drake_leg.robot.toml.keys import Document, parse_document
+from drake_leg.robot.toml.reader import read_robot
+from drake_leg.robot.toml.writer import robot_toml
 from drake_leg.runs.catalogue import reports_posture
 from drake_leg.runs.options import TIP
 

@@ -49,7 +49,7 @@ def configure_inverse(parser: argparse.ArgumentParser) -> None:
 
 
 def _inverse(chosen: argparse.Namespace) -> int:
-    from drake_leg.kinematics.inverse_geometry import inverse_geometry
+    from drake_leg.kinematics.inverse.geometry import inverse_geometry
 
     robot = robot_source(chosen.robot, chosen.numbers).robot().at_tip(chosen.tip)
     goal = _goal(chosen, robot)
@@ -66,8 +66,8 @@ def _goal(chosen: argparse.Namespace, robot: Robot) -> Array:
     """Read the pose, or the position, that is asked for."""
     import numpy as np
 
-    from drake_leg.kinematics.closed_form import closed_forms
     from drake_leg.kinematics.euler import euler_rotation
+    from drake_leg.kinematics.inverse.closed_form import closed_forms
     from drake_leg.kinematics.khalil import foot_pose
 
     given = [name for name in ("foot", "pose", "q") if getattr(chosen, name) is not None]

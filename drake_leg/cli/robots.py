@@ -24,9 +24,9 @@ from drake_leg.cli.terminal import (
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import write_text
 from drake_leg.progress import ProgressBar
-from drake_leg.robot.par_writer import not_in_par, robot_par
 from drake_leg.robot.robot import Robot
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.symoro.writer import not_in_par, robot_par
+from drake_leg.robot.toml.writer import robot_toml
 
 if TYPE_CHECKING:
     from drake_leg.lab.grader.tables import Finding

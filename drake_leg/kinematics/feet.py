@@ -10,9 +10,10 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import geometry_of, joint_positions, joints_in_words
-from drake_leg.kinematics.closed_form import closed_forms
 from drake_leg.kinematics.euler import euler_rotation
-from drake_leg.kinematics.inverse_geometry import inverse_geometry
+from drake_leg.kinematics.inverse.closed_form import closed_forms
+from drake_leg.kinematics.inverse.geometry import inverse_geometry
+from drake_leg.kinematics.inverse.search import Limits, find_postures
 from drake_leg.kinematics.khalil import (
     Array,
     one_vector,
@@ -21,7 +22,6 @@ from drake_leg.kinematics.khalil import (
 )
 from drake_leg.kinematics.leg import LegGeometry, branches
 from drake_leg.kinematics.scara import ScaraGeometry, branch_angles
-from drake_leg.kinematics.search import Limits, find_postures
 from drake_leg.robot.robot import Robot, Segment, require_robot
 from drake_leg.robot.tree import require_one_foot
 from drake_leg.units import beyond, require_angle

@@ -16,7 +16,8 @@ from drake_leg.kinematics.joint_stop import limit_energy, limit_force
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.roots import sign_change
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Brick, Robot, Row, Solid, mass_properties
+from drake_leg.robot.robot import Robot, Row
+from drake_leg.robot.solids import Brick, Solid, mass_properties
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 NEARLY_UPRIGHT = 1e-3  # [rad] from upright

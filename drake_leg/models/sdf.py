@@ -21,18 +21,15 @@ from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import (
     BASE_WELD,
     PLACES,
-    Brick,
-    Cylinder,
     Link,
     Robot,
     Row,
     Segment,
-    Shape,
     frame_name,
-    mass_properties,
     place_name,
 )
 from drake_leg.robot.robots import LEG_B
+from drake_leg.robot.solids import Brick, Cylinder, Shape, mass_properties
 from drake_leg.units import LEAST
 
 PACKAGE = "drake_leg"

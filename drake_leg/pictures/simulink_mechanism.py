@@ -23,7 +23,7 @@ from drake_leg.pictures.mechanical import (
     transform_words,
 )
 from drake_leg.pictures.svg import DrawnBlock, Picture, wrapped
-from drake_leg.robot.robot import Brick, Cylinder, Shape, Sphere
+from drake_leg.robot.solids import Brick, Cylinder, Shape, Sphere
 from drake_leg.simulink.listing import block_paths, printable
 from drake_leg.simulink.mechanism import (
     SOLIDS,

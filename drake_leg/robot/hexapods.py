@@ -17,19 +17,9 @@ from drake_leg.arguments import require_kind
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
-from drake_leg.robot.robot import (
-    NO_MECHANICS,
-    Brick,
-    Link,
-    Robot,
-    Row,
-    Segment,
-    Solid,
-    Sphere,
-    link_colour,
-    volume,
-)
+from drake_leg.robot.robot import NO_MECHANICS, Link, Robot, Row, Segment, link_colour
 from drake_leg.robot.robots import GREY, HEXABOT_LENGTHS
+from drake_leg.robot.solids import Brick, Solid, Sphere, volume
 from drake_leg.units import require_finite, require_positive, require_three
 
 SERVO = 0.0572  # [kg], XL430-W250

@@ -9,7 +9,8 @@ import math
 
 from drake_leg.colours import Colour
 from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
-from drake_leg.robot.robot import Brick, Link, Robot, Row, Segment, Solid, Sphere, link_colour
+from drake_leg.robot.robot import Link, Robot, Row, Segment, link_colour
+from drake_leg.robot.solids import Brick, Solid, Sphere
 from drake_leg.robot.tree import Loop
 
 QUARTER = math.pi / 2

@@ -26,6 +26,7 @@ from drake_leg.colours import (
 )
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.solids import Inertial, Solid
 from drake_leg.robot.tree import (
     Loop,
     Pose,
@@ -36,14 +37,9 @@ from drake_leg.robot.tree import (
     require_tree,
     with_one_foot,
 )
-from drake_leg.units import LEAST, require_finite, require_positive, require_three
+from drake_leg.units import require_finite, require_three
 
 JointType = Literal["revolute", "prismatic", "fixed"]
-
-# As parts of the sum of the principal moments: how far a plate may violate the triangle inequality
-# by rounding, and the margin that a body with products of inertia needs, because SDF's parser
-# computes its principal moments only that accurately.
-_MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
 
 NO_MECHANICS = JointMechanics()
 
@@ -91,105 +87,6 @@ class Row:
     def sigma(self) -> int | None:
         """The reports' joint type: 0 revolute, 1 prismatic, None fixed (~)."""
         return {"revolute": 0, "prismatic": 1, "fixed": None}[self.joint]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Brick:
-    """A box, its edges along the axes of its own frame, its origin at its center."""
-
-    length: float  # [m], along x
-    width: float  # [m], along y
-    height: float  # [m], along z
-
-    def __post_init__(self) -> None:
-        for name in ("length", "width", "height"):
-            require_positive(f"the brick's {name}", getattr(self, name), "m")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cylinder:
-    """A cylinder about the z axis of its own frame, its origin at its center."""
-
-    radius: float  # [m]
-    length: float  # [m], along z
-
-    def __post_init__(self) -> None:
-        for name in ("radius", "length"):
-            require_positive(f"the cylinder's {name}", getattr(self, name), "m")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sphere:
-    """A ball, its origin at its center."""
-
-    radius: float  # [m]
-
-    def __post_init__(self) -> None:
-        require_positive("the sphere's radius", self.radius, "m")
-
-
-Shape = Brick | Cylinder | Sphere
-
-
-@dataclass(frozen=True, kw_only=True)
-class Solid:
-    """A homogeneous solid: mass and inertia follow from shape and density."""
-
-    shape: Shape
-    density: float  # [kg/m^3]
-    centre: tuple[float, float, float]  # [m], p_LS: center of the solid in its link's frame
-    colour: Colour
-
-    def __post_init__(self) -> None:
-        require_kind("the shape of a solid", self.shape, Brick, Cylinder, Sphere)
-        require_positive("the density", self.density, "kg/m^3")
-        require_three("the center of a solid", self.centre)
-        require_three("the color of a solid", self.colour)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Inertial:
-    """Explicit mass properties, where they do not follow from a homogeneous solid.
-
-    The inertia matrix is about the center of mass, along the axes of the link's frame; its
-    products are the entries of the matrix, as in SDF.
-    """
-
-    mass: float  # [kg]
-    centre: tuple[float, float, float]  # [m], p_LC: center of mass in the link's frame
-    moments: tuple[float, float, float]  # [kg*m^2], Ixx, Iyy, Izz
-    products: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [kg*m^2], Ixy, Ixz, Iyz
-
-    def __post_init__(self) -> None:
-        require_positive("the mass", self.mass, "kg")
-        for name in ("centre", "moments", "products"):
-            require_three(f"the field {name} of an inertial", getattr(self, name))
-        small, middle, great = self.principal_moments()
-        total = small + middle + great
-        margin = _MOMENT_MARGIN * total if any(self.products) else -_MOMENT_ROUNDING * total
-        shown = ", ".join(f"{moment:.9g}" for moment in (small, middle, great))
-        if small < max(LEAST, margin):
-            raise InvalidValueError(
-                f"the inertia has the principal moments {shown} kg*m^2; all of them must be "
-                "positive"
-            )
-        if small + middle < great + margin:
-            raise InvalidValueError(
-                f"the inertia has the principal moments {shown} kg*m^2; the greatest must be less "
-                "than the other two together, as it is for every body"
-            )
-
-    def principal_moments(self) -> tuple[float, float, float]:
-        """Moments about the principal axes of inertia, the smallest first [kg*m^2]."""
-        (xx, yy, zz), (xy, xz, yz) = self.moments, self.products
-        if not any(self.products):
-            small, middle, great = sorted(self.moments)
-            return small, middle, great
-        import numpy as np
-
-        matrix = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-        small, middle, great = np.linalg.eigvalsh(matrix).tolist()
-        return small, middle, great
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -284,7 +181,8 @@ class Robot:
     Examples
     --------
     >>> from drake_leg import Robot
-    >>> from drake_leg.robot.robot import Brick, Link, Row, Segment, Solid
+    >>> from drake_leg.robot.robot import Link, Row, Segment
+    >>> from drake_leg.robot.solids import Brick, Solid
     >>> bar = Solid(
     ...     shape=Brick(length=0.2, width=0.02, height=0.01),  # [m]
     ...     density=2700.0,  # [kg/m^3]
@@ -501,58 +399,6 @@ def angle_text(angle: float) -> str:
 def _sum(variable: str, offset: float, text: str) -> str:
     """Write a joint variable plus the table's constant offset, unless that is 0."""
     return f"{variable} + {text}" if offset else variable
-
-
-@dataclass(frozen=True, kw_only=True)
-class MassProperties:
-    """Mass and principal moments about the solid's center, along its own axes."""
-
-    mass: float  # [kg]
-    moments: tuple[float, float, float]  # [kg*m^2], about x, y, z
-
-
-def volume(shape: Shape) -> float:
-    """Volume of a shape [m^3]."""
-    if isinstance(shape, Brick):
-        return shape.length * shape.width * shape.height
-    if isinstance(shape, Cylinder):
-        return math.pi * shape.radius**2 * shape.length
-    return 4.0 / 3.0 * math.pi * shape.radius**3
-
-
-def bounding_radius(shape: Shape) -> float:
-    """Distance of a shape's farthest point from its center [m]."""
-    if isinstance(shape, Brick):
-        return math.hypot(shape.length, shape.width, shape.height) / 2
-    if isinstance(shape, Cylinder):
-        return math.hypot(shape.radius, shape.length / 2)
-    return shape.radius
-
-
-def mass_properties(solid: Solid) -> MassProperties:
-    """Mass and principal moments of a homogeneous solid.
-
-    A brick has ``Ixx = m (w^2 + h^2) / 12`` and so on, a cylinder ``Izz = m r^2 / 2`` and
-    ``Ixx = m (3 r^2 + l^2) / 12``, a ball ``2/5 m r^2``. A solid whose mass or moments would
-    underflow or overflow is refused.
-    """
-    shape = solid.shape
-    mass = solid.density * volume(shape)
-    if isinstance(shape, Brick):
-        x2, y2, z2 = shape.length**2, shape.width**2, shape.height**2
-        per_mass = ((y2 + z2) / 12, (x2 + z2) / 12, (x2 + y2) / 12)
-    elif isinstance(shape, Cylinder):
-        across = (3 * shape.radius**2 + shape.length**2) / 12
-        per_mass = (across, across, shape.radius**2 / 2)
-    else:
-        about = 2 / 5 * shape.radius**2
-        per_mass = (about, about, about)
-    require_positive("the mass of a solid", mass, "kg")
-    for moment in per_mass:
-        require_positive("a moment of inertia of a solid", mass * moment, "kg*m^2")
-    return MassProperties(
-        mass=mass, moments=(mass * per_mass[0], mass * per_mass[1], mass * per_mass[2])
-    )
 
 
 def frame_name(index: int) -> str:

@@ -10,10 +10,10 @@ from drake_leg.arguments import require_kind
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.robot.file_names import is_par
-from drake_leg.robot.par_reader import load_par
-from drake_leg.robot.par_robot import LoadedRobot, numbers_of, robot_of_par
 from drake_leg.robot.robot import Robot
-from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.symoro.as_robot import LoadedRobot, numbers_of, robot_of_par
+from drake_leg.robot.symoro.reader import load_par
+from drake_leg.robot.toml.reader import read_robot
 
 
 def load_robot(path: Path | str, numbers: Mapping[str, float | str] | None = None) -> Robot:
@@ -43,8 +43,8 @@ def load_robot(path: Path | str, numbers: Mapping[str, float | str] | None = Non
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from drake_leg import LEG_B, load_robot
-    >>> from drake_leg.robot.par_writer import robot_par
-    >>> from drake_leg.robot.toml_writer import robot_toml
+    >>> from drake_leg.robot.symoro.writer import robot_par
+    >>> from drake_leg.robot.toml.writer import robot_toml
     >>> with TemporaryDirectory() as folder:
     ...     path = Path(folder) / "leg_b.toml"
     ...     _ = path.write_text(robot_toml(LEG_B))

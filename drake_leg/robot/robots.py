@@ -14,17 +14,8 @@ from typing import Literal
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import (
-    LINK_COLOURS,
-    Brick,
-    Cylinder,
-    Link,
-    Robot,
-    Row,
-    Segment,
-    Solid,
-    Sphere,
-)
+from drake_leg.robot.robot import LINK_COLOURS, Link, Robot, Row, Segment
+from drake_leg.robot.solids import Brick, Cylinder, Solid, Sphere
 from drake_leg.units import require_positive
 
 LegVariant = Literal["A", "B"]

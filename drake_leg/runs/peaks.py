@@ -8,7 +8,8 @@ import numpy as np
 
 from drake_leg.kinematics.chain import base_rotation
 from drake_leg.kinematics.khalil import Array, base_transforms
-from drake_leg.robot.robot import Link, Robot, volume
+from drake_leg.robot.robot import Link, Robot
+from drake_leg.robot.solids import volume
 from drake_leg.simulation.run import Run
 
 NAMES = ("positions", "velocities", "accelerations")  # of the joints' scopes

@@ -27,7 +27,7 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import DifferentiableLeg, LegGeometry, MovableLeg
 from drake_leg.kinematics.movable import Movable
 from drake_leg.models.plant import build_plant
-from drake_leg.robot.robot import Brick, Sphere
+from drake_leg.robot.solids import Brick, Sphere
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.systems.block import Block, differentiable
 from drake_leg.systems.inverse_jacobian import InverseJacobian

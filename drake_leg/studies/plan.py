@@ -100,7 +100,7 @@ class Plan:
         if self.sample is not None:
             described |= {"sample": self.sample, "sampler": self.sampler, "seed": self.seed}
         if self.kind.own is not None:
-            from drake_leg.robot.toml_writer import robot_toml
+            from drake_leg.robot.toml.writer import robot_toml
 
             described["robot"] = robot_toml(self.kind.own)
         return described

@@ -8,7 +8,8 @@ from fractions import Fraction
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.arithmetic import (
+from drake_leg.robot.robot import JointType
+from drake_leg.robot.symoro.arithmetic import (
     PI,
     Call,
     Expression,
@@ -19,11 +20,10 @@ from drake_leg.robot.arithmetic import (
     Sum,
     Value,
 )
-from drake_leg.robot.par_positions import Position, positions
-from drake_leg.robot.par_reader import ParFile
-from drake_leg.robot.par_robot import letters_of
-from drake_leg.robot.par_text import AT_JOINT, FORCE, INERTIAL, MOMENT, POSE
-from drake_leg.robot.robot import JointType
+from drake_leg.robot.symoro.as_robot import letters_of
+from drake_leg.robot.symoro.positions import Position, positions
+from drake_leg.robot.symoro.reader import ParFile
+from drake_leg.robot.symoro.text import AT_JOINT, FORCE, INERTIAL, MOMENT, POSE
 from drake_leg.symbolic.table import NO_LINK, LinkParameters, SymbolicRow, SymbolicTable, Three
 
 JOINTS: tuple[JointType, ...] = ("revolute", "prismatic", "fixed")  # by sigma

@@ -18,7 +18,8 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
-from drake_leg.robot.robot import JointType, Link, Robot, Row, mass_properties
+from drake_leg.robot.robot import JointType, Link, Robot, Row
+from drake_leg.robot.solids import mass_properties
 from drake_leg.robot.tree import antecedents
 from drake_leg.units import STANDARD_GRAVITY
 

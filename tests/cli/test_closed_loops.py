@@ -7,7 +7,7 @@ import pytest
 
 from drake_leg.cli import main
 from drake_leg.robot.linkages import FOUR_BAR, SLIDER_CRANK
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.writer import robot_toml
 
 
 def test_the_doctor_says_assemblies_and_dead_centers(capsys):

@@ -8,7 +8,7 @@ from slx_writer import ModelBuilder
 
 from drake_leg.cli import main
 from drake_leg.robot.robots import LEG_B
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.writer import robot_toml
 
 MODEL = str(Path(__file__).parents[2] / "notebooks" / "leg.slx")
 

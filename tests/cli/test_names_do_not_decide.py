@@ -10,8 +10,8 @@ from drake_leg.cli import main
 from drake_leg.pictures.plots.free_body import free_body
 from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
-from drake_leg.robot.toml_reader import read_robot
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.reader import read_robot
+from drake_leg.robot.toml.writer import robot_toml
 
 NAMES = ["pendulum", "pendulum3", "leg_a", "leg_b", "scara", "hexabot_leg", "ellipse", "arm"]
 STRUCTURES = {

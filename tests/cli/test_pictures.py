@@ -11,7 +11,7 @@ from drake_leg.cli import main, run
 from drake_leg.cli.terminal import Pictures
 from drake_leg.files import LIST, ResultsFolder
 from drake_leg.robot.robots import hexabot_leg
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.writer import robot_toml
 from drake_leg.runs import figures
 from drake_leg.runs.catalogue import RUNS, run_kind
 from drake_leg.scene.media import Replay, Still

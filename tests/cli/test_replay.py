@@ -102,7 +102,7 @@ def test_a_run_with_lengths_of_ones_own_needs_its_robot(capsys):
     said = refused(capsys, "long", "--out", "long.html")
     assert "tip is up to 0.03 m away from where 'leg_b' has it" in said
     assert not Path("long.html").exists()
-    from drake_leg.robot.toml_writer import robot_toml
+    from drake_leg.robot.toml.writer import robot_toml
 
     Path("long.toml").write_text(robot_toml(hexabot_leg("B", l1=0.08)), encoding="utf-8")
     assert main(["replay", "long", "--out", "long.html", "--robot", "long.toml"]) == 0

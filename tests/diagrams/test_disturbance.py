@@ -22,8 +22,8 @@ from drake_leg.diagrams.wiring import wires
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import Push
 from drake_leg.models.plant import build_plant
-from drake_leg.robot.robot import Inertial
 from drake_leg.robot.robots import LEG_B, SCARA
+from drake_leg.robot.solids import Inertial
 from drake_leg.systems.prescribed_motion import STIFFNESS
 
 LEG = hexabot_leg.HexabotLegConfig(robot=LEG_B, q0=(1.0, -0.8, -1.5))

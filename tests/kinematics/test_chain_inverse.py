@@ -3,10 +3,10 @@ import math
 import numpy as np
 import pytest
 
+from drake_leg.kinematics.inverse.screws import Screw, motion
+from drake_leg.kinematics.inverse.search import find_postures, rotation_vector
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, branch_angles
-from drake_leg.kinematics.screws import Screw, motion
-from drake_leg.kinematics.search import find_postures, rotation_vector
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_B
 

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.kinematics.one_unknown import quadratic, roots, sine_and_cosine
+from drake_leg.kinematics.inverse.one_unknown import quadratic, roots, sine_and_cosine
 
 
 def test_sine_and_cosine(rng):

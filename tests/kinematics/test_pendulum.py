@@ -21,8 +21,8 @@ from drake_leg.kinematics.pendulum import (
     rest_angle,
 )
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import mass_properties
 from drake_leg.robot.robots import LEG_A, PENDULUM, SCARA, pendulum
+from drake_leg.robot.solids import mass_properties
 
 FREE = PendulumModel.from_robot(PENDULUM)
 DAMPED = replace(FREE, damping=0.01)

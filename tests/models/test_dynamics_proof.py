@@ -8,7 +8,8 @@ from trees import hexapod, two_fingers
 from drake_leg import LEG_B, SCARA, prove
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Inertial, Link, Robot, Row, Segment
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.solids import Inertial
 
 ON_A_WALL = ((0, 0, 1, 0.1), (1, 0, 0, 0.2), (0, 1, 0, 0.3), (0, 0, 0, 1))
 ROBOTS = (LEG_B, SCARA, two_fingers(), hexapod(), replace(LEG_B, base_pose=ON_A_WALL))

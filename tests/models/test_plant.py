@@ -13,8 +13,8 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.models.plant import build_plant, sdf_folder
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Inertial, mass_properties
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, SCARA, pendulum, scara
+from drake_leg.robot.solids import Inertial, mass_properties
 from drake_leg.units import STANDARD_GRAVITY
 
 each_robot = pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)

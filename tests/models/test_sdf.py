@@ -10,8 +10,9 @@ import pytest
 
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.models.sdf import package_text, sdf_text
-from drake_leg.robot.robot import Link, Robot, Row, Segment, Solid, Sphere
+from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import PENDULUM, ROBOTS
+from drake_leg.robot.solids import Solid, Sphere
 
 BALL = Solid(shape=Sphere(radius=0.01), density=1e3, centre=(0.0,) * 3, colour=(0.0,) * 3)
 

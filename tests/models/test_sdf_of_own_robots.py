@@ -14,7 +14,8 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Inertial, Link, Robot, Row, Segment, Solid, Sphere
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.solids import Inertial, Solid, Sphere
 
 BALL = Solid(shape=Sphere(radius=0.05), density=1e3, centre=(0.1, 0.0, 0.0), colour=(1.0, 0.0, 0.0))
 

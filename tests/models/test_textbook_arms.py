@@ -10,9 +10,9 @@ from drake_leg.lab.grader.tables import lint_table, table_of_document
 from drake_leg.models.proof import prove
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robot_file import load_robot
-from drake_leg.robot.toml_keys import parse_document
-from drake_leg.robot.toml_reader import ClassicRow, khalil_rows, read_robot
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.keys import parse_document
+from drake_leg.robot.toml.reader import ClassicRow, khalil_rows, read_robot
+from drake_leg.robot.toml.writer import robot_toml
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 FILES = sorted(ROBOTS.glob("*.toml"))

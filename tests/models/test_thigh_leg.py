@@ -18,8 +18,9 @@ from drake_leg.kinematics.leg import LegGeometry, foot_position
 from drake_leg.models.plant import build_plant, sdf_folder, thigh_leg
 from drake_leg.models.sdf import thigh_leg_text, thigh_text
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Brick, Inertial, Link, Robot, Row, Segment, Solid
+from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA, hexabot_leg
+from drake_leg.robot.solids import Brick, Inertial, Solid
 from drake_leg.units import STANDARD_GRAVITY
 
 

@@ -7,8 +7,8 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.robot.hexapods import HEXABOT, HIPS, Hip, hexapod
 from drake_leg.robot.joint_mechanics import starting_posture
-from drake_leg.robot.robot import mass_properties
 from drake_leg.robot.robots import LEG_B
+from drake_leg.robot.solids import mass_properties
 
 
 def test_the_hexabot_is_one_table_of_six_legs_of_report_b():

@@ -9,18 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import (
-    Brick,
-    Cylinder,
-    Inertial,
-    Link,
-    Robot,
-    Row,
-    Segment,
-    Solid,
-    Sphere,
-)
+from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_B
+from drake_leg.robot.solids import Brick, Cylinder, Inertial, Solid, Sphere
 from drake_leg.units import LEAST, MOST, require_non_negative, require_positive
 
 NOT_FINITE = (math.nan, math.inf, -math.inf)

@@ -10,7 +10,6 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import row_transform
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Sphere
 from drake_leg.robot.robots import (
     LEG_A,
     LEG_B,
@@ -21,6 +20,7 @@ from drake_leg.robot.robots import (
     pendulum,
     scara,
 )
+from drake_leg.robot.solids import Sphere
 
 BAD_SIZES = (0.0, -0.1, math.nan, math.inf)
 

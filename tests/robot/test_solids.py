@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pydrake.multibody.tree import SpatialInertia
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere, mass_properties, volume
+from drake_leg.robot.solids import Brick, Cylinder, Solid, Sphere, mass_properties, volume
 
 size = st.floats(1e-3, 2.0)
 density = st.floats(1.0, 2e4)

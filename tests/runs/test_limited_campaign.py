@@ -11,7 +11,7 @@ from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import hexabot_leg
-from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.toml.reader import read_robot
 from drake_leg.runs.options import StraightOptions
 from drake_leg.runs.step import run as run_robot
 from drake_leg.singularity.forecast import Forecast

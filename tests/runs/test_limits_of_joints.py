@@ -10,7 +10,7 @@ from drake_leg.errors import InvalidValueError, JointLimitError
 from drake_leg.kinematics.khalil import jacobian
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B
-from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.toml.reader import read_robot
 from drake_leg.runs.options import StraightOptions
 from drake_leg.runs.step import run as run_robot
 from drake_leg.singularity.inverse import MARGIN

@@ -9,7 +9,7 @@ import pytest
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.writer import robot_toml
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.named import run
 from drake_leg.runs.options import StraightOptions, type_of

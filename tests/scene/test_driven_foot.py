@@ -7,7 +7,7 @@ from chains import POSTURES, SPINDLE, WHEEL
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.leg import LegGeometry, foot_position, inverse_kinematics
 from drake_leg.robot.robots import LEG_A, LEG_B
-from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.toml.reader import read_robot
 from drake_leg.scene.driven_foot import DrivenFoot
 
 DT = 1.0 / 30.0

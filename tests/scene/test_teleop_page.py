@@ -10,7 +10,7 @@ from chains import PLANAR_2, PUMA, SIX, SLIDER, WHEEL
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.kinematics.leg import LegGeometry, branch_angles, foot_position
 from drake_leg.robot.robots import LEG_A, LEG_B
-from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.toml.reader import read_robot
 from drake_leg.scene.driven_foot import DrivenFoot
 from drake_leg.scene.scene import VIEWS
 from drake_leg.scene.teleop import section_circles, section_triangles, teleop_page, teleop_scene

@@ -9,7 +9,7 @@ from drake_leg.kinematics.closed_loops import ClosedLoops
 from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot.linkages import FOUR_BAR
 from drake_leg.robot.robots import LEG_B, SCARA
-from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.toml.reader import read_robot
 from drake_leg.scene.shown_plant import shown
 from drake_leg.scene.viewer import joint_sliders, view, view_served
 

@@ -9,8 +9,8 @@ from slx_models import BRICK, REVOLUTE, RIGID_TRANSFORM, SIX_DOF, TO_SIMULINK, W
 from slx_writer import ModelBuilder
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere, mass_properties
-from drake_leg.robot.robot import volume as volume_of
+from drake_leg.robot.solids import Brick, Cylinder, Solid, Sphere, mass_properties
+from drake_leg.robot.solids import volume as volume_of
 from drake_leg.simulink.catalogue import MULTIBODY
 from drake_leg.simulink.mechanism import (
     OTHER,

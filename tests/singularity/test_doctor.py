@@ -16,7 +16,7 @@ from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian, fo
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.writer import robot_toml
 from drake_leg.singularity.doctor import examine, examine_posture, examine_whole
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"

@@ -10,7 +10,7 @@ from trees import parallelogram
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.closed_loops import ClosedLoops
 from drake_leg.robot.linkages import FOUR_BAR, LINKAGES
-from drake_leg.robot.par_reader import load_par
+from drake_leg.robot.symoro.reader import load_par
 from drake_leg.symbolic.dynamics import inverse_dynamics
 from drake_leg.symbolic.inertia import inertia
 from drake_leg.symbolic.models import derive_model

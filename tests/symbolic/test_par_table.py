@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms as poses
-from drake_leg.robot.arithmetic import evaluate, parse_arithmetic
-from drake_leg.robot.par_reader import load_par, read_par
-from drake_leg.robot.par_robot import numbers_of, robot_of_par
+from drake_leg.robot.symoro.arithmetic import evaluate, parse_arithmetic
+from drake_leg.robot.symoro.as_robot import numbers_of, robot_of_par
+from drake_leg.robot.symoro.reader import load_par, read_par
 from drake_leg.symbolic.par_table import sympy_of, table_of_par
 from drake_leg.symbolic.table import base_transforms
 

@@ -17,7 +17,7 @@ from drake_leg.robot.linkages import (
     SLIDER_CRANK,
     SLIDER_CRANK_CUT_AT_SLIDE,
 )
-from drake_leg.robot.robot import mass_properties
+from drake_leg.robot.solids import mass_properties
 from drake_leg.systems.closed_loop import DrivenLoops, FreeLoops, TreeDynamics
 from drake_leg.units import STANDARD_GRAVITY
 

@@ -58,7 +58,7 @@ from drake_leg.lab.errata.printed import (
 )
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
-from drake_leg.robot.toml_reader import ClassicRow, khalil_rows
+from drake_leg.robot.toml.reader import ClassicRow, khalil_rows
 from drake_leg.runs.options import (
     STATE_TARGET,
     DampedPendulumOptions,

@@ -31,7 +31,7 @@ from drake_leg.lab.grader.tables import (
     is_heading,
     unreadable,
 )
-from drake_leg.robot.toml_keys import Document, Keys, as_toml, parse_document
+from drake_leg.robot.toml.keys import Document, Keys, as_toml, parse_document
 from drake_leg.symbolic.spelling import quoted
 
 METERS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m

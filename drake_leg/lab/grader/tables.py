@@ -14,7 +14,8 @@ from functools import lru_cache
 from typing import Any, Literal
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.robot import Link, Robot, Row, bounding_radius
+from drake_leg.robot.robot import Link, Robot, Row
+from drake_leg.robot.solids import bounding_radius
 from drake_leg.symbolic.spelling import plain, quoted
 
 

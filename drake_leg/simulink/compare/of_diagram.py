@@ -37,7 +37,7 @@ from pydrake.systems.primitives import (
 from drake_leg.diagrams.wiring import LiveWire, wires
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.robot import Brick, Cylinder, Solid, Sphere
+from drake_leg.robot.solids import Brick, Cylinder, Solid, Sphere
 from drake_leg.simulink.compare.signals import (
     Atom,
     Scalar,

@@ -16,7 +16,7 @@ from drake_leg.lab.grader.slips import Vocabulary, explain
 from drake_leg.lab.grader.tables import Table, TableRow
 from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
-from drake_leg.robot.toml_reader import read_robot
+from drake_leg.robot.toml.reader import read_robot
 from drake_leg.symbolic.formulas import evaluate
 from drake_leg.symbolic.parser import parse_formula
 

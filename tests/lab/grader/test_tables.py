@@ -23,13 +23,14 @@ from drake_leg.lab.grader.tables import (
     repaired,
     table_of_document,
 )
-from drake_leg.robot.par_reader import read_par
-from drake_leg.robot.par_writer import robot_par
-from drake_leg.robot.robot import Inertial, Link
+from drake_leg.robot.robot import Link
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
-from drake_leg.robot.toml_keys import parse_document
-from drake_leg.robot.toml_reader import read_robot
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.solids import Inertial
+from drake_leg.robot.symoro.reader import read_par
+from drake_leg.robot.symoro.writer import robot_par
+from drake_leg.robot.toml.keys import parse_document
+from drake_leg.robot.toml.reader import read_robot
+from drake_leg.robot.toml.writer import robot_toml
 
 PRINTED = Path(__file__).parent / "printed"
 

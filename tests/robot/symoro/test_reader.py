@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.arithmetic import evaluate, parse_arithmetic
-from drake_leg.robot.par_reader import load_par, read_par
-from drake_leg.robot.par_robot import robot_of_par
+from drake_leg.robot.symoro.arithmetic import evaluate, parse_arithmetic
+from drake_leg.robot.symoro.as_robot import robot_of_par
+from drake_leg.robot.symoro.reader import load_par, read_par
 
-SAMPLES = Path(__file__).parents[2] / "examples" / "symoro"
+SAMPLES = Path(__file__).parents[3] / "examples" / "symoro"
 TREE = (SAMPLES / "two-fingers.par").read_text(encoding="utf-8")
 LOOP = (SAMPLES / "parallelogram-arm.par").read_text(encoding="utf-8")
 

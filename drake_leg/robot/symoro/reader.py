@@ -12,7 +12,7 @@ from pathlib import Path, PurePath
 from drake_leg.arguments import require_kind
 from drake_leg.errors import InvalidValueError, UnreadableFileError
 from drake_leg.files import read_bytes
-from drake_leg.robot.arithmetic import (
+from drake_leg.robot.symoro.arithmetic import (
     PI,
     Expression,
     Name,
@@ -23,7 +23,7 @@ from drake_leg.robot.arithmetic import (
     names_in,
     parse_arithmetic,
 )
-from drake_leg.robot.par_text import (
+from drake_leg.robot.symoro.text import (
     OF_BASE,
     OF_FRAMES,
     OF_JOINTS,

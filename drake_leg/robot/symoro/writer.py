@@ -12,12 +12,14 @@ from decimal import Decimal, localcontext
 from fractions import Fraction
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.arithmetic import evaluate, parse_arithmetic
 from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.par_positions import position_key
-from drake_leg.robot.par_reader import FIXED, in_parts_of_pi
-from drake_leg.robot.par_robot import JOINTS, central_inertial, robot_name
-from drake_leg.robot.par_text import (
+from drake_leg.robot.robot import BASE, Link, Robot, Segment, require_robot
+from drake_leg.robot.solids import Inertial, mass_properties
+from drake_leg.robot.symoro.arithmetic import evaluate, parse_arithmetic
+from drake_leg.robot.symoro.as_robot import JOINTS, central_inertial, robot_name
+from drake_leg.robot.symoro.positions import position_key
+from drake_leg.robot.symoro.reader import FIXED, in_parts_of_pi
+from drake_leg.robot.symoro.text import (
     FORCE,
     GEOMETRY,
     INERTIAL,
@@ -26,16 +28,7 @@ from drake_leg.robot.par_text import (
     OF_JOINTS,
     POSE,
 )
-from drake_leg.robot.robot import (
-    BASE,
-    Inertial,
-    Link,
-    Robot,
-    Segment,
-    mass_properties,
-    require_robot,
-)
-from drake_leg.robot.toml_reader import ORIGIN
+from drake_leg.robot.toml.reader import ORIGIN
 from drake_leg.units import STANDARD_GRAVITY
 
 _LONGEST = 300  # digits of an exact decimal

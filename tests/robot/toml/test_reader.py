@@ -12,23 +12,13 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.tables import errors, lint_table, table_of_document
 from drake_leg.models.proof import prove
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
-from drake_leg.robot.robot import (
-    LINK_COLOURS,
-    Brick,
-    Cylinder,
-    Inertial,
-    Link,
-    Robot,
-    Row,
-    Segment,
-    Solid,
-    Sphere,
-)
+from drake_leg.robot.robot import LINK_COLOURS, Link, Robot, Row, Segment
 from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import LEG_B, ROBOTS, hexabot_leg, pendulum
-from drake_leg.robot.toml_keys import parse_document
-from drake_leg.robot.toml_reader import read_robot
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.solids import Brick, Cylinder, Inertial, Solid, Sphere
+from drake_leg.robot.toml.keys import parse_document
+from drake_leg.robot.toml.reader import read_robot
+from drake_leg.robot.toml.writer import robot_toml
 
 ARM = """
 name = "arm"

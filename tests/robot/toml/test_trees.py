@@ -9,8 +9,8 @@ from trees import hexapod, parallelogram, two_fingers
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.robots import ROBOTS
-from drake_leg.robot.toml_reader import read_robot
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.reader import read_robot
+from drake_leg.robot.toml.writer import robot_toml
 
 TREES = [two_fingers(), hexapod(), parallelogram()]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from drake_leg.robot.toml_keys import Keys
+from drake_leg.robot.toml.keys import Keys
 from drake_leg.robot.tree import Loop, Pose
 from drake_leg.units import AngleUnit, in_radians
 

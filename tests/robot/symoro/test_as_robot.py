@@ -12,15 +12,16 @@ from trees import hexapod, parallelogram, two_fingers
 
 from drake_leg.errors import InvalidValueError, MissingNumbersError
 from drake_leg.kinematics.khalil import base_transforms
-from drake_leg.robot.par_reader import read_par
-from drake_leg.robot.par_robot import numbers_of, robot_name, robot_of_par
-from drake_leg.robot.par_writer import not_in_par, robot_par
-from drake_leg.robot.robot import BASE, Inertial, Link, Robot, Row, Segment
+from drake_leg.robot.robot import BASE, Link, Robot, Row, Segment
 from drake_leg.robot.robot_file import load_robot, read_robot_file
 from drake_leg.robot.robots import ROBOTS
+from drake_leg.robot.solids import Inertial
+from drake_leg.robot.symoro.as_robot import numbers_of, robot_name, robot_of_par
+from drake_leg.robot.symoro.reader import read_par
+from drake_leg.robot.symoro.writer import not_in_par, robot_par
 from drake_leg.robot.tree import Loop
 
-SAMPLES = Path(__file__).parents[2] / "examples" / "symoro"
+SAMPLES = Path(__file__).parents[3] / "examples" / "symoro"
 RX90, LOOP, TREE = (SAMPLES / f"{n}.par" for n in ("rx90", "parallelogram-arm", "two-fingers"))
 LENGTHS = {"D3": 0.45, "RL4": 0.4}
 

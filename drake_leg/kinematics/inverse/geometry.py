@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import joints_in_words
-from drake_leg.kinematics.closed_form import ClosedForm, closed_forms, in_words
+from drake_leg.kinematics.inverse.closed_form import ClosedForm, closed_forms, in_words
+from drake_leg.kinematics.inverse.search import REACHED, STARTS, Search, scattered
+from drake_leg.kinematics.inverse.three_joints import Found
 from drake_leg.kinematics.khalil import Array, finite_vectors, real_numbers, table_length
-from drake_leg.kinematics.search import REACHED, STARTS, Search, scattered
-from drake_leg.kinematics.three_joints import Found
 from drake_leg.robot.robot import Robot, html_table, require_robot
 
 CLOSES = 1e-12  # of the chain's length: how well a posture must reach the goal

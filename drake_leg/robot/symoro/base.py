@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.arithmetic import Value, evaluate
-from drake_leg.robot.par_reader import ParFile, ParValue
-from drake_leg.robot.par_text import POSE
+from drake_leg.robot.symoro.arithmetic import Value, evaluate
+from drake_leg.robot.symoro.reader import ParFile, ParValue
+from drake_leg.robot.symoro.text import POSE
 from drake_leg.robot.tree import ORTHONORMAL, Pose
 from drake_leg.units import STANDARD_GRAVITY
 

@@ -11,9 +11,9 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from drake_leg.robot.arithmetic import Expression, Name, Sum, names_in
-from drake_leg.robot.par_reader import FIXED, ZERO, ParFile
-from drake_leg.robot.par_text import GEOMETRY
+from drake_leg.robot.symoro.arithmetic import Expression, Name, Sum, names_in
+from drake_leg.robot.symoro.reader import FIXED, ZERO, ParFile
+from drake_leg.robot.symoro.text import GEOMETRY
 
 # Names that SYMORO and its users give to the position of joint 3: th3, t3, theta3, q3, r3.
 _OF_JOINT = re.compile(r"(?:th|t|theta|q|r)_?(\d+)", re.IGNORECASE | re.ASCII)

@@ -18,14 +18,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from drake_leg.kinematics.khalil import (
-    Array,
-    foot_pose,
-    moving_rows,
-    principal,
-    table_length,
-)
-from drake_leg.kinematics.screws import (
+from drake_leg.kinematics.inverse.screws import (
     PARALLEL,
     Screw,
     are_parallel,
@@ -38,17 +31,24 @@ from drake_leg.kinematics.screws import (
     turned,
     vector_product,
 )
-from drake_leg.kinematics.three_axes import (
+from drake_leg.kinematics.inverse.three_axes import (
     common_plane,
     common_point,
     move_in_plane,
     turn_about_point,
 )
-from drake_leg.kinematics.three_joints import (
+from drake_leg.kinematics.inverse.three_joints import (
     Found,
     Plane,
     carry_plane,
     carry_point,
+)
+from drake_leg.kinematics.khalil import (
+    Array,
+    foot_pose,
+    moving_rows,
+    principal,
+    table_length,
 )
 from drake_leg.robot.robot import Row
 

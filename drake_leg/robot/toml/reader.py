@@ -7,25 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drake_leg.robot.joint_mechanics import PRIORITIES, HardStop, JointMechanics, StateTarget
-from drake_leg.robot.robot import (
-    BASE,
+from drake_leg.robot.robot import BASE, JointType, Link, Robot, Row, Segment, link_colour
+from drake_leg.robot.solids import (
     Brick,
     Cylinder,
     Inertial,
-    JointType,
-    Link,
-    Robot,
-    Row,
-    Segment,
     Shape,
     Solid,
     Sphere,
-    link_colour,
     mass_properties,
     volume,
 )
-from drake_leg.robot.toml_base import BASE_KEYS, INSTEAD_OF_BASE, read_base_pose, read_loops
-from drake_leg.robot.toml_keys import Keys, parse_document
+from drake_leg.robot.toml.base import BASE_KEYS, INSTEAD_OF_BASE, read_base_pose, read_loops
+from drake_leg.robot.toml.keys import Keys, parse_document
 from drake_leg.units import AngleUnit, JointUnits, in_radians, joint_units
 
 # Of each shape: its class, and its dimensions in the order in which they are written.

@@ -13,9 +13,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from drake_leg.kinematics.khalil import Array
-from drake_leg.kinematics.one_unknown import SMALL, quadratic
-from drake_leg.kinematics.screws import (
+from drake_leg.kinematics.inverse.one_unknown import SMALL, quadratic
+from drake_leg.kinematics.inverse.screws import (
     PARALLEL,
     Screw,
     angle_about,
@@ -26,7 +25,8 @@ from drake_leg.kinematics.screws import (
     rotation,
     vector_product,
 )
-from drake_leg.kinematics.three_joints import NOWHERE, Found, turn_vector
+from drake_leg.kinematics.inverse.three_joints import NOWHERE, Found, turn_vector
+from drake_leg.kinematics.khalil import Array
 
 
 def common_point(screws: Sequence[Screw], size: float) -> Array | None:

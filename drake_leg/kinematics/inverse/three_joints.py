@@ -19,14 +19,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_leg.kinematics.khalil import Array
-from drake_leg.kinematics.one_unknown import (
+from drake_leg.kinematics.inverse.one_unknown import (
     SMALL,
     quadratic,
     roots,
     sine_and_cosine,
 )
-from drake_leg.kinematics.screws import (
+from drake_leg.kinematics.inverse.screws import (
     PARALLEL,
     Normal,
     Screw,
@@ -42,6 +41,7 @@ from drake_leg.kinematics.screws import (
     turned,
     vector_product,
 )
+from drake_leg.kinematics.khalil import Array
 
 SHARPENING = 3  # steps of Newton's method
 SHARP = 1e-16  # relative to the size: an error that no step makes smaller

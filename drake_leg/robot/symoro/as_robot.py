@@ -15,7 +15,10 @@ from pathlib import PurePath
 
 from drake_leg.arguments import is_number, shown
 from drake_leg.errors import InvalidValueError, MissingNumbersError, did_you_mean
-from drake_leg.robot.arithmetic import (
+from drake_leg.robot.joint_mechanics import JointMechanics
+from drake_leg.robot.robot import BASE, JointType, Link, Robot, Row, Segment
+from drake_leg.robot.solids import Inertial
+from drake_leg.robot.symoro.arithmetic import (
     Expression,
     Name,
     Value,
@@ -23,11 +26,10 @@ from drake_leg.robot.arithmetic import (
     names_in,
     parse_arithmetic,
 )
-from drake_leg.robot.joint_mechanics import JointMechanics
-from drake_leg.robot.par_base import pose_of_base
-from drake_leg.robot.par_positions import positions
-from drake_leg.robot.par_reader import FIXED, ZERO, ParFile, first_index, in_file, owner
-from drake_leg.robot.par_text import (
+from drake_leg.robot.symoro.base import pose_of_base
+from drake_leg.robot.symoro.positions import positions
+from drake_leg.robot.symoro.reader import FIXED, ZERO, ParFile, first_index, in_file, owner
+from drake_leg.robot.symoro.text import (
     AT_JOINT,
     FIRST_MOMENTS,
     FORCE,
@@ -37,7 +39,6 @@ from drake_leg.robot.par_text import (
     POSE,
     quoted,
 )
-from drake_leg.robot.robot import BASE, Inertial, JointType, Link, Robot, Row, Segment
 from drake_leg.robot.tree import Loop
 
 JOINTS: tuple[JointType, ...] = ("revolute", "prismatic", "fixed")  # by sigma

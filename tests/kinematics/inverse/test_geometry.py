@@ -20,10 +20,10 @@ from chains import (
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics import leg, scara
-from drake_leg.kinematics.closed_form import closed_forms
-from drake_leg.kinematics.inverse_geometry import inverse_geometry
+from drake_leg.kinematics.inverse.closed_form import closed_forms
+from drake_leg.kinematics.inverse.geometry import inverse_geometry
+from drake_leg.kinematics.inverse.search import Search
 from drake_leg.kinematics.khalil import foot_pose, principal
-from drake_leg.kinematics.search import Search
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_B, SCARA

@@ -6,8 +6,9 @@ import json
 from collections.abc import Iterator
 
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
-from drake_leg.robot.robot import Inertial, Link, Robot, Segment, Solid
-from drake_leg.robot.toml_reader import ORIGIN, SHAPES
+from drake_leg.robot.robot import Link, Robot, Segment
+from drake_leg.robot.solids import Inertial, Solid
+from drake_leg.robot.toml.reader import ORIGIN, SHAPES
 from drake_leg.units import AngleUnit, JointUnits, exact_degrees, joint_units
 
 COMMENT_COLUMN = 32

@@ -7,8 +7,8 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.robot.robots import pendulum
-from drake_leg.robot.toml_reader import read_robot
-from drake_leg.robot.toml_writer import robot_toml
+from drake_leg.robot.toml.reader import read_robot
+from drake_leg.robot.toml.writer import robot_toml
 
 ARM = """
 name = "arm"

@@ -1,0 +1,1 @@
+"""Inverse geometry: closed forms by Pieper and Paul, and a numerical search."""

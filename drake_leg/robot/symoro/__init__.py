@@ -1,0 +1,1 @@
+"""A robot in SYMORO's files: read as data, made a robot, written."""

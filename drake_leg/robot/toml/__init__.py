@@ -1,0 +1,1 @@
+"""A robot in TOML: read and written."""
