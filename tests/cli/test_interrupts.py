@@ -18,6 +18,7 @@ from drake_leg.simulation.recording import Recording
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 NAMES = [number.name for number in SIGNALS]
+STEPPED = ("run", "leg-b", "--dynamics", "forward")  # kinematics alone are done all at once
 
 
 @pytest.fixture(autouse=True)
@@ -68,7 +69,7 @@ def test_a_signal_ends_a_run_and_saves_what_was_recorded(number, no_figures, mon
     act = come(number)
     monkeypatch.setattr(ProgressBar, "__call__", lambda self, done: act() if done > 0.5 else None)
     before = signal.getsignal(number)
-    assert main(["run", "leg-b", "--out", "out"]) == 128 + number
+    assert main([*STEPPED, "--out", "out"]) == 128 + number
     assert signal.getsignal(number) is before
     assert "interrupted" in capsys.readouterr().err
     summary = summary_of("out")
@@ -85,7 +86,7 @@ def test_a_second_signal_waits_until_the_first_ones_data_are_saved(
     monkeypatch.setattr(ProgressBar, "__call__", lambda self, done: first() if done > 0.5 else None)
     write = outcome.Outcome.write
     monkeypatch.setattr(outcome.Outcome, "write", before_it(write, second))
-    assert main(["run", "leg-b", "--out", "out"]) == 128 + number
+    assert main([*STEPPED, "--out", "out"]) == 128 + number
     assert summary_of("out")["stop_reason"] == "interrupted"
     assert inside() == ["out"]
     assert inside("out") == [LIST, "recording.csv", "summary.json"]

@@ -185,5 +185,5 @@ def test_a_loop_whose_branches_all_end_in_it_is_proved_and_has_no_foot(capsys):
     )
     assert main(["check", "x.par", "--samples", "2"]) == 0
     assert "foot of frame_5" in capsys.readouterr().out
-    assert main(["doctor", "x.par", "--q", "0,0,0"]) == 2
+    assert main(["inverse", "x.par", "--foot", "0.1,0,0"]) == 2
     assert "has closed loops" in capsys.readouterr().err
