@@ -173,13 +173,15 @@ class ClosedLoops:
             f"{'is' if count == 1 else 'are'} active"
         )
         if count != freedom:
-            raise InvalidValueError(said, advice=f"make {freedom} of them `actuated`")
+            raise InvalidValueError(
+                said, advice=f"let {freedom} of them be actuated (mu in a .par file)"
+            )
         J = self.scaled_jacobian(self._samples)[..., self._p]
         if _usual_rank(J) < len(self._p):
             raise InvalidValueError(
                 f"{said}, and do not determine the posture of the others, "
                 f"{', '.join(self.passive)}",
-                advice="make others `actuated`",
+                advice="let others be actuated (mu in a .par file)",
             )
 
     # --- how far the loops are from closed ---------------------------------------------------

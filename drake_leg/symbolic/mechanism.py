@@ -74,6 +74,7 @@ class Mechanism:
     def __init__(self, table: SymbolicTable, *inputs: str) -> None:
         self.table = table
         self.numbers = _joint_numbers(table)
+        self._letters = {symbol.name for symbol in table.free_symbols}
         self.qdot = self._each_joint("qdot")
         self.qddot = self._each_joint("qddot")
         self.torques = self._each_joint("tau")
@@ -82,7 +83,17 @@ class Mechanism:
         self.steps = Steps(symbol.name for symbol in (*given, *table.free_symbols))
 
     def _each_joint(self, name: str) -> tuple[sp.Symbol, ...]:
-        return tuple(sp.Symbol(f"{name}{number}", real=True) for number in self.numbers)
+        return tuple(self._input(f"{name}{number}") for number in self.numbers)
+
+    def _input(self, name: str) -> sp.Symbol:
+        """Make the symbol of an input; where a letter of the table has its name, with _ behind."""
+        while name in self._letters:
+            name += "_"
+        return sp.Symbol(name, real=True)
+
+    def _vector(self, name: str) -> sp.Matrix:
+        """Make the symbols of a vector, (3, 1)."""
+        return sp.Matrix([self._input(f"{name}_{axis}") for axis in AXES])
 
     def _chosen(self, names: Sequence[str]) -> tuple[Input, ...]:
         """Choose the inputs of a program; those of the base only where it floats."""
@@ -113,12 +124,12 @@ class Mechanism:
 
         All are in frame 0: w0, wd0, vd0 and g0, each (3, 1).
         """
-        return _letters("w0"), _letters("wd0"), _letters("vd0"), _letters("g0")
+        return self._vector("w0"), self._vector("wd0"), self._vector("vd0"), self._vector("g0")
 
     @cached_property
     def base_velocity(self) -> sp.Matrix:
         """Velocity of a floating base's origin, in frame 0, (3, 1)."""
-        return _letters("v0")
+        return self._vector("v0")
 
     @property
     def gravity(self) -> sp.Matrix:
@@ -286,10 +297,6 @@ class Motion:
             )
             self._U[number] = U.applyfunc(self._steps.again)
         return self._U[number]
-
-
-def _letters(name: str) -> sp.Matrix:
-    return sp.Matrix([sp.Symbol(f"{name}_{axis}", real=True) for axis in AXES])
 
 
 def _joint_numbers(table: SymbolicTable) -> tuple[int, ...]:

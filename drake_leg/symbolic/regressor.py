@@ -32,12 +32,16 @@ class Parameter:
 
 
 def parameters(table: SymbolicTable) -> tuple[Parameter, ...]:
-    """List the parameters of a table that are not zero, link by link, in Khalil's order."""
+    """List the parameters of a table that are not zero, link by link, in Khalil's order.
+
+    Those of a joint are only of rows that move.
+    """
     links = enumerate((table.base, *table.links))
+    moving = set(table.moving)
     return tuple(
         Parameter(link=number, name=name)
         for number, link in links
-        for name in (*INERTIAL, *JOINT)
+        for name in (*INERTIAL, *(JOINT if number in moving else ()))
         if getattr(link, name) != 0 and (number or table.floating)
     )
 

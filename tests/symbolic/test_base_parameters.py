@@ -1,5 +1,7 @@
 """Identification models and base parameters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -161,3 +163,11 @@ def test_a_hexapod_has_base_parameters(rng):
     found = base_parameters(hexapod())
     assert len(found.groups) == 10 + 18 * (7 + 1 + 2)
     assert not found.without_effect
+
+
+def test_a_base_that_floats_has_no_joint_and_no_parameters_of_one():
+    table = table_of_robot(hexapod())
+    base = replace(table.base, IA=sp.Symbol("IA0"), FV=sp.Symbol("FV0"), FS=sp.Symbol("FS0"))
+    names = {str(one) for one in parameters(replace(table, base=base))}
+    assert "M0" in names
+    assert not names & {"IA0", "FV0", "FS0"}

@@ -251,3 +251,19 @@ def test_wrong_inputs_are_refused():
         model([0, 0, 0], [0, 0, 0], [0, 0, 0], letters={"M9": 1.0})
     with pytest.raises(InvalidValueError, match="FX, IA1, IA2, L1"):
         inverse_dynamics(planar_arm())([0, 0], [0, 0], [0, 0], letters={"FS1": 1, "FS2": 1})
+
+
+@pytest.mark.parametrize("name", ["qdot1", "qddot2", "tau1"])
+def test_a_letter_may_have_the_name_of_an_input(name):
+    table = table_of_robot(LEG_B)
+    (length,) = (symbol for symbol in table.values if symbol.name == "l1")
+    letter = sp.Symbol(name, real=True)
+    values = {letter if one is length else one: value for one, value in table.values.items()}
+    rows = tuple(replace(row, d=row.d.xreplace({length: letter})) for row in table.rows)
+    named = replace(table, rows=rows, values=values)
+    given = np.random.default_rng(2).uniform(-1.0, 1.0, (3, 3))
+    for model in (inverse_dynamics, direct_dynamics):
+        for plain, other in zip(
+            model(table)(*given).values(), model(named)(*given).values(), strict=True
+        ):
+            assert np.abs(plain - other).max() < 1e-12 * np.abs(plain).max()
