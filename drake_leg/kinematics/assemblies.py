@@ -30,6 +30,7 @@ APART = 1e-5  # [rad, or parts of the size]: assemblies that differ by less are 
 BATCH = 32  # starts of Newton's method at a time
 IN_VAIN = 128  # closed starts in a row that find nothing new: then the search ends
 MOST_STARTS = 2048
+FOLDED = "one of infinitely many, as two links lie on each other and turn together"
 PLANAR, SPATIAL = 2, 16  # most assemblies of a single loop
 
 
@@ -188,6 +189,12 @@ def _triangle(loops: ClosedLoops, loop: Loop, columns: list[int], q: Array) -> _
     end = _in_plane(X_KB @ X_B[loop.end - 1])
     signs = [way * math.copysign(1.0, (X_KB @ X_B[row - 1])[2, 2]) for row, way in passive]
     m, v = second - first, end - second
+    folded = _folded(first, m, v, PARALLEL * loops.size)
+    if folded is not None:
+        posture = q.copy()
+        for (row, _), sign, angle in zip(passive, signs, folded, strict=True):
+            posture[rows.index(row)] = principal(np.array(sign * angle))
+        return _Solved(columns, [("folded", posture[columns])], False, FOLDED)
     bend = float(triangle_angle(abs(m), abs(v), np.array(abs(first))))
     ways = []
     for name, turn in (("positive", bend), ("negative", -bend)):
@@ -201,6 +208,20 @@ def _triangle(loops: ClosedLoops, loop: Loop, columns: list[int], q: Array) -> _
         if loops.closure(posture) <= CLOSED:  # it is not, where the planes are apart
             ways.append((_named(loops, loop, posture, name), posture[columns]))
     return _Solved(columns, ways, True, "in closed form")
+
+
+def _folded(c: complex, m: complex, v: complex, rounding: float) -> tuple[float, float] | None:
+    """One pair of angles s, t where a side of the triangle is 0 and the others are alike.
+
+    Then infinitely many close it: c, m or v is 0, and s + t, t or s is all that matters.
+    """
+    small = [abs(side) < rounding for side in (c, m, v)]
+    sizes = [abs(side) for side, is_small in zip((c, m, v), small, strict=True) if not is_small]
+    if len(sizes) != 2 or abs(sizes[0] - sizes[1]) > rounding:
+        return None
+    if small[0]:
+        return 0.0, math.pi + _angle(m) - _angle(v)
+    return (0.0, _angle(-c) - _angle(v)) if small[1] else (_angle(-c) - _angle(m), 0.0)
 
 
 def _named(loops: ClosedLoops, loop: Loop, q: Array, sign: str) -> str:

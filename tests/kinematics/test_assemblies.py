@@ -1,6 +1,7 @@
 """All assemblies of closed loops: in closed form, or by a search that says how complete it is."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from trees import parallelogram
 from drake_leg.kinematics import assemblies as module
 from drake_leg.kinematics.assemblies import assemblies
 from drake_leg.kinematics.closed_loops import ClosedLoops
+from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.linkages import (
     BENNETT,
     FIVE_BAR,
@@ -16,6 +18,8 @@ from drake_leg.robot.linkages import (
     PARALLELOGRAM_ARM,
     SLIDER_CRANK,
 )
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.tree import Loop
 
 RNG = np.random.default_rng(14)
 
@@ -83,3 +87,39 @@ def test_a_four_bar_does_not_close_beyond_its_dead_centers():
     loops = ClosedLoops(FOUR_BAR, active=["rocker"])
     assert assemblies(loops, [0.1]).found == ()
     assert assemblies(loops, [0.1]).complete
+
+
+def test_cranks_that_lie_on_each_other_close_in_infinitely_many_ways():
+    def moving(name, **row):
+        return Segment(row=Row(joint="revolute", **row), joint=name, link=Link(name=f"{name}_bar"))
+
+    rows = (
+        moving("first"),
+        moving("second", d=0.5),
+        moving("third", antecedent=0),
+        moving("fourth", d=0.5),
+        Segment(row=Row(joint="revolute", d=0.5, antecedent=2)),
+        Segment(row=Row(joint="fixed", d=0.5, antecedent=4)),
+    )
+    passive = JointMechanics(actuated=False)
+    rows = tuple(
+        replace(one, mechanics=passive) if one.joint in ("second", "fourth") else one
+        for one in rows
+    )
+    loops = ClosedLoops(
+        Robot(
+            name="rhombus",
+            title="Rhombus",
+            source="test",
+            segments=rows,
+            loops=(Loop(joint="cut", cut=5, end=6),),
+        )
+    )
+    for crank in (0.0, 0.4, 0.5, 1.0):
+        together = assemblies(loops, [crank, crank])
+        assert not together.complete
+        assert "infinitely many" in together.how
+        (one,) = together.found
+        assert loops.closure(np.array(one.q)) < 1e-12
+    apart = assemblies(loops, [0.4, 0.9])
+    assert (len(apart.found), apart.complete) == (2, True)
