@@ -131,6 +131,8 @@ def singular_assemblies(
             back, _ = curve.walk(_Point(start.q, -start.tangent, start.sigma))
             points = [*(_Point(p.q, -p.tangent, p.sigma) for p in reversed(back[1:])), *points]
         found += _on(curve, points)
+        if start.sigma < FLAT * max(point.sigma for point in points):
+            found.append(_singular(curve, BRANCHING, loops.joints[active], start))
         turns = "all around" if closed else "as far as the loops close within the limits"
         said.append(f"{loops.joints[active]} {turns}")
     posture = np.array(q)

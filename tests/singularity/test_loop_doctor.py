@@ -90,3 +90,13 @@ def test_a_posture_is_closed_first():
     assert np.shape(alone.as_json()["passive_rates"]) == (2, 1)
     with pytest.raises(InvalidValueError, match="q has 2 numbers; four_bar has 3 joint positions"):
         examine_loops(FOUR_BAR, [1.0, 2.0])
+
+
+def test_a_posture_that_is_itself_a_branching_is_in_the_list():
+    loops = ClosedLoops(PARALLELOGRAM_ARM)
+    flat = np.zeros(len(loops.joints))
+    flat[loops.joints.index("joint3")] = math.pi / 2  # th3 = pi/2 + th7 - th2
+    assert loops.closure(flat) < 1e-12
+    found, _ = singular_assemblies(loops, flat)
+    assert [np.abs(np.array(one.q) - flat).max() < 1e-6 for one in found[:2]] == [True, True]
+    assert {one.along for one in found[:2]} == {"joint2", "joint7"}
