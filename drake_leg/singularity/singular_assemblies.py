@@ -76,6 +76,10 @@ class _Curve:
             tangent = -tangent
         return _Point(q, tangent, float(sigma[self.rank - 1]) if self.rank else math.inf)
 
+    def greatest(self, point: _Point) -> float:
+        """Greatest singular value of the loops' Jacobian, by the joints of the curve."""
+        return float(np.linalg.norm(self.loops.scaled_jacobian(point.q)[:, self.columns], 2))
+
     def moved(self, point: _Point, stride: float) -> _Point | None:
         """Move along the tangent, and close the loops again."""
         guess = point.q + stride * point.tangent * self.loops.units
@@ -131,7 +135,7 @@ def singular_assemblies(
             back, _ = curve.walk(_Point(start.q, -start.tangent, start.sigma))
             points = [*(_Point(p.q, -p.tangent, p.sigma) for p in reversed(back[1:])), *points]
         found += _on(curve, points)
-        if start.sigma < FLAT * max(point.sigma for point in points):
+        if start.sigma < FLAT * curve.greatest(start):
             found.append(_singular(curve, BRANCHING, loops.joints[active], start))
         turns = "all around" if closed else "as far as the loops close within the limits"
         said.append(f"{loops.joints[active]} {turns}")
