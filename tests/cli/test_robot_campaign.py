@@ -205,9 +205,12 @@ def check(subject):
     status, out = subject("check", subject.file, "--samples", "3", "--json")
     said = json.loads(out)
     assert (status, said["proof"]["holds"], said["proof"]["complete"]) == (0, True, True), said
+    links = [segment.link for segment in subject.robot.segments if segment.link]
+    weighs = any(link.solid or link.inertial for link in links)
     assert {comparison["quantity"] for comparison in said["proof"]["comparisons"]} == {
         "foot",
         "Jacobian",
+        *(["torques"] if weighs else []),
     }
 
 
