@@ -32,7 +32,7 @@ def dynamic_testimonies(robot: Robot, drake: Callable[[], DrakeWitness]) -> Iter
     Those of joints come first, then, of a floating base, moment and force in the base frame.
     Springs are left out: Khalil's models have none.
     """
-    if not any(link and (link.solid or link.inertial) for link in _links(robot)):
+    if not any(link and link.has_mass for link in _links(robot)):
         return
     yield Testimony(TORQUES, "Drake", lambda q: by_drake(robot, drake(), _motions(q)))
     yield Testimony(TORQUES, "SymPy", lambda q: by_symbols(robot, _motions(q)))

@@ -8,7 +8,7 @@ frames, without any equation of the loop.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
@@ -17,7 +17,7 @@ from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.closed_loops import CLOSED, ClosedLoops
 from drake_leg.kinematics.khalil import Array
-from drake_leg.models.witnesses import DrakeWitness, Testimony, one_by_one
+from drake_leg.models.witnesses import DrakeWitness, Testimony, one_by_one, widened
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.tree import Loop
 
@@ -103,13 +103,7 @@ def _of_row(robot: Robot, row: int, q: Array) -> Side:
     rows = robot.rows[:row]
     own = q[: len(khalil.moving_rows(rows))]
     X, J = khalil.foot_pose_and_jacobian(rows, own)
-    return X, _widened(J, range(len(own)), len(q))
-
-
-def _widened(J: Array, columns: Sequence[int], joints: int) -> Array:
-    wide = np.zeros((6, joints))
-    wide[:, columns] = J
-    return wide
+    return X, widened(J, range(len(own)), len(q))
 
 
 def _by_drake(drake: Callable[[], DrakeWitness], loop: Loop, q: Array) -> tuple[Side, Side]:
@@ -140,7 +134,7 @@ def _by_symbols(robot: Robot, loop: Loop) -> Callable[[Array], tuple[Side, Side]
         found = []
         for row in (loop.cut, loop.end):
             columns, foot, jacobian = functions(row)
-            found.append((foot(q[columns]), _widened(jacobian(q[columns]), columns, len(q))))
+            found.append((foot(q[columns]), widened(jacobian(q[columns]), columns, len(q))))
         return found[0], found[1]
 
     return sides

@@ -23,7 +23,7 @@ from drake_leg.errors import InvalidValueError, TimeBudgetError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.feet import greatest_reach, random_configurations
 from drake_leg.kinematics.khalil import Array
-from drake_leg.models.witnesses import DrakeWitness, Testimony, one_by_one
+from drake_leg.models.witnesses import DrakeWitness, Testimony, one_by_one, widened
 from drake_leg.progress import BUDGET, TimeBudget
 from drake_leg.robot.robot import Robot, Row, Segment, html_table, require_robot
 from drake_leg.units import require_positive
@@ -313,27 +313,24 @@ def _testimonies_on(
     leading = [column for column, index in enumerate(moving) if index + 1 in on_the_way]
     path = khalil.foot_rows(rows)
 
-    def widened(columns: Sequence[int], J: Array) -> Array:
-        """Put columns among those of the joints that do not move this frame."""
-        wide = np.zeros((*J.shape[:-1], len(moving)))
-        wide[..., columns] = J
-        return wide
+    def wide(columns: Sequence[int], J: Array) -> Array:
+        return widened(J, columns, len(moving))
 
     foot, jacobian = FOOT + which, JACOBIAN + which
     chain = {
         foot: lambda q: khalil.foot_pose(rows, q[:, before]),
-        jacobian: lambda q: widened(before, khalil.jacobian(rows, q[:, before])),
+        jacobian: lambda q: wide(before, khalil.jacobian(rows, q[:, before])),
     }
     symbols = {
         foot: lambda q: one_by_one(foot_function(path), q[:, leading]),
-        jacobian: lambda q: widened(leading, one_by_one(jacobian_function(path), q[:, leading])),
+        jacobian: lambda q: wide(leading, one_by_one(jacobian_function(path), q[:, leading])),
     }
     plant = {
         foot: lambda q: one_by_one(partial(drake().foot, row=row), q),
         jacobian: lambda q: one_by_one(partial(drake().jacobian, row=row), q),
     }
     differences = {
-        jacobian: lambda q: widened(before, difference_jacobian(rows, q[:, before])),
+        jacobian: lambda q: wide(before, difference_jacobian(rows, q[:, before])),
     }
     witnesses = zip(ORDER[1:], (chain, differences, plant, symbols), strict=True)
     for witness, functions in witnesses:

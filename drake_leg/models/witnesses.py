@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +27,13 @@ class Testimony(NamedTuple):
 def one_by_one(function: Function, configurations: Array) -> Array:
     """Evaluate a function of one configuration (m,) for each of several (N, m)."""
     return np.array([function(q) for q in configurations])
+
+
+def widened(J: Array, columns: Sequence[int], joints: int) -> Array:
+    """Put columns (..., 6, k) among those of all joints, (..., 6, joints); the others are 0."""
+    wide = np.zeros((*J.shape[:-1], joints))
+    wide[..., columns] = J
+    return wide
 
 
 class DrakeWitness:

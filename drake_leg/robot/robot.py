@@ -108,6 +108,11 @@ class Link:
         require_three("the end of a link", self.end)
 
     @property
+    def has_mass(self) -> bool:
+        """Whether mass properties are given or follow from a solid."""
+        return self.solid is not None or self.inertial is not None
+
+    @property
     def centre_of_mass(self) -> tuple[float, float, float]:
         """Center of mass in the link's frame, p_LC [m]; the origin where there is no mass."""
         body = self.inertial or self.solid

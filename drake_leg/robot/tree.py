@@ -69,7 +69,7 @@ def require_base(robot: Robot) -> None:
     """Refuse a base that floats without mass; make its pose a tuple, and refuse what is none."""
     require_kind("`floating`", robot.floating, bool)
     body = robot.base_link
-    if robot.floating and (body is None or not (body.solid or body.inertial)):
+    if robot.floating and (body is None or not body.has_mass):
         raise InvalidValueError(
             f"the base of {robot.name!r} floats and has no mass",
             advice="give it a `base_link` with a solid or with mass properties",

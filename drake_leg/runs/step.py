@@ -343,7 +343,7 @@ def _require_mass(robot: Robot) -> None:
     mass_beyond = False
     for segment in reversed(robot.segments):
         link = segment.link
-        mass_beyond |= link is not None and (link.solid or link.inertial) is not None
+        mass_beyond |= link is not None and link.has_mass
         if segment.row.joint != "fixed" and not mass_beyond:
             raise InvalidValueError(
                 f"{robot.name}: nothing beyond joint {segment.joint} has a mass",

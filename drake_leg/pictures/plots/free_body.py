@@ -158,7 +158,7 @@ def _leg_side(robot: Robot, sign: int, sketch: Sketch) -> None:
     sketch.torque(at[1], 205.0, 262.0, "$M$", 0.8)
     sketch.force(at[4], (0.0, 1.5), "$N$", (0.3, 0.1))
     for number, segment in enumerate(robot.segments, start=1):
-        if segment.link is not None and (segment.link.solid or segment.link.inertial):
+        if segment.link is not None and segment.link.has_mass:
             centre = sketch.at((X_B[number] @ [*segment.link.centre_of_mass, 1.0])[:3])
             place = (-0.5, 0.5 if number == 3 else 0.0)
             sketch.force(centre, (0.0, -1.5), f"$m_{number}\\,g$", place)
@@ -438,7 +438,7 @@ def _draw_bodies(sketch: Sketch, robot: Robot, seen: _Seen) -> None:
         pulls.append(((base[0] - 0.7 * sketch.unit, base[1] + 1.4 * sketch.unit), "$R$"))
     carried = robot.base_link if robot.floating else None
     for number, link in enumerate([carried, *(segment.link for segment in robot.segments)]):
-        if link is not None and (link.solid or link.inertial):
+        if link is not None and link.has_mass:
             X = seen.X_B[number]
             at = sketch.at((X @ [*link.centre_of_mass, 1.0])[:3])
             starts.append(at)
