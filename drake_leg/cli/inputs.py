@@ -179,8 +179,7 @@ def _settings(name: str, given: Sequence[str] | None) -> dict[str, str]:
     """Read ``D3=0.45,RL4=0.45``, of which there may be several."""
     if given and not is_par(name):
         raise InvalidValueError(
-            f"--set gives numbers to the letters of a .par file, and {name} is none, by its name: "
-            "leave it out"
+            f"--set gives numbers to the letters of a .par file, and {name} has none: leave it out"
         )
     settings: dict[str, str] = {}
     for part, _ in (each for text in given or () for each in parts_of(text)):
