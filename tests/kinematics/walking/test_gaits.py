@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.gaits import (
+from drake_leg.kinematics.walking.gaits import (
     GAITS,
     Attitude,
     Command,

@@ -1,0 +1,1 @@
+"""Six legs that walk: gaits, legs, loads and margins as functions of time, without Drake."""
