@@ -125,22 +125,22 @@ class Servo:
         return self.torque_constant is not None
 
     def with_gain(self, gain: float) -> Self:
-        """Return the servo with the stiffness of a DYNAMIXEL's Position P Gain, 1 to 16383.
-
-        An error of one turn is 4096 counts; the controller's output is counts times gain / 128; at
-        885 the motor has its full voltage, and its stall torque.
-        """
-        require_finite("the gain", gain)
-        if not 0.0 < gain <= GREATEST_GAIN:
-            raise InvalidValueError(
-                f"the gain is {float(gain):g}; a DYNAMIXEL's Position P Gain is more than 0 and at "
-                f"most {GREATEST_GAIN}"
-            )
-        return replace(self, stiffness=_stiffness(gain, self.stall_torque))
+        """Return the servo with the stiffness of a DYNAMIXEL's Position P Gain, 1 to 16383."""
+        return replace(self, stiffness=dynamixel_stiffness(gain, self.stall_torque))
 
 
-def _stiffness(gain: float, stall_torque: float) -> float:
-    """Stiffness [N*m/rad] of a DYNAMIXEL's position controller."""
+def dynamixel_stiffness(gain: float, stall_torque: float) -> float:
+    """Stiffness [N*m/rad] of the position controller of a DYNAMIXEL, by its Position P Gain.
+
+    A turn has 4096 counts. The controller's output is the error in counts times gain / 128; at 885
+    the motor has its full voltage, and its stall torque.
+    """
+    require_finite("the gain", gain)
+    if not 0.0 < gain <= GREATEST_GAIN:
+        raise InvalidValueError(
+            f"the gain is {float(gain):g}; a DYNAMIXEL's Position P Gain is more than 0 and at "
+            f"most {GREATEST_GAIN}"
+        )
     output = gain / GAIN_DIVISOR * TICKS / (2.0 * math.pi)  # for an error of one radian
     return output / FULL_OUTPUT * stall_torque
 
@@ -175,7 +175,7 @@ XL430 = Servo(
     source=f"{_MANUAL}; Position P Gain 800; friction and rotor: Rhoban bam, XL330 and MX-64",
     stall_torque=_STALL,
     no_load_speed=_NO_LOAD,
-    stiffness=_stiffness(800, _STALL),
+    stiffness=dynamixel_stiffness(800, _STALL),
     damping=0.0,
     rotor_inertia=0.012,
     friction=0.04,

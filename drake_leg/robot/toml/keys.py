@@ -188,7 +188,7 @@ def parse_document(text: str, where: str) -> Document:
     except tomllib.TOMLDecodeError as error:
         raise InvalidValueError(_syntax_sentence(text, where, str(error))) from None
     except (RecursionError, ValueError) as error:  # brackets too deep, an integer too long
-        raise InvalidValueError(f"{where} is not TOML for a robot: {error}") from None
+        raise InvalidValueError(f"{where} is not TOML that can be read: {error}") from None
 
 
 def _syntax_sentence(text: str, where: str, reason: str) -> str:

@@ -31,11 +31,11 @@ def robot_toml(robot: Robot) -> str:
         angles = "rad"
     lines = [
         HEAD,
-        _line("name", robot.name),
-        _line("title", robot.title),
-        _line("source", robot.source),
-        _line("convention", "khalil", '"khalil" (modified DH) or "classic" (standard DH)'),
-        _line("angles", angles, '"deg" or "rad"'),
+        as_line("name", robot.name),
+        as_line("title", robot.title),
+        as_line("source", robot.source),
+        as_line("convention", "khalil", '"khalil" (modified DH) or "classic" (standard DH)'),
+        as_line("angles", angles, '"deg" or "rad"'),
     ]
     lines += _base_lines(robot)
     for segment in robot.segments:
@@ -44,9 +44,9 @@ def robot_toml(robot: Robot) -> str:
         lines += [
             "",
             "[[loop]]",
-            _line("joint", loop.joint, "at which the loop is cut"),
-            _line("cut", loop.cut, "its row"),
-            _line("end", loop.end, "row of the frame on the other side"),
+            as_line("joint", loop.joint, "at which the loop is cut"),
+            as_line("cut", loop.cut, "its row"),
+            as_line("end", loop.end, "row of the frame on the other side"),
         ]
     return "\n".join(lines) + "\n"
 
@@ -73,23 +73,23 @@ def _row_lines(segment: Segment, angles: AngleUnit) -> Iterator[str]:
         for angle in (row.alpha, row.theta, row.gamma)
     )
     if row.antecedent is not None:
-        yield _line("antecedent", row.antecedent, "row that carries this one; 0 is the base")
-    yield _line("sigma", sigma, '0 revolute, 1 prismatic, "~" fixed')
+        yield as_line("antecedent", row.antecedent, "row that carries this one; 0 is the base")
+    yield as_line("sigma", sigma, '0 revolute, 1 prismatic, "~" fixed')
     if gamma:
-        yield _line("gamma", gamma, f"[{angles}] about z of the antecedent's frame")
+        yield as_line("gamma", gamma, f"[{angles}] about z of the antecedent's frame")
     if row.b:
-        yield _line("b", row.b, "[m] along z of the antecedent's frame")
-    yield _line("d", row.d, "[m] along x of the frame before")
-    yield _line("alpha", alpha, f"[{angles}] about x of the frame before")
-    yield _line("r", row.r, "[m] along z")
-    yield _line("theta", theta, f"[{angles}] about z")
+        yield as_line("b", row.b, "[m] along z of the antecedent's frame")
+    yield as_line("d", row.d, "[m] along x of the frame before")
+    yield as_line("alpha", alpha, f"[{angles}] about x of the frame before")
+    yield as_line("r", row.r, "[m] along z")
+    yield as_line("theta", theta, f"[{angles}] about z")
     if link is None:
         yield from _joint_lines(segment.mechanics, joint_units(row.joint, angles))
         return
-    yield _line("joint", segment.joint)
-    yield _line("link", link.name)
+    yield as_line("joint", segment.joint)
+    yield as_line("link", link.name)
     if link.end != ORIGIN:
-        yield _line("end", link.end, "[m] end of the link in its frame")
+        yield as_line("end", link.end, "[m] end of the link in its frame")
     yield from _body_lines(link)
     yield from _joint_lines(segment.mechanics, joint_units(row.joint, angles))
 
@@ -100,14 +100,14 @@ def _base_lines(robot: Robot) -> Iterator[str]:
         return
     yield from ("", "[base]")
     if robot.floating:
-        yield _line("floating", True, "it moves freely")
+        yield as_line("floating", True, "it moves freely")
     if link is not None:
-        yield _line("link", link.name)
+        yield as_line("link", link.name)
         if link.end != ORIGIN:
-            yield _line("end", link.end, "[m] end of the link in its frame")
+            yield as_line("end", link.end, "[m] end of the link in its frame")
     if pose is not None:
-        yield _line("position", tuple(row[3] for row in pose[:3]), "[m] of frame 0 in the world")
-        yield _line("rotation", tuple(row[:3] for row in pose[:3]), "its axes, as columns")
+        yield as_line("position", tuple(row[3] for row in pose[:3]), "[m] of frame 0 in the world")
+        yield as_line("rotation", tuple(row[:3] for row in pose[:3]), "its axes, as columns")
     if link is not None:
         yield from _body_lines(link, "base")
 
@@ -121,22 +121,22 @@ def _body_lines(link: Link, table: str = "row") -> Iterator[str]:
 
 def _inertial_lines(body: Inertial, table: str) -> Iterator[str]:
     yield f"[{table}.inertial]"
-    yield _line("mass", body.mass, "[kg]")
-    yield _line("centre", body.centre, "[m] center of mass in the link's frame")
-    yield _line("moments", body.moments, "[kg*m^2] Ixx, Iyy, Izz about the center of mass")
-    yield _line("products", body.products, "[kg*m^2] Ixy, Ixz, Iyz of the inertia matrix")
+    yield as_line("mass", body.mass, "[kg]")
+    yield as_line("centre", body.centre, "[m] center of mass in the link's frame")
+    yield as_line("moments", body.moments, "[kg*m^2] Ixx, Iyy, Izz about the center of mass")
+    yield as_line("products", body.products, "[kg*m^2] Ixy, Ixz, Iyz of the inertia matrix")
 
 
 def _solid_lines(solid: Solid, table: str) -> Iterator[str]:
     kinds = {kind: (name, dimensions) for name, (kind, dimensions) in SHAPES.items()}
     name, dimensions = kinds[type(solid.shape)]
     yield f"[{table}.solid]"
-    yield _line("shape", name)
+    yield as_line("shape", name)
     for dimension in dimensions:
-        yield _line(dimension, getattr(solid.shape, dimension), "[m]")
-    yield _line("density", solid.density, "[kg/m^3]")
-    yield _line("centre", solid.centre, "[m] in the link's frame")
-    yield _line("colour", solid.colour, "red, green, blue, 0 to 1")
+        yield as_line(dimension, getattr(solid.shape, dimension), "[m]")
+    yield as_line("density", solid.density, "[kg/m^3]")
+    yield as_line("centre", solid.centre, "[m] in the link's frame")
+    yield as_line("colour", solid.colour, "red, green, blue, 0 to 1")
 
 
 def _joint_lines(mechanics: JointMechanics, units: JointUnits) -> Iterator[str]:
@@ -150,7 +150,7 @@ def _joint_lines(mechanics: JointMechanics, units: JointUnits) -> Iterator[str]:
             yield header
         for key, (value, unit) in all_entries.items():
             if key in keys:
-                yield _line(key, value, unit and f"[{unit}]")
+                yield as_line(key, value, unit and f"[{unit}]")
 
 
 def _acting(mechanics: JointMechanics, units: JointUnits) -> Entries:
@@ -202,7 +202,8 @@ def _shown_in(units: JointUnits, value: float | None) -> float | None:
     return value if value is None or units.position != "deg" else exact_degrees(value)
 
 
-def _line(key: str, value: object, comment: str = "") -> str:
+def as_line(key: str, value: object, comment: str = "") -> str:
+    """Write a key with its value and, in a column of its own, a comment."""
     line = f"{key} = {_toml(value)}"
     return f"{line:<{COMMENT_COLUMN - 1}} # {comment}" if comment else line
 
