@@ -281,7 +281,7 @@ class Walk:
     def body(self, time: ArrayLike) -> Motion:
         """Pose X_WB of the body, (..., 4, 4) [-, m], with derivatives."""
         times = real_numbers("the time", time)
-        return _product(self.level(times), _screws(self.attitudes, times))
+        return product(self.level(times), _screws(self.attitudes, times))
 
     def feet_in_world(self, time: ArrayLike) -> Motion:
         """Feet p_WF, (..., n, 3) [m], with velocities and accelerations in the world."""
@@ -352,52 +352,6 @@ class Walk:
         return found
 
 
-def support_margin(feet: ArrayLike, point: ArrayLike) -> float:
-    """Distance of a point (2,) inside the feet's convex hull from its edge [m]; outside negative.
-
-    The feet are (k, 2) [m]. Fewer than three feet, or feet on a line, support nothing: then it is
-    minus the distance from what they span.
-    """
-    places, at = np.asarray(feet, dtype=np.float64), np.asarray(point, dtype=np.float64)
-    edges = _hull(places)
-    if not edges:
-        return -_distance_to(places, at)
-    distances = []
-    for start, end in edges:
-        way = end - start
-        distances.append((way[0] * (at - start)[1] - way[1] * (at - start)[0]) / math.hypot(*way))
-    least = min(distances)
-    return float(least) if least >= 0.0 else -_distance_to(places, at)
-
-
-def _hull(places: Array) -> list[tuple[Array, Array]]:
-    """Edges of the convex hull, counterclockwise; none if it has no area."""
-    found = []
-    for start in places:
-        for end in places:
-            way = end - start
-            if not way.any():
-                continue
-            side = way[0] * (places[:, 1] - start[1]) - way[1] * (places[:, 0] - start[0])
-            if (side >= 0.0).all() and (side > 0.0).any():
-                found.append((start, end))
-    return found
-
-
-def _distance_to(places: Array, at: Array) -> float:
-    """Distance of a point from the segments between all pairs of places [m]."""
-    if not len(places):
-        return math.inf
-    least = math.inf
-    for start in places:
-        for end in places:
-            way = end - start
-            size = float(way @ way)
-            share = 0.0 if size == 0.0 else min(1.0, max(0.0, float((at - start) @ way) / size))
-            least = min(least, math.dist(at, start + share * way))
-    return least
-
-
 def smoothstep(u: Array) -> Motion:
     """Quintic from 0 at 0 to 1 at 1, constant outside, and its derivatives by u."""
     x = np.clip(u, 0.0, 1.0)
@@ -434,7 +388,7 @@ def _screws(parts: Sequence[Command | Attitude], time: Array) -> Motion:
     still = np.zeros_like(identity)
     found = Motion(identity, still, still)
     for part in parts:
-        found = _product(found, _screw(part.twist, part.progress(time)))
+        found = product(found, _screw(part.twist, part.progress(time)))
     return found
 
 
@@ -465,7 +419,7 @@ def _exponential(twist: Array, s: Array) -> Array:
     return X
 
 
-def _product(first: Motion, second: Motion) -> Motion:
+def product(first: Motion, second: Motion) -> Motion:
     """Product of two matrices that depend on time, with its derivatives."""
     (A, dA, ddA), (B, dB, ddB) = first, second
     return Motion(A @ B, dA @ B + A @ dB, ddA @ B + 2.0 * dA @ dB + A @ ddB)

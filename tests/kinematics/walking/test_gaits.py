@@ -14,7 +14,6 @@ from drake_leg.kinematics.walking.gaits import (
     Gait,
     Walk,
     smoothstep,
-    support_margin,
 )
 
 NEUTRAL = [
@@ -130,24 +129,6 @@ def test_smoothstep_is_flat_at_both_ends():
     assert value.tolist() == [0.0, 0.0, 0.5, 1.0, 1.0]
     assert rate.tolist() == [0.0, 0.0, 1.875, 0.0, 0.0]
     assert bend.tolist() == [0.0] * 5
-
-
-@pytest.mark.parametrize(
-    ("feet", "point", "margin"),
-    [
-        ([(0, 0), (1, 0), (1, 1), (0, 1)], (0.5, 0.4), 0.4),
-        ([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5)], (0.5, 0.4), 0.4),
-        ([(0, 0), (1, 0), (1, 1), (0, 1)], (1.3, 0.5), -0.3),
-        ([(0, 0), (1, 0), (0, 1)], (2.0, 0.0), -1.0),
-        ([(0, 0), (1, 0)], (0.5, 0.2), -0.2),
-        ([(0, 0), (1, 0), (2, 0)], (1.5, 0.0), 0.0),
-        ([(0, 0)], (3.0, 4.0), -5.0),
-        ([], (0.0, 0.0), -math.inf),
-    ],
-)
-def test_the_margin_is_the_distance_from_the_edge_of_support(feet, point, margin):
-    found = support_margin(np.array(feet, dtype=float).reshape(-1, 2), point)
-    assert found == pytest.approx(margin, abs=1e-15)
 
 
 @pytest.mark.parametrize(
