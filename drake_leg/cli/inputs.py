@@ -14,7 +14,7 @@ from drake_leg.cli.terminal import numbers, remark
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import read_text
 from drake_leg.robot.file_names import ENDINGS, is_par, is_robot_file
-from drake_leg.robot.hexapods import HEXABOT
+from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.linkages import NAMED_LINKAGES
 from drake_leg.robot.robot import Robot, Segment
@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 FILE = "FILE.toml|FILE.par"  # of a robot
 
 # The package's robots by their names on the command line.
-ROBOT_NAMES = {robot.name.replace("_", "-"): robot for robot in (*ROBOTS, HEXABOT, *NAMED_LINKAGES)}
+ROBOT_NAMES = {
+    robot.name.replace("_", "-"): robot for robot in (*ROBOTS, *HEXAPODS, *NAMED_LINKAGES)
+}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,7 +18,7 @@ from drake_leg.models.sdf import (
     thigh_leg_text,
     thigh_text,
 )
-from drake_leg.robot.hexapods import HEXABOT
+from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.robot import Robot, Segment, require_robot
 from drake_leg.robot.robots import LEG_B, ROBOTS
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative
@@ -26,7 +26,7 @@ from drake_leg.units import STANDARD_GRAVITY, require_non_negative
 
 def generated_files() -> dict[str, str]:
     """Generate all files of the folder ``sdf``: file name to text."""
-    files = {f"{robot.name}.sdf": sdf_text(robot) for robot in (*ROBOTS, HEXABOT)}
+    files = {f"{robot.name}.sdf": sdf_text(robot) for robot in (*ROBOTS, *HEXAPODS)}
     thighs = {THIGH_FILE: thigh_text(), LEG_FILE: thigh_leg_text(LEG_B)}
     return {"package.xml": package_text(), **files, **thighs}
 

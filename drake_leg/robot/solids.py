@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from dataclasses import dataclass
 
 from drake_leg.arguments import require_kind
@@ -14,6 +15,9 @@ from drake_leg.units import LEAST, require_positive, require_three
 # by rounding, and the margin that a body with products of inertia needs, because SDF's parser
 # computes its principal moments only that accurately.
 _MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
+_PAIRS = ((0, 1), (0, 2), (1, 2))
+
+Axes = tuple[tuple[float, float, float], ...]  # x, y and z of one frame, along those of another
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,14 +109,31 @@ class Inertial:
     def principal_moments(self) -> tuple[float, float, float]:
         """Moments about the principal axes of inertia, the smallest first [kg*m^2]."""
         (xx, yy, zz), (xy, xz, yz) = self.moments, self.products
-        if not any(self.products):
-            small, middle, great = sorted(self.moments)
-            return small, middle, great
-        import numpy as np
-
-        matrix = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-        small, middle, great = np.linalg.eigvalsh(matrix).tolist()
+        moments = _diagonal([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        small, middle, great = sorted(moments)
         return small, middle, great
+
+
+def _diagonal(matrix: list[list[float]]) -> tuple[float, float, float]:
+    """Eigenvalues of a symmetric matrix (3, 3), by Jacobi's rotations."""
+    smallest = LEAST + 1e-17 * max(abs(value) for row in matrix for value in row)
+    while True:
+        off, i, j = max((abs(matrix[i][j]), i, j) for i, j in _PAIRS)
+        if off <= smallest:
+            return matrix[0][0], matrix[1][1], matrix[2][2]
+        # The smaller of the two rotations that make the entry 0 (Golub and Van Loan, 8.5).
+        tau = (matrix[j][j] - matrix[i][i]) / (2.0 * matrix[i][j])
+        tangent = math.copysign(1.0, tau) / (abs(tau) + math.hypot(1.0, tau))
+        cosine = 1.0 / math.hypot(1.0, tangent)
+        sine = tangent * cosine
+        k = 3 - i - j
+        turn = tangent * matrix[i][j]
+        matrix[i][i] -= turn
+        matrix[j][j] += turn
+        matrix[i][j] = matrix[j][i] = 0.0
+        near, far = matrix[i][k], matrix[j][k]
+        matrix[i][k] = matrix[k][i] = cosine * near - sine * far
+        matrix[j][k] = matrix[k][j] = sine * near + cosine * far
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,3 +186,43 @@ def mass_properties(solid: Solid) -> MassProperties:
     return MassProperties(
         mass=mass, moments=(mass * per_mass[0], mass * per_mass[1], mass * per_mass[2])
     )
+
+
+def turned(inertial: Inertial, axes: Axes) -> Inertial:
+    """Mass properties along other axes, whose coordinates are those of the given ones."""
+    (xx, yy, zz), (xy, xz, yz) = inertial.moments, inertial.products
+    matrix = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+
+    def entry(a: int, b: int) -> float:
+        return sum(axes[a][i] * matrix[i][j] * axes[b][j] for i in range(3) for j in range(3))
+
+    x, y, z = (sum(map(operator.mul, axis, inertial.centre)) for axis in axes)
+    xy, xz, yz = (entry(a, b) for a, b in _PAIRS)
+    return Inertial(
+        mass=inertial.mass,
+        centre=(x, y, z),
+        moments=(entry(0, 0), entry(1, 1), entry(2, 2)),
+        products=(xy, xz, yz),
+    )
+
+
+def without(whole: Inertial, part: Solid, *, place: tuple[float, float, float]) -> Inertial:
+    """Mass properties of a body, less a homogeneous part whose center is at a place [m].
+
+    The axes of the part are along those of the body.
+    """
+    lost = mass_properties(part)
+    mass = whole.mass - lost.mass
+    x, y, z = (
+        (whole.mass * c - lost.mass * p) / mass for c, p in zip(whole.centre, place, strict=True)
+    )
+    bodies = ((whole.mass, whole.centre), (-lost.mass, place))
+    offsets = [(m, (c[0] - x, c[1] - y, c[2] - z)) for m, c in bodies]
+
+    def moved(i: int, j: int) -> float:
+        """Entry of the parallel axes' terms."""
+        return sum(m * ((i == j) * sum(c * c for c in d) - d[i] * d[j]) for m, d in offsets)
+
+    xx, yy, zz = (whole.moments[i] - lost.moments[i] + moved(i, i) for i in range(3))
+    xy, xz, yz = (whole.products[n] + moved(i, j) for n, (i, j) in enumerate(_PAIRS))
+    return Inertial(mass=mass, centre=(x, y, z), moments=(xx, yy, zz), products=(xy, xz, yz))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.robot.file_names import ENDINGS, is_robot_file
-from drake_leg.robot.hexapods import HEXABOT
+from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import (
     DampedPendulumOptions,
@@ -105,10 +105,13 @@ RUNS = {
 }
 
 
+_HEXAPODS = {robot.name: robot for robot in HEXAPODS}
+
+
 def run_kind(what: str | Path | Robot) -> RunKind:
     """Look up a run by its name; a robot, or one from a file, makes the straight step.
 
-    So does one leg of the hexabot.
+    So does one leg of a hexapod.
 
     Raises
     ------
@@ -117,8 +120,8 @@ def run_kind(what: str | Path | Robot) -> RunKind:
     """
     if isinstance(what, str) and what in RUNS:
         return RUNS[what]
-    if what == HEXABOT.name:
-        what = HEXABOT
+    if isinstance(what, str):
+        what = _HEXAPODS.get(what, what)
     if isinstance(what, str | Path) and is_robot_file(what):
         from drake_leg.robot.robot_file import load_robot  # with readers that help does not need
 

@@ -116,8 +116,8 @@ def test_a_reports_equations_have_a_budget_too(capsys):
         ("pendulm", "did you mean pendulum?"),
         (
             "robot",
-            "the robots are pendulum, leg-a, leg-b, scara, hexabot, four-bar, slider-crank, "
-            "five-bar, bennett, parallelogram-arm; one of your own is a file "
+            "the robots are pendulum, leg-a, leg-b, scara, hexabot, phantomx, four-bar, "
+            "slider-crank, five-bar, bennett, parallelogram-arm; one of your own is a file "
             "ending in .toml or .par",
         ),
     ],
