@@ -135,7 +135,7 @@ def hexapod(
     joints = _with_targets(mechanics, (0.0, *_standing(lengths, height, reach)))
     brick = Brick(**dict(zip(("length", "width", "height"), body_size, strict=True)))
     body = Solid(shape=brick, density=1.0, centre=(0.0, 0.0, 0.0), colour=GREY)
-    legs = []
+    legs: list[Segment] = []
     for number, (leg, hip) in enumerate(hips.items(), start=1):
         bars = [
             _bar(f"{leg}_{part}", length, mass, link_colour(number), given.get(part))
