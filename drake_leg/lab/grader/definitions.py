@@ -290,7 +290,7 @@ class Cell(NamedTuple):
     """A cell of the robot's table that is not zero."""
 
     row: int  # from 0
-    column: str  # d, alpha, r or theta
+    column: str  # d, alpha, r, theta, b or gamma
 
     def __str__(self) -> str:
         """Write it as column and row: d2."""
@@ -304,7 +304,7 @@ _Rule = Callable[[Sequence[Cell], int], Cell | None]  # finds the cell of a numb
 
 def cell_values(robot: Robot, meters: float) -> dict[Cell, float]:
     """List the cells of a table that are not zero [rad, or the print's unit of so many meters]."""
-    units = {"d": meters, "r": meters, "alpha": 1.0, "theta": 1.0}
+    units = {"d": meters, "r": meters, "alpha": 1.0, "theta": 1.0, "b": meters, "gamma": 1.0}
     return {
         Cell(index, column): getattr(row, column) / unit
         for index, row in enumerate(robot.rows)

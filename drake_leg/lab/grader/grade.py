@@ -6,7 +6,6 @@ lengths where it has symbols for them; an entry that differs anywhere is wrong.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.khalil import Array, moving_rows, table_length
+from drake_leg.kinematics.khalil import Array, moving_rows
 from drake_leg.lab.grader.claims import Claim, RightForms
 from drake_leg.lab.grader.comparison import (
     COUNT,
@@ -27,7 +26,6 @@ from drake_leg.lab.grader.comparison import (
     Place,
     Sampler,
     Target,
-    agrees_within_digits,
     read_matrix,
 )
 from drake_leg.lab.grader.definitions import (
@@ -42,12 +40,12 @@ from drake_leg.lab.grader.mistakes import HALVES, Mistake, mistakes, table_mista
 from drake_leg.lab.grader.printed import Printed
 from drake_leg.lab.grader.singular_sets import grade_singular_sets
 from drake_leg.lab.grader.slips import COMMON, Vocabulary, changes, explain
-from drake_leg.lab.grader.tables import Finding, Table, lint_table, repaired
+from drake_leg.lab.grader.table_cells import grade_table
+from drake_leg.lab.grader.tables import Finding, has_bare_lengths
 from drake_leg.robot.robot import Robot
-from drake_leg.symbolic.formulas import evaluate, names_in
+from drake_leg.symbolic.formulas import names_in
 from drake_leg.symbolic.spelling import is_joint_variable, plain, readable, renamed, spelled_as
 
-ANGLES = ("alpha", "theta")
 MOST_TRIALS = 1000  # of two changes in an entry, in all of a print
 LARGEST_SYMBOLIC = 4  # joints; right entries of longer chains are said as numbers
 LEAST = 2  # entries that a mistake of the whole must explain
@@ -61,15 +59,15 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     There is one finding for every row, matrix, entry, rotation and caption that is wrong or not
     understood. ``seed`` is that of the random postures and lengths.
     """
-    if printed.table is not None and printed.lengths is None and not printed.matrices:
-        return [*lint_table(printed.table), *printed.unread]
-    if printed.lengths is None:
+    if printed.lengths is None and _has_lengths(printed):
         raise InvalidValueError(
             f'{printed.origin}: lengths is missing; say lengths = "mm" or "m", or, if this is not '
-            "a file of printed matrices, give one"
+            "a file of printed matrices or a printed table, give one"
         )
     if seed < 0:
         raise InvalidValueError(f"the seed is {seed}; it must not be negative")
+    if printed.matrices or printed.singular:
+        _require_one_chain(robot)
     printed = with_lengths_as_symbols(printed, robot)
     reader = Reader(printed, robot)
     sampler = Sampler(robot, reader, np.random.default_rng(seed))
@@ -79,7 +77,7 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
     likely = _likeliest(sampler, bindings(printed, reader, sampler.lengths), matrices)
     grader = _MatrixGrader(robot, printed, reader, Comparison(sampler, likely[0]))
     findings = [
-        *_grade_table(robot, printed, reader, sampler),
+        *grade_table(robot, printed, reader, sampler),
         *_ambiguities(likely, matrices, sampler, printed),
     ]
     for matrix in read:
@@ -88,6 +86,27 @@ def grade(robot: Robot, printed: Printed, *, seed: int = 0) -> list[Finding]:
         rng = np.random.default_rng(seed)
         findings += grade_singular_sets(robot, printed, reader, sampler, likely, rng)
     return [*findings, *unused_definitions(printed), *printed.unread]
+
+
+def _has_lengths(printed: Printed) -> bool:
+    """Whether anything printed may be a length whose unit must be known."""
+    if printed.matrices or printed.singular or printed.symbols:
+        return True
+    return printed.table is None or has_bare_lengths(printed.table)
+
+
+def _require_one_chain(robot: Robot) -> None:
+    """Refuse to compare matrices, which are of one chain, with a robot that branches."""
+    followed = zip(robot.rows, robot.antecedents, strict=True)
+    for number, (row, antecedent) in enumerate(followed, start=1):
+        if antecedent == number - 1 and not (row.gamma or row.b):
+            continue
+        has = "gamma or b" if antecedent == number - 1 else f"the antecedent {antecedent}"
+        raise InvalidValueError(
+            "printed matrices are graded for one chain without gamma and b, and row "
+            f"{number} of {robot.name} has {has}",
+            advice="compare its table alone, or make a robot of the rows of one branch",
+        )
 
 
 def _likeliest(
@@ -132,93 +151,6 @@ def _ambiguities(
                 severity="warning",
                 kind="ambiguous symbol",
             )
-
-
-# --- tables ----------------------------------------------------------------------------------
-
-
-def _grade_table(
-    robot: Robot, printed: Printed, reader: Reader, sampler: Sampler
-) -> Iterator[Finding]:
-    """Lint a printed table, then compare its cells with the robot's.
-
-    Rows whose cells are under the wrong headings are compared as they were meant.
-    """
-    if printed.table is None:
-        return
-    table = replace(printed.table, variables=reader.variables)
-    yield from (replace(finding, kind="table") for finding in lint_table(table))
-    if len(table.rows) != len(robot.rows):
-        fault = f"it has {len(table.rows)} rows, and {robot.name} has {len(robot.rows)}"
-        yield Finding("table", fault, "write one row for every frame", kind="table")
-        return
-    table = repaired(table)
-    for index, row in enumerate(table.rows):
-        sigma = "~" if robot.rows[index].sigma is None else str(robot.rows[index].sigma)
-        if row.cells["sigma"] != sigma and table.fits(row.cells["sigma"], "type"):
-            joint = robot.rows[index].joint
-            fault = f"sigma is {row.cells['sigma']}, and {robot.name} is {joint} there"
-            yield Finding(f"row {index + 1}", fault, f"write sigma = {sigma}", kind="table")
-        for column in ("d", "alpha", "r", "theta"):
-            if table.fits(row.cells[column], table.columns[column]):
-                cell = _Cell(index, column, table, robot, sampler)
-                yield from cell.grade(reader, printed.format.symbol)
-
-
-class _Cell:
-    """A cell of a printed table, compared with the robot's."""
-
-    def __init__(self, row: int, column: str, table: Table, robot: Robot, sampler: Sampler) -> None:
-        self._place, self._column = f"row {row + 1}", column
-        self._text = table.rows[row].cells[column]
-        self._spelling = " ".join(text for each in table.rows for text in table.texts(each))
-        self._degrees = table.kind(self._text) == "number" and table.angles != "rad"
-        self._sampler, self._length = sampler, table_length(robot.rows)
-        self._right: float = getattr(robot.rows[row], column)
-        moves = {"revolute": "theta", "prismatic": "r", "fixed": ""}[robot.rows[row].joint]
-        self._joint = moving_rows(robot.rows).index(row) if moves == column else None
-
-    def grade(self, reader: Reader, symbol: str) -> Iterator[Finding]:
-        """Report it if it differs from the robot's; ``symbol`` is where the print declares one."""
-        fault, remedy = f"{self._column} is {self._text}", f"write {self._right_text()}"
-        try:
-            agrees, understood = self._agrees(reader.formula(self._text)), True
-        except InvalidValueError as error:
-            agrees, understood = False, False
-            fault, remedy = f"{fault}: {error}", f"{remedy}, or say its value {symbol}"
-        if not agrees:
-            yield Finding(self._place, fault, remedy, understood=understood, kind="table")
-
-    def _agrees(self, formula: sp.Expr) -> bool:
-        value, right, margin = self._value(formula), self._right_value(), TOLERANCE
-        if self._column in ANGLES:
-            value = right + np.angle(np.exp(1j * (value - right)))  # without full turns
-        else:
-            margin *= self._length
-        near = np.all(np.abs(value - right) <= margin)
-        return bool(near) or agrees_within_digits(formula, right, margin, self._value)
-
-    def _value(self, formula: sp.Expr) -> Array:
-        """Evaluate it [m, rad]; bare numbers have the table's units, or degrees."""
-        value = np.asarray(evaluate(formula, self._sampler.as_it_is.values))
-        if self._column not in ANGLES:
-            return value * self._sampler.meters
-        return np.asarray(np.radians(value)) if self._degrees else value
-
-    def _right_value(self) -> Array:
-        """Return the robot's value at all postures [m, rad]."""
-        q = self._sampler.q
-        return np.full(len(q), self._right) + (0.0 if self._joint is None else q[:, self._joint])
-
-    def _right_text(self) -> str:
-        """Write the robot's value, in the print's unit of lengths or in degrees."""
-        number = f"{self._right / self._sampler.meters:.9g}"
-        if self._column in ANGLES:
-            number = f"{math.degrees(self._right):.9g}°"
-        if self._joint is None:
-            return number
-        variable = spelled_as(self._spelling, f"q{self._joint + 1}")
-        return f"{variable} + {number}" if self._right else variable
 
 
 # --- matrices --------------------------------------------------------------------------------

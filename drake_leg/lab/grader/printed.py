@@ -22,6 +22,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.lab.grader.matrix_text import kind_of_name, rows_of_text, spaced_cells
 from drake_leg.lab.grader.tables import (
+    BRANCHING,
     COLUMNS,
     Finding,
     Table,
@@ -38,7 +39,7 @@ METERS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}  # in m
 
 _SETTINGS = ("title", "angles", "lengths")
 _KEYS = (*_SETTINGS, "symbols", "cells", "where", "joints", "table", "matrix", "singular")
-_TABLE_KEYS = ("frame", *COLUMNS["khalil"])
+_TABLE_KEYS = ("frame", *COLUMNS["khalil"], *BRANCHING)
 _MATRIX_KEYS = ("name", "caption", "rows", "where", "entries")
 # Joints by their letters, and what stands for a fixed row; Khalil's own sign for that is 2.
 _SIGMAS = dict.fromkeys(("r", "revolute", "rotation", "rotoid"), "0")

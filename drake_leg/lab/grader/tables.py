@@ -66,12 +66,14 @@ def not_understood(findings: Iterable[Finding]) -> list[Finding]:
 
 
 Kind = Literal["nothing", "zero", "number", "length", "angle", "variable", "fixed", "other"]
-Sort = Literal["type", "length", "offset", "twist", "turn"]
+Sort = Literal["type", "length", "offset", "twist", "turn", "frame"]
 
 COLUMNS: dict[str, dict[str, Sort]] = {
     "khalil": {"sigma": "type", "d": "length", "alpha": "twist", "r": "offset", "theta": "turn"},
     "classic": {"sigma": "type", "theta": "turn", "d": "offset", "a": "length", "alpha": "twist"},
 }
+# Columns that only branches and loops need; a table may leave them out.
+BRANCHING: dict[str, Sort] = {"antecedent": "frame", "gamma": "twist", "b": "length"}
 UNKNOWN = "?"  # a cell that cannot be guessed
 _FITTING: dict[Sort, set[Kind]] = {
     "length": {"zero", "number", "length"},
@@ -96,7 +98,8 @@ _WORDS: dict[Kind, str] = {
     "other": "neither a number nor a formula",
 }
 _FRAME_WORDS = ("frame", "number", "i", "j", "row", "link", "joint", "n", "#")
-_SPELLINGS = {"α": "alpha", "σ": "sigma", "θ": "theta", "ϑ": "theta"}
+_SPELLINGS = {"α": "alpha", "σ": "sigma", "θ": "theta", "ϑ": "theta", "γ": "gamma"}
+_SPELLINGS |= {"ant": "antecedent", "parent": "antecedent"}
 _NUMBER = re.compile(r"[-+]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})(?:e[-+]?\d{1,2})?")
 
 
@@ -269,7 +272,7 @@ def repaired(table: Table) -> Table:
         texts = table.texts(row)
         better = _find_repair(table, row) if table.misfits(texts) else None
         cells = dict(zip(table.columns, better.cells if better else texts, strict=True))
-        rows.append(TableRow(frame=row.frame, cells=cells))
+        rows.append(TableRow(frame=row.frame, cells={**row.cells, **cells}))
     return replace(table, rows=tuple(rows))
 
 
@@ -286,9 +289,9 @@ def column_named(heading: str) -> str:
     words = re.sub(r"[$\\{}]|\([^()]*\)|\[[^\[\]]*\]", "", heading).casefold()
     last = re.split(r"[\s,;]+", words.strip(" ,;"))[-1]
     last = re.sub(r"(?:_[a-z]?(?:-1|\+1)?|[ᵢⱼ])$", "", last)
-    last = re.sub(r"^(.|sigma|alpha|theta)[ijn](?:-1)?$", r"\1", last)  # σj
-    last = _SPELLINGS.get(last, last)
-    if last in COLUMNS["khalil"]:
+    last = re.sub(r"^(.|sigma|alpha|theta|gamma)[ijn](?:-1)?$", r"\1", last)  # σj
+    last = "antecedent" if re.search(r"\ba\([ij]\)", heading) else _SPELLINGS.get(last, last)
+    if last in COLUMNS["khalil"] or last in BRANCHING:
         return last
     return "frame" if last in _FRAME_WORDS else ""
 
@@ -375,9 +378,19 @@ def _lint_row(table: Table, row: TableRow, place: str) -> Iterator[Finding]:
             better_name = f"for {quoted(near[0])}" if near else "= 0"
             yield Finding(place, f"{column} is missing", f"write {column} {better_name}")
         else:
-            understood = table.kind(text) != "other"
-            fault = f"{column} is {table.described(text)}"
-            yield Finding(place, fault, _BELONGS[sort], understood=understood)
+            yield _misfit(table, place, column, sort, text)
+    for column, sort in BRANCHING.items():
+        text = row.cells.get(column, "").strip()
+        if text and sort != "frame" and not table.fits(text, sort):
+            yield _misfit(table, place, column, sort, text)
+
+
+def _misfit(table: Table, place: str, column: str, sort: Sort, text: str) -> Finding:
+    """Report a cell that makes no sense in its column."""
+    understood = table.kind(text) != "other"
+    return Finding(
+        place, f"{column} is {table.described(text)}", _BELONGS[sort], understood=understood
+    )
 
 
 def _meant_as_sigma(column: str, text: str) -> bool:
@@ -427,12 +440,7 @@ def _moves(text: str) -> bool:
 
 def _lint_numbers(table: Table) -> Iterator[Finding]:
     """Look for numbers in another unit than the table's, or in none."""
-    cells = [
-        (number, column, sort in LENGTHS, text)
-        for number, row in enumerate(table.rows, start=1)
-        for (column, sort), text in zip(table.columns.items(), table.texts(row), strict=True)
-        if sort != "type" and table.kind(text) == "number"
-    ]
+    cells = list(_bare_numbers(table))
     for what, choice, unit, is_length in (
         ("lengths", '"mm" or lengths = "m"', table.lengths, True),
         ("angles", '"deg" or angles = "rad"', table.angles, False),
@@ -445,6 +453,21 @@ def _lint_numbers(table: Table) -> Iterator[Finding]:
         if found:
             fault = f"{column} is {text} {found[0]}"
             yield Finding(f"row {number}", fault, found[1], severity="warning")
+
+
+def _bare_numbers(table: Table) -> Iterator[tuple[int, str, bool, str]]:
+    """List the numbers without a unit: row, column, whether it is a length, text."""
+    columns = {**table.columns, **(BRANCHING if table.convention == "khalil" else {})}
+    for number, row in enumerate(table.rows, start=1):
+        for column, sort in columns.items():
+            text = row.cells.get(column, "").strip()
+            if sort not in ("type", "frame") and table.kind(text) == "number":
+                yield number, column, sort in LENGTHS, text
+
+
+def has_bare_lengths(table: Table) -> bool:
+    """Whether the unit of lengths is needed to know how long the table's lengths are."""
+    return any(is_length for _, _, is_length, _ in _bare_numbers(table))
 
 
 def _length_slip(value: float, table: Table) -> tuple[str, str] | None:

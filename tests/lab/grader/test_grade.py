@@ -1,12 +1,15 @@
 """The grader: report B's misprints, typed as they stand, each come back with its name."""
 
+import math
 import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from trees import two_fingers
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.claims import Claim
@@ -21,6 +24,7 @@ from drake_leg.symbolic.formulas import evaluate
 from drake_leg.symbolic.parser import parse_formula
 
 HERE = Path(__file__).parent
+FINGERS = two_fingers()
 BOTTOM = ("0", "0", "0", "1")
 RIGHT_T12 = (("c2", "-s2", "0", "50"), ("0", "0", "-1", "0"), ("s2", "c2", "0", "0"), BOTTOM)
 
@@ -261,8 +265,68 @@ def test_without_units_matrices_are_not_graded():
         grade(LEG_B, Printed(origin="print", matrices=(matrix,)))
 
 
-def test_without_units_a_table_is_only_read():
-    assert len(grade(LEG_B, read_printed(HERE / "printed" / "report_b_leg_table.txt"))) == 3
+def test_without_units_a_table_of_symbols_is_compared():
+    findings = grade(LEG_B, read_printed(HERE / "printed" / "report_b_leg_table.txt"))
+    assert Counter(finding.understood for finding in findings) == {True: 3, False: 3}
+    assert {f.fault for f in findings if not f.understood} == {
+        f"d is L_{i}: l{i} has no value" for i in (1, 2, 3)
+    }
+
+
+def test_without_units_a_table_with_lengths_is_not_compared():
+    printed = replace(branching_table(), lengths=None)
+    with pytest.raises(InvalidValueError, match="lengths is missing"):
+        grade(FINGERS, printed)
+
+
+def branching_table(**changed):
+    """Write the table of two fingers; ``b2="40"`` changes a cell of row 2."""
+    rows = []
+    for number, row in enumerate(FINGERS.segments, start=1):
+        cells = {"sigma": {"revolute": "0", "prismatic": "1", "fixed": "~"}[row.row.joint]}
+        for column in ("d", "b", "r"):
+            cells[column] = f"{1000 * getattr(row.row, column):.12g}"
+        for column in ("alpha", "gamma", "theta"):
+            cells[column] = f"{math.degrees(getattr(row.row, column)):.12g}"
+        cells["antecedent"] = str(FINGERS.antecedents[number - 1])
+        if row.row.joint != "fixed":
+            moving = "theta" if row.row.joint == "revolute" else "r"
+            cells[moving] = f"q{FINGERS.moving.index(row) + 1} + {cells[moving]}"
+        for key, value in changed.items():
+            if key.endswith(str(number)):
+                cells[key.removesuffix(str(number))] = value
+        rows.append(TableRow(frame="", cells=cells))
+    table = Table(rows=tuple(rows), angles="deg", lengths="mm")
+    return Printed(origin="print", angles="deg", lengths="mm", table=table)
+
+
+def test_where_a_row_is_attached_is_compared():
+    assert not [f for f in grade(FINGERS, branching_table()) if f.kind == "table"]
+    wrong = branching_table(b2="40", gamma2="", antecedent2="0")
+    assert [f.sentence() for f in grade(FINGERS, wrong) if f.place == "row 2"] == [
+        "row 2: antecedent is 0, and hand has 1 there; write antecedent = 1",
+        "row 2: gamma is missing, and hand has 28.6478898° there; write gamma = 28.6478898°",
+        "row 2: b is 40; write 30",
+    ]
+
+
+def test_columns_of_branches_are_read_from_text(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text("a(j),σ,γ,b,d,α,r,θ\n0,0,90°,b1,0,0,0,θ1\n", encoding="utf-8")
+    (row,) = read_printed(path).table.rows
+    assert (row.cells["antecedent"], row.cells["gamma"], row.cells["b"]) == ("0", "90°", "b1")
+
+
+def test_an_antecedent_that_is_no_number_is_not_understood():
+    (finding,) = [f for f in grade(FINGERS, branching_table(antecedent2="i")) if f.kind]
+    assert (finding.place, finding.understood) == ("row 2", False)
+
+
+def test_matrices_of_a_robot_that_branches_are_not_graded():
+    matrix = PrintedMatrix(name="T12", entries=RIGHT_T12)
+    printed = Printed(origin="print", lengths="mm", matrices=(matrix,))
+    with pytest.raises(InvalidValueError, match="row 2 of hand has gamma or b"):
+        grade(FINGERS, printed)
 
 
 @pytest.mark.parametrize("name", ["c1", "s23", "q2", "theta1", "pi", "cos", "a b"])
