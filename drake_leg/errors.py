@@ -68,13 +68,13 @@ class MissingNumbersError(InvalidValueError):
         All of them.
     """
 
-    def __init__(self, where: object, letters: Mapping[str, str]) -> None:
+    def __init__(self, where: object, letters: Mapping[str, str], why: str = "") -> None:
         self.letters = tuple(letters)
         named = [f"{letter} ({place})" for letter, place in letters.items()]
         listed = " and ".join(filter(None, (", ".join(named[:-1]), named[-1])))
         numbers = ", ".join(f"{letter!r}: 0.1" for letter in letters)
         super().__init__(
-            f"{where}: {listed} {'have' if len(named) > 1 else 'has'} no number",
+            f"{where}: {listed} {'have' if len(named) > 1 else 'has'} no number{why}",
             advice=f"give numbers={{{numbers}}} with the right numbers",
         )
 

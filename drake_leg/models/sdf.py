@@ -210,7 +210,11 @@ def _add_body(element: ET.Element, link: Link) -> None:
 
 def _add_mass(element: ET.Element, link: Link) -> None:
     body, solid = link.inertial, link.solid
-    if body is not None:
+    if body is not None and body.is_thin:
+        # The parser computes principal moments with rounding, and refuses negative ones.
+        R_LP, moments = body.along_principal_axes()
+        _add_inertial(element, body.centre, body.mass, moments, show=_number, R_LP=R_LP)
+    elif body is not None:
         _add_inertial(element, body.centre, body.mass, body.moments, body.products, show=_number)
     elif solid is not None:
         properties = mass_properties(solid)
@@ -227,9 +231,14 @@ def _add_inertial(
     products: Sequence[float] = CENTRED,
     *,
     show: Callable[[float], str] = _quantity,
+    R_LP: Array | None = None,
 ) -> None:
     inertial = ET.SubElement(link, "inertial")
-    if any(centre):
+    if R_LP is not None:
+        X_LP = np.eye(4)
+        X_LP[:3, :3], X_LP[:3, 3] = R_LP, centre
+        _set_transform(ET.SubElement(inertial, "pose"), X_LP, lambda: _xyzw(X_LP))
+    elif any(centre):
         _add_text(inertial, "pose", _numbers((*centre, 0.0, 0.0, 0.0)))
     _add_text(inertial, "mass", show(mass))
     inertia = ET.SubElement(inertial, "inertia")

@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 import operator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from drake_leg.arguments import require_kind
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
-from drake_leg.units import LEAST, require_positive, require_three
+from drake_leg.units import require_positive, require_three
 
-# As parts of the sum of the principal moments: how far a plate may violate the triangle inequality
-# by rounding, and the margin that a body with products of inertia needs, because SDF's parser
-# computes its principal moments only that accurately.
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+# As parts of the sum of the principal moments: how far a rod or a plate may leave the bounds of a
+# body by rounding, without products of inertia and with them.
 _MOMENT_ROUNDING, _MOMENT_MARGIN = 1e-15, 1e-9
 _PAIRS = ((0, 1), (0, 2), (1, 2))
 
@@ -79,7 +83,8 @@ class Inertial:
     """Explicit mass properties, where they do not follow from a homogeneous solid.
 
     The inertia matrix is about the center of mass, along the axes of the link's frame; its
-    products are the entries of the matrix, as in SDF.
+    products are the entries of the matrix, as in SDF. A point has no moments, and a thin rod none
+    about its line.
     """
 
     mass: float  # [kg]
@@ -93,17 +98,17 @@ class Inertial:
             require_three(f"the field {name} of an inertial", getattr(self, name))
         small, middle, great = self.principal_moments()
         total = small + middle + great
-        margin = _MOMENT_MARGIN * total if any(self.products) else -_MOMENT_ROUNDING * total
+        margin = (_MOMENT_MARGIN if any(self.products) else _MOMENT_ROUNDING) * total
         shown = ", ".join(f"{moment:.9g}" for moment in (small, middle, great))
-        if small < max(LEAST, margin):
+        if small < -margin or great < 0.0:
             raise InvalidValueError(
-                f"the inertia has the principal moments {shown} kg*m^2; all of them must be "
-                "positive"
+                f"the inertia has the principal moments {shown} kg*m^2; none of them can be "
+                "negative"
             )
-        if small + middle < great + margin:
+        if small + middle < great - margin:
             raise InvalidValueError(
-                f"the inertia has the principal moments {shown} kg*m^2; the greatest must be less "
-                "than the other two together, as it is for every body"
+                f"the inertia has the principal moments {shown} kg*m^2; the greatest must be at "
+                "most the other two together, as it is for every body"
             )
 
     def principal_moments(self) -> tuple[float, float, float]:
@@ -112,6 +117,26 @@ class Inertial:
         moments = _diagonal([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         small, middle, great = sorted(moments)
         return small, middle, great
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether it is a rod or a plate, to rounding, that lies across the link's axes."""
+        small, middle, great = self.principal_moments()
+        least = min(small, small + middle - great)
+        return any(self.products) and least < _MOMENT_MARGIN * (small + middle + great)
+
+    def along_principal_axes(self) -> tuple[NDArray[np.float64], tuple[float, float, float]]:
+        """Rotation R_LP of the principal axes in the link's frame, and moments of a body there.
+
+        What rounding took from a rod or a plate is given back.
+        """
+        import numpy as np
+
+        (xx, yy, zz), (xy, xz, yz) = self.moments, self.products
+        moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        axes[:, 2] *= np.linalg.det(axes)
+        small, middle, great = np.maximum(moments, 0.0).tolist()
+        return axes, (small, middle, min(great, small + middle))
 
 
 def _diagonal(matrix: list[list[float]]) -> tuple[float, float, float]:

@@ -187,9 +187,9 @@ def test_an_inertia_said_outright_is_finite(field, value):
 @pytest.mark.parametrize(
     ("parts", "named"),
     [
-        ({"moments": (1.0, -0.5, 1.0)}, "moments -0.5, 1, 1 .*must be positive"),
+        ({"moments": (1.0, -0.5, 1.0)}, "moments -0.5, 1, 1 .*none of them can be negative"),
         ({"moments": (1.0, 1.0, 2.5)}, "moments 1, 1, 2.5 .*other two together"),
-        ({"moments": (1.0, 1.0, 1.0), "products": (1.5, 0, 0)}, "moments -0.5, .*be positive"),
+        ({"moments": (1.0, 1.0, 1.0), "products": (1.5, 0, 0)}, "moments -0.5, .*be negative"),
         ({"moments": (1.0, 1.0, 1.0), "products": (0.75, 0, 0)}, "0.25, 1, 1.75 .*together"),
     ],
     ids=["negative", "no triangle", "indefinite", "no triangle in its own axes"],

@@ -43,6 +43,12 @@ from drake_leg.robot.tree import Loop
 
 JOINTS: tuple[JointType, ...] = ("revolute", "prismatic", "fixed")  # by sigma
 GREATEST = 1e9  # in any unit
+_ROUNDING = 1e-15  # of what is subtracted
+_MOST_LISTED = 24  # letters
+_TOGETHER = (
+    " (XX ... ZZ, MX, MY, MZ and M of a link make one body, so all ten are given or none; all 0 "
+    "but M is a point mass at the origin of the link's frame)"
+)
 Numbers = Mapping[str, Expression]
 
 
@@ -100,9 +106,24 @@ def require_letters(par: ParFile, given: Numbers) -> None:
     letters = letters_of(par)
     for name in given:
         if name not in letters:
-            known = f"its letters are {', '.join(letters)}" if letters else "it has none"
-            advice = did_you_mean(name, letters, known if len(known) < 200 else "")
+            advice = did_you_mean(name, letters, _known_letters(par, given))
             raise InvalidValueError(f"{par.where} has no letter {quoted(name)}", advice=advice)
+
+
+def _known_letters(par: ParFile, given: Numbers) -> str:
+    """Say which letters a file has; of many, those of the table, and how the others begin."""
+    moving = {position.name for position in positions(par, given)}
+    letters = [name for name in letters_of(par) if name not in moving]
+    if not letters:
+        return "it has none"
+    known = f"its letters are {', '.join(letters)}"
+    if len(letters) <= _MOST_LISTED:
+        return known
+    of_table = {n for key in GEOMETRY for value in par.values.get(key, ()) for n in value.names}
+    table = [name for name in letters if name in of_table]
+    others = [name for name in letters if name not in of_table]
+    said = f"those of its table are {', '.join(table)}" if table else "none is in its table"
+    return f"{said}; it has {len(others)} others: {', '.join(others[:3])} ... {others[-1]}"
 
 
 def robot_of_par(par: ParFile, given: Numbers | None = None) -> LoadedRobot:
@@ -195,7 +216,8 @@ class _Maker:
             for name in self._unknown(value.expression):
                 missing.setdefault(name, f"{POSE} of {owner(POSE, index)}")
         if missing:
-            raise MissingNumbersError(self._par.where, missing)
+            of_bodies = any(place.partition(" ")[0] in INERTIAL for place in missing.values())
+            raise MissingNumbersError(self._par.where, missing, _TOGETHER if of_bodies else "")
 
     def _constant(self, key: str, row: int) -> Expression:
         position = self._positions.get(row)
@@ -315,24 +337,38 @@ _LEFT_OUT = {
 def central_inertial(numbers: Mapping[str, Fraction]) -> Inertial:
     """Move Khalil's ten parameters of a link, about the frame's origin, to its center of mass.
 
-    ``I = J - m (c.c 1 - c c')`` with ``c = (MX, MY, MZ) / M``, rounded once.
+    ``I = J - m (c.c 1 - c c')`` with ``c = (MX, MY, MZ) / M``, rounded once. Of a point or a rod
+    whose numbers are rounded, what that leaves of nothing is nothing.
     """
     mass = numbers["M"]
     x, y, z = (numbers[key] / mass for key in FIRST_MOMENTS)
-    return Inertial(
-        mass=float(mass),
-        centre=(float(x), float(y), float(z)),
-        moments=(
-            float(numbers["XX"] - mass * (y * y + z * z)),
-            float(numbers["YY"] - mass * (x * x + z * z)),
-            float(numbers["ZZ"] - mass * (x * x + y * y)),
-        ),
-        products=(
-            float(numbers["XY"] + mass * x * y),
-            float(numbers["XZ"] + mass * x * z),
-            float(numbers["YZ"] + mass * y * z),
-        ),
-    )
+    shifts = {
+        "XX": -mass * (y * y + z * z),
+        "YY": -mass * (x * x + z * z),
+        "ZZ": -mass * (x * x + y * y),
+        "XY": mass * x * y,
+        "XZ": mass * x * z,
+        "YZ": mass * y * z,
+    }
+    central = {key: numbers[key] + shift for key, shift in shifts.items()}
+    try:
+        return _inertial(mass, (x, y, z), central)
+    except InvalidValueError:
+        least = _ROUNDING * sum(map(abs, shifts.values()))
+        rounded = {
+            key: Fraction(0) if abs(value) <= least else value for key, value in central.items()
+        }
+        if rounded == central:
+            raise
+    return _inertial(mass, (x, y, z), rounded)
+
+
+def _inertial(
+    mass: Fraction, centre: tuple[Fraction, ...], parts: Mapping[str, Fraction]
+) -> Inertial:
+    x, y, z = map(float, centre)
+    xx, yy, zz, xy, xz, yz = (float(parts[key]) for key in ("XX", "YY", "ZZ", "XY", "XZ", "YZ"))
+    return Inertial(mass=float(mass), centre=(x, y, z), moments=(xx, yy, zz), products=(xy, xz, yz))
 
 
 def robot_name(title: str) -> str:

@@ -12,6 +12,7 @@ from trees import hexapod, parallelogram, two_fingers
 
 from drake_leg.errors import InvalidValueError, MissingNumbersError
 from drake_leg.kinematics.khalil import base_transforms
+from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import BASE, Link, Robot, Row, Segment
 from drake_leg.robot.robot_file import load_robot, read_robot_file
 from drake_leg.robot.robots import ROBOTS
@@ -185,7 +186,7 @@ NUMBERS = {
             {"MX1": 0.5},
             "x.par, line 7, XX ... ZZ: .* no physical body: moved to the center of mass",
         ),
-        ({"ZZ1": 0.35}, "the greatest must be less than the other two together"),
+        ({"ZZ1": 0.35}, "the greatest must be at most the other two together"),
         ({"FV1": -1}, "x.par, line 17: FV of link 1 is 'FV1'; the damping is -1.0"),
     ],
 )
@@ -397,3 +398,71 @@ def test_numbers_may_be_those_of_numpy():
     assert load_robot(RX90, exact) == load_robot(RX90, LENGTHS)
     with pytest.raises(InvalidValueError, match="D3 is True; it must be a number"):
         load_robot(RX90, LENGTHS | {"D3": True})
+
+
+# --- points and rods --------------------------------------------------------------------------
+
+
+def body_of(inertia, centre, mass):
+    """Khalil's ten parameters, in numbers that are rounded."""
+    c = np.array(centre)
+    J = np.array(inertia) + mass * (c @ c * np.eye(3) - np.outer(c, c))
+    values = [J[0, 0], J[0, 1], J[0, 2], J[1, 1], J[1, 2], J[2, 2], *(mass * c), mass]
+    keys = ("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M")
+    return {f"{key}1": float(value) for key, value in zip(keys, values, strict=True)}
+
+
+def rod(axis, moment):
+    u = np.array(axis) / np.linalg.norm(axis)
+    return moment * (np.eye(3) - np.outer(u, u))
+
+
+@pytest.mark.parametrize(
+    ("inertia", "moments"),
+    [
+        (np.zeros((3, 3)), (0.0, 0.0, 0.0)),
+        (rod((1, 0, 0), 0.02), (0.0, 0.02, 0.02)),
+        (rod((1, -2, 3), 0.02), (0.0, 0.02, 0.02)),
+        (rod((1, -2, 3), 0.01) + rod((3, 0, -1), 0.02), None),
+        (0.02 * np.eye(3) - rod((1, -2, 3), 0.01), (0.01, 0.01, 0.02)),
+    ],
+    ids=["point", "rod", "oblique rod", "body", "oblique plate"],
+)
+@pytest.mark.parametrize("centre", [(0, 0, 0), (0.123, -0.7, 0.31)])
+def test_points_rods_and_plates_are_bodies_for_drake_too(inertia, moments, centre):
+    robot = read(ONE, **body_of(inertia, centre, 0.7)).robot
+    body = robot.segments[0].link.inertial
+    if moments is not None:
+        assert body.principal_moments() == pytest.approx(moments, abs=1e-15)
+    plant = build_plant(robot)
+    found = plant.GetBodyByName("link_1").default_spatial_inertia()
+    assert found.get_com() == pytest.approx(centre, abs=1e-15)
+    about_centre = found.Shift(found.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
+    assert about_centre == pytest.approx(inertia, abs=1e-14)
+    again = robot_of_par(read_par(robot_par(robot), "written")).robot
+    assert again.segments[0].link.inertial == body
+
+
+def test_an_inertia_below_that_of_a_point_is_refused():
+    numbers = body_of(np.zeros((3, 3)), (0.1, 0.0, 0.0), 1.0)
+    with pytest.raises(InvalidValueError, match="none of them can be negative"):
+        read(ONE, **{**numbers, "ZZ1": 0.0099})
+
+
+def test_the_ten_parameters_of_a_body_are_asked_for_together():
+    with pytest.raises(MissingNumbersError, match="all ten are given or none") as caught:
+        read(ONE, M1=1.0)
+    assert len(caught.value.letters) == 9
+    with pytest.raises(MissingNumbersError) as caught:
+        read(RX90.read_text(), D3=0.45)
+    assert "all ten" not in str(caught.value)
+
+
+def test_a_letter_that_a_file_does_not_have_is_refused_with_those_of_its_table():
+    with pytest.raises(InvalidValueError, match="'D9'") as caught:
+        read(RX90.read_text(), D9=1.0)
+    said = "those of its table are D3, RL4; it has 85 others: XX1, XX2, XX3 ... G3"
+    assert caught.value.advice == said
+    with pytest.raises(InvalidValueError) as caught:
+        read(ONE.replace("th1", "th1 + A"), Q=1.0)
+    assert caught.value.advice.startswith("its letters are A, XX1")

@@ -312,7 +312,7 @@ def test_any_robot_is_proved(robot):
         ("density = 2700", "density = 0", ["row 1, solid (brick): density is 0", "positive"]),
         ("radius = 0.01", "radius = 1e-200", ["row 2, solid (cylinder)", "1e-200"]),
         ("0.002, 0.0001]", "0.002, 0.005]", ["row 2, inertial", "0.005", "other two"]),
-        ("[0, 0, 0.0001]", "[0, 0, 0.01]", ["row 2, inertial", "must be positive"]),
+        ("[0, 0, 0.0001]", "[0, 0, 0.01]", ["row 2, inertial", "can be negative"]),
         ('shape = "brick"', 'shape = "box"', ['shape is "box"', '"cylinder"']),
         ("radius = 0.01", "radius = 0.01\nwidth = 1", ["solid (cylinder)", "'width'"]),
         ("colour = [1, 0.5, 0]", "colour = [255, 128, 0]", ["colour is [255", "0 to 1"]),
