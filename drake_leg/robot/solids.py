@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from drake_leg.arguments import require_kind
 from drake_leg.colours import Colour
 from drake_leg.errors import InvalidValueError
-from drake_leg.units import require_positive, require_three
+from drake_leg.units import LEAST, require_positive, require_three
 
 if TYPE_CHECKING:
     import numpy as np
