@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -305,23 +305,12 @@ class Walk:
     def feet(self, time: ArrayLike) -> Motion:
         """Feet p_BF in the body's frame, (..., n, 3) [m], with derivatives there."""
         X, dX, ddX = self.body(time)
+        R, dR, ddR = (part[..., :3, :3] for part in (X, dX, ddX))
         p, v, a = (
-            _in_homogeneous(one, w)
-            for one, w in zip(self.feet_in_world(time), (1.0, 0.0, 0.0), strict=True)
-        )
-        Y = np.asarray(np.linalg.inv(X), dtype=np.float64)
-        dY: Array = -Y @ dX @ Y
-        ddY: Array = -Y @ ddX @ Y - 2.0 * Y @ dX @ dY
-
-        def moved(M: Array, q: Array) -> Array:
-            found: Array = np.einsum("...ij,...nj->...ni", M, q)[..., :3]
-            return found
-
-        return Motion(
-            moved(Y, p),
-            moved(dY, p) + moved(Y, v),
-            moved(ddY, p) + 2.0 * moved(dY, v) + moved(Y, a),
-        )
+            in_world - part[..., np.newaxis, :3, 3]
+            for in_world, part in zip(self.feet_in_world(time), (X, dX, ddX), strict=True)
+        )  # rows, so that p @ R turns them by R^T
+        return Motion(p @ R, v @ R + p @ dR, a @ R + 2.0 * v @ dR + p @ ddR)
 
     def down(self, time: ArrayLike) -> NDArray[np.bool_]:
         """Whether each foot stands, (..., n) of bool; it does between two equal footholds, too."""
@@ -329,6 +318,21 @@ class Walk:
         there = self._foothold(self._cycle(time)[0] + 1.0)
         found: NDArray[np.bool_] = np.logical_not(swings) | (here == there).all(axis=-1)
         return found
+
+    def firmness(self, time: ArrayLike, fading: float) -> Array:
+        """How firmly each foot stands, (..., n): 0 in the air, 1 on the ground, smooth in time.
+
+        It rises during ``fading`` [s] after a touch-down, and falls before a lift-off. A foot that
+        stays where it is stands firmly all the time.
+        """
+        require_positive("how long a foot's firmness fades", fading, "s")
+        number, done = self._cycle(time)
+        before, here, after = (self._foothold(number + step) for step in (-1.0, 0.0, 1.0))
+        since, until = self.period * done, self.period * (self.gait.duty - done)
+        stays = (here == after).all(axis=-1)
+        rise = np.where((before == here).all(axis=-1), 1.0, smoothstep(since / fading).value)
+        fall = np.where(stays, 1.0, smoothstep(until / fading).value)
+        return np.where(done < self.gait.duty, rise * fall, np.where(stays, 1.0, 0.0))
 
     def _cycle(self, time: ArrayLike) -> tuple[Array, Array]:
         """Number of each leg's cycle, and how much of it is done, (..., n)."""
@@ -345,11 +349,12 @@ class Walk:
 
     def _foothold(self, number: Array) -> Array:
         """Where each foot stands in a cycle, (..., n, 3) [m]."""
-        middle = self.period * (number + np.array(self.gait.phases) + self.gait.duty / 2.0)
-        X = self.level(middle).value
+        cycles, which = np.unique(number, return_inverse=True)  # few, in many times
+        begun = cycles[:, np.newaxis] + np.array(self.gait.phases)
+        X = self.level(self.period * (begun + self.gait.duty / 2.0)).value
         feet = np.asarray(self.neutral)
-        found: Array = np.einsum("...nij,nj->...ni", X[..., :3, :3], feet) + X[..., :3, 3]
-        return found
+        places: Array = np.einsum("...nij,nj->...ni", X[..., :3, :3], feet) + X[..., :3, 3]
+        return places[which.reshape(number.shape), np.arange(len(feet))]
 
 
 def smoothstep(u: Array) -> Motion:
@@ -384,12 +389,10 @@ def _skew(w: Array) -> Array:
 
 def _screws(parts: Sequence[Command | Attitude], time: Array) -> Motion:
     """Product of the screws of all parts, (..., 4, 4), with derivatives in time."""
-    identity = np.broadcast_to(np.eye(4), (*time.shape, 4, 4))
-    still = np.zeros_like(identity)
-    found = Motion(identity, still, still)
-    for part in parts:
-        found = product(found, _screw(part.twist, part.progress(time)))
-    return found
+    if not parts:
+        still = np.zeros((*time.shape, 4, 4))
+        return Motion(still + np.eye(4), still, still)
+    return reduce(product, (_screw(part.twist, part.progress(time)) for part in parts))
 
 
 def _screw(twist: Array, progress: Motion) -> Motion:
@@ -423,7 +426,3 @@ def product(first: Motion, second: Motion) -> Motion:
     """Product of two matrices that depend on time, with its derivatives."""
     (A, dA, ddA), (B, dB, ddB) = first, second
     return Motion(A @ B, dA @ B + A @ dB, ddA @ B + 2.0 * dA @ dB + A @ ddB)
-
-
-def _in_homogeneous(p: Array, w: float) -> Array:
-    return np.concatenate([p, np.full((*p.shape[:-1], 1), w)], axis=-1)

@@ -61,7 +61,9 @@ class PlannedWalk:
     @cached_property
     def links(self) -> Motion:
         """Poses X_GL of the base and of all rows, (rows, m + 1, 4, 4), with derivatives."""
-        positions, rates, bends = (part.reshape(len(self.times), -1) for part in self.joints)
+        positions, rates, bends = (
+            part.reshape(len(self.times), 3 * self.legs.count) for part in self.joints
+        )
         return link_motions(self.robot, self.body, Motion(positions, rates, bends))
 
     @cached_property

@@ -9,13 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from drake_leg.kinematics.khalil import Array, row_transform, row_transform_rate
-from drake_leg.kinematics.walking.gaits import Motion, product
+from drake_leg.kinematics.khalil import Array, row_transform
+from drake_leg.kinematics.walking.gaits import Motion
 from drake_leg.robot.robot import Link, Robot
 from drake_leg.robot.solids import mass_properties
-
-_ABOUT_Z = np.zeros((4, 4))
-_ABOUT_Z[0, 1], _ABOUT_Z[1, 0] = -1.0, 1.0
 
 
 def pseudo_inertias(robot: Robot) -> Array:
@@ -66,27 +63,58 @@ def link_motions(robot: Robot, body: Motion, joints: Motion) -> Motion:
     ``body`` has the poses X_GB (..., 4, 4) of a floating base, ``joints`` the positions of all
     joints (..., joints), both with derivatives.
     """
-    found = [body]
+    found = [np.stack(body)]  # each (3, ..., 4, 4)
     number = 0
     for row, antecedent in zip(robot.rows, robot.antecedents, strict=True):
-        if row.joint == "fixed":
-            own = row_transform(row)
-            found.append(Motion(*(part @ own for part in found[antecedent])))
-            continue
-        position, rate, bend = (part[..., number, np.newaxis, np.newaxis] for part in joints)
-        X = row_transform(row, position[..., 0, 0])
-        along = row_transform_rate(row, position[..., 0, 0])
-        twice = along @ _ABOUT_Z if row.joint == "revolute" else np.zeros_like(X)
-        own_motion = Motion(X, along * rate, twice * rate**2 + along * bend)
-        found.append(product(found[antecedent], own_motion))
-        number += 1
-    value, rate, bend = (np.stack(parts, axis=-3) for parts in zip(*found, strict=True))
-    return Motion(value, rate, bend)
+        before = found[antecedent]
+        own = (before.reshape(-1, 4) @ row_transform(row)).reshape(before.shape)  # the joint at 0
+        if row.joint != "fixed":
+            move = _turn if row.joint == "revolute" else _slide
+            move(own, *(part[..., number, np.newaxis] for part in joints))
+            number += 1
+        found.append(own)
+    return Motion(*np.stack(found, axis=-3))
+
+
+def _turn(X: Array, q: Array, qdot: Array, qddot: Array) -> None:
+    """Multiply a pose and its derivatives, (3, ..., 4, 4), by a rotation about z, (..., 1)."""
+    c, s = np.cos(q), np.sin(q)
+    x, y = X[..., 0].copy(), X[..., 1]
+    X[..., 0] = c * x + s * y
+    X[..., 1] = c * y - s * x
+    (x, dx, _), (y, dy, _) = X[..., 0].copy(), X[..., 1].copy()
+    X[1, ..., 0] += qdot * y
+    X[1, ..., 1] -= qdot * x
+    X[2, ..., 0] += 2.0 * qdot * dy + qddot * y - qdot**2 * x
+    X[2, ..., 1] -= 2.0 * qdot * dx + qddot * x + qdot**2 * y
+
+
+def _slide(X: Array, q: Array, qdot: Array, qddot: Array) -> None:
+    """Multiply a pose and its derivatives by a translation along z."""
+    z, dz = X[0, ..., 2].copy(), X[1, ..., 2].copy()
+    X[..., 3] += q * X[..., 2]
+    X[1, ..., 3] += qdot * z
+    X[2, ..., 3] += 2.0 * qdot * dz + qddot * z
+
+
+def wrenches_of_links(
+    robot: Robot, links: Motion, gravity: Array, *, inertia: bool = True
+) -> tuple[Array, Array]:
+    """Wrenches that base and links need, each (..., m + 1, 3) [N*m, N], in G.
+
+    They are the rates of angular momentum about G's origin and of momentum, less the weights;
+    without ``inertia``, those of links at rest.
+    """
+    J = pseudo_inertias(robot)
+    # Of a point at rest in a link, ddX [r; 1] is its acceleration, and that less gravity is felt.
+    felt = links.acceleration.copy() if inertia else np.zeros_like(links.acceleration)
+    felt[..., :3, 3] -= gravity
+    S = links.value @ J @ np.swapaxes(felt, -1, -2)
+    moment = np.stack([S[..., j, k] - S[..., k, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=-1)
+    return moment, S[..., 3, :3].copy()
 
 
 def inertia_wrench(robot: Robot, links: Motion) -> tuple[Array, Array]:
     """Rates of angular momentum about the origin of G and of momentum, each (..., 3) [N*m, N]."""
-    J = pseudo_inertias(robot)
-    S = np.einsum("...lij,ljk,...lmk->...im", links.value, J, links.acceleration, optimize=True)
-    moment = np.stack([S[..., j, k] - S[..., k, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=-1)
-    return moment, S[..., 3, :3]
+    moment, force = wrenches_of_links(robot, links, np.zeros(3))
+    return moment.sum(axis=-2), force.sum(axis=-2)
