@@ -353,7 +353,7 @@ class _Watch:
             self._progress(now)
         if self._steps > STEP_BUDGET:
             raise StepBudgetError(steps=self._steps, time=now)
-        greatest = np.abs(root.get_continuous_state_vector().CopyToVector()).max()
+        greatest = np.abs(root.get_continuous_state_vector().CopyToVector()).max(initial=0.0)
         if not greatest <= RUNAWAY:
             raise UnstableRunError(
                 time=now, max_step=self._settings.max_step, scheme=self._settings.scheme
@@ -369,14 +369,14 @@ class _Watch:
 
 
 class _Limits:
-    """The joint limits of the plants that have any: a continuous plant does not stop at them."""
+    """The joint limits of the continuous plants that have any; a discrete plant stops at them."""
 
     def __init__(self, diagram: Diagram) -> None:
         weaker = ", or a weaker disturbance" if is_disturbed(diagram) else ""
         self._advice = f"choose another posture or a smaller amplitude{weaker}"
         self._limited = []
         for plant in diagram.GetSystems():
-            if isinstance(plant, MultibodyPlant):
+            if isinstance(plant, MultibodyPlant) and plant.time_step() == 0.0:
                 low, high = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
                 if np.isfinite(low).any() or np.isfinite(high).any():
                     self._limited.append((plant, low.tolist(), high.tolist()))

@@ -31,6 +31,7 @@ from drake_leg.kinematics.leg import (
     sigma_min,
 )
 from drake_leg.kinematics.walking.gaits import Motion
+from drake_leg.kinematics.walking.leg_on_body import LegOnBody
 from drake_leg.robot.robot import Robot, require_robot
 
 JOINTS = ("hip", "knee", "ankle")
@@ -116,6 +117,15 @@ class Legs:
         return tuple(
             LegGeometry(l1=float(coxa), l2=float(femur), l3=float(tibia), sign=1)
             for coxa, femur, tibia in self.lengths
+        )
+
+    @cached_property
+    def movables(self) -> tuple[LegOnBody, ...]:
+        """Every leg for an inverse Jacobian block, in the table's angles and the body's frame."""
+        parts = (self.hips.tolist(), self.signs.tolist(), self.offsets.tolist())
+        return tuple(
+            LegOnBody(leg, *on_body)
+            for leg, on_body in zip(self.geometries, zip(*parts, strict=True), strict=True)
         )
 
     def joints(self, feet: ArrayLike) -> Array:

@@ -1,0 +1,241 @@
+"""The diagram of a robot that walks on six legs, each with the blocks of the lab's one leg.
+
+The signal blocks, left to right::
+
+    Body Command -> [Body Feedback] -> Gait -> Demux -> 6 x (inverseJacobian -> Integrator)
+                                        ^                                        |
+                                        +--------------- joint angles -----------+-> servos
+                                                                                       |
+                                          Feed-Forward ------------------> robot with its contacts
+
+The servos are the plant's own: position controllers with the torque-speed line of their motors. The
+joints are driven by torques alone, and so the robot can fall.
+
+All signals change at the time steps of the plant, which is discrete.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.primitives import Demultiplexer, DiscreteTimeIntegrator, Multiplexer
+
+from drake_leg.arguments import checked, require_fields
+from drake_leg.diagrams.mechanism import add_scope
+from drake_leg.diagrams.wiring import built, plant_of
+from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.walking.gaits import Walk
+from drake_leg.kinematics.walking.legs import Legs
+from drake_leg.kinematics.walking.loads import planned_torques
+from drake_leg.kinematics.walking.plan import WalkPlan, walk_of
+from drake_leg.models.walker import TIME_STEP, Contact, Walker, add_walker
+from drake_leg.robot.hexapods import HEXABOT
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.servos import IDEAL, Servo
+from drake_leg.systems.body_command import BodyCommand
+from drake_leg.systems.body_feedback import BodyFeedback
+from drake_leg.systems.feed_forward import FeedForward
+from drake_leg.systems.gait import GaitBlock
+from drake_leg.systems.inverse_jacobian import InverseJacobian
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
+
+FULL, GRAVITY, NONE = "full", "gravity", "none"  # feed-forward
+FEED_FORWARDS = (FULL, GRAVITY, NONE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HexapodConfig:
+    """A robot that walks.
+
+    Parameters
+    ----------
+    robot : Robot
+        Legs of three joints on a floating body.
+    walk : Walk, optional
+        Of its body and feet; by default it stands.
+    servo : Servo
+        At every joint.
+    feed_forward : {"full", "gravity", "none"}
+        What the servos are told of the planned load: weight and inertia, weight alone, or nothing.
+    feedback : float, optional
+        Rate at which an error of the body's pose decays [1/s]; by default nothing is fed back.
+    contact : Contact
+        Of feet and ground.
+    time_step : float
+        Of the plant and of all signals [s].
+    gravity : float
+        Along the world's -z [m/s^2].
+
+    Raises
+    ------
+    InvalidValueError
+        If a value makes no sense, or a planned foot is out of its leg's reach at the start.
+    """
+
+    robot: Robot = HEXABOT
+    walk: Walk = field(default_factory=lambda: walk_of(HEXABOT))
+    servo: Servo = IDEAL
+    feed_forward: str = FULL
+    feedback: float | None = None  # [1/s]
+    contact: Contact = Contact()
+    time_step: float = TIME_STEP  # [s]
+    gravity: float = STANDARD_GRAVITY  # [m/s^2]
+
+    def __post_init__(self) -> None:
+        require_fields(self)
+        require_positive("the time step", self.time_step, "s")
+        require_non_negative("gravity", self.gravity, "m/s^2")
+        if self.feedback is not None:
+            require_positive("the rate of the body's feedback", self.feedback, "1/s")
+        if self.feed_forward not in FEED_FORWARDS:
+            raise InvalidValueError(
+                f"the feed-forward is {self.feed_forward!r}; it must be one of "
+                f"{', '.join(FEED_FORWARDS)}"
+            )
+        if len(self.walk.gait.phases) != self.legs.count:
+            raise InvalidValueError(
+                f"the gait {self.walk.gait.name!r} has {len(self.walk.gait.phases)} legs, and "
+                f"{self.robot.name!r} has {self.legs.count}"
+            )
+        if np.isnan(self.start).any():
+            leg = self.legs.names[int(np.argmax(np.isnan(self.start).any(axis=-1)))]
+            raise InvalidValueError(
+                f"the foot of {leg} is out of its reach at the start; choose another height"
+            )
+
+    @cached_property
+    def legs(self) -> Legs:
+        """The legs of the robot."""
+        return Legs.of(self.robot)
+
+    @cached_property
+    def start(self) -> Array:
+        """Joint angles at the start, (n, 3) [rad]."""
+        return self.legs.joints(self.walk.feet(0.0).value)
+
+    @property
+    def plan(self) -> WalkPlan:
+        """The walk, and the torques that its load takes, at the time steps."""
+        torques = None if self.feed_forward == NONE else self._torques
+        return WalkPlan(self.walk, step=self.time_step, torques=torques)
+
+    def _torques(self, times: Array) -> Array:
+        return planned_torques(
+            self.robot,
+            self.walk,
+            times,
+            self.servo,
+            gravity=(0.0, 0.0, -self.gravity),
+            inertia=self.feed_forward == FULL,
+        )
+
+
+@checked
+def build(config: HexapodConfig) -> Diagram:
+    """Wire the diagram of a walk.
+
+    ``simulate(diagram, duration, start=start_walking(config))`` lets it walk.
+    """
+    builder = DiagramBuilder()
+    plan, legs, n = config.plan, config.legs.movables, config.legs.count
+
+    # Blocks, in the order of the signal.
+    command = builder.AddNamedSystem("Body Command", BodyCommand(plan))
+    gait = GaitBlock(plan, legs, draws_standing_feet=config.feedback is None)
+    builder.AddNamedSystem("Gait", gait)
+    demux = builder.AddNamedSystem("Demux", Demultiplexer([3] * n))  # to single feet
+    inverse_jacobians = [  # velocity of a foot to rates of its leg's joints
+        builder.AddNamedSystem(f"inverseJacobian {name}", InverseJacobian(leg))
+        for name, leg in zip(config.legs.names, legs, strict=True)
+    ]
+    integrators = [  # rates to angles
+        builder.AddNamedSystem(f"Integrator {name}", DiscreteTimeIntegrator(3, config.time_step))
+        for name in config.legs.names
+    ]
+    angles = builder.AddNamedSystem("Joint Angles", Multiplexer([3] * n))
+    rates = builder.AddNamedSystem("Joint Rates", Multiplexer([3] * n))
+    wanted = builder.AddNamedSystem("Desired State", Multiplexer([3 * n, 3 * n]))
+    forward = builder.AddNamedSystem("Feed-Forward", FeedForward(plan))
+    walker = add_walker(
+        builder,
+        config.robot,
+        time_step=config.time_step,
+        servo=config.servo,
+        contact=config.contact,
+        gravity=config.gravity,
+    )
+    plant = walker.plant
+    sensed = builder.AddNamedSystem("Body Sensor", Demultiplexer([7, 3 * n, 6, 3 * n]))
+
+    # Wires: the body's twist to the gait. Feedback adds a block to them.
+    twist = command.GetOutputPort("twist")
+    if config.feedback is not None:
+        feedback = builder.AddNamedSystem("Body Feedback", BodyFeedback(np.eye(4), config.feedback))
+        builder.Connect(twist, feedback.GetInputPort("command"))
+        builder.Connect(command.GetOutputPort("pose"), feedback.GetInputPort("pose"))
+        builder.Connect(sensed.get_output_port(0), feedback.GetInputPort("sensed"))
+        twist = feedback.GetOutputPort("twist")
+    builder.Connect(twist, gait.GetInputPort("twist"))
+
+    # Wires: the feet's velocities through inverse Jacobians and integrators to the servos.
+    builder.Connect(gait.GetOutputPort("v"), demux.get_input_port())
+    for i, (inverse, integrator) in enumerate(zip(inverse_jacobians, integrators, strict=True)):
+        builder.Connect(demux.get_output_port(i), inverse.GetInputPort("v"))
+        builder.Connect(integrator.get_output_port(), inverse.GetInputPort("q"))
+        builder.Connect(inverse.GetOutputPort("qdot"), integrator.get_input_port())
+        builder.Connect(integrator.get_output_port(), angles.get_input_port(i))
+        builder.Connect(inverse.GetOutputPort("qdot"), rates.get_input_port(i))
+    builder.Connect(angles.get_output_port(), gait.GetInputPort("q"))
+    builder.Connect(angles.get_output_port(), wanted.get_input_port(0))
+    builder.Connect(rates.get_output_port(), wanted.get_input_port(1))
+    builder.Connect(
+        wanted.get_output_port(), plant.get_desired_state_input_port(walker.instance)
+    )
+    builder.Connect(
+        forward.GetOutputPort("torque"), plant.get_actuation_input_port(walker.instance)
+    )
+    builder.Connect(plant.get_state_output_port(walker.instance), sensed.get_input_port())
+
+    _add_scopes(builder, walker, sensed, wanted)
+    return built(builder)
+
+
+def _add_scopes(
+    builder: DiagramBuilder, walker: Walker, sensed: Demultiplexer, wanted: Multiplexer
+) -> None:
+    plant, robot = walker.plant, walker.instance
+    for name, port in (
+        ("body pose", sensed.get_output_port(0)),  # quaternion, place in the world
+        ("joint positions", sensed.get_output_port(1)),
+        ("body velocity", sensed.get_output_port(2)),
+        ("joint velocities", sensed.get_output_port(3)),
+        ("desired state", wanted.get_output_port()),
+        ("joint torques", plant.get_net_actuation_output_port(robot)),
+        ("contact forces", plant.get_generalized_contact_forces_output_port(robot)),
+    ):
+        add_scope(builder, name, port)
+
+
+def start_walking(config: HexapodConfig) -> Callable[[Diagram, Context], None]:
+    """Return a start at which the robot stands, and its integrators agree with its joints."""
+
+    def start(diagram: Diagram, context: Context) -> None:
+        plant = plant_of(diagram)
+        at_plant = plant.GetMyMutableContextFromRoot(context)
+        body = plant.GetBodyByName(config.robot.base_name)
+        plant.SetFreeBodyPose(at_plant, body, RigidTransform(config.walk.body(0.0).value))
+        robot = body.model_instance()
+        plant.SetPositions(
+            at_plant, robot, [*plant.GetPositions(at_plant, robot)[:7], *config.start.ravel()]
+        )
+        for leg, q in zip(config.legs.names, config.start, strict=True):
+            integrator = diagram.GetSubsystemByName(f"Integrator {leg}")
+            integrator.set_integral_value(integrator.GetMyMutableContextFromRoot(context), q)
+
+    return start

@@ -1,0 +1,59 @@
+"""One leg of a walking robot, for the inverse Jacobian block of the lab's leg."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.leg import LegGeometry, MovableLeg
+from drake_leg.kinematics.movable import Floats, Functions, Values
+
+
+class LegOnBody(MovableLeg):
+    """The reports' leg with its hip on a body: its foot moves in the body's frame.
+
+    The leg's own angles are ``offsets + signs * q``.
+    """
+
+    def __init__(
+        self, leg: LegGeometry, hip: Sequence[float], signs: Floats, offsets: Floats
+    ) -> None:
+        MovableLeg.__init__(self, leg)
+        self._hip, self._signs, self._offsets = tuple(hip), tuple(signs), tuple(offsets)
+        self._sign = signs[0] * signs[1] * signs[2]
+
+    def _own(self, q: Values) -> list[Values]:
+        return [
+            offset + sign * angle
+            for offset, sign, angle in zip(self._offsets, self._signs, q, strict=True)
+        ]
+
+    def foot(self, q: Floats) -> Array:
+        """Position of the foot in the body's frame, (3,) [m]."""
+        return np.array(self._hip) + MovableLeg.foot(self, self._own(q))
+
+    def jacobian(self, q: Floats) -> Array:
+        """Translational Jacobian, (3, 3) [m/rad]."""
+        return MovableLeg.jacobian(self, self._own(q)) * np.array(self._signs)
+
+    def bias(self, q: Floats, qdot: Floats) -> Array:
+        """``dJ/dt qdot``, (3,) [m/s^2]."""
+        own = [sign * rate for sign, rate in zip(self._signs, qdot, strict=True)]
+        return MovableLeg.bias(self, self._own(q), own)
+
+    def determinant(self, q: Floats) -> float:
+        """Det J, factored [m^3]."""
+        return self._sign * MovableLeg.determinant(self, self._own(q))
+
+    def rates(self, q: Floats, v: Floats) -> Floats:
+        """``J^-1 v``."""
+        own = MovableLeg.rates(self, self._own(q), v)
+        return [sign * rate for sign, rate in zip(self._signs, own, strict=True)]
+
+    def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
+        """Position of the foot in the body's frame, (3,) [m]."""
+        own = MovableLeg.task_position(self, self._own(q), functions)
+        x, y, z = (place + part for place, part in zip(self._hip, own, strict=True))
+        return x, y, z

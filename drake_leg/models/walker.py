@@ -1,0 +1,119 @@
+"""A walking robot in Drake: its feet touch the ground, and servos drive its joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from pydrake.geometry import AddContactMaterial, Box, ProximityProperties, SceneGraph, Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import (
+    AddMultibodyPlantSceneGraph,
+    CoulombFriction,
+    DiscreteContactApproximation,
+    MultibodyPlant,
+)
+from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.models.sdf import sdf_text
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.servos import IDEAL, Servo
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
+
+TIME_STEP = 0.005  # [s]
+# SAP makes stiff contacts softer, in proportion to this number, than they are: at Drake's own
+# value, 1, a robot of 2 kg sinks by millimeters and slips.
+NEAR_RIGID = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """How feet touch the ground: by points, or by balls, which roll."""
+
+    stiffness: float = 5e4  # [N/m], of a foot
+    friction: float = 0.8  # static and dynamic
+    foot_radius: float = 0.0  # [m]; 0: a point
+
+    def __post_init__(self) -> None:
+        require_positive("the stiffness of a foot's contact", self.stiffness, "N/m")
+        require_non_negative("the friction of the ground", self.friction, "")
+        require_non_negative("the radius of a foot's ball", self.foot_radius, "m")
+
+
+class Walker(NamedTuple):
+    """The blocks of a walking robot in a diagram; they belong to its builder."""
+
+    plant: MultibodyPlant
+    scene_graph: SceneGraph
+    instance: ModelInstanceIndex  # of the robot
+
+
+def add_walker(
+    builder: DiagramBuilder,
+    robot: Robot,
+    *,
+    time_step: float = TIME_STEP,
+    servo: Servo = IDEAL,
+    contact: Contact = Contact(),
+    gravity: float = STANDARD_GRAVITY,
+) -> Walker:
+    """Add a discrete plant of a floating robot on the ground, and its SceneGraph.
+
+    Each joint has a servo: Drake's implicit position controller with the motor's torque-speed line,
+    whose ``desired_state`` and ``actuation`` ports (the feed-forward) are still to be connected.
+
+    Raises
+    ------
+    InvalidValueError
+        If a number makes no sense, or Drake refuses the robot.
+    """
+    require_positive("the time step", time_step, "s")
+    require_non_negative("gravity", gravity, "m/s^2")
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
+    plant.set_name(robot.name)
+    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
+    plant.set_sap_near_rigid_threshold(NEAR_RIGID)
+    parser = Parser(plant)
+    parser.SetStrictParsing()
+    try:
+        (instance,) = parser.AddModelsFromString(sdf_text(robot), "sdf")
+        _touch(plant, robot, contact)
+        _drive(plant, servo)
+        plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
+        plant.Finalize()
+    except RuntimeError as error:
+        reason = " ".join(str(error).split())
+        raise InvalidValueError(f"Drake refuses the model {robot.name!r}: {reason}") from None
+    return Walker(plant, scene_graph, instance)
+
+
+def _touch(plant: MultibodyPlant, robot: Robot, contact: Contact) -> None:
+    """Let the feet and the ground collide."""
+    properties = ProximityProperties()
+    friction = CoulombFriction(contact.friction, contact.friction)
+    AddContactMaterial(None, contact.stiffness, friction, properties)
+    for tip in robot.tips:
+        foot = plant.GetBodyByName(tip)
+        ball = Sphere(contact.foot_radius)
+        plant.RegisterCollisionGeometry(foot, RigidTransform(), ball, f"{tip}_contact", properties)
+    rigid = ProximityProperties()
+    AddContactMaterial(None, 1e6 * contact.stiffness, friction, rigid)
+    ground = Box(100.0, 100.0, 1.0)
+    place = RigidTransform([0.0, 0.0, -0.5])
+    plant.RegisterCollisionGeometry(plant.world_body(), place, ground, "ground", rigid)
+
+
+def _drive(plant: MultibodyPlant, servo: Servo) -> None:
+    """Give every joint its servo."""
+    gains = PdControllerGains(p=servo.stiffness, d=servo.damping)
+    for index in plant.GetJointActuatorIndices():
+        actuator = plant.get_mutable_joint_actuator(index)
+        actuator.set_effort_limit(servo.stall_torque)
+        actuator.set_default_rotor_inertia(servo.rotor_inertia)
+        actuator.set_default_gear_ratio(1.0)
+        actuator.set_controller_gains(gains)
+        joint = actuator.joint()
+        joint.set_default_damping(joint.default_damping() + servo.back_emf_damping)

@@ -1,0 +1,222 @@
+"""What a walk recorded, as arrays in the frame of the ground, and what follows from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from drake_leg.diagrams.hexapod import HexapodConfig
+from drake_leg.kinematics.khalil import Array, base_transforms
+from drake_leg.kinematics.walking.gaits import Motion
+from drake_leg.kinematics.walking.margins import on_ground, support_margin
+from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
+from drake_leg.simulation.run import Run
+
+SETTLED = 0.5  # [s]: until then a robot that was put on its feet sinks into its contacts
+LOADED = 0.02  # of the robot's weight: a foot with less supports nothing
+BOUNCE = 0.020  # [s]: a foot that was loaded within this time supports
+OVERTURNED = np.radians(45.0)  # tilt of a robot that has fallen
+COLLAPSED = 0.5  # of its planned height: a robot that is lower has fallen
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WalkRecord:
+    """A recorded walk; G is the frame of the ground, B that of the body, n legs."""
+
+    config: HexapodConfig
+    run: Run
+
+    @property
+    def time(self) -> Array:
+        """(rows,) [s]."""
+        return self.run.time
+
+    @cached_property
+    def body(self) -> Array:
+        """Pose X_GB, (rows, 4, 4) [-, m]."""
+        pose = self.run.scopes["body pose"]
+        X_WB = np.tile(np.eye(4), (len(pose), 1, 1))
+        X_WB[:, :3, :3] = Rotation.from_quat(pose[:, :4], scalar_first=True).as_matrix()
+        X_WB[:, :3, 3] = pose[:, 4:]
+        return np.linalg.inv(self.config.X_WG) @ X_WB
+
+    @cached_property
+    def planned(self) -> Motion:
+        """Planned pose X_GB, (rows, 4, 4) [-, m], with derivatives."""
+        return self.config.walk.body(self.time)
+
+    @cached_property
+    def q(self) -> Array:
+        """Joint angles, (rows, n, 3) [rad]."""
+        return self._of_legs("joint positions")
+
+    @cached_property
+    def rates(self) -> Array:
+        """Joint rates, (rows, n, 3) [rad/s]."""
+        return self._of_legs("joint velocities")
+
+    @cached_property
+    def drive(self) -> Array:
+        """Torque that the controllers ask of the motors, (rows, n, 3) [N*m]."""
+        return self._of_legs("joint torques")
+
+    @cached_property
+    def torques(self) -> Array:
+        """Torque of the motors at the joints, (rows, n, 3) [N*m]: less where they turn fast."""
+        return self.drive - self.config.servo.back_emf_damping * self.rates
+
+    @cached_property
+    def power(self) -> Array:
+        """Mechanical power of the motors, (rows,) [W]."""
+        return np.asarray((self.torques * self.rates).sum(axis=(1, 2)))
+
+    @cached_property
+    def feet_in_body(self) -> Array:
+        """p_BF, (rows, n, 3) [m]."""
+        return self.config.legs.feet(self.q)
+
+    @cached_property
+    def feet(self) -> Array:
+        """p_GF, (rows, n, 3) [m]."""
+        return _placed(self.body, self.feet_in_body)
+
+    @cached_property
+    def forces(self) -> Array:
+        """Force of the ground on each foot, in G, (rows, n, 3) [N].
+
+        The plant's generalized contact forces of a leg's joints are J^T f.
+        """
+        joints = self.run.scopes["contact forces"][:, 6:].reshape(self.q.shape)
+        J = np.swapaxes(self.config.legs.jacobians(self.q), -1, -2)
+        in_body = np.linalg.solve(J, joints[..., np.newaxis])[..., 0]
+        return np.einsum("tij,tnj->tni", self.body[:, :3, :3], in_body)
+
+    @cached_property
+    def force_on_body(self) -> Array:
+        """Force of the ground on anything but feet, in G, (rows, 3) [N]."""
+        whole = self.run.scopes["contact forces"][:, 3:6] @ self.config.X_WG[:3, :3]
+        return np.asarray(whole - self.forces.sum(axis=1))
+
+    @cached_property
+    def weight(self) -> float:
+        """[N]."""
+        return total_mass(self.config.robot) * self.config.gravity
+
+    @cached_property
+    def loaded(self) -> NDArray[np.bool_]:
+        """Whether each foot carries load, now or a moment before or after, (rows, n).
+
+        The contact of a foot that has just touched down may open again for a few steps.
+        """
+        now = self.forces[..., 2] > LOADED * self.weight
+        reach = round(BOUNCE / self.config.time_step)
+        seen = np.zeros_like(now)
+        for shift in range(-reach, reach + 1):
+            rows = slice(max(shift, 0), len(now) + min(shift, 0))
+            others = slice(max(-shift, 0), len(now) + min(-shift, 0))
+            seen[rows] |= now[others]
+        return seen
+
+    @cached_property
+    def planned_down(self) -> NDArray[np.bool_]:
+        """Whether each foot is planned to stand, (rows, n)."""
+        return self.config.walk.down(self.time)
+
+    @cached_property
+    def centre_of_mass(self) -> Array:
+        """Of the whole robot, (rows, 3) [m]."""
+        q = self.q.reshape(len(self.time), -1)
+        X_BL = base_transforms(self.config.robot.rows, q)
+        return _placed(self.body, centres_of_mass(self.config.robot, X_BL)[:, np.newaxis])[:, 0]
+
+    @cached_property
+    def static_margin(self) -> Array:
+        """Of the center of mass, projected along gravity, inside the loaded feet, (rows,) [m]."""
+        down = np.broadcast_to(-self.config.X_WG[2, :3], self.centre_of_mass.shape)
+        return self._margin(on_ground(self.centre_of_mass, down, self._support_height))
+
+    @cached_property
+    def dynamic_margin(self) -> Array:
+        """Of the zero-moment point inside the loaded feet, (rows,) [m]; NaN in the air."""
+        share = np.maximum(self.forces[..., 2], 0.0)
+        with np.errstate(invalid="ignore"):
+            point = np.einsum("tn,tni->ti", share, self.feet[..., :2]) / share.sum(axis=1)[:, None]
+        return np.where(share.any(axis=1), self._margin(point), np.nan)
+
+    @cached_property
+    def tilts(self) -> Array:
+        """Roll, pitch and yaw of the body off its planned attitude, in it, (rows, 3) [rad]."""
+        R = np.swapaxes(self.planned.value[:, :3, :3], 1, 2) @ self.body[:, :3, :3]
+        return np.asarray(Rotation.from_matrix(R).as_rotvec())
+
+    @cached_property
+    def offsets(self) -> Array:
+        """Place of the body off its planned place, along its planned axes, (rows, 3) [m]."""
+        off = self.body[:, :3, 3] - self.planned.value[:, :3, 3]
+        return np.einsum("tji,tj->ti", self.planned.value[:, :3, :3], off)
+
+    @cached_property
+    def settled(self) -> NDArray[np.bool_]:
+        """Which rows count, (rows,): not those in which the robot is put on its feet."""
+        return self.time >= min(SETTLED, self.time[-1] / 2.0)
+
+    @cached_property
+    def fell_at(self) -> float | None:
+        """When the robot fell [s]; None if it did not."""
+        upright = np.arccos(np.clip(self.body[:, 2, 2], -1.0, 1.0))
+        fallen = (upright > OVERTURNED) | (
+            self.body[:, 2, 3] < COLLAPSED * self.planned.value[:, 2, 3]
+        )
+        return float(self.time[int(np.argmax(fallen))]) if fallen.any() else None
+
+    @cached_property
+    def slips(self) -> Array:
+        """How far a foot moves on the ground in each of its stances, (stances,) [m].
+
+        From where it was when its load began; stances that the record cuts short count, too.
+        """
+        found = []
+        for foot in range(self.feet.shape[1]):
+            stands = self.planned_down[:, foot] & self.loaded[:, foot] & self.settled
+            for first, last in _intervals(stands):
+                places = self.feet[first:last, foot, :2]
+                found.append(np.linalg.norm(places - places[0], axis=1).max())
+        return np.array(found)
+
+    @cached_property
+    def swing_heights(self) -> Array:
+        """Greatest height of each whole swing of a foot over where it began, (swings,) [m]."""
+        found = []
+        for foot in range(self.feet.shape[1]):
+            for first, last in _intervals(~self.planned_down[:, foot]):
+                if last < len(self.time):
+                    heights = self.feet[first:last, foot, 2]
+                    found.append(heights.max() - heights[0])
+        return np.array(found)
+
+    @property
+    def _support_height(self) -> Array:
+        """Mean height of the loaded feet, (rows,) [m]."""
+        heights = np.where(self.loaded, self.feet[..., 2], 0.0)
+        return np.asarray(heights.sum(axis=1) / np.maximum(self.loaded.sum(axis=1), 1))
+
+    def _margin(self, points: Array) -> Array:
+        return support_margin(self.feet[..., :2], points, self.loaded)
+
+    def _of_legs(self, scope: str) -> Array:
+        return self.run.scopes[scope].reshape(len(self.time), -1, 3)
+
+
+def _placed(X: Array, points: Array) -> Array:
+    """Points (rows, n, 3) in the frame in which poses (rows, 4, 4) are."""
+    return np.asarray(np.einsum("tij,tnj->tni", X[:, :3, :3], points) + X[:, np.newaxis, :3, 3])
+
+
+def _intervals(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last row, exclusive, of each run of true flags."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
