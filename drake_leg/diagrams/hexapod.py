@@ -11,7 +11,8 @@ The signal blocks, left to right::
 The servos are the plant's own: position controllers with the torque-speed line of their motors. The
 joints are driven by torques alone, and so the robot can fall.
 
-All signals change at the time steps of the plant, which is discrete.
+All signals change at the time steps of the plant, which is discrete. It computes the torques of its
+servos at the end of a step, and so they get the angles wanted there.
 """
 
 from __future__ import annotations
@@ -23,7 +24,13 @@ from functools import cached_property
 import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
-from pydrake.systems.primitives import Demultiplexer, DiscreteTimeIntegrator, Multiplexer
+from pydrake.systems.primitives import (
+    Adder,
+    Demultiplexer,
+    DiscreteTimeIntegrator,
+    Gain,
+    Multiplexer,
+)
 
 from drake_leg.arguments import checked, require_fields
 from drake_leg.diagrams.mechanism import add_scope
@@ -34,7 +41,7 @@ from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import planned_torques
 from drake_leg.kinematics.walking.plan import WalkPlan, walk_of
-from drake_leg.models.walker import TIME_STEP, Contact, Walker, add_walker
+from drake_leg.models.walker import POINT_FEET, TIME_STEP, Contact, Walker, add_walker
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import IDEAL, Servo
@@ -83,7 +90,7 @@ class HexapodConfig:
     servo: Servo = IDEAL
     feed_forward: str = FULL
     feedback: float | None = None  # [1/s]
-    contact: Contact = Contact()
+    contact: Contact = POINT_FEET
     time_step: float = TIME_STEP  # [s]
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
 
@@ -119,6 +126,11 @@ class HexapodConfig:
         """Joint angles at the start, (n, 3) [rad]."""
         return self.legs.joints(self.walk.feet(0.0).value)
 
+    @cached_property
+    def X_WG(self) -> Array:
+        """Pose of the ground's frame, in which the walk is planned, (4, 4)."""
+        return np.eye(4)
+
     @property
     def plan(self) -> WalkPlan:
         """The walk, and the torques that its load takes, at the time steps."""
@@ -131,7 +143,7 @@ class HexapodConfig:
             self.walk,
             times,
             self.servo,
-            gravity=(0.0, 0.0, -self.gravity),
+            gravity=tuple(-self.gravity * self.X_WG[2, :3]),
             inertia=self.feed_forward == FULL,
         )
 
@@ -160,6 +172,8 @@ def build(config: HexapodConfig) -> Diagram:
     ]
     angles = builder.AddNamedSystem("Joint Angles", Multiplexer([3] * n))
     rates = builder.AddNamedSystem("Joint Rates", Multiplexer([3] * n))
+    over_a_step = builder.AddNamedSystem("Time Step", Gain(config.time_step, 3 * n))
+    ahead = builder.AddNamedSystem("Next Angles", Adder(2, 3 * n))  # at the end of the step
     wanted = builder.AddNamedSystem("Desired State", Multiplexer([3 * n, 3 * n]))
     forward = builder.AddNamedSystem("Feed-Forward", FeedForward(plan))
     walker = add_walker(
@@ -176,7 +190,9 @@ def build(config: HexapodConfig) -> Diagram:
     # Wires: the body's twist to the gait. Feedback adds a block to them.
     twist = command.GetOutputPort("twist")
     if config.feedback is not None:
-        feedback = builder.AddNamedSystem("Body Feedback", BodyFeedback(np.eye(4), config.feedback))
+        feedback = builder.AddNamedSystem(
+            "Body Feedback", BodyFeedback(config.X_WG, config.feedback)
+        )
         builder.Connect(twist, feedback.GetInputPort("command"))
         builder.Connect(command.GetOutputPort("pose"), feedback.GetInputPort("pose"))
         builder.Connect(sensed.get_output_port(0), feedback.GetInputPort("sensed"))
@@ -192,11 +208,12 @@ def build(config: HexapodConfig) -> Diagram:
         builder.Connect(integrator.get_output_port(), angles.get_input_port(i))
         builder.Connect(inverse.GetOutputPort("qdot"), rates.get_input_port(i))
     builder.Connect(angles.get_output_port(), gait.GetInputPort("q"))
-    builder.Connect(angles.get_output_port(), wanted.get_input_port(0))
+    builder.Connect(rates.get_output_port(), over_a_step.get_input_port())
+    builder.Connect(angles.get_output_port(), ahead.get_input_port(0))
+    builder.Connect(over_a_step.get_output_port(), ahead.get_input_port(1))
+    builder.Connect(ahead.get_output_port(), wanted.get_input_port(0))
     builder.Connect(rates.get_output_port(), wanted.get_input_port(1))
-    builder.Connect(
-        wanted.get_output_port(), plant.get_desired_state_input_port(walker.instance)
-    )
+    builder.Connect(wanted.get_output_port(), plant.get_desired_state_input_port(walker.instance))
     builder.Connect(
         forward.GetOutputPort("torque"), plant.get_actuation_input_port(walker.instance)
     )
@@ -229,7 +246,9 @@ def start_walking(config: HexapodConfig) -> Callable[[Diagram, Context], None]:
         plant = plant_of(diagram)
         at_plant = plant.GetMyMutableContextFromRoot(context)
         body = plant.GetBodyByName(config.robot.base_name)
-        plant.SetFreeBodyPose(at_plant, body, RigidTransform(config.walk.body(0.0).value))
+        plant.SetFreeBodyPose(
+            at_plant, body, RigidTransform(config.X_WG @ config.walk.body(0.0).value)
+        )
         robot = body.model_instance()
         plant.SetPositions(
             at_plant, robot, [*plant.GetPositions(at_plant, robot)[:7], *config.start.ravel()]

@@ -43,6 +43,9 @@ class Contact:
         require_non_negative("the radius of a foot's ball", self.foot_radius, "m")
 
 
+POINT_FEET = Contact()
+
+
 class Walker(NamedTuple):
     """The blocks of a walking robot in a diagram; they belong to its builder."""
 
@@ -57,7 +60,7 @@ def add_walker(
     *,
     time_step: float = TIME_STEP,
     servo: Servo = IDEAL,
-    contact: Contact = Contact(),
+    contact: Contact = POINT_FEET,
     gravity: float = STANDARD_GRAVITY,
 ) -> Walker:
     """Add a discrete plant of a floating robot on the ground, and its SceneGraph.

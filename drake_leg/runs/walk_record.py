@@ -131,6 +131,7 @@ class WalkRecord:
         """Of the whole robot, (rows, 3) [m]."""
         q = self.q.reshape(len(self.time), -1)
         X_BL = base_transforms(self.config.robot.rows, q)
+        X_BL = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), X_BL], axis=1)
         return _placed(self.body, centres_of_mass(self.config.robot, X_BL)[:, np.newaxis])[:, 0]
 
     @cached_property

@@ -10,7 +10,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 from drake_leg.kinematics.movable import Movable
 from drake_leg.kinematics.walking.plan import WalkPlan
 
-PULL = 20.0  # [1/s]
+PULL = 0.5  # of the way to the planned place, in a time step
 _FUNCTIONS = (math.cos, math.sin)
 
 
@@ -45,6 +45,7 @@ class GaitBlock(LeafSystem):
     ) -> None:
         LeafSystem.__init__(self)
         self._plan, self._legs, self._draws_all = plan, tuple(legs), draws_standing_feet
+        self._pull = PULL / plan.step  # [1/s]
         self._twist = self.DeclareVectorInputPort("twist", 6)
         self._q = self.DeclareVectorInputPort("q", 3 * len(self._legs))
         self.DeclareVectorOutputPort("v", 3 * len(self._legs), self._calc_v)
@@ -58,7 +59,7 @@ class GaitBlock(LeafSystem):
             zip(self._legs, row.feet.tolist(), row.swing.tolist(), row.down.tolist(), strict=True)
         ):
             x, y, z = leg.task_position(q[3 * number : 3 * number + 3], _FUNCTIONS)
-            pull = PULL if self._draws_all or not down else 0.0
+            pull = self._pull if self._draws_all or not down else 0.0
             found += (
                 swing[0] - (vx + wy * z - wz * y) + pull * (wanted[0] - x),
                 swing[1] - (vy + wz * x - wx * z) + pull * (wanted[1] - y),

@@ -70,7 +70,12 @@ def walk_of(
 
 
 class PlanRow(NamedTuple):
-    """The plan at one time; G is the frame of the ground, B that of the body."""
+    """The plan for one time step; G is the frame of the ground, B that of the body.
+
+    Velocities are means of those at the beginning and at the end of the step, so that blocks that
+    hold them for the step integrate them to second order. Torques are those of its end, at which
+    the plant's servos act. All else is at the beginning.
+    """
 
     X_GB: Array  # (4, 4) [-, m]
     twist: Array  # (6,), of B in G, expressed in B [rad/s, m/s]
@@ -105,27 +110,34 @@ class WalkPlan:
         """Return the row of a time [s]."""
         number = round(time / self.step)
         if abs(time - number * self.step) > ON_TIME * self.step:
-            return self._planned(np.array([time]))[0]
+            return self._planned(np.array([time, time + self.step]))[0]
         if not 0 <= number - self._first < len(self._rows):
             self._first = number
-            self._rows = self._planned(self.step * np.arange(number, number + ROWS))
+            self._rows = self._planned(self.step * np.arange(number, number + ROWS + 1))
         return self._rows[number - self._first]
 
     def _planned(self, times: Array) -> list[PlanRow]:
+        """Rows for the steps between times, one less than there are."""
         X, dX, _ = self.walk.body(times)
-        rotation = X[:, :3, :3]
-        turning = np.swapaxes(rotation, 1, 2) @ dX[:, :3, :3]  # skew of the angular velocity
+        R, p = X[:, :3, :3], X[:, :3, 3]
+        turning = np.einsum("tji,tjk->tik", R, dX[:, :3, :3])  # skew of the angular velocity
         w = np.stack([turning[:, 2, 1], turning[:, 0, 2], turning[:, 1, 0]], axis=-1)
-        v = np.einsum("tji,tj->ti", rotation, dX[:, :3, 3])
-        p, velocity, _ = self.walk.feet_in_world(times)
-        feet = np.einsum("tji,tnj->tni", rotation, p - X[:, np.newaxis, :3, 3])
-        swing = np.einsum("tji,tnj->tni", rotation, velocity)
+        v = np.einsum("tji,tj->ti", R, dX[:, :3, 3])
+        in_ground, velocity, _ = self.walk.feet_in_world(times)
+        feet = np.einsum("tji,tnj->tni", R, in_ground - p[:, np.newaxis])
+        swing = np.einsum("tji,tnj->tni", R, velocity)
         if self._torques is None:
             torques = np.zeros((len(times), 3 * feet.shape[1]))
         else:
             torques = self._torques(times)
-        parts = (X, np.hstack([w, v]), feet, swing, self.walk.down(times), torques)
-        return [PlanRow(*row) for row in zip(*parts, strict=True)]
+        down = self.walk.down(times)
+        parts = (X, _means(np.hstack([w, v])), feet, _means(swing), down, torques[1:])
+        return [PlanRow(*row) for row in zip(*parts, strict=False)]
+
+
+def _means(rows: Array) -> Array:
+    """Means of neighboring rows."""
+    return np.asarray((rows[:-1] + rows[1:]) / 2.0)
 
 
 def difference(X_GB: Array, R_GS: Array, p_GS: Array) -> list[float]:

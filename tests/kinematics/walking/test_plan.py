@@ -23,17 +23,16 @@ def test_the_robot_stands_first_as_its_starting_posture_says():
 
 @pytest.mark.parametrize("time", [0.0, 1.28, 2.5, 7.125, 7.1234567])
 def test_a_row_is_the_walk_at_its_time(time):
-    row = WalkPlan(WALK, step=0.005).at(time)
-    X, dX, _ = WALK.body(time)
+    step = 1e-4
+    row = WalkPlan(WALK, step=step).at(time)
+    np.testing.assert_allclose(row.X_GB, WALK.body(time).value, atol=1e-15)
+    np.testing.assert_allclose(row.feet, WALK.feet(time).value, atol=1e-15)
+    X, dX, _ = WALK.body(time + step / 2.0)
     V = np.linalg.inv(X) @ dX
-    np.testing.assert_allclose(row.X_GB, X, atol=1e-15)
-    np.testing.assert_allclose(row.twist, [V[2, 1], V[0, 2], V[1, 0], *V[:3, 3]], atol=1e-13)
-    feet = WALK.feet(time)
-    np.testing.assert_allclose(row.feet, feet.value, atol=1e-15)
+    np.testing.assert_allclose(row.twist, [V[2, 1], V[0, 2], V[1, 0], *V[:3, 3]], atol=1e-8)
+    middle = WALK.feet(time + step / 2.0)
     w, v = row.twist[:3], row.twist[3:]
-    np.testing.assert_allclose(
-        row.swing - v - np.cross(w, row.feet), feet.rate, atol=1e-13
-    )
+    np.testing.assert_allclose(row.swing - v - np.cross(w, middle.value), middle.rate, atol=1e-5)
 
 
 def test_rows_of_any_order_are_the_same():
@@ -42,9 +41,9 @@ def test_rows_of_any_order_are_the_same():
         np.testing.assert_array_equal(plan.at(time).feet, WalkPlan(WALK, step=0.01).at(time).feet)
 
 
-def test_torques_are_asked_for_at_the_steps():
+def test_torques_are_those_of_the_end_of_the_step():
     plan = WalkPlan(WALK, step=0.005, torques=lambda times: np.outer(times, np.arange(18.0)))
-    np.testing.assert_allclose(plan.at(1.5).torques, 1.5 * np.arange(18.0), rtol=1e-12)
+    np.testing.assert_allclose(plan.at(1.5).torques, 1.505 * np.arange(18.0), rtol=1e-12)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-3, 1.0, 3.0])
