@@ -159,8 +159,7 @@ def build(config: HexapodConfig) -> Diagram:
 
     # Blocks, in the order of the signal.
     command = builder.AddNamedSystem("Body Command", BodyCommand(plan))
-    gait = GaitBlock(plan, legs, draws_standing_feet=config.feedback is None)
-    builder.AddNamedSystem("Gait", gait)
+    gait = builder.AddNamedSystem("Gait", GaitBlock(plan, legs))  # velocities of the feet
     demux = builder.AddNamedSystem("Demux", Demultiplexer([3] * n))  # to single feet
     inverse_jacobians = [  # velocity of a foot to rates of its leg's joints
         builder.AddNamedSystem(f"inverseJacobian {name}", InverseJacobian(leg))
@@ -191,11 +190,12 @@ def build(config: HexapodConfig) -> Diagram:
     twist = command.GetOutputPort("twist")
     if config.feedback is not None:
         feedback = builder.AddNamedSystem(
-            "Body Feedback", BodyFeedback(config.X_WG, config.feedback)
+            "Body Feedback", BodyFeedback(config.X_WG, config.feedback, config.time_step)
         )
         builder.Connect(twist, feedback.GetInputPort("command"))
         builder.Connect(command.GetOutputPort("pose"), feedback.GetInputPort("pose"))
         builder.Connect(sensed.get_output_port(0), feedback.GetInputPort("sensed"))
+        builder.Connect(feedback.GetOutputPort("levelling"), gait.GetInputPort("levelling"))
         twist = feedback.GetOutputPort("twist")
     builder.Connect(twist, gait.GetInputPort("twist"))
 
