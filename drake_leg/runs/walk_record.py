@@ -93,7 +93,7 @@ class WalkRecord:
         joints = self.run.scopes["contact forces"][:, 6:].reshape(self.q.shape)
         J = np.swapaxes(self.config.legs.jacobians(self.q), -1, -2)
         in_body = np.linalg.solve(J, joints[..., np.newaxis])[..., 0]
-        return np.einsum("tij,tnj->tni", self.body[:, :3, :3], in_body)
+        return np.asarray(np.einsum("tij,tnj->tni", self.body[:, :3, :3], in_body))
 
     @cached_property
     def force_on_body(self) -> Array:
@@ -158,12 +158,12 @@ class WalkRecord:
     def offsets(self) -> Array:
         """Place of the body off its planned place, along its planned axes, (rows, 3) [m]."""
         off = self.body[:, :3, 3] - self.planned.value[:, :3, 3]
-        return np.einsum("tji,tj->ti", self.planned.value[:, :3, :3], off)
+        return np.asarray(np.einsum("tji,tj->ti", self.planned.value[:, :3, :3], off))
 
     @cached_property
     def settled(self) -> NDArray[np.bool_]:
         """Which rows count, (rows,): not those in which the robot is put on its feet."""
-        return self.time >= min(SETTLED, self.time[-1] / 2.0)
+        return np.asarray(self.time >= min(SETTLED, self.time[-1] / 2.0))
 
     @cached_property
     def fell_at(self) -> float | None:

@@ -36,7 +36,7 @@ class LegOnBody(MovableLeg):
 
     def jacobian(self, q: Floats) -> Array:
         """Translational Jacobian, (3, 3) [m/rad]."""
-        return MovableLeg.jacobian(self, self._own(q)) * np.array(self._signs)
+        return np.asarray(MovableLeg.jacobian(self, self._own(q)) * np.array(self._signs))
 
     def bias(self, q: Floats, qdot: Floats) -> Array:
         """``dJ/dt qdot``, (3,) [m/s^2]."""

@@ -113,7 +113,9 @@ class WalkPlan:
             return self._planned(np.array([time, time + self.step]))[0]
         if not 0 <= number - self._first < len(self._rows):
             self._first = number
-            self._rows = self._planned(self.step * np.arange(number, number + ROWS + 1))
+            self._rows = self._planned(
+                self.step * np.arange(number, number + ROWS + 1, dtype=np.float64)
+            )
         return self._rows[number - self._first]
 
     def _planned(self, times: Array) -> list[PlanRow]:
