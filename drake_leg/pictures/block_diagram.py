@@ -39,6 +39,7 @@ from drake_leg.pictures.svg import (
 from drake_leg.robot.robot import Robot, frame_name
 from drake_leg.simulink.listing import printable
 from drake_leg.simulink.model import Model
+from drake_leg.systems.closed_loop import DrivenLoops, FreeLoops
 from drake_leg.systems.frame_sensor import FrameSensor
 
 Output = tuple[str, str]  # block, and its output
@@ -94,7 +95,7 @@ def run_pictures(
     InvalidValueError
         If there is no such part.
     """
-    plant = plant_of(diagram)
+    plant, place = _mechanism(diagram)
     shapes = {
         segment.link.name: type(segment.link.solid.shape).__name__.lower()
         for segment in (robot.segments if robot else ())
@@ -116,12 +117,21 @@ def run_pictures(
         pictures.append(
             mechanism_picture(
                 plant,
-                title=f"{title}: mechanism, inside the plant",
+                title=f"{title}: mechanism, {place}",
                 shapes=shapes,
                 sensed=list(frames)[-1] if sensing else None,
             )
         )
     return tuple(pictures)
+
+
+def _mechanism(diagram: Diagram) -> tuple[MultibodyPlant, str]:
+    """Find the plant of a diagram, and where it is: blocks of closed loops have one inside."""
+    for system in diagram.GetSystems():
+        if isinstance(system, FreeLoops | DrivenLoops):
+            cuts = ", ".join(system.loops.cuts)
+            return system.tree, f"inside {pretty(system.get_name())}: the tree, cut at {cuts}"
+    return plant_of(diagram), "inside the plant"
 
 
 @checked

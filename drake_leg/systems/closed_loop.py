@@ -76,7 +76,8 @@ class _LoopBlock(LeafSystem):
     def __init__(self, loops: ClosedLoops, gravity: float) -> None:
         LeafSystem.__init__(self)
         self.loops = loops
-        self._dynamics = TreeDynamics(build_plant(loops.robot, gravity=gravity), loops.joints)
+        self.tree = build_plant(loops.robot, gravity=gravity)
+        self._dynamics = TreeDynamics(self.tree, loops.joints)
 
     def _declare_motion(self, used: set[Any]) -> None:
         """Declare the motion, computed once, and the ports that are parts of it."""

@@ -7,6 +7,7 @@ import pytest
 from slx_writer import ModelBuilder
 
 from drake_leg.cli import main
+from drake_leg.robot.linkages import FOUR_BAR
 from drake_leg.robot.robots import LEG_B
 from drake_leg.robot.toml.writer import robot_toml
 
@@ -42,6 +43,16 @@ def test_a_part_is_drawn(tmp_path, part, title):
     path = tmp_path / "part.svg"
     assert draw(path, "scara", "--part", part) == 0
     assert title_of(path) == title
+
+
+@pytest.mark.parametrize("part", [(), ("--part", "mechanism"), ("--part", "rocker_bar")])
+def test_closed_loops_are_drawn_as_the_tree_that_is_cut(tmp_path, part):
+    path, robot = tmp_path / "loop.svg", tmp_path / "four-bar.toml"
+    robot.write_text(robot_toml(FOUR_BAR))
+    assert draw(path, str(robot), *part) == 0
+    where = "the link rocker_bar" if "rocker_bar" in part else "mechanism, inside Closed Loops"
+    assert where in title_of(path)
+    assert ("the tree, cut at pin" in title_of(path)) == ("rocker_bar" not in part)
 
 
 def test_frames_are_drawn(tmp_path):
