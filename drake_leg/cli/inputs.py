@@ -149,7 +149,7 @@ def robot_source(name: str, numbers: Sequence[str] | None = None) -> RobotSource
 
     ``numbers`` is what was given with ``--set``, for the letters of a ``.par`` file.
     """
-    settings = _settings(name, numbers)
+    settings = settings_of(name, numbers)
     if name in ROBOT_NAMES:
         text = robot_toml(ROBOT_NAMES[name])
         return TomlSource(text=text, origin="drake_leg.robot.robots", where=name)
@@ -173,11 +173,11 @@ def named_or_robot(name: str, numbers: Sequence[str] | None) -> str | Robot:
     """
     if is_par(name):
         return robot_source(name, numbers).robot()
-    _settings(name, numbers)
+    settings_of(name, numbers)
     return name
 
 
-def _settings(name: str, given: Sequence[str] | None) -> dict[str, str]:
+def settings_of(name: str, given: Sequence[str] | None) -> dict[str, str]:
     """Read ``D3=0.45,RL4=0.45``, of which there may be several."""
     if given and not is_par(name):
         raise InvalidValueError(

@@ -11,9 +11,10 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.inputs import add_numbers, named_or_robot
+from drake_leg.cli.inputs import add_numbers, named_or_robot, settings_of
 from drake_leg.cli.run import add_run_options, options_of
 from drake_leg.cli.terminal import (
+    BAD_INPUT,
     FAILED,
     INTERRUPTED,
     Pictures,
@@ -28,7 +29,6 @@ from drake_leg.errors import (
     did_you_mean,
     in_a_line,
     require_distributed,
-    require_pyarrow,
 )
 from drake_leg.progress import ProgressBar
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from drake_leg.studies.sweep import SweepResult
 
 UNFINISHED = ("failed", "lost")  # runs that came to nothing, and should have
+REFUSED = "refused"  # because its options make no sense
 
 
 def configure_sweep(parser: argparse.ArgumentParser) -> None:
@@ -66,8 +67,8 @@ def configure_sweep(parser: argparse.ArgumentParser) -> None:
         action="append",
         required=True,
         metavar="OPTION=VALUES",
-        help="an option and its range low:high:count, or its choices with commas; may be repeated, "
-        "the last one varies fastest",
+        help="an option, or a letter of a .par file, and its range low:high:count, or its choices "
+        "with commas; may be repeated, the last one varies fastest",
     )
     parser.add_argument(
         "--sample", metavar="N", help="take N samples of ranges low:high (default: the whole grid)"
@@ -109,14 +110,13 @@ def configure_sweep(parser: argparse.ArgumentParser) -> None:
 
 
 def _sweep(chosen: argparse.Namespace) -> int:
-    require_pyarrow()
-    kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
     vary = _vary(chosen.vary)
+    kind, settings = _kind(chosen, vary)
     over = chosen.over.split(",") if chosen.over else None
     fronts = [_pair(text) for text in chosen.pareto]
     _require_plots(chosen, list(vary), over, fronts)
     try:
-        result = _carried_out(chosen, kind, vary)
+        result = _carried_out(chosen, kind, vary, settings)
     except KeyboardInterrupt:
         again = ", without --overwrite," if chosen.overwrite else ""
         return fail(
@@ -136,10 +136,36 @@ def _sweep(chosen: argparse.Namespace) -> int:
     lacking = sum(result.counts.get(status, 0) for status in UNFINISHED)
     if lacking:
         return fail(f"{lacking} runs failed; their rows say why", FAILED)
+    if set(result.counts) == {REFUSED}:
+        return fail(
+            f"all runs were refused, the first one because {result['message'][0]}", BAD_INPUT
+        )
     return FAILED if pictures.failures or result.unknown_fields else 0
 
 
-def _carried_out(chosen: argparse.Namespace, kind: RunKind, vary: dict[str, str]) -> SweepResult:
+def _kind(
+    chosen: argparse.Namespace, vary: dict[str, str]
+) -> tuple[RunKind, dict[str, str] | None]:
+    """Return what is run, and the numbers of a file of which letters vary."""
+    from drake_leg.studies.lettered import lettered_file
+    from drake_leg.studies.sweep import first_numbers
+
+    settings = settings_of(chosen.name, chosen.numbers)
+    file = lettered_file(chosen.name, settings, vary)
+    if file is None:
+        return run_kind(named_or_robot(chosen.name, chosen.numbers)), None
+    loaded = file.loaded(first_numbers(file, vary))
+    for note in loaded.notes:
+        remark(note)
+    return run_kind(loaded.robot), settings
+
+
+def _carried_out(
+    chosen: argparse.Namespace,
+    kind: RunKind,
+    vary: dict[str, str],
+    settings: dict[str, str] | None,
+) -> SweepResult:
     from drake_leg.studies.sweep import sweep
 
     sample = _whole("--sample", chosen.sample)
@@ -148,8 +174,9 @@ def _carried_out(chosen: argparse.Namespace, kind: RunKind, vary: dict[str, str]
         ProgressBar(sys.stderr, chosen.name, 1.0, "runs") as bar,
     ):
         return sweep(
-            kind.own or chosen.name,
+            chosen.name if settings is not None else kind.own or chosen.name,
             vary=vary,
+            numbers=settings,
             sample=sample,
             sampler=chosen.sampler,
             seed=_whole("--seed", chosen.seed),

@@ -44,7 +44,7 @@ def label(plan: Plan, name: str) -> str:
     """Name a column with its unit."""
     options = {field.name: field for field in dataclasses.fields(plan.kind.options)}
     for one in plan.vary:
-        if one.name == name:
+        if one.name == name and not one.is_letter:
             unit = options[one.option].metadata["unit"].partition(",")[0]
             return f"{name} [{unit}]" if unit else name
     stem, bracket, index = name.partition("[")

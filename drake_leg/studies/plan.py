@@ -19,6 +19,7 @@ from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
 from drake_leg.runs.catalogue import RunKind
 from drake_leg.runs.options import RunOptions, converted
+from drake_leg.studies.lettered import LetteredFile
 from drake_leg.studies.variation import MOST_RUNS, Variation
 
 SAMPLERS = ("sobol", "random")
@@ -37,6 +38,7 @@ class Plan:
     seed: int = 0
     fields: tuple[str, ...] | None = None  # of the summary that are kept; None: all
     simulated: bool = False  # even where a closed form has the answer
+    file: LetteredFile | None = None  # whose letters vary
 
     def __len__(self) -> int:
         return self._count
@@ -69,6 +71,8 @@ class Plan:
         options = dict(self.fixed)
         for one in self.vary:
             value = self.columns[one.name][run]
+            if one.is_letter:
+                continue
             if one.index is None:
                 options[one.option] = value
                 continue
@@ -81,6 +85,10 @@ class Plan:
                 )
             options[one.option] = [*whole[: one.index], value, *whole[one.index + 1 :]]
         return options
+
+    def letters(self, run: int) -> dict[str, float]:
+        """Numbers of a run for the letters that vary."""
+        return {one.name: self.columns[one.name][run] for one in self.vary if one.is_letter}
 
     def _default(self, option: str) -> list[float] | None:
         default: list[float] | None = getattr(self.kind.options(), option)
@@ -103,6 +111,9 @@ class Plan:
             from drake_leg.robot.toml.writer import robot_toml
 
             described["robot"] = robot_toml(self.kind.own)
+        if self.file is not None:
+            described["file"] = self.file.text
+            described["numbers"] = dict(self.file.numbers)
         return described
 
     @cached_property

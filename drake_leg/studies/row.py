@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from drake_leg.errors import DrakeLegError, SingularConfigurationError, in_a_line
 from drake_leg.runs.catalogue import RunKind
+from drake_leg.studies.lettered import LetteredFile
 
 Row = dict[str, Any]
 
@@ -24,6 +25,8 @@ class Task(NamedTuple):
     places: Sequence[int]
     options: Sequence[Mapping[str, Any]]
     fields: Sequence[str] | None
+    file: LetteredFile | None = None  # of robots whose letters vary, and then their numbers
+    letters: Sequence[Mapping[str, float]] = ()
 
 
 class Done(NamedTuple):
@@ -38,13 +41,27 @@ def carried_out(task: Task) -> Done:
     """Carry out the runs of a task; an error of one is its row."""
     began = time.perf_counter()
     rows = {
-        place: row_of(task.kind, options, task.fields)
-        for place, options in zip(task.places, task.options, strict=True)
+        place: row_of(_kind(task, index), task.options[index], task.fields)
+        for index, place in enumerate(task.places)
     }
     return Done(rows, time.perf_counter() - began, _memory())
 
 
-def row_of(kind: RunKind, options: Mapping[str, Any], fields: Sequence[str] | None = None) -> Row:
+def _kind(task: Task, index: int) -> RunKind | DrakeLegError:
+    """Return what a run of a task runs, or why its letters make no robot."""
+    if task.file is None:
+        return task.kind
+    try:
+        return task.file.kind(task.letters[index])
+    except DrakeLegError as error:
+        return error
+
+
+def row_of(
+    kind: RunKind | DrakeLegError,
+    options: Mapping[str, Any],
+    fields: Sequence[str] | None = None,
+) -> Row:
     """Carry out one run and write its row.
 
     Raises
@@ -52,6 +69,8 @@ def row_of(kind: RunKind, options: Mapping[str, Any], fields: Sequence[str] | No
     KeyboardInterrupt
         If the run was interrupted, as such a run is not done.
     """
+    if isinstance(kind, DrakeLegError):
+        return failure(REFUSED, kind)
     try:
         summary = kind.run(kind.options(**options)).summary
     except SingularConfigurationError as error:

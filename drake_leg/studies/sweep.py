@@ -7,6 +7,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,11 +26,12 @@ from drake_leg.studies.journal import (
     holds_plan,
     plan_text,
 )
+from drake_leg.studies.lettered import LetteredFile, lettered_file
 from drake_leg.studies.plan import SAMPLERS, Plan, checked_plan
 from drake_leg.studies.pool import FEW, Dispatcher, carried_out_here
 from drake_leg.studies.row import DONE, Row, Task, wanted
 from drake_leg.studies.table import Table, read_table
-from drake_leg.studies.variation import variations
+from drake_leg.studies.variation import letter_variation, require_varied, variations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,6 +129,7 @@ def sweep(
     what: str | Path | Robot,
     *,
     vary: Mapping[str, Any],
+    numbers: Mapping[str, float | str] | None = None,
     sample: int | None = None,
     sampler: str | None = None,
     seed: int | None = None,
@@ -150,9 +153,12 @@ def sweep(
     what : str, Path or Robot
         As for ``run``.
     vary : Mapping
-        What is varied: options of the run by name, a link of a leg ("coxa", "femur", "tibia"), or a
-        component of a list ("q0[1]"). Each has a list of values, or a text as on the command line:
-        "0.06:0.14:9" is nine values from 0.06 to 0.14, "exact,damped" two choices.
+        What is varied: options of the run by name, a link of a leg ("coxa", "femur", "tibia"), a
+        component of a list ("q0[1]"), or a letter of a ``.par`` file. Each has a list of values, or
+        a text as on the command line: "0.06:0.14:9" is nine values from 0.06 to 0.14,
+        "exact,damped" two choices.
+    numbers : mapping of str to float, optional
+        Of the other letters of a ``.par`` file.
     sample : int, optional
         How many points are sampled; ranges are then "0.06:0.14". By default every point of the
         grid is taken, the last varied value changing fastest.
@@ -201,7 +207,7 @@ def sweep(
     >>> bool((result["max_position_error_m"] < 1e-9).all())
     True
     """
-    plan = _plan(what, vary, sample, sampler, seed, fields, simulated, options)
+    plan = _plan(what, vary, numbers, sample, sampler, seed, fields, simulated, options)
     require_kind("overwrite", overwrite, bool)
     require_callable("progress", progress)
     if executor is not None:
@@ -282,7 +288,9 @@ def _gathered(
     apart = len(plan) - len(places)
 
     def make(places: Sequence[int]) -> Task:
-        return Task(plan.kind, places, [plan.options(place) for place in places], plan.fields)
+        options = [plan.options(place) for place in places]
+        letters = [plan.letters(place) for place in places]
+        return Task(plan.kind, places, options, plan.fields, plan.file, letters)
 
     if executor is None and (workers == 1 or len(left) < FEW):
         more = carried_out_here(make, left)
@@ -303,6 +311,7 @@ def _gathered(
 def _plan(
     what: str | Path | Robot,
     vary: Mapping[str, Any],
+    numbers: Mapping[str, float | str] | None,
     sample: int | None,
     sampler: str | None,
     seed: int | None,
@@ -310,7 +319,18 @@ def _plan(
     simulated: bool,
     options: Mapping[str, Any],
 ) -> Plan:
-    kind = run_kind(what)
+    require_kind("`numbers`", numbers, Mapping, NoneType)
+    require_varied(vary)
+    file = lettered_file(what, numbers, vary)
+    if file is not None:
+        kind = file.kind(first_numbers(file, vary))
+    elif numbers:
+        raise InvalidValueError(
+            f"{shown(what)} has no letters, and needs no number of {next(iter(numbers))}; only a "
+            ".par file has letters"
+        )
+    else:
+        kind = run_kind(what)
     name = what.name if isinstance(what, Robot) else str(what)
     require_kind("simulated", simulated, bool)
     if sample is not None:
@@ -327,14 +347,21 @@ def _plan(
             name=name,
             kind=kind,
             fixed=options,
-            vary=variations(kind.options, name, vary, options),
+            vary=variations(kind.options, name, vary, options, file.letters if file else ()),
             sample=sample,
             sampler=SAMPLERS[0] if sampler is None else sampler,
             seed=seed or 0,
             fields=_fields(fields),
             simulated=simulated,
+            file=file if file and any(name in file.letters for name in vary) else None,
         )
     )
+
+
+def first_numbers(file: LetteredFile, vary: Mapping[str, Any]) -> dict[str, float]:
+    """Return the first number of each letter that varies."""
+    letters = [name for name in vary if name in file.letters]
+    return {name: letter_variation(name, vary[name]).first for name in letters}
 
 
 def _fields(fields: Sequence[str] | None) -> tuple[str, ...] | None:

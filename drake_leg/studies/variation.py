@@ -36,6 +36,7 @@ class Variation:
     name: str  # as the user wrote it
     option: str
     index: int | None = None  # of a component
+    is_letter: bool = False  # of a .par file, instead of an option
     bounds: tuple[float, float] | None = None
     count: int | None = None  # of values in the range
     choices: tuple[Any, ...] = ()
@@ -51,6 +52,11 @@ class Variation:
                 advice=f"{RANGE}; or give `sample`",
             )
         return self.count
+
+    @property
+    def first(self) -> Any:  # noqa: ANN401 - each option has its own
+        """The first of its values."""
+        return self.choices[0] if self.bounds is None else self.bounds[0]
 
     @property
     def grid(self) -> Sequence[Any]:
@@ -79,22 +85,38 @@ class Variation:
         return {"name": self.name} | {key: val for key, val in wanted.items() if val is not None}
 
 
+def require_varied(vary: object) -> None:
+    """Refuse what does not say what is varied."""
+    if not isinstance(vary, Mapping) or not vary:
+        raise InvalidValueError(
+            f"vary is {shown(vary)}; it must say what is varied",
+            advice="give options and values, as `vary={'amplitude': '0.03:0.07:5'}`",
+        )
+
+
 def variations(
-    kind: type[RunOptions], run: str, vary: Mapping[str, Any], fixed: Mapping[str, Any]
+    kind: type[RunOptions],
+    run: str,
+    vary: Mapping[str, Any],
+    fixed: Mapping[str, Any],
+    letters: Sequence[str] = (),
 ) -> tuple[Variation, ...]:
     """Read what is to be varied of a run of a name, whose options are of this kind.
+
+    ``letters`` are those of the robot's file, which may vary, too.
 
     Raises
     ------
     InvalidValueError
         If there is no such option, it is given a value besides, or its values make no sense.
     """
-    if not isinstance(vary, Mapping) or not vary:
-        raise InvalidValueError(
-            f"vary is {shown(vary)}; it must say what is varied",
-            advice="give options and values, as `vary={'amplitude': '0.03:0.07:5'}`",
-        )
-    read = tuple(_variation(kind, run, name, values) for name, values in vary.items())
+    require_varied(vary)
+    read = tuple(
+        letter_variation(name, values)
+        if name in letters
+        else _variation(kind, run, name, values, letters)
+        for name, values in vary.items()
+    )
     places: set[tuple[str, int | None]] = set()
     for one in read:
         rivals = {(one.option, one.index), (one.option, None)}
@@ -106,17 +128,28 @@ def variations(
     return read
 
 
-def _variation(kind: type[RunOptions], run: str, name: object, values: object) -> Variation:
+def letter_variation(name: str, values: object) -> Variation:
+    """Read the numbers of a letter of a ``.par`` file."""
+    if isinstance(values, str) and ":" in values:
+        return Variation(name=name, option=name, is_letter=True, **_range(name, values))
+    numbers = _numbers(name, values) if isinstance(values, str) else _sequence(name, values)
+    choices = tuple(finite_number(name, each) for each in numbers)
+    return Variation(name=name, option=name, is_letter=True, choices=choices)
+
+
+def _variation(
+    kind: type[RunOptions], run: str, name: object, values: object, letters: Sequence[str] = ()
+) -> Variation:
     fields = {field.name: field for field in dataclasses.fields(kind)}
     links = LINKS if issubclass(kind, LegOptions) else {}
     part = COMPONENT.fullmatch(name.strip()) if isinstance(name, str) else None
     word = part["name"] if part else str(name).strip()
     option = links.get(word, word).replace("-", "_")
     if option not in fields:
-        known = [*links, *fields]
+        known = ", ".join([*links, *fields, *(["the letters of its file"] if letters else [])])
         raise InvalidValueError(
             f"the run {run!r} has no option {word!r} to vary",
-            advice=did_you_mean(word, known, f"it has {', '.join(known)}"),
+            advice=did_you_mean(word, [*links, *letters, *fields], f"it has {known}"),
         )
     index = int(part["index"]) if part else None
     if index is not None and type_of(fields[option]) is not list:

@@ -20,6 +20,7 @@ import pytest
 from drake_leg.cli import main
 from drake_leg.errors import DrakeLegError, InvalidValueError, OutputError
 from drake_leg.files import LIST
+from drake_leg.robot.robot_file import load_robot
 from drake_leg.runs.catalogue import RUNS, run_kind
 from drake_leg.runs.named import run
 from drake_leg.studies import pool, row
@@ -540,3 +541,78 @@ def command_of(pid):
         return Path(f"/proc/{pid}/cmdline").read_text()
     except OSError:
         return ""
+
+
+# --- letters of a .par file ---------------------------------------------------------------------
+
+RX90 = Path(__file__).parents[2] / "examples" / "symoro" / "rx90.par"
+POSTURE = {"q0": [0, 30, 40, 0, 50, 0], "dynamics": "none", "duration": 0.05}
+
+
+def test_letters_of_a_file_vary_as_options_do():
+    result = sweep(
+        RX90, vary={"D3": "0.3:0.5:2", "amplitude": [0.02]}, numbers={"RL4": 0.4}, **POSTURE
+    )
+    assert result["D3"].tolist() == [0.3, 0.5]
+    assert result.counts == {"done": 2}
+    for value, least in zip((0.3, 0.5), result["sigma_min_m"], strict=True):
+        robot = load_robot(RX90, {"D3": value, "RL4": 0.4})
+        alone = run(robot, amplitude=0.02, **POSTURE).summary
+        assert alone["sigma_min_m"] == least
+    assert result["sigma_min_m"][0] != result["sigma_min_m"][1]
+
+
+def test_a_robot_that_letters_do_not_make_is_a_refused_row():
+    result = sweep(RX90, vary={"D3": [0.4, 1e12]}, numbers={"RL4": 0.4}, workers=1, **POSTURE)
+    assert result["status"].tolist() == ["done", "refused"]
+    assert "it must be at most 1e+09" in result["message"][1]
+
+
+@pytest.mark.parametrize(
+    ("vary", "numbers", "said"),
+    [
+        ({"D3": "0.3:0.5:2"}, {"D3": 1, "RL4": 1}, "D3 is varied and has a number, too"),
+        ({"D3": "0.3:0.5:2"}, {}, "RL4 .* has no number"),
+        ({"D3": "a,b"}, {"RL4": 1}, "D3 has 'a', which is not a number"),
+        (
+            {"D9": "1,2"},
+            {"D3": 1, "RL4": 1},
+            "no option 'D9' to vary: it has .*the letters of its file",
+        ),
+    ],
+)
+def test_letters_that_make_no_sense_are_refused(vary, numbers, said):
+    with pytest.raises(InvalidValueError, match=said):
+        sweep(RX90, vary=vary, numbers=numbers)
+
+
+def test_numbers_are_for_files_with_letters():
+    with pytest.raises(InvalidValueError, match="has no letters"):
+        sweep("leg-b", vary={"amplitude": [0.02]}, numbers={"D3": 1})
+
+
+def test_a_sweep_of_a_files_letters_has_the_file_in_its_plan(tmp_path, capsys):
+    out = tmp_path / "lengths"
+    words = [str(RX90), "--set", "RL4=0.4", "--vary", "D3=0.3:0.5:2", "--out", str(out)]
+    words += ["--q0", "0,30,40,0,50,0", "--dynamics", "none", "--duration", "0.05"]
+    assert main(["sweep", *words, "--fields", "sigma_min_m"]) == 0
+    assert "2 runs (2 done)" in capsys.readouterr().out
+    plan = json.loads((out / "plan.json").read_text())
+    assert (plan["file"], plan["numbers"]) == (RX90.read_text(), {"RL4": "0.4"})
+
+
+def test_a_sweep_of_which_all_runs_are_refused_fails(tmp_path, capsys):
+    words = ["leg-b", "--vary", "gravity=-1,-2", "--out", str(tmp_path / "none")]
+    assert main(["sweep", *words]) == 2
+    said = capsys.readouterr()
+    assert "2 runs (2 refused)" in said.out
+    assert "all runs were refused, the first one because gravity is -1.0" in said.err
+
+
+def test_values_are_looked_at_before_what_writes_them(tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    words = ["leg-b", "--out", str(tmp_path / "none"), "--vary"]
+    assert main(["sweep", *words, "amplitude=a,b"]) == 2
+    assert "amplitude has 'a', which is not a number" in capsys.readouterr().err
+    assert main(["sweep", *words, "amplitude=0.02,0.03"]) == 2
+    assert "pyarrow" in capsys.readouterr().err
