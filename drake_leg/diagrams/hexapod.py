@@ -42,6 +42,7 @@ from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import planned_torques
 from drake_leg.kinematics.walking.plan import WalkPlan, walk_of
 from drake_leg.models.walker import POINT_FEET, TIME_STEP, Contact, Walker, add_walker
+from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import IDEAL, Servo
@@ -73,7 +74,9 @@ class HexapodConfig:
     feedback : float, optional
         Rate at which an error of the body's pose decays [1/s]; by default nothing is fed back.
     contact : Contact
-        Of feet and ground.
+        Of the feet with the ground.
+    ground : Ground
+        With its friction; the walk is planned in its frame.
     time_step : float
         Of the plant and of all signals [s].
     gravity : float
@@ -91,6 +94,7 @@ class HexapodConfig:
     feed_forward: str = FULL
     feedback: float | None = None  # [1/s]
     contact: Contact = POINT_FEET
+    ground: Ground = FLAT
     time_step: float = TIME_STEP  # [s]
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
 
@@ -129,7 +133,7 @@ class HexapodConfig:
     @cached_property
     def X_WG(self) -> Array:
         """Pose of the ground's frame, in which the walk is planned, (4, 4)."""
-        return np.eye(4)
+        return np.array(self.ground.X_WG)
 
     @property
     def plan(self) -> WalkPlan:
@@ -181,6 +185,7 @@ def build(config: HexapodConfig) -> Diagram:
         time_step=config.time_step,
         servo=config.servo,
         contact=config.contact,
+        ground=config.ground,
         gravity=config.gravity,
     )
     plant = walker.plant

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from pydrake.geometry import AddContactMaterial, Box, ProximityProperties, SceneGraph, Sphere
+from pydrake.geometry import AddContactMaterial, ProximityProperties, SceneGraph, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import (
@@ -18,7 +18,9 @@ from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.models.ground import add_ground
 from drake_leg.models.sdf import sdf_text
+from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import IDEAL, Servo
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
@@ -34,12 +36,10 @@ class Contact:
     """How feet touch the ground: by points, or by balls, which roll."""
 
     stiffness: float = 5e4  # [N/m], of a foot
-    friction: float = 0.8  # static and dynamic
     foot_radius: float = 0.0  # [m]; 0: a point
 
     def __post_init__(self) -> None:
         require_positive("the stiffness of a foot's contact", self.stiffness, "N/m")
-        require_non_negative("the friction of the ground", self.friction, "")
         require_non_negative("the radius of a foot's ball", self.foot_radius, "m")
 
 
@@ -61,6 +61,7 @@ def add_walker(
     time_step: float = TIME_STEP,
     servo: Servo = IDEAL,
     contact: Contact = POINT_FEET,
+    ground: Ground = FLAT,
     gravity: float = STANDARD_GRAVITY,
 ) -> Walker:
     """Add a discrete plant of a floating robot on the ground, and its SceneGraph.
@@ -83,7 +84,7 @@ def add_walker(
     parser.SetStrictParsing()
     try:
         (instance,) = parser.AddModelsFromString(sdf_text(robot), "sdf")
-        _touch(plant, robot, contact)
+        _touch(plant, robot, contact, ground)
         _drive(plant, servo)
         plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
         plant.Finalize()
@@ -93,10 +94,10 @@ def add_walker(
     return Walker(plant, scene_graph, instance)
 
 
-def _touch(plant: MultibodyPlant, robot: Robot, contact: Contact) -> None:
+def _touch(plant: MultibodyPlant, robot: Robot, contact: Contact, ground: Ground) -> None:
     """Let the feet and the ground collide."""
     properties = ProximityProperties()
-    friction = CoulombFriction(contact.friction, contact.friction)
+    friction = CoulombFriction(ground.friction, ground.friction)
     AddContactMaterial(None, contact.stiffness, friction, properties)
     for tip in robot.tips:
         foot = plant.GetBodyByName(tip)
@@ -104,9 +105,7 @@ def _touch(plant: MultibodyPlant, robot: Robot, contact: Contact) -> None:
         plant.RegisterCollisionGeometry(foot, RigidTransform(), ball, f"{tip}_contact", properties)
     rigid = ProximityProperties()
     AddContactMaterial(None, 1e6 * contact.stiffness, friction, rigid)
-    ground = Box(100.0, 100.0, 1.0)
-    place = RigidTransform([0.0, 0.0, -0.5])
-    plant.RegisterCollisionGeometry(plant.world_body(), place, ground, "ground", rigid)
+    add_ground(plant, ground, rigid)
 
 
 def _drive(plant: MultibodyPlant, servo: Servo) -> None:

@@ -48,7 +48,6 @@ def test_its_mass_matrix_is_that_of_the_plain_plant_with_rotors():
 @pytest.mark.parametrize(
     ("numbers", "said"),
     [
-        ({"friction": -0.1}, "the friction of the ground is -0.1"),
         ({"stiffness": 0.0}, "the stiffness of a foot's contact is 0"),
         ({"foot_radius": -1e-3}, "the radius of a foot's ball is -0.001"),
     ],
