@@ -170,7 +170,9 @@ def test_python_takes_a_file_wherever_it_takes_toml(leg):
         run_kind(RX90)
 
 
-@pytest.mark.parametrize("path", [TREE, LOOP], ids=["tree", "loop"])
+@pytest.mark.parametrize(
+    "path", [pytest.param(TREE, marks=pytest.mark.slow), LOOP], ids=["tree", "loop"]
+)
 def test_all_branches_are_drawn_with_their_frames(path):
     lengths = ["--set", "D2=0.2,D3=0.5,D4=-0.1,D8=0.3,RL4=0.6"] if path == LOOP else []
     assert main(["diagram", path, *lengths, "--part", "frames", "--out", "f.svg"]) == 0

@@ -113,7 +113,7 @@ def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkey
     assert (here / "out" / "still_3d.png").stat().st_size > 1000
     assert "leg.html exists" in run(capsys, *words[:1], "--out", "new", *words[3:])[2]
     assert not (here / "new").exists()
-    assert run(capsys, *words, "--overwrite")[0] == 0
+    assert run(capsys, *words[:-1], "--overwrite")[0] == 0
 
 
 @pytest.mark.parametrize("file", ["file/leg.html", "/proc/leg.html", "/proc/new/leg.html"])
@@ -191,9 +191,12 @@ def test_ctrl_c_leaves_a_whole_readable_recording(here, words):
         stderr=subprocess.PIPE,
         text=True,
     )
-    assert process.stdout.readline() == "running\n"
-    process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=120)
+    try:
+        assert process.stdout.readline() == "running\n"
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=120)
+    finally:
+        process.kill()
     assert process.returncode == 130
     assert out.startswith("wrote out: ")
     assert "interrupted" in err
@@ -262,7 +265,7 @@ def test_a_disk_that_is_full_at_the_figures_costs_these_alone(here):
 def test_two_runs_record_the_same_bytes(no_figures, here, capsys, words):
     recordings = []
     for out in ("first", "second"):
-        assert run(capsys, *words, "--duration", "1.5", "--out", out)[0] == 0
+        assert run(capsys, *words, "--duration", "0.6", "--out", out)[0] == 0
         recordings.append((here / out / "recording.csv").read_bytes())
     assert recordings[0] == recordings[1]
 

@@ -79,7 +79,7 @@ def test_wrong_masses_displace_the_joints_as_the_balance_of_torques_says():
 
 
 def test_a_push_is_what_the_torques_do_not_explain():
-    options = LegBOptions(duration=1.2, **EARLY, mass_error=0.3, torque_limit=0.02)
+    options = LegBOptions(duration=0.6, **EARLY, mass_error=0.3, torque_limit=0.02)
     outcome = run_leg(options)
     assert outcome.summary["max_torque_error_n_m"] < 1e-12
     wrong = replace(options, push=None, push_at=None)
@@ -163,11 +163,11 @@ def test_a_leg_kicked_out_of_its_workspace_is_stopped_with_its_family():
 
 
 def test_ellipse_scara_and_robots_from_files_are_disturbed_alike():
-    ellipse = run_ellipse(EllipseOptions(duration=1.2, **EARLY, correction=5.0)).summary
+    ellipse = run_ellipse(EllipseOptions(duration=0.6, **EARLY, correction=5.0)).summary
     scara = run_scara(
-        ScaraOptions(duration=1.2, push=[3.0, 0.0, 0.0], push_at=0.3, mass_error=0.1)
+        ScaraOptions(duration=0.6, push=[3.0, 0.0, 0.0], push_at=0.3, mass_error=0.1)
     ).summary
-    options = StraightOptions(q0=[90.0, -50.0, -90.0], duration=1.2, **EARLY)
+    options = StraightOptions(q0=[90.0, -50.0, -90.0], duration=0.6, **EARLY)
     robot = run_robot(LEG_B, options).summary
     for summary in (ellipse, scara, robot):
         assert summary["stop_reason"] is None
@@ -180,7 +180,7 @@ def test_joints_with_stops_can_be_weak_too():
     bounded = JointMechanics(lower=-3.0, lower_stop=stop)
     hip, knee, *rest = LEG_B.segments
     robot = replace(LEG_B, segments=(hip, replace(knee, mechanics=bounded), *rest))
-    options = StraightOptions(q0=[90.0, -50.0, -90.0], duration=0.8, torque_limit=0.009)
+    options = StraightOptions(q0=[90.0, -50.0, -90.0], duration=0.5, torque_limit=0.009)
     summary = run_robot(robot, replace(options, **EARLY)).summary
     assert summary["stop_reason"] is None
     assert summary["max_torque_error_n_m"] < 1e-10
@@ -212,6 +212,6 @@ def test_senseless_options_are_refused(change, named):
 
 
 def test_two_disturbed_runs_are_the_same_to_the_bit():
-    pair = [straight(duration=0.8, **EARLY, torque_limit=0.006).recording for _ in range(2)]
+    pair = [straight(duration=0.5, **EARLY, torque_limit=0.006).recording for _ in range(2)]
     for name, column in pair[0].columns.items():
         np.testing.assert_array_equal(column, pair[1].columns[name])

@@ -54,7 +54,7 @@ def test_the_free_pendulum_keeps_its_energy():
     assert abs(energy - energy[0]).max() / TORQUE <= 1e-8
 
 
-@pytest.mark.parametrize("degrees", [0.0, 85.0, 60.0, -60.0, 260.0, 359.0, 720.0])
+@pytest.mark.parametrize("degrees", [0.0, 60.0, 260.0, 720.0])
 def test_its_period_is_the_elliptic_integral(degrees):
     summary = free(q0=(degrees,), duration=4.0).summary
     expected = exact_period(np.radians(degrees))
@@ -64,7 +64,7 @@ def test_its_period_is_the_elliptic_integral(degrees):
 
 def test_from_the_horizontal_the_period_is_18_percent_longer_than_that_of_small_swings():
     assert free().summary["period_s"] * OMEGA / (2 * np.pi) == pytest.approx(1.18034, abs=1e-5)
-    small = free(q0=(89.9,), duration=4.0).summary["period_s"]
+    small = free(q0=(89.9,), duration=2.5).summary["period_s"]
     assert small * OMEGA / (2 * np.pi) == pytest.approx(1.0, abs=1e-6)
 
 
@@ -106,9 +106,9 @@ def test_size_density_and_gravity_act():
     inertia = (0.5**2 + 0.03**2) / 12 + 0.5**2 / 4  # per mass
     omega = np.sqrt(1.62 * 0.25 / inertia)
     expected = 4 * ellipk(0.5) / omega
-    slow = free(size=size, gravity=1.62, density=700.0)
+    slow = free(size=size, gravity=1.62, density=700.0, duration=6.0)
     assert slow.summary["period_s"] == pytest.approx(expected, abs=1e-8)
-    dense = free(size=size, gravity=1.62, density=1400.0)
+    dense = free(size=size, gravity=1.62, density=1400.0, duration=6.0)
     np.testing.assert_allclose(dense.recording["q"], slow.recording["q"], atol=1e-10)
     assert dense.recording["qdot"].max() == pytest.approx(slow.recording["qdot"].max())
 
@@ -136,7 +136,7 @@ def test_the_damped_pendulum_starts_at_its_target_and_rests_hanging():
 
 @pytest.mark.parametrize("degrees", [-45.0, 200.0])
 def test_it_rests_hanging_whatever_its_target(degrees):
-    summary = damped(target=degrees, damping=0.02, duration=10.0).summary
+    summary = damped(target=degrees, damping=0.02, duration=6.0).summary
     down = summary["rest_angle_rad"] - np.pi / 2
     assert down == pytest.approx(2 * np.pi * round(down / (2 * np.pi)), abs=1e-6)
 
@@ -185,7 +185,7 @@ def test_a_run_that_has_hardly_begun_has_not_come_to_rest(duration):
     ],
 )
 def test_the_spring_holds_it_where_the_torques_balance(stiffness, target):
-    summary = sprung(spring_stiffness=stiffness, target=target, damping=0.05, duration=8.0).summary
+    summary = sprung(spring_stiffness=stiffness, target=target, damping=0.05, duration=4.0).summary
 
     def torque(q):
         return TORQUE * np.cos(q) - stiffness * (q - np.radians(target))
@@ -207,7 +207,7 @@ def test_an_undamped_spring_keeps_its_energy_and_never_rests():
 
 
 def test_the_motion_is_that_of_an_independent_integration():
-    for outcome in (damped(), sprung(duration=8.0)):
+    for outcome in (damped(duration=5.0), sprung(duration=5.0)):
         assert outcome.summary["max_angle_error_rad"] <= 1e-8
 
 

@@ -1,10 +1,9 @@
-import os
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 
+from drake_leg.cli import main
 from drake_leg.robot.robots import LEG_B
 from drake_leg.scene import artists
 from drake_leg.scene.artists import Renderer, Sketcher
@@ -59,18 +58,19 @@ def test_nothing_is_lost_where_the_renderer_leaves_out_the_edges(view, monkeypat
     assert (np.abs(part - whole).max(axis=-1) > 64.0).sum() <= 2  # edges are smoothed otherwise
 
 
-def test_a_renderer_that_ends_its_process_ends_in_a_sentence():
-    said = subprocess.run(
-        [sys.executable, "-c", "from drake_leg.cli import main; raise SystemExit(main())",
-         "replay", "nowhere", "--out", "nothing.gif"],
-        env={**os.environ, "__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json"},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+def test_a_renderer_that_ends_its_process_ends_in_a_sentence(monkeypatch, capsys):
+    """The process is that of the trial."""
     if artists.rendering_fault() is not None or sys.platform != "linux":
         pytest.skip("this variable only takes away what Linux renders with")
-    assert said.returncode == 2
-    assert said.stderr.startswith("drake-leg: no picture can be rendered here, OpenGL is missing")
-    assert said.stderr.count("\n") == 1
+    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json")
+    fault = artists.rendering_fault.__wrapped__()
+    assert fault is not None
+    for module in ("artists", "media"):
+        monkeypatch.setattr(f"drake_leg.scene.{module}.rendering_fault", lambda: fault)
+    assert main(["replay", "nowhere", "--out", "nothing.gif"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("drake-leg: no picture can be rendered here, OpenGL is missing")
+    assert said.count("\n") == 1
 
 
 def test_the_reason_is_the_last_line_that_the_trial_leaves(monkeypatch):

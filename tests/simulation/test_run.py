@@ -133,16 +133,21 @@ def test_every_integrator_runs_the_leg(scheme):
 def test_every_integrator_converges_on_the_leg(scheme):
     """First order at least: a quarter of the step leaves less than half of the error."""
     coarse, fine = (
-        position_error(leg_run(1.0, settings=IntegratorSettings(scheme=scheme, max_step=step)))
+        position_error(leg_run(0.5, settings=IntegratorSettings(scheme=scheme, max_step=step)))
         for step in (0.010, 0.0025)
     )
     assert coarse < 1e-3
     assert fine < max(coarse / 2, 1e-12)
 
 
+@cache
+def swung():
+    return swing(max_step=0.001)
+
+
 @pytest.mark.parametrize("scheme", INTEGRATORS)
 def test_every_integrator_swings_the_pendulum(scheme):
-    exact = swing(max_step=0.001)
+    exact = swung()
     run = swing(scheme=scheme, max_step=0.001)
     assert run.stop_reason is None
     assert run.scopes["q"][-1, 0] == pytest.approx(exact.scopes["q"][-1, 0], abs=0.03)
@@ -189,7 +194,7 @@ def test_at_a_given_step_caches_change_nothing():
 
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-9])
 def test_error_control_keeps_the_foot_on_its_line(accuracy):
-    run = leg_run(duration=6.0, settings=IntegratorSettings(accuracy=accuracy))
+    run = leg_run(duration=3.0, settings=IntegratorSettings(accuracy=accuracy))
     assert run.stop_reason is None
     assert position_error(run) < 100 * accuracy
     assert np.diff(run.time).max() <= 0.040 + 1e-12
@@ -216,7 +221,13 @@ def boundary_instant(amplitude, frequency=1.0):
 
 @pytest.mark.parametrize(
     ("amplitude", "frequency"),
-    [(0.1, 1.0), (0.0942, 1.0), (0.15, 1.0), (0.3, 1.0), (0.5, 5.0), (-0.1, 1.0), (0.05, 0.2)],
+    [
+        (0.0942, 1.0),
+        (0.3, 1.0),
+        (0.5, 5.0),
+        (-0.1, 1.0),
+        *(pytest.param(a, f, marks=pytest.mark.slow) for a, f in ((0.15, 1.0), (0.05, 0.2))),
+    ],
 )
 def test_a_run_stops_at_the_instant_at_which_the_leg_is_stretched(amplitude, frequency):
     settings = IntegratorSettings(max_step=0.04 / max(frequency, 1.0))
@@ -230,6 +241,7 @@ def test_a_run_stops_at_the_instant_at_which_the_leg_is_stretched(amplitude, fre
 
 def test_what_was_recorded_up_to_a_singularity_is_whole_and_right():
     run = leg_run(duration=20.0, amplitude=0.1)
+    assert run.stopped_at == run.time[-1] == pytest.approx(boundary_instant(0.1), abs=1e-6)
     assert {len(values) for values in run.scopes.values()} == {len(run.time)}
     assert all(np.isfinite(values).all() for values in run.scopes.values())
     assert position_error(run, 0.1) < 1e-7
@@ -246,8 +258,8 @@ def test_grazing_the_boundary_passes_and_stays_on_the_line():
 
 
 def test_a_singularity_met_under_error_control_stops_at_the_same_instant():
-    run = leg_run(duration=20.0, amplitude=0.1, settings=IntegratorSettings(accuracy=1e-7))
-    assert run.stopped_at == pytest.approx(boundary_instant(0.1), abs=1e-6)
+    run = leg_run(duration=20.0, amplitude=0.3, settings=IntegratorSettings(accuracy=1e-7))
+    assert run.stopped_at == pytest.approx(boundary_instant(0.3), abs=1e-6)
     assert "singular" in run.stop_reason
 
 
@@ -274,7 +286,7 @@ def test_passing_by_the_hip_axis_keeps_the_line_or_stops(distance):
 
 
 # Bent by less than the first step changes: the steps must be fine from the very first one.
-NEARLY_STRETCHED = [-0.05, -0.5, -2.0, -5.0]
+NEARLY_STRETCHED = [-0.05, *(pytest.param(q, marks=pytest.mark.slow) for q in (-0.5, -2.0)), -5.0]
 AWAY, TOWARDS = (0.0, -1.0, 0.0), (0.0, 1.0, 0.0)
 
 
@@ -331,7 +343,15 @@ def test_a_singular_scara_raises_at_the_start():
 
 @pytest.mark.parametrize(
     ("amplitude", "frequency"),
-    [(1.0, 1.0), (1.0, 5.0), (3.0, 30.0), (5.0, 30.0), (100.0, 100.0), (100.0, 1.0)],
+    [
+        (1.0, 1.0),
+        (3.0, 30.0),
+        (100.0, 100.0),
+        *(
+            pytest.param(a, f, marks=pytest.mark.slow)
+            for a, f in ((1.0, 5.0), (5.0, 30.0), (100.0, 1.0))
+        ),
+    ],
 )
 def test_a_fast_run_into_the_boundary_stops_there_singular_and_does_not_rebound(
     amplitude, frequency

@@ -59,15 +59,11 @@ def of_postures():
         yield f"scara {kind}", draw
 
 
-FAST = ("pendulum", "scara")
+FAST = ("pendulum", "scara")  # and shorter, with the fast tests
 # Every figure there is, in groups of functions that draw them, by name.
 DRAWN = [
-    *(partial(of_run, name) for name in FAST),
-    *(
-        pytest.param(partial(of_run, name), marks=pytest.mark.slow)
-        for name in RUNS
-        if name not in FAST
-    ),
+    *(partial(of_run, name, 7.0) for name in FAST),
+    *(pytest.param(partial(of_run, name), marks=pytest.mark.slow) for name in RUNS),
     pytest.param(of_postures, marks=pytest.mark.slow),
 ]
 
