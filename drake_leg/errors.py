@@ -329,6 +329,29 @@ class JointLimitError(DrakeLegError):
         )
 
 
+class ImpossibleWalkError(DrakeLegError):
+    """A walk that the robot cannot make, refused before it starts.
+
+    Attributes
+    ----------
+    where : str
+        Leg, joint or links of which too much is asked; empty for the whole robot.
+    time : float
+        Simulated time at which that would be [s].
+    value, limit : float
+        What is asked for, and what the robot can do.
+    """
+
+    def __init__(
+        self, problem: str, *, advice: str, where: str, time: float, value: float, limit: float
+    ) -> None:
+        self.where = where
+        self.time = time
+        self.value = value
+        self.limit = limit
+        super().__init__(problem, advice=advice)
+
+
 class BrokenPackageError(DrakeLegError):
     """A package that is needed is not installed, or fails when it is imported.
 

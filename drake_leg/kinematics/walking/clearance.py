@@ -1,25 +1,28 @@
-"""How far the links of different legs stay apart, each of them a capsule around its solid."""
+"""How far links stay apart: those of different legs as capsules, and all of them off the ground."""
 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
-from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.robot.robot import Link, Robot
-from drake_leg.robot.solids import Brick, Cylinder
+from drake_leg.robot.solids import Brick, Cylinder, Solid
 
 
 class Capsules(NamedTuple):
-    """Segments with a radius, each on a link."""
+    """Segments with a radius, each on a link; and which of them are on neighboring legs."""
 
     rows: tuple[int, ...]  # of the links, from 1
     names: tuple[str, ...]  # of the links
     legs: tuple[int, ...]  # from 0, the leg that each belongs to
     ends: Array  # (k, 2, 3) [m], in the frames of the links
     radii: Array  # (k,) [m]
+    pairs: Array  # (p, 2) of int
 
     def placed(self, X: Array) -> Array:
         """Ends of all segments, (..., k, 2, 3) [m]; the rows' frames are X (..., m, 4, 4)."""
@@ -28,6 +31,7 @@ class Capsules(NamedTuple):
         return np.asarray(turned + frames[..., np.newaxis, :3, 3])
 
 
+@lru_cache(maxsize=8)
 def capsules_of(robot: Robot) -> Capsules:
     """Capsules around the solids of all legs; a link without a solid is a line to its end.
 
@@ -40,7 +44,25 @@ def capsules_of(robot: Robot) -> Capsules:
         if (link := robot.segments[row - 1].link) is not None
     ]
     rows, names, legs, ends, radii = zip(*found, strict=True)
-    return Capsules(rows, names, legs, np.array(ends), np.array(radii))
+    beside = _neighbours(robot)
+    pairs = [
+        (one, other)
+        for one, other in combinations(range(len(rows)), 2)
+        if (legs[one], legs[other]) in beside
+    ]
+    return Capsules(
+        rows, names, legs, np.array(ends), np.array(radii), np.array(pairs).reshape(-1, 2)
+    )
+
+
+def _neighbours(robot: Robot) -> set[tuple[int, int]]:
+    """Legs that follow each other around the body, by their first joints, the lower one first."""
+    X_B = base_transforms(robot.rows, np.zeros(len(robot.moving)))
+    hips = np.array([X_B[robot.path(tip)[0] - 1, :2, 3] for tip in robot.tips.values()])
+    x, y = (hips - hips.mean(axis=0)).T
+    around = np.argsort(np.arctan2(y, x)).tolist()
+    following = zip(around, [*around[1:], around[0]], strict=True)
+    return {(min(pair), max(pair)) for pair in following}
 
 
 def _capsule(link: Link) -> tuple[Array, float]:
@@ -62,27 +84,29 @@ def _capsule(link: Link) -> tuple[Array, float]:
     return np.array([centre - half, centre + half]), radius
 
 
-class Gaps(NamedTuple):
-    """Distances between the capsules of different legs."""
+def lowest(solid: Solid, X: Array) -> Array:
+    """Height of a solid's lowest point, (...) [m], its link's frames being X (..., 4, 4)."""
+    up = X[..., 2, :3]
+    shape = solid.shape
+    if isinstance(shape, Brick):
+        below = np.abs(up) @ np.array([shape.length, shape.width, shape.height]) / 2.0
+    elif isinstance(shape, Cylinder):
+        across = np.hypot(up[..., 0], up[..., 1])
+        below = np.abs(up[..., 2]) * shape.length / 2.0 + across * shape.radius
+    else:
+        below = np.full(up.shape[:-1], shape.radius)
+    return np.asarray(X[..., 2, 3] + up @ np.array(solid.centre) - below)
 
-    pairs: Array  # (p, 2) of int, capsules
-    distances: Array  # (..., p) [m]; negative where they overlap
 
+def gaps_between_legs(capsules: Capsules, X: Array) -> Array:
+    """Distances of all pairs of capsules, (..., p) [m]; negative where they overlap.
 
-def gaps_between_legs(capsules: Capsules, X: Array) -> Gaps:
-    """Distances between all links of different legs, the rows' frames being X (..., m, 4, 4)."""
-    count = len(capsules.rows)
-    pairs = np.array(
-        [
-            (one, other)
-            for one in range(count)
-            for other in range(one + 1, count)
-            if capsules.legs[one] != capsules.legs[other]
-        ]
-    ).reshape(-1, 2)
+    The rows' frames are X (..., m, 4, 4).
+    """
     ends = capsules.placed(X)
-    apart = segment_distance(ends[..., pairs[:, 0], :, :], ends[..., pairs[:, 1], :, :])
-    return Gaps(pairs, apart - capsules.radii[pairs].sum(axis=1))
+    first, second = capsules.pairs.T
+    apart = segment_distance(ends[..., first, :, :], ends[..., second, :, :])
+    return np.asarray(apart - capsules.radii[capsules.pairs].sum(axis=1))
 
 
 def segment_distance(first: Array, second: Array) -> Array:

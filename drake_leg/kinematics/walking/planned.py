@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.kinematics.khalil import Array
-from drake_leg.kinematics.walking.clearance import Gaps, capsules_of, gaps_between_legs
+from drake_leg.kinematics.khalil import Array, base_transforms
+from drake_leg.kinematics.walking.clearance import capsules_of, gaps_between_legs, lowest
 from drake_leg.kinematics.walking.gaits import Motion, Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.margins import on_ground, support_margin, zero_moment_point
@@ -49,8 +49,18 @@ class PlannedWalk:
         return self.walk.feet(self.times)
 
     @cached_property
+    def feet_on_ground(self) -> Array:
+        """The same feet in the frame of the ground, p_GF (rows, n, 3) [m]."""
+        return self.walk.feet_in_world(self.times).value
+
+    @cached_property
+    def angles(self) -> Array:
+        """Joint angles, (rows, n, 3) [rad]."""
+        return self.legs.joints(self.feet.value)
+
+    @cached_property
     def joints(self) -> Motion:
-        """Joint angles, (rows, n, 3) [rad], with derivatives."""
+        """The same angles, with derivatives."""
         return self.legs.motion(self.feet)
 
     @cached_property
@@ -59,8 +69,18 @@ class PlannedWalk:
         return self.walk.down(self.times)
 
     @cached_property
+    def poses(self) -> Array:
+        """Poses X_GL of the base and of all rows, (rows, m + 1, 4, 4)."""
+        q = self.angles.reshape(len(self.times), 3 * self.legs.count)
+        reached = np.asarray(np.isfinite(q).all(axis=-1))
+        X_B = base_transforms(self.robot.rows, np.where(reached[:, np.newaxis], q, 0.0))
+        X_B[~reached] = np.nan
+        X_GB = self.body.value[:, np.newaxis]
+        return np.concatenate([X_GB, X_GB @ X_B], axis=1)
+
+    @cached_property
     def links(self) -> Motion:
-        """Poses X_GL of the base and of all rows, (rows, m + 1, 4, 4), with derivatives."""
+        """The same poses, with derivatives."""
         positions, rates, bends = (
             part.reshape(len(self.times), 3 * self.legs.count) for part in self.joints
         )
@@ -69,14 +89,22 @@ class PlannedWalk:
     @cached_property
     def support_heights(self) -> Array:
         """Mean height of the standing feet in G, (rows,) [m]; 0 where none stands."""
-        heights = self.walk.feet_in_world(self.times).value[..., 2]
+        heights = self.feet_on_ground[..., 2]
         total = np.where(self.down, heights, 0.0).sum(axis=-1)
         return np.asarray(total / np.maximum(self.down.sum(axis=-1), 1))
 
     @cached_property
     def centres(self) -> Array:
         """Center of mass of the whole robot in G, (rows, 3) [m]."""
-        return centres_of_mass(self.robot, self.links.value)
+        return centres_of_mass(self.robot, self.poses)
+
+    @cached_property
+    def body_clearance(self) -> Array:
+        """Height of the body's lowest point over the ground, (rows,) [m]; of its solid, if any."""
+        body = self.robot.base_link
+        X_GB = self.body.value
+        low = X_GB[:, 2, 3] if body is None or body.solid is None else lowest(body.solid, X_GB)
+        return np.asarray(low - self.support_heights)
 
     @cached_property
     def ground_points(self) -> Array:
@@ -109,13 +137,12 @@ class PlannedWalk:
     @cached_property
     def sigma_mins(self) -> Array:
         """Smallest singular value of every leg's Jacobian, (rows, n) [m/rad]."""
-        return self.legs.sigma_mins(self.joints.value)
+        return self.legs.sigma_mins(self.angles)
 
     @cached_property
-    def gaps(self) -> Gaps:
-        """Distances between the links of different legs, (rows, pairs) [m]."""
-        return gaps_between_legs(capsules_of(self.robot), self.links.value[..., 1:, :, :])
+    def gaps(self) -> Array:
+        """Distances between the links of neighboring legs, (rows, pairs) [m]."""
+        return gaps_between_legs(capsules_of(self.robot), self.poses[:, 1:])
 
     def _margins(self, points: Array) -> Array:
-        feet = self.walk.feet_in_world(self.times).value[..., :2]
-        return support_margin(feet, points, self.down)
+        return support_margin(self.feet_on_ground[..., :2], points, self.down)

@@ -7,6 +7,8 @@ in its last column, and the antisymmetric part of ``X J ddX^T`` is the rate of a
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from drake_leg.kinematics.khalil import Array, row_transform
@@ -15,13 +17,16 @@ from drake_leg.robot.robot import Link, Robot
 from drake_leg.robot.solids import mass_properties
 
 
+@lru_cache(maxsize=8)
 def pseudo_inertias(robot: Robot) -> Array:
     """Pseudo-inertias of the base and of every row's link, in the frames of links, (m + 1, 4, 4).
 
     Zero where there is no mass [kg*m^2, kg*m, kg].
     """
     links = [robot.base_link, *(segment.link for segment in robot.segments)]
-    return np.array([_pseudo_inertia(link) for link in links])
+    found = np.array([_pseudo_inertia(link) for link in links])
+    found.setflags(write=False)
+    return found
 
 
 def _pseudo_inertia(link: Link | None) -> Array:

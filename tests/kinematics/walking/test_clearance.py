@@ -1,5 +1,7 @@
 """Distances between the legs, as capsules around their links."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -7,9 +9,11 @@ from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.kinematics.walking.clearance import (
     capsules_of,
     gaps_between_legs,
+    lowest,
     segment_distance,
 )
 from drake_leg.robot.hexapods import HEXABOT, Hip, hexapod
+from drake_leg.robot.solids import Brick, Cylinder, Solid, Sphere
 
 
 def test_distances_of_segments_are_the_least_of_all_their_points():
@@ -44,19 +48,50 @@ def test_capsules_hold_the_solids_of_the_legs():
     assert capsules.radii[3] == 0.006
 
 
+def test_pairs_are_of_legs_that_follow_each_other_around_the_body():
+    capsules = capsules_of(HEXABOT)
+    legs = np.array(capsules.legs)[capsules.pairs]
+    beside = {tuple(sorted(pair)) for pair in legs.tolist()}
+    assert beside == {(0, 1), (1, 2), (3, 4), (4, 5), (0, 3), (2, 5)}
+    assert len(capsules.pairs) == 6 * 4 * 4
+
+
+def test_the_lowest_point_of_a_solid_is_that_of_its_corners_or_rims():
+    random = np.random.default_rng(8)
+    X = np.tile(np.eye(4), (20, 1, 1))
+    X[:, :3, :3] = np.linalg.qr(random.normal(size=(20, 3, 3)))[0]
+    X[:, :3, 3] = random.normal(size=(20, 3))
+    c = np.array([0.1, -0.2, 0.05])
+
+    def heights(points):
+        return (X[:, :3, :3] @ (c + points).T)[:, 2].min(axis=-1) + X[:, 2, 3]
+
+    def solid(shape):
+        return Solid(shape=shape, density=1.0, centre=tuple(c), colour=(0.0, 0.0, 0.0))
+
+    corners = np.array(list(product((-0.2, 0.2), (-0.1, 0.1), (-0.05, 0.05))))
+    brick = solid(Brick(length=0.4, width=0.2, height=0.1))
+    assert lowest(brick, X) == pytest.approx(heights(corners), abs=1e-15)
+    angle = np.linspace(0.0, 2.0 * np.pi, 2001)
+    rim = np.column_stack([0.3 * np.cos(angle), 0.3 * np.sin(angle), np.full(2001, 0.25)])
+    rims = np.vstack([rim, rim * [1.0, 1.0, -1.0]])
+    cylinder = solid(Cylinder(radius=0.3, length=0.5))
+    assert lowest(cylinder, X) == pytest.approx(heights(rims), abs=1e-6)
+    ball = solid(Sphere(radius=0.3))
+    assert lowest(ball, X) == pytest.approx(heights(np.zeros((1, 3))) - 0.3, abs=1e-15)
+
+
 def test_legs_that_are_stretched_side_by_side_are_as_far_apart_as_their_hips():
     robot = hexapod(hips={"one": Hip(0.05, 0.1, 0.0), "other": Hip(0.05, -0.1, 0.0)})
     capsules = capsules_of(robot)
     X_B = base_transforms(robot.rows, np.zeros((2, 6)))
     gaps = gaps_between_legs(capsules, X_B)
-    assert gaps.distances.shape == (2, 16)
+    assert gaps.shape == (2, 16)
     thick = 2.0 * np.hypot(0.012, 0.015)
-    assert gaps.distances.min(axis=1) == pytest.approx(0.2 - thick, abs=1e-15)
-    one, other = gaps.pairs[gaps.distances[0].argmin()]
-    assert capsules.legs[one] != capsules.legs[other]
+    assert gaps.min(axis=1) == pytest.approx(0.2 - thick, abs=1e-15)
     # The legs turn towards each other until they cross.
     q = np.zeros(6)
     q[0], q[3] = -1.0, 1.0
-    assert gaps_between_legs(capsules, base_transforms(robot.rows, q)).distances.min() == (
+    assert gaps_between_legs(capsules, base_transforms(robot.rows, q)).min() == (
         pytest.approx(-thick, abs=1e-12)
     )

@@ -1,0 +1,214 @@
+"""What a walk demands of a robot at the worst of its times, and whether the robot can do that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.walking.clearance import capsules_of
+from drake_leg.kinematics.walking.gaits import Walk
+from drake_leg.kinematics.walking.legs import Legs
+from drake_leg.kinematics.walking.planned import DOWNWARDS, PlannedWalk
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.servos import Servo
+from drake_leg.units import AT_LIMIT
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demand:
+    """One quantity of a walk where it is worst."""
+
+    what: str  # "reach", "joint limit", "joint speed", ...
+    where: str  # leg, joint, link, or two links; empty for the whole robot
+    time: float  # [s]
+    value: float
+    limit: float
+    spare: float  # how far it is on the right side of the limit; negative or NaN where it fails
+    unit: str
+    problem: str  # in a sentence, what is wrong if it fails
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the robot can do it."""
+        return self.spare >= 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Abilities:
+    """What a robot can do when it walks.
+
+    A ``dynamic`` walk may leave its static support.
+    """
+
+    robot: Robot
+    servo: Servo | None = None
+    gravity: tuple[float, float, float] = DOWNWARDS  # [m/s^2], in the frame of the ground
+    dynamic: bool = False
+
+    @cached_property
+    def legs(self) -> Legs:
+        """The robot's legs."""
+        return Legs.of(self.robot)
+
+    @cached_property
+    def greatest_speeds(self) -> Array:
+        """Of every joint, (n, 3) [rad/s]: the servo's no-load speed, and the joint's own limit."""
+        own = [segment.mechanics.velocity for segment in self.robot.moving]
+        limits = np.array([math.inf if each is None else each for each in own]).reshape(-1, 3)
+        most = math.inf if self.servo is None else self.servo.no_load_speed
+        return np.asarray(np.minimum(limits, most))
+
+    def plan(self, walk: Walk, times: Array) -> PlannedWalk:
+        """Let the robot follow a walk at times (rows,) [s]."""
+        return PlannedWalk(
+            robot=self.robot, legs=self.legs, walk=walk, times=times, gravity=self.gravity
+        )
+
+    def first_unmet(self, walk: Walk, times: Array, *, geometry: bool = False) -> Demand | None:
+        """Return the first demand that the robot cannot meet; of geometry only if asked for."""
+        plan = self.plan(walk, times)
+        demands = self.geometry(plan) if geometry else self.demands(plan)
+        return next((one for one in demands if not one.is_met), None)
+
+    def geometry(self, plan: PlannedWalk) -> Iterator[Demand]:
+        """Yield what must hold for each posture; only the first one if a foot is out of reach."""
+        reach = self._reach(plan)
+        yield reach
+        if reach.is_met:
+            yield from self._limits(plan)
+            yield self._body_clearance(plan)
+
+    def demands(self, plan: PlannedWalk) -> Iterator[Demand]:
+        """Yield all that must hold, the cheapest first; only reach if a foot is out of it."""
+        reach = self._reach(plan)
+        yield reach
+        if reach.is_met:
+            yield from self._limits(plan)
+            yield from self._speeds(plan)
+            yield self._body_clearance(plan)
+            yield from self._gaps(plan)
+            yield self._static_margin(plan)
+
+    def informative(self, plan: PlannedWalk) -> Iterator[Demand]:
+        """Yield what is worth knowing and has no limit."""
+        rows = plan.dynamic_margins
+        number = int(np.argmin(rows))
+        least = float(rows[number])
+        yield _demand(plan, number, "dynamic margin", "", least, -math.inf, math.inf, "m", "falls")
+        number, leg = _least(plan.sigma_mins)
+        least = float(plan.sigma_mins[number, leg])
+        yield _demand(
+            plan, number, "sigma_min", self.legs.names[leg], least, 0.0, least, "m/rad", "singular"
+        )
+
+    def _reach(self, plan: PlannedWalk) -> Demand:
+        l1, l2, l3 = self.legs.lengths.T
+        x, y, z = np.moveaxis(plan.feet.value - self.legs.hips, -1, 0)
+        far = np.hypot(np.hypot(x, y) - l1, z)
+        longest, shortest = l2 + l3, np.abs(l2 - l3)
+        number, leg = _least(np.minimum(longest - far, far - shortest))
+        value = float(far[number, leg])
+        too_far = longest[leg] - value < value - shortest[leg]
+        limit = float(longest[leg] if too_far else shortest[leg])
+        return _demand(
+            plan, number, "reach", self.legs.names[leg], value, limit,
+            limit - value if too_far else value - limit, "m",
+            f"the foot of {self.legs.names[leg]} would be {value:.4g} m from its knee{{when}}, and "
+            f"femur and tibia reach {'at most' if too_far else 'no nearer than'} {limit:.4g} m",
+        )  # fmt: skip
+
+    def _limits(self, plan: PlannedWalk) -> Iterator[Demand]:
+        if np.isinf(self.legs.limits).all():
+            return
+        q, (low, high) = plan.angles, np.moveaxis(self.legs.limits, -1, 0)
+        number, leg, joint = _least(np.minimum(q - low, high - q))
+        value, lower, upper = q[number, leg, joint], low[leg, joint], high[leg, joint]
+        nearest = lower if value - lower < upper - value else upper
+        spare = float(min(value - lower, upper - value))
+        name = self.legs.joint_names[leg][joint]
+        at, least, most = (math.degrees(angle) for angle in (value, lower, upper))
+        yield _demand(
+            plan, number, "joint limit", name, float(value), float(nearest),
+            0.0 if -AT_LIMIT <= spare < 0.0 else spare, "rad",
+            f"the joint {name} would be at {at:.4g} deg{{when}}, outside its limits {least:.6g} "
+            f"... {most:.6g} deg",
+        )  # fmt: skip
+
+    def _body_clearance(self, plan: PlannedWalk) -> Demand:
+        heights = plan.body_clearance
+        number = int(np.argmin(heights))
+        value = float(heights[number])
+        return _demand(
+            plan, number, "body over ground", "", value, 0.0, value, "m",
+            f"the body would be {-1000.0 * value:.4g} mm in the ground{{when}}",
+        )  # fmt: skip
+
+    def _speeds(self, plan: PlannedWalk) -> Iterator[Demand]:
+        if np.isinf(self.greatest_speeds).all() and np.isfinite(plan.joints.rate).all():
+            return
+        rates = np.abs(plan.joints.rate)
+        number, leg, joint = _least(1.0 - rates / self.greatest_speeds)
+        value, limit = float(rates[number, leg, joint]), float(self.greatest_speeds[leg, joint])
+        name = self.legs.joint_names[leg][joint]
+        yield _demand(
+            plan, number, "joint speed", name, value, limit, limit - value, "rad/s",
+            f"the joint {name} would turn at {value:.4g} rad/s{{when}}, and "
+            f"{self._at_most(limit)} {limit:.4g} rad/s",
+        )  # fmt: skip
+
+    def _at_most(self, limit: float) -> str:
+        if self.servo is not None and limit == self.servo.no_load_speed:
+            return f"the servo {self.servo.name!r} turns at most at"
+        return "its limit is"
+
+    def _gaps(self, plan: PlannedWalk) -> Iterator[Demand]:
+        capsules, distances = capsules_of(self.robot), plan.gaps
+        if distances.size:
+            number, pair = _least(distances)
+            value = float(distances[number, pair])
+            one, other = (capsules.names[each] for each in capsules.pairs[pair])
+            yield _demand(
+                plan, number, "gap between legs", f"{one}, {other}", value, 0.0, value, "m",
+                f"{one} and {other} would collide{{when}}, {-1000.0 * value:.4g} mm in each other",
+            )  # fmt: skip
+
+    def _static_margin(self, plan: PlannedWalk) -> Demand:
+        margins = plan.static_margins
+        number = int(np.argmin(margins))
+        value = float(margins[number])
+        feet = int(plan.down[number].sum())
+        return _demand(
+            plan, number, "static margin", "", value, 0.0,
+            math.inf if self.dynamic else value, "m",
+            f"the center of mass would be {-1000.0 * value:.4g} mm outside of the support by "
+            f"{feet} feet{{when}}",
+        )  # fmt: skip
+
+
+def _least(values: Array) -> tuple[int, ...]:
+    """Index of the smallest value, or of the first that is not a number."""
+    return tuple(int(part) for part in np.unravel_index(int(np.argmin(values)), values.shape))
+
+
+def _demand(
+    plan: PlannedWalk, row: int, what: str, where: str, value: float, limit: float, spare: float,
+    unit: str, problem: str,
+) -> Demand:  # fmt: skip
+    """Make a demand of the row of a plan, the time put into its sentence."""
+    time = float(plan.times[row])
+    part = time / plan.walk.period % 1.0
+    return Demand(
+        what=what,
+        where=where,
+        time=time,
+        value=value,
+        limit=limit,
+        spare=spare,
+        unit=unit,
+        problem=problem.replace("{when}", f" at t = {round(time, 4):g} s, {part:.2f} of the cycle"),
+    )

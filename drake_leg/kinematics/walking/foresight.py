@@ -1,0 +1,545 @@
+"""What a walk will meet, before it is run: what fails, and the greatest values that work."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from drake_leg.arguments import require_kind
+from drake_leg.errors import ImpossibleWalkError, InvalidValueError
+from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.walking.demands import Abilities, Demand
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Gait, Walk
+from drake_leg.kinematics.walking.planned import DOWNWARDS
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.servos import Servo
+
+FEWEST_DOWN = 3  # feet that support a body at rest
+PER_SWING = 40  # times at which a swing is looked at
+JUST = 1e-9  # of a period: how near to a touch-down or a lift-off it is looked at
+HALVINGS, FINER, DOUBLINGS = 8, 11, 10  # of the interval in which a greatest value lies
+HEIGHTS = 40  # that are tried where the given one does not work
+DIGITS = 3  # of a greatest value
+OFF_GROUND = 1e-3  # [m], how far a foot may be from the ground at the start
+_LEAST_SHARE = 2.0**-DOUBLINGS  # of a speed or a change of attitude that counts as none
+_FORWARD = Command(forward=1.0)
+
+Heights = Callable[[Array], Array]  # places (..., 2) [m] to the ground's heights (...) [m]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remedy:
+    """A change of the walk, by a value, with which it works."""
+
+    what: str  # "speed", "lift", "attitude", "height"
+    share: float  # of what was asked for; of the height, the change [m]
+    says: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WalkForesight:
+    """What a robot will meet on a walk.
+
+    Greatest and least values are those of one cycle at steady speed, all else being as given.
+    """
+
+    abilities: Abilities
+    walk: Walk
+    demands: tuple[Demand, ...]  # each where it is worst; none after a foot is out of reach
+    _times: Array
+
+    @property
+    def unmet(self) -> tuple[Demand, ...]:
+        """Demands that the robot cannot meet."""
+        return tuple(one for one in self.demands if not one.is_met)
+
+    def demand(self, what: str) -> Demand | None:
+        """Return one of the demands by its name; None if it is unknown."""
+        return next((one for one in self.demands if one.what == what), None)
+
+    @cached_property
+    def refusal(self) -> str | None:
+        """A sentence on what fails, with the greatest value that works; None if nothing does."""
+        return str(self._error) if self.unmet else None
+
+    def require_walkable(self) -> None:
+        """Refuse a walk that the robot cannot make.
+
+        Raises
+        ------
+        ImpossibleWalkError
+            With what fails, and the greatest value that works.
+        """
+        if self.unmet:
+            raise self._error
+
+    @cached_property
+    def _error(self) -> ImpossibleWalkError:
+        first = self.unmet[0]
+        remedy = self.remedy
+        says = remedy.says if remedy else "no slower or lower walk of these feet works"
+        return ImpossibleWalkError(
+            first.problem,
+            advice=f"{says}; `force=True` goes on",
+            where=first.where,
+            time=first.time,
+            value=first.value,
+            limit=first.limit,
+        )
+
+    def lines(self) -> tuple[str, ...]:
+        """Describe each demand where it is worst, one line each."""
+        return tuple(
+            f"{one.what}{f' of {one.where}' if one.where else ''}: {one.value:.4g} {one.unit}"
+            + (f", limit {one.limit:.4g}" if math.isfinite(one.limit) and one.limit else "")
+            + f", at t = {one.time:.4g} s"
+            for one in self.demands
+        )
+
+    # --- greatest values that work ---
+
+    @cached_property
+    def greatest_scale(self) -> float:
+        """Greatest common factor of all commands at steady speed, 0 if none works.
+
+        Without a command it is that of 1 m/s forward.
+        """
+        walks = [self._steady(command) for command in self._commands]
+
+        def works(scale: float) -> bool:
+            return all(
+                self.abilities.first_unmet(_scaled(walk, scale), times) is None
+                for walk, times in walks
+            )
+
+        return _greatest(works)
+
+    @property
+    def greatest_speed(self) -> float:
+        """Greatest speed along the ground of the fastest command [m/s]."""
+        return self.greatest_scale * _speed(self._fastest)
+
+    @property
+    def greatest_turning(self) -> float:
+        """Greatest rate of turning of the fastest command [rad/s]."""
+        return self.greatest_scale * abs(self._fastest.turning)
+
+    @property
+    def greatest_stride(self) -> float:
+        """How far the body goes in a period at the greatest speed [m]."""
+        return self.greatest_speed * self.walk.period
+
+    @cached_property
+    def height(self) -> float:
+        """Height of the body's frame over the ground in the steady walk [m]."""
+        plan = self.abilities.plan(*self._steady_walk)
+        return float((plan.body.value[:, 2, 3] - plan.support_heights).mean())
+
+    @cached_property
+    def heights(self) -> tuple[float, float] | None:
+        """Least and greatest height of the body inside workspaces and joint limits [m].
+
+        None if there is no such height.
+        """
+        walk, times = self._steady_walk
+
+        def works(change: float) -> bool:
+            raised = _raised(walk, change)
+            return self.abilities.first_unmet(raised, times, geometry=True) is None
+
+        lowest, highest = -self.height, self._length
+        tried = sorted(np.linspace(lowest, highest, HEIGHTS).tolist(), key=abs)
+        inside = next(filter(works, (0.0, *tried)), None)
+        if inside is None:
+            return None
+        least, most = (_bisected(works, inside, end, FINER) for end in (lowest, highest))
+        return _rounded_up(self.height + least), _rounded_down(self.height + most)
+
+    @cached_property
+    def greatest_lift(self) -> float:
+        """Greatest lift inside workspaces and joint limits [m], 0 if none works."""
+        walk, times = self._steady_walk
+
+        def works(share: float) -> bool:
+            lifted = replace(walk, lift=share * self._length)
+            return self.abilities.first_unmet(lifted, times, geometry=True) is None
+
+        return _greatest(works, start=0.25) * self._length
+
+    # --- what a walk that fails can do instead ---
+
+    @cached_property
+    def remedy(self) -> Remedy | None:
+        """The first change with which the walk works; None if there is none, or it works."""
+        if not self.unmet:
+            return None
+        for change in (self._slower, self._lower_swing, self._smaller_attitude, self._other_height):
+            found = change()
+            if found is not None:
+                return found
+        return None
+
+    def _slower(self) -> Remedy | None:
+        if not any(command.twist.any() for command in self.walk.commands):
+            return None
+        period = self.walk.period
+        share = self._greatest_share(lambda share: _scaled(self.walk, share))
+        if share == 0.0:
+            return None
+        fastest, parts = self._fastest, []
+        if _speed(fastest):
+            value = _rounded_down(share * _speed(fastest))
+            share = min(share, value / _speed(fastest))
+            parts.append(f"a speed of {value:.3g} m/s (a stride of {value * period:.3g} m)")
+        if fastest.turning:
+            rate = _rounded_down(math.degrees(share * abs(fastest.turning)))
+            share = min(share, math.radians(rate) / abs(fastest.turning))
+            parts.append(f"a turn rate of {rate:.3g} deg/s")
+        return Remedy(
+            what="speed", share=share, says=f"{' with '.join(parts)} is the greatest that works"
+        )
+
+    def _lower_swing(self) -> Remedy | None:
+        share = self._greatest_share(lambda share: replace(self.walk, lift=share * self.walk.lift))
+        if share == 0.0:
+            return None
+        lift = _rounded_down(share * self.walk.lift)
+        return Remedy(
+            what="lift",
+            share=lift / self.walk.lift,
+            says=f"a lift of {lift:.3g} m is the greatest that works",
+        )
+
+    def _smaller_attitude(self) -> Remedy | None:
+        share = _rounded_down(self._greatest_share(lambda share: _leaning(self.walk, share)))
+        if share == 0.0:
+            return None
+        return Remedy(
+            what="attitude",
+            share=share,
+            says=f"{share:.3g} of the change of attitude is the greatest that works",
+        )
+
+    def _other_height(self) -> Remedy | None:
+        if self.heights is None:
+            return None
+        least, most = self.heights
+        height, middle = self.height, 0.5 * (least + most)
+
+        def works(other: float) -> bool:
+            raised = _raised(self.walk, other - height)
+            return self.abilities.first_unmet(raised, self._times) is None
+
+        if not works(middle):
+            return None
+        edge = min(max(height, least), most)
+        if not works(edge):
+            edge = _bisected(works, middle, edge)
+        edge = _rounded_up(edge) if height < middle else _rounded_down(edge)
+        word = "least" if height < middle else "greatest"
+        return Remedy(
+            what="height",
+            share=edge - height,
+            says=f"a height of the body of {edge:.3g} m is the {word} that works",
+        )
+
+    def _greatest_share(self, changed: Callable[[float], Walk]) -> float:
+        """Greatest part of a change with which the whole walk works, 0 if none does.
+
+        It is sought at the times that have failed so far, and confirmed at all of them.
+        """
+        seen = self._near(self.unmet[0].time)
+
+        def works(share: float) -> bool:
+            return self.abilities.first_unmet(changed(share), seen) is None
+
+        while works(_LEAST_SHARE):
+            share = _greatest(works, most=1.0)
+            failed = self.abilities.first_unmet(changed(share), self._times)
+            if failed is None:
+                return share
+            more = np.union1d(seen, self._near(failed.time))
+            if len(more) == len(seen):
+                break
+            seen = more
+        return 0.0
+
+    def _near(self, time: float) -> Array:
+        return self._times[np.abs(self._times - time) <= 0.5 * self.walk.period]
+
+    # --- parts ---
+
+    @property
+    def _length(self) -> float:
+        """Length of the longest leg [m]."""
+        return float(self.abilities.legs.lengths.sum(axis=1).max())
+
+    @property
+    def _commands(self) -> tuple[Command, ...]:
+        return tuple(one for one in self.walk.commands if one.twist.any()) or (_FORWARD,)
+
+    @property
+    def _fastest(self) -> Command:
+        return max(self._commands, key=lambda one: _speed(one) + self._length * abs(one.turning))
+
+    @cached_property
+    def _steady_walk(self) -> tuple[Walk, Array]:
+        if not any(one.twist.any() for one in self.walk.commands):
+            return replace(self.walk, commands=()), np.array([_attitudes_end(self.walk)])
+        return self._steady(self._fastest)
+
+    def _steady(self, command: Command) -> tuple[Walk, Array]:
+        """A walk by one command, and the times of one cycle at full speed."""
+        walk, period = self.walk, self.walk.period
+        start = walk.earliest_start
+        alone = replace(command, start=start, end=math.inf, ramp=period)
+        begin = max(start + 3.0 * period, _attitudes_end(walk))
+        times = _times_within([(begin, begin + period)], walk)
+        return replace(walk, commands=(alone,)), times
+
+    def as_json(self) -> dict[str, Any]:
+        """Return its numbers for the summary of a run."""
+        heights = self.heights
+        return {
+            "refusal": self.refusal,
+            "greatest_speed_m_s": self.greatest_speed,
+            "greatest_stride_m": self.greatest_stride,
+            "greatest_turning_rad_s": self.greatest_turning,
+            "height_m": self.height,
+            "heights_m": None if heights is None else list(heights),
+            "greatest_lift_m": self.greatest_lift,
+            "worst": {
+                one.what: {
+                    "where": one.where,
+                    "time_s": one.time,
+                    "value": one.value,
+                    "limit": one.limit if math.isfinite(one.limit) else None,
+                    "unit": one.unit,
+                }
+                for one in self.demands
+            },
+        }
+
+
+def foresee_walk(
+    robot: Robot,
+    walk: Walk,
+    servo: Servo | None = None,
+    *,
+    gravity: tuple[float, float, float] = DOWNWARDS,
+    dynamic: bool = False,
+    duration: float = math.inf,
+    ground: Heights | None = None,
+    foot_height: float = 0.0,
+) -> WalkForesight:
+    """Look at all demands of a walk on a robot before it is run.
+
+    Parameters
+    ----------
+    robot : Robot
+        With legs of three joints on a floating body.
+    walk : Walk
+        Planned in the frame of the ground.
+    servo : Servo, optional
+        Of every joint; without one, speeds and torques have no limit.
+    gravity : (3,) tuple of float
+        In the frame of the ground [m/s^2]; on a slope it is not along z.
+    dynamic : bool
+        Whether the center of mass may leave the support by the feet.
+    duration : float
+        Of the run [s].
+    ground : callable, optional
+        Heights (...) of the ground [m] at places (..., 2) [m]; by default 0.
+    foot_height : float
+        Of a standing foot's point over the ground [m]: the radius of a ball.
+
+    Returns
+    -------
+    WalkForesight
+        Its ``refusal`` says what fails; its ``require_walkable`` raises that.
+
+    Raises
+    ------
+    InvalidValueError
+        If the gait is for another number of legs, fewer than three feet are down at some time and
+        the walk is not ``dynamic``, or a foot is not on the ground at the start.
+
+    Examples
+    --------
+    >>> from drake_leg.kinematics.walking.foresight import foresee_walk
+    """
+    require_kind("the walk", walk, Walk)
+    require_kind("the servo", servo, Servo, type(None))
+    abilities = Abilities(robot=robot, servo=servo, gravity=gravity, dynamic=dynamic)
+    require_gait(robot, walk.gait, abilities.legs.count, dynamic=dynamic)
+    _require_ground(abilities, walk, ground, foot_height)
+    times = _times_of(walk, duration)
+    plan = abilities.plan(walk, times)
+    demands = [*abilities.demands(plan)]
+    if demands[0].is_met:
+        demands += abilities.informative(plan)
+    return WalkForesight(abilities=abilities, walk=walk, demands=tuple(demands), _times=times)
+
+
+def require_gait(robot: Robot, gait: Gait, legs: int, *, dynamic: bool) -> None:
+    """Refuse a gait for another number of legs, or one that leaves less than three feet down."""
+    if len(gait.phases) != legs:
+        raise InvalidValueError(
+            f"the gait {gait.name!r} is for {len(gait.phases)} legs; {robot.name!r} has {legs}"
+        )
+    if gait.fewest_down >= FEWEST_DOWN or dynamic:
+        return
+    duties = np.arange(1, 100) / 100.0
+    enough = (duty for duty in duties if replace(gait, duty=float(duty)).fewest_down >= FEWEST_DOWN)
+    duty = next(enough, None)
+    longer = "" if duty is None else f"a duty factor of {duty:g} keeps three; "
+    raise InvalidValueError(
+        f"the gait {gait.name!r} has only {gait.fewest_down} of {legs} feet down at some time, and "
+        "a body at rest needs three",
+        advice=f"{longer}`dynamic=True` allows it",
+    )
+
+
+def _require_ground(
+    abilities: Abilities, walk: Walk, ground: Heights | None, foot_height: float
+) -> None:
+    """Refuse a walk whose feet are not on the ground at the start."""
+    feet = walk.feet_in_world(0.0).value
+    under = np.zeros(len(feet)) if ground is None else np.asarray(ground(feet[:, :2]))
+    above = feet[:, 2] - foot_height - under
+    worst = int(np.argmax(np.where(np.isfinite(above), np.abs(above), np.inf)))
+    if not abs(above[worst]) <= OFF_GROUND:
+        name, size = abilities.legs.names[worst], 1000.0 * abs(float(above[worst]))
+        where = f"{size:.4g} mm {'above' if above[worst] > 0.0 else 'in'} the ground"
+        raise InvalidValueError(
+            f"the foot of {name} is {where if math.isfinite(size) else 'not above any ground'} at "
+            f"the start, at ({feet[worst, 0]:.4g}, {feet[worst, 1]:.4g}) m; all feet stand then"
+        )
+
+
+# --- times, and searches -------------------------------------------------------------------------
+
+
+def _times_of(walk: Walk, duration: float) -> Array:
+    """Times at which a walk is looked at: all of its changes, and steady cycles between them."""
+    period = walk.period
+    windows = [(0.0, period)]
+    for command in walk.commands:
+        windows.append((command.start - period, command.start + command.ramp + 3.0 * period))
+        if math.isfinite(command.end):
+            windows.append((command.end - 2.0 * period, command.end + command.ramp + 2.0 * period))
+    windows += [
+        (one.start, one.start + one.lasting + period)
+        for one in walk.attitudes
+        if one.start + one.lasting > 0.0
+    ]
+    inside = [(max(begin, 0.0), min(end, duration)) for begin, end in windows]
+    return _times_within([(begin, end) for begin, end in inside if begin < end], walk)
+
+
+def _times_within(windows: Iterable[tuple[float, float]], walk: Walk) -> Array:
+    """Times within windows, close in every swing, and at both sides of touch-downs and lift-offs.
+
+    Cycles have the same times, so that overlapping windows add none twice.
+    """
+    gait, period = walk.gait, walk.period
+    count = math.ceil(PER_SWING / (1.0 - gait.duty))
+    events = [(phase + part) % 1.0 for phase in gait.phases for part in (0.0, gait.duty)]
+    beside = [event + side * JUST for event in events for side in (-1.0, 1.0)]
+    even = np.arange(count) / count
+    apart = np.abs((even[:, np.newaxis] - events + 0.5) % 1.0 - 0.5).min(axis=1)
+    cycle = np.unique([*even[apart > JUST], *beside])
+    found = []
+    for begin, end in windows:
+        numbers = np.arange(math.floor(begin / period) - 1, math.ceil(end / period) + 1)
+        times = period * (numbers[:, np.newaxis] + cycle).ravel()
+        found.append(times[(times >= begin) & (times <= end)])
+    return np.unique(np.concatenate(found))
+
+
+def _attitudes_end(walk: Walk) -> float:
+    return max((one.start + one.lasting for one in walk.attitudes), default=0.0)
+
+
+def _scaled(walk: Walk, scale: float) -> Walk:
+    commands = [
+        replace(
+            one,
+            forward=scale * one.forward,
+            sideways=scale * one.sideways,
+            turning=scale * one.turning,
+        )
+        for one in walk.commands
+    ]
+    return replace(walk, commands=commands)
+
+
+def _leaning(walk: Walk, share: float) -> Walk:
+    """The walk with a part of each change of attitude that is not over at the start."""
+    attitudes = [
+        replace(
+            one,
+            roll=share * one.roll,
+            pitch=share * one.pitch,
+            yaw=share * one.yaw,
+            shift=(share * one.shift[0], share * one.shift[1], share * one.shift[2]),
+        )
+        if one.start + one.lasting > 0.0
+        else one
+        for one in walk.attitudes
+    ]
+    return replace(walk, attitudes=attitudes)
+
+
+def _raised(walk: Walk, change: float) -> Walk:
+    """The walk with its body higher by a change [m]."""
+    higher = Attitude(shift=(0.0, 0.0, change), start=-1.0, lasting=1.0)
+    return replace(walk, attitudes=(higher, *walk.attitudes))
+
+
+def _speed(command: Command) -> float:
+    return math.hypot(command.forward, command.sideways)
+
+
+def _greatest(works: Callable[[float], bool], start: float = 1.0, most: float = math.inf) -> float:
+    """Greatest value that works, near to a start, all smaller ones doing so; 0 if none does."""
+    value, tried = start, 0
+    if works(value):
+        while value < most and tried < DOUBLINGS and works(2.0 * value):
+            value, tried = 2.0 * value, tried + 1
+        return value if value >= most else _rounded_down(_bisected(works, value, 2.0 * value))
+    for _ in range(DOUBLINGS):
+        value /= 2.0
+        if works(value):
+            return _rounded_down(_bisected(works, value, 2.0 * value))
+    return 0.0
+
+
+def _bisected(
+    works: Callable[[float], bool], good: float, bad: float, halvings: int = HALVINGS
+) -> float:
+    """Value nearest to a bad one that works, from a good one."""
+    for _ in range(halvings):
+        middle = 0.5 * (good + bad)
+        if works(middle):
+            good = middle
+        else:
+            bad = middle
+    return good
+
+
+def _rounded_down(value: float) -> float:
+    """Leave as many digits as are said."""
+    if value == 0.0:
+        return 0.0
+    scale = 10.0 ** (DIGITS - 1 - math.floor(math.log10(abs(value))))
+    return math.floor(value * scale) / scale
+
+
+def _rounded_up(value: float) -> float:
+    return -_rounded_down(-value)

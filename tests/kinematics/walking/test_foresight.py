@@ -1,0 +1,247 @@
+"""What a walk will meet: each sentence has the greatest value that works, and it does."""
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drake_leg.errors import ImpossibleWalkError, InvalidValueError
+from drake_leg.kinematics.walking.foresight import foresee_walk
+from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, Walk
+from drake_leg.kinematics.walking.legs import Legs
+from drake_leg.robot.hexapods import HEXABOT, Hip, hexapod
+from drake_leg.robot.joint_mechanics import JointMechanics, starting_posture
+from drake_leg.robot.servos import IDEAL
+
+FORWARD = Command(forward=0.1, start=1.0)
+TRIPOD = GAITS["tripod"]
+
+
+def walk_of(*commands, robot=HEXABOT, attitudes=(), height=None, gait=TRIPOD, period=1.0, **others):
+    feet = Legs.of(robot).feet(np.reshape(starting_posture(robot), (-1, 3)))
+    height = -feet[:, 2].mean() if height is None else height
+    feet[:, 2] = 0.0
+    standing = Attitude(shift=(0.0, 0.0, height), start=-1.0)
+    return Walk(
+        gait=gait, period=period, neutral=feet, commands=commands,
+        attitudes=(standing, *attitudes), **others,
+    )  # fmt: skip
+
+
+def says(foresight, pattern):
+    """The numbers in the refusal, which must match a pattern."""
+    found = re.fullmatch(pattern + "; `force=True` goes on", foresight.refusal)
+    assert found, foresight.refusal
+    return [float(group) for group in found.groups()]
+
+
+@pytest.fixture(scope="module")
+def forward():
+    return foresee_walk(HEXABOT, walk_of(FORWARD), IDEAL)
+
+
+def test_a_walk_that_works_is_described_by_its_margins(forward):
+    found = forward
+    assert found.refusal is None
+    assert found.remedy is None
+    found.require_walkable()
+    static = found.demand("static margin")
+    assert static.value == pytest.approx(0.078, abs=1e-4)
+    assert static.value > 0.075
+    assert found.demand("dynamic margin").value == pytest.approx(0.078, abs=5e-4)
+    assert found.demand("gap between legs").value == pytest.approx(0.0634, abs=1e-3)
+    assert found.demand("sigma_min").where in Legs.of(HEXABOT).names
+    assert found.demand("joint speed").value == pytest.approx(3.25, abs=0.02)
+    assert found.demand("torture") is None
+    assert any(line.startswith("static margin: 0.07") for line in found.lines())
+
+
+@pytest.mark.parametrize("gait", ["ripple", "ripple-pairs", "wave"])
+def test_every_gait_is_supported_through_its_whole_cycle(gait):
+    walk = walk_of(Command(forward=0.033, start=3.0), gait=GAITS[gait], period=3.0)
+    found = foresee_walk(HEXABOT, walk, IDEAL)
+    assert found.refusal is None
+    assert found.demand("static margin").value > 0.074
+
+
+def test_the_greatest_speed_works_and_a_little_more_does_not(forward):
+    found = forward
+    assert found.greatest_stride == found.greatest_speed
+    for factor, works in ((1.0, True), (1.02, False)):
+        fast = Command(forward=factor * found.greatest_speed, start=1.0)
+        assert (foresee_walk(HEXABOT, walk_of(fast), IDEAL).refusal is None) == works
+    # The stretched leg ends the stride: the foot is farthest from its knee at a touch-down.
+    assert foresee_walk(HEXABOT, walk_of(fast), IDEAL).unmet[0].what in ("reach", "joint speed")
+    turning = foresee_walk(HEXABOT, walk_of(Command(turning=0.2, start=1.0)), IDEAL)
+    assert turning.greatest_speed == 0.0
+    assert turning.greatest_turning > 0.2
+    standing = foresee_walk(HEXABOT, walk_of(), IDEAL)
+    assert standing.greatest_speed == pytest.approx(found.greatest_speed)
+
+
+def test_a_stride_out_of_reach_is_refused_with_the_greatest_one():
+    walk = walk_of(replace(FORWARD, forward=0.5))
+    found = foresee_walk(HEXABOT, walk)
+    far, speed, stride = says(
+        found,
+        r"the foot of \w+ would be ([\d.]+) m from its knee at t = [\d.]+ s, [\d.]+ of the cycle, "
+        r"and femur and tibia reach at most 0\.2 m: a speed of ([\d.]+) m/s \(a stride of "
+        r"([\d.]+) m\) is the greatest that works",
+    )
+    assert far > 0.2
+    assert stride == speed
+    assert foresee_walk(HEXABOT, walk_of(replace(FORWARD, forward=speed))).refusal is None
+    assert foresee_walk(HEXABOT, walk_of(replace(FORWARD, forward=1.02 * speed))).unmet
+    with pytest.raises(ImpossibleWalkError, match="is the greatest that works") as caught:
+        found.require_walkable()
+    assert caught.value.limit == pytest.approx(0.2, abs=1e-15)
+    assert caught.value.where in Legs.of(HEXABOT).names
+
+
+def test_a_speed_that_the_servo_cannot_follow_is_refused_with_the_greatest_one():
+    walk = walk_of(replace(FORWARD, forward=0.3), period=0.5)
+    value, most, speed = says(
+        foresee_walk(HEXABOT, walk, IDEAL),
+        r"the joint \w+ would turn at ([\d.]+) rad/s at t = .* s, .* of the cycle, and the servo "
+        r"'ideal' turns at most at ([\d.]+) rad/s: a speed of ([\d.]+) m/s .* works",
+    )
+    assert value > most == pytest.approx(IDEAL.no_load_speed, abs=1e-3)
+    slower = walk_of(replace(FORWARD, forward=speed), period=0.5)
+    assert foresee_walk(HEXABOT, slower, IDEAL).refusal is None
+    assert foresee_walk(HEXABOT, walk).refusal is None  # without a servo
+
+
+def test_a_turn_rate_and_a_speed_are_scaled_together():
+    command = Command(forward=0.05, turning=0.9, start=1.0)
+    speed, rate = says(
+        foresee_walk(HEXABOT, walk_of(command), IDEAL),
+        r"the joint .*: a speed of ([\d.]+) m/s .* with a turn rate of ([\d.]+) deg/s is .* works",
+    )
+    assert math.radians(rate) / speed == pytest.approx(18.0, rel=0.01)
+
+
+def test_a_lift_that_fails_at_every_speed_is_refused_with_the_greatest_lift(forward):
+    walk = walk_of(FORWARD, lift=0.19)
+    (lift,) = says(foresee_walk(HEXABOT, walk, IDEAL), r".*: a lift of ([\d.]+) m is the .* works")
+    assert foresee_walk(HEXABOT, replace(walk, lift=lift), IDEAL).refusal is None
+    assert foresee_walk(HEXABOT, replace(walk, lift=1.02 * lift), IDEAL).unmet
+    # Workspaces alone would allow more.
+    assert forward.greatest_lift > lift
+
+
+def test_heights_that_work_are_those_of_workspace_and_ground(forward):
+    found = forward
+    least, most = found.heights
+    assert found.height == pytest.approx(0.085)
+    assert least == pytest.approx(0.020, abs=1e-4)  # the body's underside is 20 mm lower
+    for height, works in ((least, True), (most, True), (0.99 * least, False), (1.01 * most, False)):
+        assert (foresee_walk(HEXABOT, walk_of(FORWARD, height=height)).refusal is None) == works
+    refused = foresee_walk(HEXABOT, walk_of(FORWARD, height=0.25))
+    (height,) = says(refused, r"the foot .*: a height of the body of ([\d.]+) m is the greatest .*")
+    assert height == pytest.approx(most, rel=0.02)
+    assert foresee_walk(HEXABOT, walk_of(FORWARD, height=height)).refusal is None
+    low = foresee_walk(HEXABOT, walk_of(FORWARD, height=0.01))
+    assert "the body would be 10 mm in the ground at t = 0 s" in low.refusal
+
+
+def test_a_joint_limit_is_named_with_the_greatest_speed_or_attitude():
+    limited = hexapod(mechanics=JointMechanics(lower=-2.22, upper=0.5))
+    walk = walk_of(replace(FORWARD, forward=0.15), robot=limited)
+    value, low, high, speed = says(
+        foresee_walk(limited, walk),
+        r"the joint \w+ would be at ([-\d.]+) deg at t = .*, outside its limits ([-\d.]+) \.\.\. "
+        r"([-\d.]+) deg: a speed of ([\d.]+) m/s .* works",
+    )
+    assert not low <= value <= high
+    slower = walk_of(replace(FORWARD, forward=speed), robot=limited)
+    assert foresee_walk(limited, slower).refusal is None
+    leaning = Attitude(roll=0.9, start=1.0)
+    (share,) = says(
+        foresee_walk(HEXABOT, walk_of(attitudes=[leaning])),
+        r".*: ([\d.]+) of the change of attitude is the greatest that works",
+    )
+    part = replace(leaning, roll=share * leaning.roll)
+    assert foresee_walk(HEXABOT, walk_of(attitudes=[part])).refusal is None
+
+
+def test_legs_that_would_collide_are_named():
+    hips = {
+        f"{side}_{leg}": Hip(x, sign * 0.08, sign * math.pi / 2)
+        for side, sign in (("left", 1.0), ("right", -1.0))
+        for leg, x in (("front", 0.07), ("middle", 0.0), ("rear", -0.07))
+    }
+    narrow = hexapod(name="narrow", hips=hips)
+    found = foresee_walk(narrow, walk_of(replace(FORWARD, forward=0.15), robot=narrow))
+    deep, speed = says(
+        found,
+        r"\w+ and \w+ would collide at t = .* s, .* of the cycle, ([\d.]+) mm in each other: a "
+        r"speed of ([\d.]+) m/s .* works",
+    )
+    one, other = found.unmet[0].where.split(", ")
+    assert one.rpartition("_")[0] != other.rpartition("_")[0]
+    assert deep > 0.0
+    slower = walk_of(replace(FORWARD, forward=speed), robot=narrow)
+    assert foresee_walk(narrow, slower).demand("gap between legs").value >= 0.0
+
+
+def test_on_too_steep_a_slope_the_center_of_mass_is_not_supported():
+    angle = math.radians(65.0)
+    steep = (-9.81 * math.sin(angle), 0.0, -9.81 * math.cos(angle))
+    found = foresee_walk(HEXABOT, walk_of(FORWARD), IDEAL, gravity=steep)
+    assert re.match(
+        r"the center of mass would be [\d.]+ mm outside of the support by [34] feet at t", (
+            found.refusal
+        ),
+    )  # fmt: skip
+    assert "works" in found.refusal
+    dynamic = foresee_walk(HEXABOT, walk_of(FORWARD), IDEAL, gravity=steep, dynamic=True)
+    assert dynamic.refusal is None
+    assert dynamic.demand("static margin").value < 0.0
+
+
+def test_gaits_that_do_not_suit_the_robot_are_refused():
+    five = hexapod(hips={f"leg{i}": Hip(0.1 * math.cos(i), 0.1 * math.sin(i), i) for i in range(5)})
+    with pytest.raises(InvalidValueError, match="'tripod' is for 6 legs; 'hexabot' has 5"):
+        foresee_walk(five, walk_of(FORWARD))
+    trot = Gait(name="trot", phases=(0.0, 0.5, 0.0, 0.5, 0.0, 0.5), duty=0.45, source="")
+    with pytest.raises(
+        InvalidValueError,
+        match=r"'trot' has only 0 of 6 feet down .*: a duty factor of 0\.5 keeps three; `dynamic",
+    ):
+        foresee_walk(HEXABOT, walk_of(FORWARD, gait=trot))
+    slow = replace(FORWARD, forward=0.02)
+    assert foresee_walk(HEXABOT, walk_of(slow, gait=trot), dynamic=True).refusal is None
+
+
+def test_feet_that_are_not_on_the_ground_at_the_start_are_refused():
+    walk = walk_of(FORWARD)
+    with pytest.raises(InvalidValueError, match=r"the foot of left_front is 6 mm in the ground"):
+        foresee_walk(HEXABOT, walk, foot_height=0.006)
+
+    def pit(places):
+        return np.where(places[:, 1] < -0.2, -0.03, 0.0)
+
+    with pytest.raises(InvalidValueError, match="foot of right_middle is 30 mm above the ground"):
+        foresee_walk(HEXABOT, walk, ground=pit)
+
+    def island(places):
+        return np.where(places[:, 0] < -0.1, np.nan, 0.0)
+
+    with pytest.raises(InvalidValueError, match="foot of left_rear is not above any ground at"):
+        foresee_walk(HEXABOT, walk, ground=island)
+
+
+def test_only_the_time_of_the_run_counts():
+    late = Attitude(roll=0.9, start=20.0)
+    assert foresee_walk(HEXABOT, walk_of(attitudes=[late])).unmet
+    assert not foresee_walk(HEXABOT, walk_of(attitudes=[late]), duration=10.0).unmet
+
+
+def test_numbers_of_the_summary(forward):
+    entries = forward.as_json()
+    assert entries["refusal"] is None
+    assert entries["greatest_speed_m_s"] == entries["greatest_stride_m"]
+    assert entries["worst"]["static margin"]["unit"] == "m"
+    assert entries["worst"]["dynamic margin"]["limit"] is None
