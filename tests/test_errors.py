@@ -13,12 +13,14 @@ from http import HTTPStatus
 from pathlib import Path
 
 import pytest
+from drake_leg.kinematics.walking.plan import walk_of
 
 import drake_leg
 from drake_leg.errors import (
     BrokenPackageError,
     DrakeLegError,
     ForeseenSingularityError,
+    ImpossibleWalkError,
     InvalidValueError,
     JointLimitError,
     LostMotionError,
@@ -34,7 +36,10 @@ from drake_leg.errors import (
 )
 from drake_leg.files import check_target, read_text
 from drake_leg.kinematics.movable import exact_rates
+from drake_leg.kinematics.walking.foresight import foresee_walk
+from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.lab.page.pieces import UnlikeReplaysError
+from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs import pendulum
@@ -137,6 +142,11 @@ def limit(monkeypatch, tmp_path):
     raise cause(lambda: run_robot(robot, options), monkeypatch)
 
 
+def impossible_walk(monkeypatch, tmp_path):
+    walk = walk_of(HEXABOT, commands=[Command(forward=1.0, start=1.0)])
+    foresee_walk(HEXABOT, walk).require_walkable()
+
+
 def no_rendering(monkeypatch, tmp_path):
     monkeypatch.setattr(artists, "rendering_fault", lambda: "there is no VTK here")
     media.require_video(tmp_path / "a.gif")
@@ -166,6 +176,7 @@ PROVOKED = {
     StepBudgetError: budget,
     UnstableRunError: unstable,
     JointLimitError: limit,
+    ImpossibleWalkError: impossible_walk,
     NoRenderingError: no_rendering,
     BrokenPackageError: no_encoder,
 }

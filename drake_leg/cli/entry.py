@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 from drake_leg.cli.terminal import BAD_INPUT, FAILED, STOPPED_EARLY, fail, place_given_by
 from drake_leg.errors import (
     DrakeLegError,
+    ImpossibleWalkError,
     JointLimitError,
     MissingNumbersError,
     OutputError,
@@ -130,7 +131,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             status: int = chosen.command(chosen)
         if sys.stdout is not None:
             sys.stdout.flush()  # now, so that a failure to write is an error
-    except (JointLimitError, SingularConfigurationError) as error:
+    except (ImpossibleWalkError, JointLimitError, SingularConfigurationError) as error:
         return fail(error, STOPPED_EARLY)
     except PictureError as error:
         return fail(error, FAILED)

@@ -13,10 +13,14 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.clearance import capsules_of
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
+from drake_leg.kinematics.walking.loads import planned_loads
 from drake_leg.kinematics.walking.planned import DOWNWARDS, PlannedWalk
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import Servo
 from drake_leg.units import AT_LIMIT
+
+BEHIND = 0.15  # [rad], how far a joint may be behind its plan while its foot stands
+GAP = 10.0  # median steps; a longer one is a gap between times
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,13 +59,10 @@ class Abilities:
         """The robot's legs."""
         return Legs.of(self.robot)
 
-    @cached_property
-    def greatest_speeds(self) -> Array:
-        """Of every joint, (n, 3) [rad/s]: the servo's no-load speed, and the joint's own limit."""
-        own = [segment.mechanics.velocity for segment in self.robot.moving]
-        limits = np.array([math.inf if each is None else each for each in own]).reshape(-1, 3)
-        most = math.inf if self.servo is None else self.servo.no_load_speed
-        return np.asarray(np.minimum(limits, most))
+    def _own_limits(self, name: str) -> Array:
+        """Limits of speed or effort of every joint, (n, 3); infinite where there is none."""
+        own = [getattr(segment.mechanics, name) for segment in self.robot.moving]
+        return np.array([math.inf if each is None else each for each in own]).reshape(-1, 3)
 
     def plan(self, walk: Walk, times: Array) -> PlannedWalk:
         """Let the robot follow a walk at times (rows,) [s]."""
@@ -93,18 +94,26 @@ class Abilities:
             yield self._body_clearance(plan)
             yield from self._gaps(plan)
             yield self._static_margin(plan)
+            yield from self._following(plan)
 
     def informative(self, plan: PlannedWalk) -> Iterator[Demand]:
-        """Yield what is worth knowing and has no limit."""
-        rows = plan.dynamic_margins
-        number = int(np.argmin(rows))
-        least = float(rows[number])
-        yield _demand(plan, number, "dynamic margin", "", least, -math.inf, math.inf, "m", "falls")
+        """Yield what is worth knowing and refuses no walk; a servo may be late for an instant."""
+        servo, names = self.servo, self.legs.joint_names
+        peaks = [("joint speed", plan.joints.rate, "rad/s", servo and servo.no_load_speed)]
+        if servo is not None:
+            torques = self._drive_torques(plan, servo)
+            peaks.append(("torque", torques, "N*m", servo.stall_torque))
+        for what, values, unit, limit in peaks:
+            number, leg, joint = _least(-np.abs(values))
+            most = abs(float(values[number, leg, joint]))
+            yield _demand(plan, number, what, names[leg][joint], most, limit or math.inf, unit=unit)
+        number = int(np.argmin(plan.dynamic_margins))
+        margin = float(plan.dynamic_margins[number])
+        yield _demand(plan, number, "dynamic margin", "", margin, -math.inf)
         number, leg = _least(plan.sigma_mins)
         least = float(plan.sigma_mins[number, leg])
-        yield _demand(
-            plan, number, "sigma_min", self.legs.names[leg], least, 0.0, least, "m/rad", "singular"
-        )
+        name = self.legs.names[leg]
+        yield _demand(plan, number, "sigma_min", name, least, 0.0, unit="m/rad")
 
     def _reach(self, plan: PlannedWalk) -> Demand:
         l1, l2, l3 = self.legs.lengths.T
@@ -149,22 +158,44 @@ class Abilities:
         )  # fmt: skip
 
     def _speeds(self, plan: PlannedWalk) -> Iterator[Demand]:
-        if np.isinf(self.greatest_speeds).all() and np.isfinite(plan.joints.rate).all():
+        limits = self._own_limits("velocity")
+        if np.isinf(limits).all():
             return
         rates = np.abs(plan.joints.rate)
-        number, leg, joint = _least(1.0 - rates / self.greatest_speeds)
-        value, limit = float(rates[number, leg, joint]), float(self.greatest_speeds[leg, joint])
+        number, leg, joint = _least(1.0 - rates / limits)
+        value, limit = float(rates[number, leg, joint]), float(limits[leg, joint])
         name = self.legs.joint_names[leg][joint]
         yield _demand(
-            plan, number, "joint speed", name, value, limit, limit - value, "rad/s",
-            f"the joint {name} would turn at {value:.4g} rad/s{{when}}, and "
-            f"{self._at_most(limit)} {limit:.4g} rad/s",
+            plan, number, "speed limit", name, value, limit, limit - value, "rad/s",
+            f"the joint {name} would turn at {value:.4g} rad/s{{when}}, and its limit is "
+            f"{limit:.4g} rad/s",
         )  # fmt: skip
 
-    def _at_most(self, limit: float) -> str:
-        if self.servo is not None and limit == self.servo.no_load_speed:
-            return f"the servo {self.servo.name!r} turns at most at"
-        return "its limit is"
+    def _following(self, plan: PlannedWalk) -> Iterator[Demand]:
+        if self.servo is None:
+            return
+        servo, rates = self.servo, plan.joints.rate
+        torques = self._drive_torques(plan, servo)
+        stall = np.minimum(self._own_limits("effort"), servo.stall_torque)
+        behind = lags(plan.times, torques, stall, servo.back_emf_damping)
+        standing = np.where(plan.down[..., np.newaxis], np.abs(behind), 0.0)
+        number, leg, joint = _least(-standing)
+        value = float(standing[number, leg, joint])
+        name = self.legs.joint_names[leg][joint]
+        fast, strong = (float(np.abs(one[:, leg, joint]).max()) for one in (rates, torques))
+        yield _demand(
+            plan, number, "following", name, value, BEHIND, BEHIND - value, "rad",
+            f"the joint {name} would be {math.degrees(value):.3g} deg behind its plan{{when}}, its "
+            f"foot on the ground, because it is to turn at {fast:.4g} rad/s and give {strong:.4g} "
+            f"N*m, and the servo {servo.name!r} turns at most at {servo.no_load_speed:.4g} rad/s "
+            f"and gives at most {stall[leg, joint]:.4g} N*m",
+        )  # fmt: skip
+
+    def _drive_torques(self, plan: PlannedWalk, servo: Servo) -> Array:
+        """Torques that the servos are to drive with, (rows, n, 3) [N*m], with their friction."""
+        rates = plan.joints.rate
+        torques = planned_loads(plan, servo).torques.reshape(rates.shape)
+        return np.asarray(torques + servo.friction * np.sign(rates))
 
     def _gaps(self, plan: PlannedWalk) -> Iterator[Demand]:
         capsules, distances = capsules_of(self.robot), plan.gaps
@@ -190,14 +221,35 @@ class Abilities:
         )  # fmt: skip
 
 
+def lags(times: Array, torques: Array, stall: Array, back_emf_damping: float) -> Array:
+    """How far servos are behind their plan, (rows, ...) [rad], at planned torques (rows, ...).
+
+    A motor at full voltage has the stall torque less ``back_emf_damping * speed``. Where more is
+    planned, it is slower by what is missing over that damping; afterwards it catches up by what is
+    left. Time begins without a lag, and again after each gap.
+    """
+    found = np.zeros_like(torques)
+    steps = np.diff(times)
+    gap = GAP * float(np.median(steps)) if len(steps) else 0.0
+    for row, step in enumerate(steps):
+        if step > gap:
+            continue
+        drive = 0.5 * (torques[row] + torques[row + 1])
+        ahead, back = (
+            found[row] + step * (drive - side * stall) / back_emf_damping for side in (1.0, -1.0)
+        )
+        found[row + 1] = np.maximum(ahead, 0.0) + np.minimum(back, 0.0)
+    return found
+
+
 def _least(values: Array) -> tuple[int, ...]:
     """Index of the smallest value, or of the first that is not a number."""
     return tuple(int(part) for part in np.unravel_index(int(np.argmin(values)), values.shape))
 
 
 def _demand(
-    plan: PlannedWalk, row: int, what: str, where: str, value: float, limit: float, spare: float,
-    unit: str, problem: str,
+    plan: PlannedWalk, row: int, what: str, where: str, value: float, limit: float,
+    spare: float = math.inf, unit: str = "m", problem: str = "",
 ) -> Demand:  # fmt: skip
     """Make a demand of the row of a plan, the time put into its sentence."""
     time = float(plan.times[row])

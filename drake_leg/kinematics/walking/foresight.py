@@ -25,6 +25,7 @@ JUST = 1e-9  # of a period: how near to a touch-down or a lift-off it is looked 
 HALVINGS, FINER, DOUBLINGS = 8, 11, 10  # of the interval in which a greatest value lies
 HEIGHTS = 40  # that are tried where the given one does not work
 DIGITS = 3  # of a greatest value
+STEADY = 1.5  # periods at full speed, in which every leg swings from start to end
 OFF_GROUND = 1e-3  # [m], how far a foot may be from the ground at the start
 _LEAST_SHARE = 2.0**-DOUBLINGS  # of a speed or a change of attitude that counts as none
 _FORWARD = Command(forward=1.0)
@@ -294,12 +295,12 @@ class WalkForesight:
         return self._steady(self._fastest)
 
     def _steady(self, command: Command) -> tuple[Walk, Array]:
-        """A walk by one command, and the times of one cycle at full speed."""
+        """A walk by one command, and times at full speed."""
         walk, period = self.walk, self.walk.period
         start = walk.earliest_start
         alone = replace(command, start=start, end=math.inf, ramp=period)
         begin = max(start + 3.0 * period, _attitudes_end(walk))
-        times = _times_within([(begin, begin + period)], walk)
+        times = _times_within([(begin, begin + STEADY * period)], walk)
         return replace(walk, commands=(alone,)), times
 
     def as_json(self) -> dict[str, Any]:
@@ -372,6 +373,15 @@ def foresee_walk(
     Examples
     --------
     >>> from drake_leg.kinematics.walking.foresight import foresee_walk
+    >>> from drake_leg.kinematics.walking.gaits import Command
+    >>> from drake_leg.kinematics.walking.plan import walk_of
+    >>> from drake_leg.robot.hexapods import HEXABOT
+    >>> walk = walk_of(HEXABOT, commands=[Command(forward=0.1, start=1.0)])
+    >>> found = foresee_walk(HEXABOT, walk)
+    >>> round(found.demand("static margin").value, 3)  # [m]
+    0.078
+    >>> found.refusal is None
+    True
     """
     require_kind("the walk", walk, Walk)
     require_kind("the servo", servo, Servo, type(None))
