@@ -13,7 +13,6 @@ from http import HTTPStatus
 from pathlib import Path
 
 import pytest
-from drake_leg.kinematics.walking.plan import walk_of
 
 import drake_leg
 from drake_leg.errors import (
@@ -38,6 +37,7 @@ from drake_leg.files import check_target, read_text
 from drake_leg.kinematics.movable import exact_rates
 from drake_leg.kinematics.walking.foresight import foresee_walk
 from drake_leg.kinematics.walking.gaits import Command
+from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.lab.page.pieces import UnlikeReplaysError
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import JointMechanics

@@ -14,10 +14,11 @@ from drake_leg.kinematics.walking.clearance import capsules_of
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import planned_loads
-from drake_leg.kinematics.walking.planned import DOWNWARDS, PlannedWalk
+from drake_leg.kinematics.walking.planned import PlannedWalk
+from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import Servo
-from drake_leg.units import AT_LIMIT
+from drake_leg.units import AT_LIMIT, STANDARD_GRAVITY
 
 BEHIND = 0.15  # [rad], how far a joint may be behind its plan while its foot stands
 GAP = 10.0  # median steps; a longer one is a gap between times
@@ -44,14 +45,15 @@ class Demand:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Abilities:
-    """What a robot can do when it walks.
+    """What a robot can do when it walks on a ground.
 
     A ``dynamic`` walk may leave its static support.
     """
 
     robot: Robot
     servo: Servo | None = None
-    gravity: tuple[float, float, float] = DOWNWARDS  # [m/s^2], in the frame of the ground
+    ground: Ground = FLAT
+    gravity: float = STANDARD_GRAVITY  # [m/s^2]
     dynamic: bool = False
 
     @cached_property
@@ -64,10 +66,16 @@ class Abilities:
         own = [getattr(segment.mechanics, name) for segment in self.robot.moving]
         return np.array([math.inf if each is None else each for each in own]).reshape(-1, 3)
 
+    @property
+    def falling(self) -> tuple[float, float, float]:
+        """Gravity in the frame of the ground, (3,) [m/s^2]."""
+        x, y, z = (-self.gravity * part for part in self.ground.X_WG[2][:3])
+        return x, y, z
+
     def plan(self, walk: Walk, times: Array) -> PlannedWalk:
         """Let the robot follow a walk at times (rows,) [s]."""
         return PlannedWalk(
-            robot=self.robot, legs=self.legs, walk=walk, times=times, gravity=self.gravity
+            robot=self.robot, legs=self.legs, walk=walk, times=times, gravity=self.falling
         )
 
     def first_unmet(self, walk: Walk, times: Array, *, geometry: bool = False) -> Demand | None:
@@ -85,7 +93,8 @@ class Abilities:
             yield self._body_clearance(plan)
 
     def demands(self, plan: PlannedWalk) -> Iterator[Demand]:
-        """Yield all that must hold, the cheapest first; only reach if a foot is out of it."""
+        """Yield all that must hold, the cheapest first; little more if a foot is out of reach."""
+        yield self._friction(plan)
         reach = self._reach(plan)
         yield reach
         if reach.is_met:
@@ -184,7 +193,7 @@ class Abilities:
         name = self.legs.joint_names[leg][joint]
         fast, strong = (float(np.abs(one[:, leg, joint]).max()) for one in (rates, torques))
         yield _demand(
-            plan, number, "following", name, value, BEHIND, BEHIND - value, "rad",
+            plan, number, "lag", name, value, BEHIND, BEHIND - value, "rad",
             f"the joint {name} would be {math.degrees(value):.3g} deg behind its plan{{when}}, its "
             f"foot on the ground, because it is to turn at {fast:.4g} rad/s and give {strong:.4g} "
             f"N*m, and the servo {servo.name!r} turns at most at {servo.no_load_speed:.4g} rad/s "
@@ -207,6 +216,15 @@ class Abilities:
                 plan, number, "gap between legs", f"{one}, {other}", value, 0.0, value, "m",
                 f"{one} and {other} would collide{{when}}, {-1000.0 * value:.4g} mm in each other",
             )  # fmt: skip
+
+    def _friction(self, plan: PlannedWalk) -> Demand:
+        x, y, z = self.falling
+        angle, most = math.atan2(math.hypot(x, y), -z), math.atan(self.ground.friction)
+        return _demand(
+            plan, 0, "slope", "", angle, most, most - angle, "rad",
+            f"the ground slopes by {math.degrees(angle):.4g} deg, and with a friction of "
+            f"{self.ground.friction:.4g} feet slide from {math.degrees(most):.4g} deg on",
+        )  # fmt: skip
 
     def _static_margin(self, plan: PlannedWalk) -> Demand:
         margins = plan.static_margins

@@ -15,9 +15,10 @@ from drake_leg.errors import ImpossibleWalkError, InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.demands import Abilities, Demand
 from drake_leg.kinematics.walking.gaits import Attitude, Command, Gait, Walk
-from drake_leg.kinematics.walking.planned import DOWNWARDS
+from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import Servo
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative
 
 FEWEST_DOWN = 3  # feet that support a body at rest
 PER_SWING = 40  # times at which a swing is looked at
@@ -29,8 +30,6 @@ STEADY = 1.5  # periods at full speed, in which every leg swings from start to e
 OFF_GROUND = 1e-3  # [m], how far a foot may be from the ground at the start
 _LEAST_SHARE = 2.0**-DOUBLINGS  # of a speed or a change of attitude that counts as none
 _FORWARD = Command(forward=1.0)
-
-Heights = Callable[[Array], Array]  # places (..., 2) [m] to the ground's heights (...) [m]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -332,10 +331,10 @@ def foresee_walk(
     walk: Walk,
     servo: Servo | None = None,
     *,
-    gravity: tuple[float, float, float] = DOWNWARDS,
+    ground: Ground = FLAT,
+    gravity: float = STANDARD_GRAVITY,
     dynamic: bool = False,
     duration: float = math.inf,
-    ground: Heights | None = None,
     foot_height: float = 0.0,
 ) -> WalkForesight:
     """Look at all demands of a walk on a robot before it is run.
@@ -348,14 +347,14 @@ def foresee_walk(
         Planned in the frame of the ground.
     servo : Servo, optional
         Of every joint; without one, speeds and torques have no limit.
-    gravity : (3,) tuple of float
-        In the frame of the ground [m/s^2]; on a slope it is not along z.
+    ground : Ground
+        Its slopes and friction count, and where it is under the feet at the start.
+    gravity : float
+        [m/s^2].
     dynamic : bool
         Whether the center of mass may leave the support by the feet.
     duration : float
         Of the run [s].
-    ground : callable, optional
-        Heights (...) of the ground [m] at places (..., 2) [m]; by default 0.
     foot_height : float
         Of a standing foot's point over the ground [m]: the radius of a ball.
 
@@ -385,13 +384,15 @@ def foresee_walk(
     """
     require_kind("the walk", walk, Walk)
     require_kind("the servo", servo, Servo, type(None))
-    abilities = Abilities(robot=robot, servo=servo, gravity=gravity, dynamic=dynamic)
+    require_kind("the ground", ground, Ground)
+    require_non_negative("gravity", gravity, "m/s^2")
+    abilities = Abilities(robot=robot, servo=servo, ground=ground, gravity=gravity, dynamic=dynamic)
     require_gait(robot, walk.gait, abilities.legs.count, dynamic=dynamic)
-    _require_ground(abilities, walk, ground, foot_height)
+    _require_ground(abilities, walk, foot_height)
     times = _times_of(walk, duration)
     plan = abilities.plan(walk, times)
     demands = [*abilities.demands(plan)]
-    if demands[0].is_met:
+    if np.isfinite(plan.angles).all():
         demands += abilities.informative(plan)
     return WalkForesight(abilities=abilities, walk=walk, demands=tuple(demands), _times=times)
 
@@ -415,20 +416,17 @@ def require_gait(robot: Robot, gait: Gait, legs: int, *, dynamic: bool) -> None:
     )
 
 
-def _require_ground(
-    abilities: Abilities, walk: Walk, ground: Heights | None, foot_height: float
-) -> None:
+def _require_ground(abilities: Abilities, walk: Walk, foot_height: float) -> None:
     """Refuse a walk whose feet are not on the ground at the start."""
     feet = walk.feet_in_world(0.0).value
-    under = np.zeros(len(feet)) if ground is None else np.asarray(ground(feet[:, :2]))
-    above = feet[:, 2] - foot_height - under
-    worst = int(np.argmax(np.where(np.isfinite(above), np.abs(above), np.inf)))
-    if not abs(above[worst]) <= OFF_GROUND:
-        name, size = abilities.legs.names[worst], 1000.0 * abs(float(above[worst]))
-        where = f"{size:.4g} mm {'above' if above[worst] > 0.0 else 'in'} the ground"
+    above = feet[:, 2] - foot_height - abilities.ground.height(feet[:, 0], feet[:, 1])
+    worst = int(np.argmax(np.abs(above)))
+    off = float(above[worst])
+    if abs(off) > OFF_GROUND:
         raise InvalidValueError(
-            f"the foot of {name} is {where if math.isfinite(size) else 'not above any ground'} at "
-            f"the start, at ({feet[worst, 0]:.4g}, {feet[worst, 1]:.4g}) m; all feet stand then"
+            f"the foot of {abilities.legs.names[worst]} is {1000.0 * abs(off):.4g} mm "
+            f"{'above' if off > 0.0 else 'in'} the ground at the start, at ({feet[worst, 0]:.4g}, "
+            f"{feet[worst, 1]:.4g}) m; all feet stand then"
         )
 
 
