@@ -218,10 +218,8 @@ def build(config: HexapodConfig) -> Diagram:
     builder.Connect(over_a_step.get_output_port(), ahead.get_input_port(1))
     builder.Connect(ahead.get_output_port(), wanted.get_input_port(0))
     builder.Connect(rates.get_output_port(), wanted.get_input_port(1))
-    builder.Connect(wanted.get_output_port(), plant.get_desired_state_input_port(walker.instance))
-    builder.Connect(
-        forward.GetOutputPort("torque"), plant.get_actuation_input_port(walker.instance)
-    )
+    builder.Connect(wanted.get_output_port(), walker.servos.desired_state)
+    builder.Connect(forward.GetOutputPort("torque"), walker.servos.actuation)
     builder.Connect(plant.get_state_output_port(walker.instance), sensed.get_input_port())
 
     _add_scopes(builder, walker, sensed, wanted)
@@ -238,7 +236,7 @@ def _add_scopes(
         ("body velocity", sensed.get_output_port(2)),
         ("joint velocities", sensed.get_output_port(3)),
         ("desired state", wanted.get_output_port()),
-        ("joint torques", plant.get_net_actuation_output_port(robot)),
+        ("joint torques", walker.servos.torques),
         ("contact forces", plant.get_generalized_contact_forces_output_port(robot)),
     ):
         add_scope(builder, name, port)

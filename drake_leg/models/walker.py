@@ -18,6 +18,7 @@ from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.models.gears import ServoPorts, add_gear_friction, servo_ports
 from drake_leg.models.ground import add_ground
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.ground import FLAT, Ground
@@ -52,6 +53,7 @@ class Walker(NamedTuple):
     plant: MultibodyPlant
     scene_graph: SceneGraph
     instance: ModelInstanceIndex  # of the robot
+    servos: ServoPorts
 
 
 def add_walker(
@@ -66,8 +68,9 @@ def add_walker(
 ) -> Walker:
     """Add a discrete plant of a floating robot on the ground, and its SceneGraph.
 
-    Each joint has a servo: Drake's implicit position controller with the motor's torque-speed line,
-    whose ``desired_state`` and ``actuation`` ports (the feed-forward) are still to be connected.
+    Each joint has a servo: Drake's implicit position controller with the motor's torque-speed line
+    and its gear's friction; its ``desired_state`` and ``actuation`` ports (the feed-forward) are
+    still to be connected.
 
     Raises
     ------
@@ -86,12 +89,13 @@ def add_walker(
         (instance,) = parser.AddModelsFromString(sdf_text(robot), "sdf")
         _touch(plant, robot, contact, ground)
         _drive(plant, servo)
+        add_gear_friction(plant, servo)
         plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
         plant.Finalize()
     except RuntimeError as error:
         reason = " ".join(str(error).split())
         raise InvalidValueError(f"Drake refuses the model {robot.name!r}: {reason}") from None
-    return Walker(plant, scene_graph, instance)
+    return Walker(plant, scene_graph, instance, servo_ports(builder, plant, instance, servo))
 
 
 def _touch(plant: MultibodyPlant, robot: Robot, contact: Contact, ground: Ground) -> None:

@@ -21,6 +21,10 @@ from drake_leg.units import parse_unit, require_finite, require_non_negative, re
 TICKS, GAIN_DIVISOR, FULL_OUTPUT = 4096, 128, 885
 GREATEST_GAIN = 16_383
 
+# A simulated gear that sticks creeps under a load: at the limit of its friction f with f over this,
+# an XL430's with 40 microradians per second.
+CREEP_DAMPING = 1e3  # [N*m*s/rad]
+
 _UNITS = {
     "stall_torque": "N*m",
     "no_load_speed": "rad/s",

@@ -13,6 +13,7 @@ from drake_leg.diagrams.hexapod import HexapodConfig
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.gaits import Motion
 from drake_leg.kinematics.walking.margins import on_ground, support_margin
+from drake_leg.kinematics.walking.power import gear_friction, motor_torque
 from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
 from drake_leg.simulation.run import Run
 
@@ -62,12 +63,12 @@ class WalkRecord:
     @cached_property
     def drive(self) -> Array:
         """Torque that the controllers ask of the motors, (rows, n, 3) [N*m]."""
-        return self._of_legs("joint torques")
+        return self._of_legs("joint torques") - gear_friction(self.config.servo, self.rates)
 
     @cached_property
     def torques(self) -> Array:
         """Torque of the motors at the joints, (rows, n, 3) [N*m]: less where they turn fast."""
-        return self.drive - self.config.servo.back_emf_damping * self.rates
+        return motor_torque(self.config.servo, self.drive, self.rates)
 
     @cached_property
     def power(self) -> Array:

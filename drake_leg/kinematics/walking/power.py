@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from drake_leg.arguments import require_kind
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, real_numbers
-from drake_leg.robot.servos import Servo
+from drake_leg.robot.servos import CREEP_DAMPING, Servo
 from drake_leg.units import require_positive
 
 
@@ -28,6 +28,16 @@ def motor_torque(servo: Servo, drive: ArrayLike, speed: ArrayLike) -> Array:
     require_kind("the servo", servo, Servo)
     torque, rate = _alike(drive, speed)
     return torque - servo.back_emf_damping * rate
+
+
+def gear_friction(servo: Servo, speed: ArrayLike) -> Array:
+    """Torque of the gears' dry friction on joints in a simulation, (...) [N*m].
+
+    A gear that sticks creeps as slowly as its load asks for.
+    """
+    require_kind("the servo", servo, Servo)
+    resisted = -CREEP_DAMPING * real_numbers("the speed", speed)
+    return np.clip(resisted, -servo.friction, servo.friction)
 
 
 def motor_current(servo: Servo, drive: ArrayLike, speed: ArrayLike) -> Array:
