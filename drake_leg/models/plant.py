@@ -18,17 +18,26 @@ from drake_leg.models.sdf import (
     thigh_leg_text,
     thigh_text,
 )
-from drake_leg.robot.hexapods import HEXAPODS
+from drake_leg.models.walker_sdf import body_text, leg_text
+from drake_leg.robot.hexapods import HEXABOT, PHANTOMX
 from drake_leg.robot.robot import Robot, Segment, require_robot
 from drake_leg.robot.robots import LEG_B, ROBOTS
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative
 
+# Walking robots by the names of their files: of the body, which includes the file of a leg.
+WALKERS = {"hexapod": HEXABOT, "phantomx": PHANTOMX}
+
 
 def generated_files() -> dict[str, str]:
     """Generate all files of the folder ``sdf``: file name to text."""
-    files = {f"{robot.name}.sdf": sdf_text(robot) for robot in (*ROBOTS, *HEXAPODS)}
+    files = {f"{robot.name}.sdf": sdf_text(robot) for robot in ROBOTS}
     thighs = {THIGH_FILE: thigh_text(), LEG_FILE: thigh_leg_text(LEG_B)}
-    return {"package.xml": package_text(), **files, **thighs}
+    walkers: dict[str, str] = {}
+    for name, robot in WALKERS.items():
+        leg_file = f"{name}_leg.sdf"
+        walkers[f"{name}.sdf"] = body_text(robot, leg_file=leg_file)
+        walkers[leg_file] = leg_text(robot)
+    return {"package.xml": package_text(), **files, **thighs, **walkers}
 
 
 def sdf_folder() -> Path:

@@ -47,7 +47,7 @@ def sdf_text(robot: Robot, *, origin: str = "drake_leg.robot.robots") -> str:
     """
     sdf = ET.Element("sdf", version="1.9")
     about = f"{robot.title} ({robot.source}). Generated from {origin}."
-    sdf.append(ET.Comment(_comment(about)))
+    sdf.append(ET.Comment(comment(about)))
     model = ET.SubElement(sdf, "model", name=robot.name)
     _add_base(model, robot)
     # Of every row, 0 being the base: the link that carries it, and the name of its frame.
@@ -59,12 +59,12 @@ def sdf_text(robot: Robot, *, origin: str = "drake_leg.robot.robots") -> str:
         if segment.link is None:
             _add_frame(model, frame_name(index), before, segment.row)
         else:
-            model.append(ET.Comment(_comment(f"Row {index}: {_row_text(segment.row)}")))
+            model.append(ET.Comment(comment(f"Row {index}: {_row_text(segment.row)}")))
             _add_link(model, segment.link, segment.row, before, index)
             _add_joint(model, segment, carrier)
         carriers.append(carrier if segment.link is None else segment.link.name)
         frames.append(frame_name(index) if segment.link is None else segment.link.name)
-    return _document(sdf)
+    return document(sdf)
 
 
 def package_text() -> str:
@@ -78,10 +78,11 @@ def package_text() -> str:
     ):
         ET.SubElement(package, tag).text = text
     ET.SubElement(package, "maintainer", email="drake-leg@example.org").text = "drake-leg"
-    return _document(package)
+    return document(package)
 
 
-def _document(root: ET.Element) -> str:
+def document(root: ET.Element) -> str:
+    """Write an XML document."""
     ET.indent(root)
     return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
@@ -108,12 +109,12 @@ def _row_text(row: Row) -> str:
     return f"sigma={sigma}, d={row.d:g} m, {angles}, theta={math.degrees(row.theta):g} deg{tree}"
 
 
-def _comment(text: str) -> str:
+def comment(text: str) -> str:
     """Text of an XML comment, in which two hyphens must not be adjacent."""
     return f" {re.sub('-(?=-)', '- ', text)} "
 
 
-def _set_pose(pose: ET.Element, row: Row) -> None:
+def set_pose(pose: ET.Element, row: Row) -> None:
     """Write the pose of a row's frame at joint position 0."""
     _set_transform(
         pose,
@@ -159,7 +160,7 @@ def _add_frame(model: ET.Element, name: str, parent: str, row: Row | None = None
     """Add a frame on a link or on another frame, at the place of a fixed row's frame."""
     frame = ET.SubElement(model, "frame", name=name, attached_to=parent)
     if row is not None:
-        _set_pose(ET.SubElement(frame, "pose"), row)
+        set_pose(ET.SubElement(frame, "pose"), row)
 
 
 def _add_place(model: ET.Element, link: str, place: str, position: Sequence[float]) -> None:
@@ -189,7 +190,7 @@ def _add_base(model: ET.Element, robot: Robot) -> None:
 
 def _add_link(model: ET.Element, link: Link, row: Row, before: str, index: int) -> None:
     element = ET.SubElement(model, "link", name=link.name)
-    _set_pose(ET.SubElement(element, "pose", relative_to=before), row)
+    set_pose(ET.SubElement(element, "pose", relative_to=before), row)
     _add_body(element, link)
     _add_frame(model, frame_name(index), link.name)
     for place, position in zip(PLACES, (CENTRED, link.centre_of_mass, link.end), strict=True):
@@ -338,7 +339,7 @@ def thigh_text() -> str:
     for frame in (cog, end, solid):
         placed = {"name": frame.element_id, "attached_to": frame.attached_to}
         ET.SubElement(model, "frame", placed).extend(frame.children)
-    return _document(sdf)
+    return document(sdf)
 
 
 def thigh_leg_text(robot: Robot) -> str:
@@ -364,18 +365,18 @@ def thigh_leg_text(robot: Robot) -> str:
     model = ET.SubElement(sdf, "model", name=LEG_FILE.removesuffix(".sdf"))
     settings = _settings(robot)
     own_places = {place_name(link, place) for link in settings for place in PLACES}
-    for element in _robot_model(robot):
+    for element in robot_model(robot):
         name = element.get("name", "")
         if element.tag == "link" and name in settings:
             model.append(_include(element, settings))
         elif name not in own_places:
             model.append(_connected(element, settings))
-    return _document(sdf)
+    return document(sdf)
 
 
 def _settings(robot: Robot) -> dict[str, tuple[_Setting, ...]]:
     """For every thigh of a robot: its inertial, its brick, its frames cog, end and solid."""
-    model = _robot_model(robot)
+    model = robot_model(robot)
     found = {}
     for index, segment in enumerate(robot.segments, start=1):
         if segment.row.joint != "fixed":
@@ -495,7 +496,8 @@ def _placed(
     return _pose(NOWHERE, relative_to=f"{carrier}::end")
 
 
-def _robot_model(robot: Robot) -> ET.Element:
+def robot_model(robot: Robot) -> ET.Element:
+    """Return the model in a robot's document."""
     return _child(ET.fromstring(sdf_text(robot)), "model")
 
 
