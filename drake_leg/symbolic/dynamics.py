@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from drake_leg.symbolic.loops import actuated_joints, motor_torques
+from drake_leg.symbolic.loops import actuated_joints, closure_of
 from drake_leg.symbolic.mechanism import ORIGIN, Mechanism, Motion
 from drake_leg.symbolic.programs import Output, Program
 from drake_leg.symbolic.table import LinkParameters, SymbolicTable
@@ -126,6 +126,12 @@ def newton_euler(frames: Mechanism, motion: Motion, *, exerted: bool = False) ->
     return Torques(joints=sp.Matrix(len(joints), 1, joints), base=sp.Matrix(len(base), 1, base))
 
 
+def rotor_torques(frames: Mechanism, qddot: Sequence[sp.Expr]) -> sp.Matrix:
+    """Torques that accelerate the rotors: ``IA qddot``."""
+    links = [frames.table.links[number - 1] for number in frames.table.moving]
+    return sp.Matrix([link.IA * rate for link, rate in zip(links, qddot, strict=True)])
+
+
 def drive_torques(frames: Mechanism) -> sp.Matrix:
     """Torques of the rotors' inertia and of friction: ``IA qddot + FV qdot + FS sign(qdot)``."""
     found = []
@@ -159,20 +165,31 @@ def inverse_dynamics(table: SymbolicTable) -> Program:
     return frames.program("inverse_dynamics", "inverse dynamic model", outputs)
 
 
-def _motors(frames: Mechanism, torques: sp.Matrix) -> Output:
+def _motors(frames: Mechanism, torques: sp.Matrix, name: str = "motor") -> Output:
     """What the motors of a robot with closed loops supply, where its loops are closed."""
-    value = frames.steps.matrix("motor", motor_torques(frames, torques))
+    closure = closure_of(frames)
+    value = frames.steps.matrix(name, torques if closure is None else closure.motors(torques))
+    meaning = f"torques of the actuated joints, {_motor_numbers(frames)} [N*m or N]"
+    return Output(name=name, value=value, meaning=meaning)
+
+
+def _motor_numbers(frames: Mechanism) -> str:
     numbers = ", ".join(map(str, actuated_joints(frames.table)))
-    meaning = f"torques of the actuated joints, {numbers}, where the loops are closed [N*m or N]"
-    return Output(name="motor", value=value, meaning=meaning)
+    return f"{numbers}, where the loops are closed"
 
 
 def coriolis(table: SymbolicTable) -> Program:
     """Joint torques of the velocities alone: ``C(q, qdot) qdot``."""
     frames = Mechanism(table, "q", "qdot", "w0")
     w0 = frames.base_motion[0] if table.floating else ORIGIN
-    torques = newton_euler(frames, frames.motion(frames.qdot, frames.still, w0=w0))
+    still = frames.motion(frames.qdot, frames.still, w0=w0)
+    torques = newton_euler(frames, still)
     outputs = _torque_outputs(frames, torques, "C", "joint torques [N*m or N]")
+    closure = closure_of(frames)
+    if closure is not None:
+        following = frames.motion(frames.qdot, closure.bias(still), w0=w0)
+        closed = newton_euler(frames, following).joints + rotor_torques(frames, following.qddot)
+        outputs.append(_motors(frames, closed, "C_motor"))
     title = "Coriolis and centrifugal torques"
     return frames.program("coriolis", title, outputs)
 
@@ -183,4 +200,6 @@ def gravity(table: SymbolicTable) -> Program:
     motion = frames.motion(frames.still, frames.still, vd0=-frames.gravity)
     torques = newton_euler(frames, motion)
     outputs = _torque_outputs(frames, torques, "Q", "joint torques [N*m or N]")
+    if closure_of(frames) is not None:
+        outputs.append(_motors(frames, outputs[0].value, "Q_motor"))
     return frames.program("gravity", "gravity torques", outputs)

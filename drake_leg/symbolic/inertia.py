@@ -14,6 +14,7 @@ from drake_leg.symbolic.dynamics import (
     drive_torques,
     newton_euler,
 )
+from drake_leg.symbolic.loops import Closure, closure_of
 from drake_leg.symbolic.mechanism import ORIGIN, Mechanism, Turn
 from drake_leg.symbolic.programs import Output, Program, Steps
 from drake_leg.symbolic.table import INERTIAL, LinkParameters, SymbolicTable
@@ -158,12 +159,12 @@ def _spatial(body: LinkParameters) -> sp.Matrix:
     return sp.Matrix([[body.inertia, S], [-S, body.M * sp.eye(3)]])
 
 
-def _symmetric_result(frames: Mechanism, A: sp.Matrix) -> sp.Matrix:
+def _symmetric_result(frames: Mechanism, A: sp.Matrix, name: str = "A") -> sp.Matrix:
     """Name the entries on and above the diagonal; those below are the same."""
 
     def entry(i: int, j: int) -> sp.Expr:
         value = A[i, j]
-        return frames.steps.result(f"A{i + 1}_{j + 1}", value) if value.free_symbols else value
+        return frames.steps.result(f"{name}{i + 1}_{j + 1}", value) if value.free_symbols else value
 
     above = {(i, j): entry(i, j) for i in range(A.rows) for j in range(i, A.cols)}
     return sp.Matrix(A.rows, A.cols, lambda i, j: above[min(i, j), max(i, j)])
@@ -173,8 +174,31 @@ def inertia(table: SymbolicTable) -> Program:
     """Inertia matrix ``A(q)``; a floating base's six rows come first, the angular ones first."""
     frames = Mechanism(table, "q")
     value = _symmetric_result(frames, inertia_matrix(frames))
-    output = Output(name="A", value=value, meaning="inertia matrix, rotors' inertias included")
-    return frames.program("inertia", "inertia matrix", [output])
+    meaning = "inertia matrix, rotors' inertias included"
+    outputs = [Output(name="A", value=value, meaning=meaning)]
+    closure = closure_of(frames)
+    if closure is not None:
+        closed = _symmetric_result(frames, _projected(frames, closure, value), "A_motor")
+        meaning = "inertia matrix of the actuated joints, where the loops are closed"
+        outputs.append(Output(name="A_motor", value=closed, meaning=meaning))
+    return frames.program("inertia", "inertia matrix", outputs)
+
+
+def _projection(frames: Mechanism, closure: Closure) -> sp.Matrix:
+    """Rates of the base and of all joints per rate of the base and of the actuated joints."""
+    base = sp.eye(BASE_ROWS) if frames.table.floating else sp.zeros(0)
+    return sp.diag(base, closure.W())
+
+
+def _projected(frames: Mechanism, closure: Closure, A: sp.Matrix) -> sp.Matrix:
+    """``W' A W``, of the actuated joints."""
+    name = frames.steps.again
+    W = _projection(frames, closure)
+    half = (A * W).applyfunc(name)
+    upper = {
+        (i, j): name((W[:, i].T * half[:, j])[0]) for i in range(W.cols) for j in range(i, W.cols)
+    }
+    return sp.Matrix(W.cols, W.cols, lambda i, j: upper[min(i, j), max(i, j)])
 
 
 # --- direct dynamics -------------------------------------------------------------------------
@@ -184,26 +208,39 @@ def direct_dynamics(table: SymbolicTable) -> Program:
     """Joint accelerations from torques: ``A qddot = tau - H``, by ``A = L' D L`` without fill-in.
 
     The factors of a tree's matrix have its zeros: Featherstone, chapter 6. Of a floating base, the
-    accelerations of its frame are found too.
+    accelerations of its frame are found too. Of closed loops, ``W' A W qddot_a = W' (tau - H)``,
+    where H has the accelerations b of the passive joints, and ``qddot = W qddot_a + b``.
     """
     frames = Mechanism(table, "q", "qdot", "tau", "w0", "g0")
     w0 = frames.base_motion[0] if table.floating else ORIGIN
-    motion = frames.motion(frames.qdot, frames.still, w0=w0, vd0=-frames.gravity)
+    closure = closure_of(frames)
+    follow = frames.still
+    if closure is not None:
+        follow = closure.bias(frames.motion(frames.qdot, frames.still, w0=w0))
+    motion = frames.motion(frames.qdot, follow, w0=w0, vd0=-frames.gravity)
     bias = newton_euler(frames, motion, exerted=True)
-    friction = drive_torques(frames).subs(dict.fromkeys(frames.qddot, 0))
+    friction = drive_torques(frames).subs(dict(zip(frames.qddot, follow, strict=True)))
     torques = sp.Matrix(frames.torques) - bias.joints - friction
     rest = sp.Matrix([*(-bias.base), *torques])
     A = inertia_matrix(frames)
-    _require_inertia(table, A)
-    x = _solution(A, rest, frames.steps)
     first = BASE_ROWS if table.floating else 0
+    if closure is None:
+        _require_inertia(table, A)
+        x = _solution(A, rest, frames.steps)
+    else:
+        W = _projection(frames, closure)
+        A = A.applyfunc(frames.steps.again)
+        rest = (W.T * rest.applyfunc(frames.steps.again)).applyfunc(frames.steps.again)
+        found = _solution(_projected(frames, closure, A), rest, frames.steps)
+        x = list(W * sp.Matrix(found) + sp.Matrix([0] * first + list(follow)))
     joints = frames.steps.matrix("qddot", sp.Matrix(x[first:]))
     outputs = [Output(name="qddot", value=joints, meaning="joint accelerations [rad/s^2 or m/s^2]")]
     if table.floating:
         value = frames.steps.matrix("base", sp.Matrix(x[:first]))
         meaning = "acceleration of the base, angular and of its origin, in frame 0"
         outputs.append(Output(name="base", value=value, meaning=meaning))
-    return frames.program("direct_dynamics", "direct dynamic model", outputs)
+    closed = closure is not None
+    return frames.program("direct_dynamics", "direct dynamic model", outputs, closed=closed)
 
 
 def _require_inertia(table: SymbolicTable, A: sp.Matrix) -> None:

@@ -1,4 +1,4 @@
-"""Torques of the motors of a robot with closed loops, from those of its cut tree."""
+"""How the joints of a robot with closed loops follow its actuated ones, from the cut tree."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.symbolic.geometry import SPATIAL, Poses, jacobian_entries, written_out
-from drake_leg.symbolic.mechanism import Mechanism
+from drake_leg.symbolic.mechanism import ORIGIN, Mechanism, Motion
 from drake_leg.symbolic.programs import Steps
 from drake_leg.symbolic.table import SymbolicTable
 
@@ -17,56 +17,130 @@ W_Z, V_Z = 2, 5  # rows of a Jacobian that a revolute cut leaves free, and a pri
 INDEPENDENT = 1e-6
 
 
-def motor_torques(frames: Mechanism, torques: sp.Matrix) -> sp.Matrix:
-    """Derive what actuated joints supply where the others supply nothing, (actuated, 1).
+class Closure:
+    """How the passive joints of a robot with closed loops follow the actuated ones.
 
-    ``D_a qdot_a + D_p qdot_p = 0`` keeps the loops closed. By virtual power the motors supply
-    ``tau_a - D_a' f`` with ``D_p' f = tau_p``: that is ``tau_a + W' tau_p``, with the Jacobian
-    ``W`` of the passive joints by the actuated ones.
+    The two frames of every cut part at ``D qdot``, which is 0 where the loops are closed, and so is
+    its rate. There ``qdot = W qdot_a`` and ``qddot = W qddot_a + b``.
 
     Raises
     ------
     InvalidValueError
         If the loops do not determine the passive joints.
     """
+
+    def __init__(self, frames: Mechanism) -> None:
+        table = frames.table
+        self._frames = frames
+        actuated = [table.rows[number - 1].actuated for number in table.moving]
+        self.passive = [k for k, has_motor in enumerate(actuated) if not has_motor]
+        self.active = [k for k, has_motor in enumerate(actuated) if has_motor]
+        self._cuts = [_Cut(frames, cut, end) for cut, end in table.loops]
+        D = sp.Matrix.vstack(sp.zeros(0, len(actuated)), *(cut.parting for cut in self._cuts))
+        self._rows = _independent_rows(frames, D, self.passive)
+        if len(self._rows) < len(self.passive):
+            raise InvalidValueError(
+                f"{table.name} has {len(self.passive)} joints that are not actuated, and its loops "
+                f"determine {len(self._rows)} of them",
+                advice="make as many joints actuated as the robot has degrees of freedom",
+            )
+        self._D_a, self._D_p = (D.extract(self._rows, of) for of in (self.active, self.passive))
+
+    def motors(self, torques: sp.Matrix) -> sp.Matrix:
+        """What actuated joints supply where the others supply nothing, (actuated, 1): W' tau.
+
+        By virtual power it is ``tau_a - D_a' f`` with ``D_p' f = tau_p``.
+        """
+        forces = _solution(self._D_p.T, [torques[k] for k in self.passive], self._frames.steps)
+        return sp.Matrix(torques.extract(self.active, [0]) - self._D_a.T * sp.Matrix(forces))
+
+    def W(self) -> sp.Matrix:
+        """Rates of all joints per rate of the actuated ones, (joints, actuated)."""
+        W = sp.zeros(len(self.active) + len(self.passive), len(self.active))
+        for column, joint in enumerate(self.active):
+            W[joint, column] = 1
+            rates = _solution(self._D_p, list(-self._D_a[:, column]), self._frames.steps)
+            for passive, rate in zip(self.passive, rates, strict=True):
+                W[passive, column] = rate
+        return W
+
+    def bias(self, motion: Motion) -> list[sp.Expr]:
+        """Accelerations of all joints where the actuated ones have none: b.
+
+        ``motion`` is that without accelerations of joints.
+        """
+        drift = sp.Matrix.vstack(*(cut.drift(motion) for cut in self._cuts))
+        right = [-drift[row] for row in self._rows]
+        b = [sp.Integer(0)] * (len(self.active) + len(self.passive))
+        for joint, rate in zip(
+            self.passive, _solution(self._D_p, right, self._frames.steps), strict=True
+        ):
+            b[joint] = rate
+        return b
+
+
+def closure_of(frames: Mechanism) -> Closure | None:
+    """Return how joints follow others; None where none does.
+
+    Where all joints are actuated, they may move as in the tree: no force passes through the cut.
+    """
     table = frames.table
-    if all(table.rows[number - 1].actuated for number in table.moving):
-        return torques  # as in the tree: then no force passes through the cut
-    passive = [k for k, n in enumerate(table.moving) if not table.rows[n - 1].actuated]
-    active = [k for k in range(len(table.moving)) if k not in passive]
-    if not passive:
-        return torques
-    D = _closure(frames)
-    rows = _independent_rows(frames, D, passive)
-    if len(rows) < len(passive):
-        raise InvalidValueError(
-            f"{table.name} has {len(passive)} joints that are not actuated, and its loops "
-            f"determine {len(rows)} of them",
-            advice="make as many joints actuated as the robot has degrees of freedom",
-        )
-    forces = _solution(D.extract(rows, passive).T, [torques[k] for k in passive], frames.steps)
-    D_a = D.extract(rows, active)
-    return sp.Matrix(torques.extract(active, [0]) - D_a.T * sp.Matrix(forces))
+    if not table.loops or all(table.rows[number - 1].actuated for number in table.moving):
+        return None
+    return Closure(frames)
 
 
-def _closure(frames: Mechanism) -> sp.Matrix:
-    """Velocity at which the two frames of every cut part, along the first, per joint."""
-    table, found = frames.table, []
-    for cut, end in table.loops:
-        poses = Poses(frames, cut)
+class _Cut:
+    """The two frames of a cut: how fast they part, along the first, and how that changes."""
+
+    def __init__(self, frames: Mechanism, cut: int, end: int) -> None:
+        table = frames.table
+        self._frames, self._cut, self._end = frames, cut, end
+        self._poses = Poses(frames, cut)
+        first = jacobian_entries(frames, cut, cut, self._poses)
+        second = jacobian_entries(frames, end, cut, self._poses)
+        self._slides = cut in table.sliding_cuts
+        self._arm = ORIGIN  # from the second frame to the first
+        if self._slides:
+            self._arm = -self._poses.p[end]
+            for k in range(second.cols):
+                second[3:, k] += second[:3, k].cross(self._arm)
+        apart = (first - second)[:, -len(table.moving) :]  # a floating base moves both alike
         sides = set(table.path(cut)) ^ set(table.path(end))
-        apart = jacobian_entries(frames, cut, cut, poses) - jacobian_entries(
-            frames, end, cut, poses
-        )
-        apart = apart[:, -len(table.moving) :]  # a floating base moves both alike
-        common = [k for k, number in enumerate(table.moving) if number not in sides]
-        for k in common:  # so does a joint before both
-            apart[:, k] = sp.zeros(SPATIAL, 1)
-        free = V_Z if cut in table.sliding_cuts else W_Z
-        if table.rows[cut - 1].joint == "fixed":  # the cut joint is not among the others
-            apart.row_del(free)
-        found.append(apart.applyfunc(frames.steps.again))
-    return sp.Matrix.vstack(sp.zeros(0, len(table.moving)), *found)
+        for k, number in enumerate(table.moving):
+            if number not in sides:  # so does a joint before both
+                apart[:, k] = sp.zeros(SPATIAL, 1)
+        apart = apart.applyfunc(frames.steps.again)
+        # The cut joint moves one row, unless it is among the others.
+        self._free = None
+        if table.rows[cut - 1].joint == "fixed":
+            self._free = V_Z if self._slides else W_Z
+        self._along = ORIGIN
+        if self._free is not None:
+            speed = (apart[self._free, :] * sp.Matrix(frames.qdot))[0]
+            self._along = sp.Matrix([0, 0, speed])
+        self.parting = self._constrained(apart)
+
+    def _constrained(self, matrix: sp.Matrix) -> sp.Matrix:
+        if self._free is None:
+            return matrix
+        kept = [row for row in range(SPATIAL) if row != self._free]
+        return matrix.extract(kept, list(range(matrix.cols)))
+
+    def drift(self, motion: Motion) -> sp.Matrix:
+        """``dD/dt qdot`` where the loop is closed and the joints keep their speed."""
+        name = self._frames.steps.again
+        R = self._poses.R[self._end]
+        w = motion.w[self._cut]
+        turning = (R * motion.wd[self._end]).applyfunc(name)
+        angular = motion.wd[self._cut] - turning
+        linear = motion.vd[self._cut] - (R * motion.vd[self._end]).applyfunc(name)
+        along = self._along.applyfunc(name)
+        if self._slides:
+            linear = linear - turning.cross(self._arm) - w.cross(w.cross(self._arm) + 2 * along)
+        else:
+            angular = angular - w.cross(along)
+        return self._constrained(sp.Matrix.vstack(angular, linear)).applyfunc(name)
 
 
 def _independent_rows(frames: Mechanism, D: sp.Matrix, passive: Sequence[int]) -> list[int]:

@@ -20,6 +20,7 @@ from drake_leg.symbolic.table import SymbolicRow, SymbolicTable
 Axis = Literal["x", "z"]
 ORIGIN = sp.zeros(3, 1)
 CUT = "the loops are cut: the model is that of the tree that is left"
+CLOSED = "the loops are closed: positions and velocities must be those of closed loops"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,8 +142,10 @@ class Mechanism:
         """Velocities or accelerations of joints that do not move: zeros."""
         return [sp.Integer(0)] * len(self.numbers)
 
-    def program(self, name: str, title: str, outputs: Sequence[Output]) -> Program:
-        """Make a program of what was derived."""
+    def program(
+        self, name: str, title: str, outputs: Sequence[Output], *, closed: bool = False
+    ) -> Program:
+        """Make a program of what was derived, of the tree or with its loops ``closed``."""
         return Program(
             name=name,
             title=title,
@@ -150,7 +153,7 @@ class Mechanism:
             assignments=self.steps.needed(outputs),
             outputs=tuple(outputs),
             values=self.table.values,
-            notes=(CUT,) if self.table.loops else (),
+            notes=(CLOSED if closed else CUT,) if self.table.loops else (),
         )
 
     # --- frames ------------------------------------------------------------------------------
@@ -249,6 +252,7 @@ class Motion:
         base: tuple[sp.Matrix, sp.Matrix, sp.Matrix],
     ) -> None:
         self._steps = frames.steps
+        self.qddot = tuple(qddot)
         joints = {
             number: (speed, rate)
             for number, speed, rate in zip(frames.table.moving, qdot, qddot, strict=True)

@@ -58,7 +58,7 @@ def derive_model(
     ----------
     robot : Robot
         A tree of links, whose base may float. Closed loops are cut: the models are those of the
-        tree.
+        tree, and, of torques and inertia, of the actuated joints; "direct" keeps loops closed.
     model : str
         "geometry", "jacobian", "determinant", "velocity", "acceleration", "bias-acceleration",
         "dynamics", "inertia", "coriolis", "gravity", "direct" or "identification".

@@ -5,19 +5,54 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy as sp
 from trees import parallelogram
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.closed_loops import ClosedLoops
+from drake_leg.models.plant import build_plant
+from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
 from drake_leg.robot.linkages import FOUR_BAR, LINKAGES
+from drake_leg.robot.robot import Link, Robot, Row, Segment
+from drake_leg.robot.solids import Inertial
 from drake_leg.robot.symoro.reader import load_par
+from drake_leg.robot.tree import Loop
 from drake_leg.symbolic.dynamics import inverse_dynamics
-from drake_leg.symbolic.inertia import inertia
+from drake_leg.symbolic.inertia import direct_dynamics, inertia
 from drake_leg.symbolic.models import derive_model
 from drake_leg.symbolic.par_table import table_of_par
-from drake_leg.symbolic.table import table_of_robot
+from drake_leg.symbolic.table import LinkParameters, table_of_robot
+from drake_leg.systems.closed_loop import TreeDynamics
+from drake_leg.units import STANDARD_GRAVITY
 
 ARM = Path(__file__).parents[2] / "examples" / "symoro" / "parallelogram-arm.par"
+
+
+def swinging_rail():
+    """A crank whose block slides along a rail that swings, cut at the slide."""
+    bar = {"moments": (1e-4, 2e-3, 2e-3), "centre": (0.1, 0.02, 0.0)}
+    masses = [Inertial(mass=0.3 + 0.1 * k, **bar) for k in range(3)]
+    block = JointMechanics(actuated=False, position_target=StateTarget(value=0.4, priority="low"))
+    rail = JointMechanics(actuated=False, position_target=StateTarget(value=2.9, priority="low"))
+    start = JointMechanics(position_target=StateTarget(value=1.0))
+    quarter = np.pi / 2
+    rows = [
+        (Row(joint="revolute", alpha=quarter), "crank", start),
+        (Row(joint="revolute", d=0.1), "block", block),
+        (Row(joint="revolute", alpha=quarter, d=0.25, antecedent=0), "rail", rail),
+    ]
+    moving = [
+        Segment(row=row, joint=name, link=Link(name=f"{name}_bar", inertial=mass), mechanics=how)
+        for (row, name, how), mass in zip(rows, masses, strict=True)
+    ]
+    slide = Row(joint="prismatic", gamma=quarter, alpha=quarter, antecedent=3)
+    end = Row(joint="fixed", gamma=quarter, alpha=quarter, antecedent=2)
+    cut = [Segment(row=slide, mechanics=JointMechanics(actuated=False)), Segment(row=end)]
+    loops = (Loop(joint="slide", cut=4, end=5),)
+    return Robot(name="rail", title="Rail", source="", segments=(*moving, *cut), loops=loops)
+
+
+CLOSED = (*LINKAGES, swinging_rail())
 
 
 def closed_motion(loops, t=0.0):
@@ -33,7 +68,7 @@ def closed_motion(loops, t=0.0):
     return q, qdot, qddot
 
 
-@pytest.mark.parametrize("robot", LINKAGES, ids=lambda robot: robot.name)
+@pytest.mark.parametrize("robot", CLOSED, ids=lambda robot: robot.name)
 def test_the_motors_supply_the_trees_torques_through_the_loops(robot):
     loops = ClosedLoops(robot)
     model = derive_model(robot, "dynamics")
@@ -43,6 +78,51 @@ def test_the_motors_supply_the_trees_torques_through_the_loops(robot):
         expected = loops.W(q).T @ found["tau"]
         scale = np.abs(found["tau"]).max()
         assert np.abs(found["motor"] - expected).max() < 1e-9 * scale
+
+
+def near(found, expected):
+    scale = max(np.abs(expected).max(), 1e-12)
+    assert np.abs(found - expected).max() < 1e-10 * scale
+
+
+@pytest.mark.parametrize("robot", CLOSED, ids=lambda robot: robot.name)
+def test_models_of_closed_loops_are_those_of_drakes_cut_tree_through_w(robot, rng):
+    """``W' M W`` and so on, with W and b by kinematics in numbers, and M by Drake."""
+    loops = ClosedLoops(robot)
+    q, qdot, _ = closed_motion(loops)
+    W, b, zero = loops.W(q), loops.bias(q, qdot), np.zeros(len(q))
+    damping = np.array([segment.mechanics.damping for segment in robot.moving])
+    heavy, light = (
+        TreeDynamics(build_plant(robot, gravity=g), loops.joints) for g in (STANDARD_GRAVITY, 0.0)
+    )
+    heavy.set(q, qdot)
+    M, tau = heavy.mass_matrix(), rng.normal(size=len(q))
+    qddot = W @ np.linalg.solve(W.T @ M @ W, W.T @ (tau - heavy.forces(b))) + b
+    near(derive_model(robot, "inertia")(q)["A_motor"], W.T @ M @ W)
+    near(derive_model(robot, "direct")(q, qdot, tau)["qddot"], qddot)
+    light.set(q, qdot)
+    fast = light.forces(b) - damping * qdot
+    near(derive_model(robot, "coriolis")(q, qdot)["C_motor"], W.T @ fast)
+    heavy.set(q, zero)
+    light.set(q, zero)
+    weight = heavy.forces(zero) - light.forces(zero)
+    near(derive_model(robot, "gravity")(q)["Q_motor"], W.T @ weight)
+
+
+def test_the_direct_model_inverts_the_inverse_one_where_a_floating_base_has_loops(rng):
+    base = LinkParameters(M=sp.Integer(2), XX=sp.Integer(1), YY=sp.Integer(1), ZZ=sp.Integer(1))
+    table = replace(table_of_robot(FOUR_BAR), floating=True, base=base)
+    loops = ClosedLoops(FOUR_BAR)
+    q, qdot, qddot = closed_motion(loops)
+    w, wd, vd, g = rng.normal(size=(4, 3))
+    found = inverse_dynamics(table)(q, qdot, qddot, w, wd, vd, g)
+    motors = np.zeros(len(q))
+    motors[loops.active_columns] = found["motor"]
+    back = direct_dynamics(table)(q, qdot, motors, w, g)
+    again = inverse_dynamics(table)(q, qdot, back["qddot"], w, *np.split(back["base"], 2), g)
+    near(again["motor"], found["motor"])
+    assert np.abs(again["base"]).max() < 1e-10
+    near(loops.jacobian(q) @ back["qddot"], -loops.drift(q, qdot))
 
 
 def test_the_motors_power_is_the_energys_rate():
