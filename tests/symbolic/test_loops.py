@@ -12,7 +12,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.closed_loops import ClosedLoops
 from drake_leg.models.plant import build_plant
 from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget
-from drake_leg.robot.linkages import FOUR_BAR, LINKAGES
+from drake_leg.robot.linkages import FOUR_BAR, LINKAGES, SLIDER_CRANK_CUT_AT_SLIDE
 from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.solids import Inertial
 from drake_leg.robot.symoro.reader import load_par
@@ -53,6 +53,8 @@ def swinging_rail():
 
 
 CLOSED = (*LINKAGES, swinging_rail())
+FEW = (FOUR_BAR, SLIDER_CRANK_CUT_AT_SLIDE, swinging_rail())
+OTHERS = [pytest.param(r, marks=pytest.mark.slow) for r in LINKAGES if r not in FEW]
 
 
 def closed_motion(loops, t=0.0):
@@ -85,7 +87,7 @@ def near(found, expected):
     assert np.abs(found - expected).max() < 1e-10 * scale
 
 
-@pytest.mark.parametrize("robot", CLOSED, ids=lambda robot: robot.name)
+@pytest.mark.parametrize("robot", [*FEW, *OTHERS], ids=lambda robot: robot.name)
 def test_models_of_closed_loops_are_those_of_drakes_cut_tree_through_w(robot, rng):
     """``W' M W`` and so on, with W and b by kinematics in numbers, and M by Drake."""
     loops = ClosedLoops(robot)
