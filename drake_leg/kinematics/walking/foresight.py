@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -13,22 +13,27 @@ import numpy as np
 from drake_leg.arguments import require_kind
 from drake_leg.errors import ImpossibleWalkError, InvalidValueError
 from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.walking.cycle_times import attitudes_end, times_of, times_within
 from drake_leg.kinematics.walking.demands import Abilities, Demand
 from drake_leg.kinematics.walking.gaits import Attitude, Command, Gait, Walk
+from drake_leg.kinematics.walking.searches import (
+    DOUBLINGS,
+    bisected,
+    greatest,
+    rounded_down,
+    rounded_up,
+)
 from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import Servo
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative
 
 FEWEST_DOWN = 3  # feet that support a body at rest
-PER_SWING = 40  # times at which a swing is looked at
-JUST = 1e-9  # of a period: how near to a touch-down or a lift-off it is looked at
-HALVINGS, FINER, DOUBLINGS = 8, 11, 10  # of the interval in which a greatest value lies
+FINER = 11  # halvings of the interval in which a least or greatest height lies
 HEIGHTS = 40  # that are tried where the given one does not work
-DIGITS = 3  # of a greatest value
 STEADY = 1.5  # periods at full speed, in which every leg swings from start to end
 OFF_GROUND = 1e-3  # [m], how far a foot may be from the ground at the start
-_LEAST_SHARE = 2.0**-DOUBLINGS  # of a speed or a change of attitude that counts as none
+LEAST_SHARE = 2.0**-DOUBLINGS  # of a speed or a change of attitude that counts as none
 _FORWARD = Command(forward=1.0)
 
 
@@ -117,7 +122,7 @@ class WalkForesight:
                 for walk, times in walks
             )
 
-        return _greatest(works)
+        return greatest(works)
 
     @property
     def greatest_speed(self) -> float:
@@ -157,8 +162,8 @@ class WalkForesight:
         inside = next(filter(works, (0.0, *tried)), None)
         if inside is None:
             return None
-        least, most = (_bisected(works, inside, end, FINER) for end in (lowest, highest))
-        return _rounded_up(self.height + least), _rounded_down(self.height + most)
+        least, most = (bisected(works, inside, end, FINER) for end in (lowest, highest))
+        return rounded_up(self.height + least), rounded_down(self.height + most)
 
     @cached_property
     def greatest_lift(self) -> float:
@@ -169,7 +174,7 @@ class WalkForesight:
             lifted = replace(walk, lift=share * self._length)
             return self.abilities.first_unmet(lifted, times, geometry=True) is None
 
-        return _greatest(works, start=0.25) * self._length
+        return greatest(works, start=0.25) * self._length
 
     # --- what a walk that fails can do instead ---
 
@@ -193,11 +198,11 @@ class WalkForesight:
             return None
         fastest, parts = self._fastest, []
         if _speed(fastest):
-            value = _rounded_down(share * _speed(fastest))
+            value = rounded_down(share * _speed(fastest))
             share = min(share, value / _speed(fastest))
             parts.append(f"a speed of {value:.3g} m/s (a stride of {value * period:.3g} m)")
         if fastest.turning:
-            rate = _rounded_down(math.degrees(share * abs(fastest.turning)))
+            rate = rounded_down(math.degrees(share * abs(fastest.turning)))
             share = min(share, math.radians(rate) / abs(fastest.turning))
             parts.append(f"a turn rate of {rate:.3g} deg/s")
         return Remedy(
@@ -208,7 +213,7 @@ class WalkForesight:
         share = self._greatest_share(lambda share: replace(self.walk, lift=share * self.walk.lift))
         if share == 0.0:
             return None
-        lift = _rounded_down(share * self.walk.lift)
+        lift = rounded_down(share * self.walk.lift)
         return Remedy(
             what="lift",
             share=lift / self.walk.lift,
@@ -216,7 +221,7 @@ class WalkForesight:
         )
 
     def _smaller_attitude(self) -> Remedy | None:
-        share = _rounded_down(self._greatest_share(lambda share: _leaning(self.walk, share)))
+        share = rounded_down(self._greatest_share(lambda share: _leaning(self.walk, share)))
         if share == 0.0:
             return None
         return Remedy(
@@ -239,8 +244,8 @@ class WalkForesight:
             return None
         edge = min(max(height, least), most)
         if not works(edge):
-            edge = _bisected(works, middle, edge)
-        edge = _rounded_up(edge) if height < middle else _rounded_down(edge)
+            edge = bisected(works, middle, edge)
+        edge = rounded_up(edge) if height < middle else rounded_down(edge)
         word = "least" if height < middle else "greatest"
         return Remedy(
             what="height",
@@ -258,8 +263,8 @@ class WalkForesight:
         def works(share: float) -> bool:
             return self.abilities.first_unmet(changed(share), seen) is None
 
-        while works(_LEAST_SHARE):
-            share = _greatest(works, most=1.0)
+        while works(LEAST_SHARE):
+            share = greatest(works, most=1.0)
             failed = self.abilities.first_unmet(changed(share), self._times)
             if failed is None:
                 return share
@@ -290,7 +295,7 @@ class WalkForesight:
     @cached_property
     def _steady_walk(self) -> tuple[Walk, Array]:
         if not any(one.twist.any() for one in self.walk.commands):
-            return replace(self.walk, commands=()), np.array([_attitudes_end(self.walk)])
+            return replace(self.walk, commands=()), np.array([attitudes_end(self.walk)])
         return self._steady(self._fastest)
 
     def _steady(self, command: Command) -> tuple[Walk, Array]:
@@ -298,8 +303,8 @@ class WalkForesight:
         walk, period = self.walk, self.walk.period
         start = walk.earliest_start
         alone = replace(command, start=start, end=math.inf, ramp=period)
-        begin = max(start + 3.0 * period, _attitudes_end(walk))
-        times = _times_within([(begin, begin + STEADY * period)], walk)
+        begin = max(start + 3.0 * period, attitudes_end(walk))
+        times = times_within([(begin, begin + STEADY * period)], walk)
         return replace(walk, commands=(alone,)), times
 
     def as_json(self) -> dict[str, Any]:
@@ -389,7 +394,7 @@ def foresee_walk(
     abilities = Abilities(robot=robot, servo=servo, ground=ground, gravity=gravity, dynamic=dynamic)
     require_gait(robot, walk.gait, abilities.legs.count, dynamic=dynamic)
     _require_ground(abilities, walk, foot_height)
-    times = _times_of(walk, duration)
+    times = times_of(walk, duration)
     plan = abilities.plan(walk, times)
     demands = [*abilities.demands(plan)]
     if np.isfinite(plan.angles).all():
@@ -430,48 +435,7 @@ def _require_ground(abilities: Abilities, walk: Walk, foot_height: float) -> Non
         )
 
 
-# --- times, and searches -------------------------------------------------------------------------
-
-
-def _times_of(walk: Walk, duration: float) -> Array:
-    """Times at which a walk is looked at: all of its changes, and steady cycles between them."""
-    period = walk.period
-    windows = [(0.0, period)]
-    for command in walk.commands:
-        windows.append((command.start - period, command.start + command.ramp + 3.0 * period))
-        if math.isfinite(command.end):
-            windows.append((command.end - 2.0 * period, command.end + command.ramp + 2.0 * period))
-    windows += [
-        (one.start, one.start + one.lasting + period)
-        for one in walk.attitudes
-        if one.start + one.lasting > 0.0
-    ]
-    inside = [(max(begin, 0.0), min(end, duration)) for begin, end in windows]
-    return _times_within([(begin, end) for begin, end in inside if begin < end], walk)
-
-
-def _times_within(windows: Iterable[tuple[float, float]], walk: Walk) -> Array:
-    """Times within windows, close in every swing, and at both sides of touch-downs and lift-offs.
-
-    Cycles have the same times, so that overlapping windows add none twice.
-    """
-    gait, period = walk.gait, walk.period
-    count = math.ceil(PER_SWING / (1.0 - gait.duty))
-    events = [(phase + part) % 1.0 for phase in gait.phases for part in (0.0, gait.duty)]
-    beside = [event + side * JUST for event in events for side in (-1.0, 1.0)]
-    even = np.arange(count) / count
-    apart = np.abs((even[:, np.newaxis] - events + 0.5) % 1.0 - 0.5).min(axis=1)
-    cycle = np.unique([*even[apart > JUST], *beside])
-    found = []
-    for begin, end in windows:
-        numbers = np.arange(math.floor(begin / period) - 1, math.ceil(end / period) + 1)
-        times = period * (numbers[:, np.newaxis] + cycle).ravel()
-        found.append(times[(times >= begin) & (times <= end)])
-    return np.unique(np.concatenate(found))
-
-
-def _attitudes_end(walk: Walk) -> float:
-    return max((one.start + one.lasting for one in walk.attitudes), default=0.0)
+# --- changes of a walk ---
 
 
 def _scaled(walk: Walk, scale: float) -> Walk:
@@ -512,42 +476,3 @@ def _raised(walk: Walk, change: float) -> Walk:
 
 def _speed(command: Command) -> float:
     return math.hypot(command.forward, command.sideways)
-
-
-def _greatest(works: Callable[[float], bool], start: float = 1.0, most: float = math.inf) -> float:
-    """Greatest value that works, near to a start, all smaller ones doing so; 0 if none does."""
-    value, tried = start, 0
-    if works(value):
-        while value < most and tried < DOUBLINGS and works(2.0 * value):
-            value, tried = 2.0 * value, tried + 1
-        return value if value >= most else _rounded_down(_bisected(works, value, 2.0 * value))
-    for _ in range(DOUBLINGS):
-        value /= 2.0
-        if works(value):
-            return _rounded_down(_bisected(works, value, 2.0 * value))
-    return 0.0
-
-
-def _bisected(
-    works: Callable[[float], bool], good: float, bad: float, halvings: int = HALVINGS
-) -> float:
-    """Value nearest to a bad one that works, from a good one."""
-    for _ in range(halvings):
-        middle = 0.5 * (good + bad)
-        if works(middle):
-            good = middle
-        else:
-            bad = middle
-    return good
-
-
-def _rounded_down(value: float) -> float:
-    """Leave as many digits as are said."""
-    if value == 0.0:
-        return 0.0
-    scale = 10.0 ** (DIGITS - 1 - math.floor(math.log10(abs(value))))
-    return math.floor(value * scale) / scale
-
-
-def _rounded_up(value: float) -> float:
-    return -_rounded_down(-value)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
 from drake_leg.errors import ImpossibleWalkError, InvalidValueError
 from drake_leg.kinematics.walking.demands import BEHIND, lags
 from drake_leg.kinematics.walking.foresight import foresee_walk
@@ -16,6 +17,7 @@ from drake_leg.robot.ground import Ground, Steps
 from drake_leg.robot.hexapods import HEXABOT, Hip, hexapod
 from drake_leg.robot.joint_mechanics import JointMechanics, starting_posture
 from drake_leg.robot.servos import IDEAL
+from drake_leg.simulation.run import simulate
 
 FORWARD = Command(forward=0.1, start=1.0)
 TRIPOD = GAITS["tripod"]
@@ -285,3 +287,22 @@ def test_numbers_of_the_summary(forward):
     assert entries["greatest_speed_m_s"] == entries["greatest_stride_m"]
     assert entries["worst"]["static margin"]["unit"] == "m"
     assert entries["worst"]["dynamic margin"]["limit"] is None
+
+
+@pytest.mark.slow
+def test_a_walk_that_works_keeps_its_course_in_the_simulation_and_a_refused_one_does_not():
+    """With contact and torque limits: the greatest speed, and one that the servos cannot follow."""
+    fast = walk_of(replace(FORWARD, forward=0.5), period=0.4)
+    foresight = foresee_walk(HEXABOT, fast, IDEAL)
+    speed = 0.5 * foresight.remedy.share
+
+    def lost(forward):
+        command = Command(forward=forward, start=0.5, ramp=1.0, end=3.0)
+        config = HexapodConfig(walk=walk_of(command, period=0.4))
+        run = simulate(build(config), 4.5, start=start_walking(config), max_step=config.time_step)
+        pose = run.scopes["body pose"]
+        return 1.0 - (pose[-1, 4] - pose[0, 4]) / (2.5 * forward)
+
+    assert foresight.unmet[0].what == "lag"
+    assert lost(0.5) > 0.05
+    assert abs(lost(speed)) < 0.045
