@@ -65,8 +65,14 @@ def leg_text(
     Raises
     ------
     InvalidValueError
-        If the legs are not alike.
+        If the legs are not alike, or the servo's gear rubs: SDF has no dry friction for Drake.
     """
+    if servo.friction:
+        raise InvalidValueError(
+            f"the gear of the servo {servo.name!r} has a friction of {servo.friction:g} N*m, which "
+            "SDF does not bring to Drake; give a servo with `friction=0.0`, or build the plant "
+            "with `add_walker`"
+        )
     leg = _one_leg(robot, servo)
     ET.register_namespace("drake", _DRAKE)
     sdf = ET.Element("sdf", version="1.9")

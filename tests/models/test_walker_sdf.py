@@ -21,10 +21,11 @@ from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.models.ground import add_ground
 from drake_leg.models.plant import WALKERS, sdf_folder
-from drake_leg.models.walker import NEAR_RIGID, POINT_FEET, add_walker
+from drake_leg.models.walker import NEAR_RIGID, POINT_FEET, Contact, add_walker
 from drake_leg.models.walker_sdf import body_text, leg_text
 from drake_leg.robot.ground import FLAT
 from drake_leg.robot.hexapods import HEXABOT, PHANTOMX
+from drake_leg.robot.servos import IDEAL
 from drake_leg.units import STANDARD_GRAVITY
 
 JOINTS = ("hip", "knee", "ankle")
@@ -152,3 +153,15 @@ def test_legs_that_are_not_alike_are_refused():
         body_text(dataclasses.replace(PHANTOMX, segments=tuple(odd)), leg_file="leg.sdf")
     with pytest.raises(InvalidValueError, match="not alike"):
         leg_text(dataclasses.replace(PHANTOMX, segments=tuple(odd)))
+
+
+def test_servo_contact_and_friction_are_in_the_leg():
+    rubbing = dataclasses.replace(IDEAL, friction=0.1)
+    with pytest.raises(InvalidValueError, match=r"friction of 0\.1 N\*m, which SDF does not bring"):
+        leg_text(HEXABOT, servo=rubbing)
+    servo = dataclasses.replace(IDEAL, stiffness=7.0, stall_torque=1.25)
+    text = leg_text(HEXABOT, servo=servo, contact=Contact(foot_radius=0.006), friction=0.3)
+    assert text.count('<drake:controller_gains p="7.0"') == 3
+    assert text.count("<effort>1.25</effort>") == 3
+    assert "<drake:mu_static>0.3</drake:mu_static>" in text
+    assert text.count("<radius>0.006</radius>") == 2  # drawn, and touching
