@@ -62,6 +62,8 @@ ADVICE = {
     "MultibodyPlant": "make one with build_plant(robot)",
     "OutputPort": "take one from a block, as block.get_output_port()",
     "Robot": "take one from drake_leg, such as LEG_B, or load one with load_robot",
+    "Servo": "take one from drake_leg.robot.servos, such as XL430, or load one with load_servo of "
+    "drake_leg.robot.toml.servo",
     "SineStep": "make one, as SineStep(amplitude=0.05)",
 } | {
     config: f"give {config}(robot=...), as {build}({config}())"

@@ -17,6 +17,7 @@ from drake_leg.kinematics.khalil import Array, finite_vectors, real_numbers
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.planned import PlannedWalk
+from drake_leg.kinematics.walking.power import gear_friction
 from drake_leg.kinematics.walking.weights import wrenches_of_links
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import Servo
@@ -56,7 +57,7 @@ def planned_torques(
     gravity : float or (3,) array_like
         Its strength, along -z of the ground frame G, or on a slope its vector in G [m/s^2].
     inertia : bool
-        Whether body, links and rotors are accelerated; otherwise weights, and what grows with
+        Whether body, links and rotors are accelerated; otherwise weights, and what depends on
         speed, count alone.
 
     Raises
@@ -88,7 +89,7 @@ def planned_forces(
 def planned_loads(plan: PlannedWalk, servo: Servo, *, inertia: bool = True) -> Loads:
     """Loads of feet and servos; NaN where a foot is out of reach.
 
-    The gear's dry friction is not in the torques: its sign is not known where a joint rests.
+    The torques overcome the friction of gears that turn; at rest it may hold a joint either way.
     """
     require_kind("the servo", servo, Servo)
     forces, moment, force = _loads_of_links(plan, inertia=inertia)
@@ -104,6 +105,7 @@ def planned_loads(plan: PlannedWalk, servo: Servo, *, inertia: bool = True) -> L
         [(one.damping, one.spring_stiffness, one.equilibrium_position) for one in mechanics]
     ).T
     torques += (damping + servo.back_emf_damping) * qdot + stiffness * (q - rest)
+    torques -= gear_friction(servo, qdot)
     if inertia:
         torques += servo.rotor_inertia * qddot
     return Loads(forces, torques)
@@ -113,9 +115,9 @@ def spread(feet: ArrayLike, weights: ArrayLike, moment: ArrayLike, force: ArrayL
     """Forces at feet, (..., n, 3) [N], that make up a wrench, the least by weighted squares.
 
     ``sum f = force`` and ``sum p x f = moment`` with the least ``sum |f|^2 / w``, as if a rigid
-    plate stood on springs of stiffness w. Feet are p (..., n, 3) [m], weights w (..., n); the
-    moment (..., 3) [N*m] is about the origin. Feet on a line carry no moment about that line;
-    without any weight, all forces are 0.
+    plate stood on springs of stiffness w: a foot may pull, too. Feet are p (..., n, 3) [m], weights
+    w (..., n); the moment (..., 3) [N*m] is about the origin. Feet on a line carry no moment about
+    that line; without any weight, all forces are 0.
     """
     p, w, M, F = (np.asarray(one, dtype=np.float64) for one in (feet, weights, moment, force))
     total = w.sum(axis=-1, keepdims=True)

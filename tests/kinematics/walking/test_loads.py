@@ -225,6 +225,9 @@ def test_servo_and_joints_add_what_they_take():
         less = planned_loads(plan, quick, inertia=inertia).torques
         more = planned_loads(plan, XL430, inertia=inertia).torques
         assert more - less == pytest.approx(0.5 * XL430.back_emf_damping * qdot, abs=1e-12)
+    smooth = planned_loads(plan, replace(XL430, friction=0.0)).torques
+    rubbing = planned_loads(plan, XL430).torques - smooth
+    assert rubbing == pytest.approx(XL430.friction * np.sign(qdot), abs=1e-12)
     segments = [
         s if s.row.joint == "fixed" else replace(
             s, mechanics=replace(
