@@ -201,10 +201,8 @@ class Abilities:
         )  # fmt: skip
 
     def _drive_torques(self, plan: PlannedWalk, servo: Servo) -> Array:
-        """Torques that the servos are to drive with, (rows, n, 3) [N*m], with their friction."""
-        rates = plan.joints.rate
-        torques = planned_loads(plan, servo).torques.reshape(rates.shape)
-        return np.asarray(torques + servo.friction * np.sign(rates))
+        """Torques that the servos are to drive with, (rows, n, 3) [N*m]."""
+        return planned_loads(plan, servo).torques.reshape(plan.joints.rate.shape)
 
     def _gaps(self, plan: PlannedWalk) -> Iterator[Demand]:
         capsules, distances = capsules_of(self.robot), plan.gaps

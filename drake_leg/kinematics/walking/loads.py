@@ -6,6 +6,7 @@ joint carries what is beyond it in the tree, less the forces of the ground there
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.power import gear_friction
 from drake_leg.kinematics.walking.weights import wrenches_of_links
-from drake_leg.robot.robot import Robot
+from drake_leg.robot.robot import Robot, require_robot
 from drake_leg.robot.servos import Servo
 from drake_leg.units import STANDARD_GRAVITY
 
@@ -162,6 +163,7 @@ def _loads_of_links(plan: PlannedWalk, *, inertia: bool) -> tuple[Array, Array, 
     return forces, moment, force
 
 
+@lru_cache(maxsize=8)
 def _beyond(robot: Robot) -> NDArray[np.float64]:
     """Which rows (columns) each row carries, itself included; row and column 0 are the base's."""
     count = len(robot.rows) + 1
@@ -171,7 +173,13 @@ def _beyond(robot: Robot) -> NDArray[np.float64]:
     return found
 
 
+@lru_cache(maxsize=8)
+def _legs(robot: Robot) -> Legs:
+    return Legs.of(robot)
+
+
 def _plan(robot: Robot, walk: Walk, times: ArrayLike, gravity: float | ArrayLike) -> PlannedWalk:
+    require_robot(robot)
     require_kind("the walk", walk, Walk)
     vector = real_numbers("gravity", gravity)
     if vector.ndim == 0:
@@ -179,7 +187,7 @@ def _plan(robot: Robot, walk: Walk, times: ArrayLike, gravity: float | ArrayLike
     x, y, z = finite_vectors("gravity", vector, 3).tolist()
     return PlannedWalk(
         robot=robot,
-        legs=Legs.of(robot),
+        legs=_legs(robot),
         walk=walk,
         times=real_numbers("the times", times),
         gravity=(x, y, z),

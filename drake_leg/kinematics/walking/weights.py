@@ -7,6 +7,7 @@ in its last column, and the antisymmetric part of ``X J ddX^T`` is the rate of a
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -68,38 +69,40 @@ def link_motions(robot: Robot, body: Motion, joints: Motion) -> Motion:
     ``body`` has the poses X_GB (..., 4, 4) of a floating base, ``joints`` the positions of all
     joints (..., joints), both with derivatives.
     """
-    found = [np.stack(body)]  # each (3, ..., 4, 4)
+    batch = body.value.shape[:-2]
+    times = range(4, 4 + len(batch))
+    # Columns first and times last, so that a row's transform is one product of matrices.
+    found = np.empty((len(robot.rows) + 1, 4, 3, 4, *batch))  # link, column, derivative, row, times
+    found[0] = np.moveaxis(np.stack(body), (-1, 0, -2), (0, 1, 2))
     number = 0
-    for row, antecedent in zip(robot.rows, robot.antecedents, strict=True):
-        before = found[antecedent]
-        own = (before.reshape(-1, 4) @ row_transform(row)).reshape(before.shape)  # the joint at 0
+    for index, (row, antecedent) in enumerate(zip(robot.rows, robot.antecedents, strict=True), 1):
+        own = found[index]  # with the joint at 0
+        before = found[antecedent].reshape(4, 12 * math.prod(batch))
+        own[:] = (row_transform(row).T @ before).reshape(own.shape)
         if row.joint != "fixed":
             move = _turn if row.joint == "revolute" else _slide
-            move(own, *(part[..., number, np.newaxis] for part in joints))
+            move(own, *(part[..., number] for part in joints))
             number += 1
-        found.append(own)
-    return Motion(*np.stack(found, axis=-3))
+    return Motion(*found.transpose(2, *times, 0, 3, 1))
 
 
 def _turn(X: Array, q: Array, qdot: Array, qddot: Array) -> None:
-    """Multiply a pose and its derivatives, (3, ..., 4, 4), by a rotation about z, (..., 1)."""
+    """Multiply columns of a pose with derivatives, (4, 3, 4, ...), by a rotation about z."""
     c, s = np.cos(q), np.sin(q)
-    x, y = X[..., 0].copy(), X[..., 1]
-    X[..., 0] = c * x + s * y
-    X[..., 1] = c * y - s * x
-    (x, dx, _), (y, dy, _) = X[..., 0].copy(), X[..., 1].copy()
-    X[1, ..., 0] += qdot * y
-    X[1, ..., 1] -= qdot * x
-    X[2, ..., 0] += 2.0 * qdot * dy + qddot * y - qdot**2 * x
-    X[2, ..., 1] -= 2.0 * qdot * dx + qddot * x + qdot**2 * y
+    X[0], X[1] = c * X[0] + s * X[1], c * X[1] - s * X[0]
+    (x, dx), (y, dy) = X[0, :2].copy(), X[1, :2].copy()
+    X[0, 1] += qdot * y
+    X[1, 1] -= qdot * x
+    X[0, 2] += 2.0 * qdot * dy + qddot * y - qdot**2 * x
+    X[1, 2] -= 2.0 * qdot * dx + qddot * x + qdot**2 * y
 
 
 def _slide(X: Array, q: Array, qdot: Array, qddot: Array) -> None:
-    """Multiply a pose and its derivatives by a translation along z."""
-    z, dz = X[0, ..., 2].copy(), X[1, ..., 2].copy()
-    X[..., 3] += q * X[..., 2]
-    X[1, ..., 3] += qdot * z
-    X[2, ..., 3] += 2.0 * qdot * dz + qddot * z
+    """Multiply columns of a pose with derivatives by a translation along z."""
+    z, dz, _ = X[2]
+    X[3] += q * X[2]
+    X[3, 1] += qdot * z
+    X[3, 2] += 2.0 * qdot * dz + qddot * z
 
 
 def wrenches_of_links(
@@ -111,12 +114,22 @@ def wrenches_of_links(
     without ``inertia``, those of links at rest.
     """
     J = pseudo_inertias(robot)
-    # Of a point at rest in a link, ddX [r; 1] is its acceleration, and that less gravity is felt.
-    felt = links.acceleration.copy() if inertia else np.zeros_like(links.acceleration)
-    felt[..., :3, 3] -= gravity
-    S = links.value @ J @ np.swapaxes(felt, -1, -2)
-    moment = np.stack([S[..., j, k] - S[..., k, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=-1)
-    return moment, S[..., 3, :3].copy()
+    X, _, ddX = (np.moveaxis(part, (-3, -1, -2), (0, 1, 2))[:, :, :3] for part in links)
+    batch = X.shape[3:]
+    size = 3 * math.prod(batch)
+    XJ = (J @ X.reshape(*J.shape[:2], size)).reshape(X.shape)  # link, column, row, times
+    mass, moments = J[:, 3, 3].reshape(-1, *(1 for _ in batch)), XJ[:, 3]
+    pairs = ((1, 2), (2, 0), (0, 1))
+    torque = [gravity[j] * moments[:, k] - gravity[k] * moments[:, j] for j, k in pairs]
+    force = [np.broadcast_to(-mass * part, X.shape[:1] + batch) for part in gravity]
+    if inertia:
+        rates = (J[:, 3:] @ ddX.reshape(*J.shape[:2], size)).reshape(len(J), 3, *batch)
+        force = [part + rates[:, j] for j, part in enumerate(force)]
+        for part, (j, k) in zip(torque, pairs, strict=True):
+            part += (XJ[:, :, j] * ddX[:, :, k] - XJ[:, :, k] * ddX[:, :, j]).sum(axis=1)
+    moment_and_force = (np.stack(parts) for parts in (torque, force))
+    moment, whole = (np.moveaxis(parts, (0, 1), (-1, -2)) for parts in moment_and_force)
+    return moment, whole
 
 
 def inertia_wrench(robot: Robot, links: Motion) -> tuple[Array, Array]:
