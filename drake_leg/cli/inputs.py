@@ -33,9 +33,10 @@ if TYPE_CHECKING:
 
 FILE = "FILE.toml|FILE.par"  # of a robot
 
-# The package's robots by their names on the command line.
+# The package's robots by their modules, and by their names on the command line.
+_MODULES = {"robots": ROBOTS, "hexapods": HEXAPODS, "linkages": NAMED_LINKAGES}
 ROBOT_NAMES = {
-    robot.name.replace("_", "-"): robot for robot in (*ROBOTS, *HEXAPODS, *NAMED_LINKAGES)
+    robot.name.replace("_", "-"): robot for robots in _MODULES.values() for robot in robots
 }
 
 
@@ -151,8 +152,9 @@ def robot_source(name: str, numbers: Sequence[str] | None = None) -> RobotSource
     """
     settings = settings_of(name, numbers)
     if name in ROBOT_NAMES:
-        text = robot_toml(ROBOT_NAMES[name])
-        return TomlSource(text=text, origin="drake_leg.robot.robots", where=name)
+        robot = ROBOT_NAMES[name]
+        module = next(module for module, robots in _MODULES.items() if robot in robots)
+        return TomlSource(text=robot_toml(robot), origin=f"drake_leg.robot.{module}", where=name)
     path = Path(name)
     if is_par(path):
         return ParSource(name, settings)

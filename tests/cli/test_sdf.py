@@ -83,6 +83,14 @@ def test_the_toml_of_a_robot_is_a_beginning_for_ones_own(arm, capsys):
     )
 
 
+@pytest.mark.parametrize(
+    ("name", "module"), [("scara", "robots"), ("phantomx", "hexapods"), ("bennett", "linkages")]
+)
+def test_the_sdf_of_a_named_robot_says_where_it_is_from(name, module, capsys):
+    assert main(["sdf", name]) == 0
+    assert f"Generated from drake_leg.robot.{module}." in capsys.readouterr().out
+
+
 def test_a_file_that_is_there_is_not_replaced_unasked(arm, capsys):
     assert main(["sdf", arm, "--out", "arm.sdf"]) == 0
     capsys.readouterr()

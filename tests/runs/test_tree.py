@@ -65,9 +65,10 @@ def test_static_torques_are_those_of_the_plant(robot):
     assert np.abs(found - expected).max() < 1e-12
 
 
-def test_the_hexabot_is_run_by_its_name_one_leg_at_a_time():
-    result = run("hexabot", tip="left_rear_foot", duration=0.4, amplitude=0.02)
+@pytest.mark.parametrize("name", ["hexabot", "phantomx"])
+def test_a_hexapod_is_run_by_its_name_one_leg_at_a_time(name):
+    result = run(name, tip="left_rear_foot", duration=0.4, amplitude=0.02)
     assert result.summary["tip"] == "left_rear_foot"
     assert result.summary["max_position_error_m"] < 1e-9
-    with pytest.raises(InvalidValueError, match="'hexabot' has 6 tips"):
-        run("hexabot")
+    with pytest.raises(InvalidValueError, match=f"'{name}' has 6 tips"):
+        run(name)
