@@ -27,10 +27,7 @@ def support_margin(
     sides = _across(way[..., :, :, np.newaxis, :], offsets[..., :, np.newaxis, :, :])
     ignored = ~counts[..., np.newaxis, np.newaxis, :]
     edges = (
-        pairs
-        & (size > 0.0)
-        & ((sides >= 0.0) | ignored).all(axis=-1)
-        & ((sides > 0.0) & ~ignored).any(axis=-1)
+        pairs & ((sides >= 0.0) | ignored).all(axis=-1) & ((sides > 0.0) & ~ignored).any(axis=-1)
     )
     towards = at[..., np.newaxis, np.newaxis, :] - start
     length = np.sqrt(np.where(size > 0.0, size, 1.0))

@@ -275,6 +275,28 @@ def test_feet_that_are_not_on_the_ground_at_the_start_are_refused():
         foresee_walk(HEXABOT, replace(walk, commands=()), ground=step)
 
 
+def test_a_joint_at_its_limit_is_within_it():
+    knee = starting_posture(HEXABOT)[1]
+    for beyond, works in ((5e-7, True), (5e-6, False)):
+        segments = [
+            replace(one, mechanics=JointMechanics(upper=knee - beyond))
+            if one.joint.endswith("knee")
+            else one
+            for one in HEXABOT.segments
+        ]
+        robot = replace(HEXABOT, segments=tuple(segments))
+        assert (foresee_walk(robot, walk_of()).refusal is None) == works
+
+
+def test_the_greatest_speed_is_that_of_the_body_as_it_is_held_in_the_end():
+    low = Attitude(shift=(0.0, 0.0, 0.06), start=9.0)
+    raised = foresee_walk(HEXABOT, walk_of(FORWARD, attitudes=[low]), IDEAL)
+    already = foresee_walk(HEXABOT, walk_of(FORWARD, height=0.145), IDEAL)
+    assert raised.height == pytest.approx(0.145)
+    assert raised.greatest_speed == pytest.approx(already.greatest_speed, rel=0.02)
+    assert raised.greatest_speed < 0.9 * foresee_walk(HEXABOT, walk_of(), IDEAL).greatest_speed
+
+
 def test_only_the_time_of_the_run_counts():
     late = Attitude(roll=0.9, start=20.0)
     assert foresee_walk(HEXABOT, walk_of(attitudes=[late])).unmet
