@@ -165,7 +165,12 @@ def test_out_of_reach_is_not_a_number_and_touches_no_other_leg():
 def test_limits_are_those_of_the_joints_and_choose_the_turn():
     free = Legs.of(HEXABOT)
     assert np.isinf(free.limits).all()
-    bounded = Legs.of(hexapod(mechanics=JointMechanics(lower=5.5, upper=7.0)))
+    limits = JointMechanics(lower=5.5, upper=7.0)
+    segments = [
+        one if one.row.joint == "fixed" else replace(one, mechanics=limits)
+        for one in HEXABOT.segments
+    ]
+    bounded = Legs.of(replace(HEXABOT, segments=tuple(segments)))
     assert bounded.limits[4, 1].tolist() == [5.5, 7.0]
     feet = free.feet(np.tile([0.1, 0.2, -0.4], (6, 1)))
     assert bounded.joints(feet) == pytest.approx(free.joints(feet) + math.tau, abs=1e-14)
