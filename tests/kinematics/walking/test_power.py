@@ -6,6 +6,11 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.kinematics.walking.gaits import Command
+from drake_leg.kinematics.walking.legs import Legs
+from drake_leg.kinematics.walking.loads import planned_loads
+from drake_leg.kinematics.walking.plan import walk_of
+from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.power import (
     cost_of_transport,
     electrical_power,
@@ -15,7 +20,10 @@ from drake_leg.kinematics.walking.power import (
     supply_current,
     work,
 )
-from drake_leg.robot.servos import XL430
+from drake_leg.kinematics.walking.weights import total_mass
+from drake_leg.robot.hexapods import HEXABOT, PHANTOMX
+from drake_leg.robot.servos import IDEAL, XL430
+from drake_leg.units import STANDARD_GRAVITY
 
 SILENT = replace(XL430, torque_constant=None, resistance=None, voltage=None)
 
@@ -75,3 +83,27 @@ def test_work_is_the_integral_of_all_powers():
 def test_what_is_not_known_or_makes_no_sense_is_refused(call, words):
     with pytest.raises(InvalidValueError, match=words):
         call()
+
+
+@pytest.mark.parametrize(
+    ("robot", "servo", "peaks", "watts", "mechanical", "electrical"),
+    [  # the table in docs/walking.md
+        (HEXABOT, IDEAL, (0.66, 0.98, 0.94), 13.3, 0.62, 6.3),
+        (HEXABOT, XL430, (0.70, 1.02, 0.98), 14.1, 0.77, 6.7),
+        (PHANTOMX, IDEAL, (0.54, 1.47, 1.21), 43.9, 0.95, 13.9),
+        (PHANTOMX, XL430, (0.58, 1.51, 1.25), 44.8, 1.07, 14.2),
+    ],
+)
+def test_what_a_planned_tripod_takes(robot, servo, peaks, watts, mechanical, electrical):
+    times = np.linspace(3.0, 4.0, 401)
+    walk = walk_of(robot, commands=[Command(forward=0.1, start=1.0)])
+    plan = PlannedWalk(robot=robot, legs=Legs.of(robot), walk=walk, times=times)
+    rates = plan.joints.rate
+    torques = planned_loads(plan, servo).torques.reshape(rates.shape)
+    assert np.abs(torques).max(axis=(0, 1)) == pytest.approx(peaks, abs=0.006)
+    costs = []
+    for power in (mechanical_power(servo, torques, rates), electrical_power(servo, torques, rates)):
+        spent = work(times, power)
+        costs.append(cost_of_transport(spent, total_mass(robot), 0.1, STANDARD_GRAVITY))
+    assert spent == pytest.approx(watts, abs=0.1)
+    assert costs == pytest.approx([mechanical, electrical], rel=0.01)
