@@ -19,6 +19,7 @@ import sympy as sp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
+from drake_leg.symbolic.decimals import latex_text, plain_text
 from drake_leg.symbolic.derivation import pythagoras
 from drake_leg.symbolic.inertia import at_parent
 from drake_leg.symbolic.mechanism import ORIGIN, Turn, row_position, row_turns
@@ -61,7 +62,7 @@ class BaseParameters:
 
     def __str__(self) -> str:
         lines = [
-            name if name == str(kept) else f"{name} = {self.expression(kept)}"
+            name if name == str(kept) else f"{name} = {plain_text(self.expression(kept))}"
             for name, kept in zip(self.names, self.groups, strict=True)
         ]
         if self.without_effect:
@@ -71,7 +72,7 @@ class BaseParameters:
     def latex(self) -> str:
         """Write the groups as lines of LaTeX's mathematics."""
         lines = [
-            f"{sp.latex(sp.Symbol(name))} = {sp.latex(self.expression(kept))}"
+            f"{sp.latex(sp.Symbol(name))} = {latex_text(self.expression(kept))}"
             for name, kept in zip(self.names, self.groups, strict=True)
         ]
         if self.without_effect:

@@ -11,6 +11,7 @@ from typing import Any
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+from drake_leg.symbolic.decimals import in_decimals
 from drake_leg.symbolic.derivation import (
     ANY_INTEGER,
     Derivation,
@@ -32,14 +33,15 @@ class Equation:
 
     def latex(self) -> str:
         """Write it for LaTeX's mathematics mode, in the reports' shorthand."""
-        return str(sp.latex(self._shown()))
+        return str(sp.latex(self._shown(), full_prec=False))
 
     def text(self) -> str:
         """Write it for a terminal, in the reports' shorthand; a matrix takes several lines."""
-        return str(sp.pretty(self._shown(), use_unicode=True, wrap_line=False))
+        return str(sp.pretty(self._shown(), use_unicode=True, wrap_line=False, full_prec=False))
 
     def _shown(self) -> sp.Rel:
-        return self.relation(shorthand(self.left), shorthand(self.right), evaluate=False)
+        right = in_decimals(shorthand(self.right))
+        return self.relation(shorthand(self.left), right, evaluate=False)
 
 
 def leg_a_equations(leg: Derivation) -> tuple[Equation, ...]:

@@ -13,6 +13,7 @@ from sympy.printing.c import C99CodePrinter
 from sympy.printing.numpy import NumPyPrinter
 
 from drake_leg.errors import InvalidValueError, did_you_mean
+from drake_leg.symbolic.decimals import latex_text, plain_text
 from drake_leg.symbolic.programs import Output, Program
 
 WIDTH = 96  # of a line of code
@@ -81,7 +82,7 @@ def _with_plain_names(program: Program) -> Program:
 def text(program: Program) -> str:
     """Write a program for a terminal: its counts, its assignments, its outputs."""
     lines = [*_heading(program), ""]
-    lines += [f"{name} = {expression}" for name, expression in program.assignments]
+    lines += [f"{name} = {plain_text(value)}" for name, value in program.assignments]
     lines += [""]
     for output in program.outputs:
         lines += _shown(output)
@@ -91,10 +92,10 @@ def text(program: Program) -> str:
 def latex(program: Program) -> str:
     """Write a program as lines of LaTeX's mathematics, under a comment."""
     lines = [f"% {line}" for line in _heading(program)]
-    lines += [f"{sp.latex(name)} = {sp.latex(value)}" for name, value in program.assignments]
+    lines += [f"{sp.latex(name)} = {latex_text(value)}" for name, value in program.assignments]
     for output in program.outputs:
         lines += [f"% {line}" for line in _meaning(output)]
-        lines += [f"{sp.latex(sp.Symbol(output.name))} = {sp.latex(output.value)}"]
+        lines += [f"{sp.latex(sp.Symbol(output.name))} = {latex_text(output.value)}"]
     return "\n".join(lines)
 
 
@@ -145,9 +146,9 @@ def _shown(output: Output) -> list[str]:
     if output.is_vector:
         return [
             *lines,
-            *textwrap.wrap(f"{output.name} = ({', '.join(map(str, output.value))})", WIDTH),
+            *textwrap.wrap(f"{output.name} = ({', '.join(map(plain_text, output.value))})", WIDTH),
         ]
-    rows = [f"({', '.join(map(str, output.value[i, :]))})" for i in range(output.value.rows)]
+    rows = [f"({', '.join(map(plain_text, output.value[i, :]))})" for i in range(output.value.rows)]
     return [*lines, f"{output.name} =", *(f"  {row}" for row in rows)]
 
 

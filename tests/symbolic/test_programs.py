@@ -4,6 +4,7 @@ import ctypes
 import doctest
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +13,14 @@ from bodies import FORK, RX_90, robot_of
 
 from drake_leg import LEG_B
 from drake_leg.errors import InvalidValueError
+from drake_leg.robot.symoro.as_robot import numbers_of
+from drake_leg.robot.symoro.reader import load_par
 from drake_leg.symbolic import models
+from drake_leg.symbolic.base_parameters import group_parameters
+from drake_leg.symbolic.decimals import latex_text, plain_text
 from drake_leg.symbolic.languages import LANGUAGES, code, latex, text
 from drake_leg.symbolic.models import derive_model
+from drake_leg.symbolic.par_table import table_of_par
 from drake_leg.symbolic.programs import (
     Input,
     Output,
@@ -23,6 +29,7 @@ from drake_leg.symbolic.programs import (
     own_operations,
 )
 
+RX90 = Path(__file__).parents[2] / "examples" / "symoro" / "rx90.par"
 A, B, C = sp.symbols("a b c", real=True)
 
 
@@ -131,6 +138,32 @@ def test_printed_c_compiles_without_a_warning_and_computes_the_same(rng, program
             np.testing.assert_allclose(value, right, rtol=1e-12, atol=1e-13)
 
 
+@pytest.mark.skipif(shutil.which("octave") is None, reason="no Octave on this machine")
+def test_printed_matlab_computes_the_same_in_octave(rng, programs, tmp_path):
+    """In one process for all, which prints what they return in 17 digits."""
+    lines, expected = [], []
+    for program in programs:
+        (tmp_path / f"{program.name}.m").write_text(code(program, "matlab"))
+        states = inputs_of(program, rng)
+        given = ["[" + " ".join(map(repr, state.tolist())) + "]" for state in states]
+        if program.letters:
+            parts = (f"'{s.name}', {program.values[s]!r}" for s in program.letters)
+            given.append(f"struct({', '.join(parts)})")
+        results = program(*states)
+        names = [f"r{k}" for k in range(len(results))]
+        lines.append(f"[{', '.join(names)}] = {program.name}({', '.join(given)});")
+        lines += [f"printf('%.17g ', {name}'); printf('\\n');" for name in names]
+        expected += results.values()
+    script = tmp_path / "run_all.m"
+    script.write_text("\n".join(lines) + "\n")
+    run = ["octave", "--no-gui", "--norc", "--quiet", script.name]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True)
+    found = [np.array(line.split(), dtype=float) for line in done.stdout.splitlines()]
+    assert len(found) == len(expected)
+    for value, right in zip(found, expected, strict=True):
+        np.testing.assert_allclose(value, right.ravel(), rtol=1e-12, atol=1e-13)
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_every_language_assigns_every_name(language):
     program = derive_model(LEG_B, "dynamics")
@@ -172,3 +205,24 @@ def test_text_and_latex_have_every_assignment():
 def test_a_language_that_is_not_there_is_refused():
     with pytest.raises(InvalidValueError, match=r"no language 'cobol'.*numpy, c, matlab, julia"):
         derive_model(LEG_B, "gravity").code("cobol")
+
+
+def test_decimals_of_a_table_are_shown_as_decimals():
+    x = sp.Symbol("x")
+    shown = {
+        sp.Rational(9, 20) * x: "0.45*x",
+        sp.Rational(1, 4) * x: "x/4",
+        sp.Rational(1, 12): "1/12",
+        sp.Rational(123456789, 10**9) - x: "0.123456789 - x",
+        sp.Rational(1, 3) * sp.Rational(1, 10**9): "3.33333333333333e-10",
+        sp.sqrt(2) * x: "sqrt(2)*x",
+    }
+    assert {expression: plain_text(expression) for expression in shown} == shown
+    assert latex_text(sp.Rational(9, 20) * x) == "0.45 x"
+
+
+def test_base_parameters_of_decimal_tables_have_no_long_fractions():
+    table = table_of_par(load_par(RX90), numbers_of({"D3": 0.45, "RL4": 0.4}, "here"))
+    found = group_parameters(table)
+    assert str(found).splitlines()[0].startswith("ZZR1 = IA1 + 0.2025*M3 + 0.2025*M4")
+    assert "0.2025 M_{3}" in found.latex()
