@@ -302,7 +302,7 @@ def _julia(program: Program) -> str:
     ]
     lines += [f"function {program.name}({', '.join(arguments)})"]
     for one in program.inputs:
-        lines += [f"    {', '.join(symbol.name for symbol in one.symbols)}, = {one.name}"]
+        lines += [f"    {s.name} = {one.name}[{k}]" for k, s in enumerate(one.symbols, start=1)]
     lines += [f"    {symbol.name} = {LETTERS}.{symbol.name}" for symbol in program.letters]
     lines += [f"    {name.name} = {sp.julia_code(value)}" for name, value in program.assignments]
     for output in program.outputs:
