@@ -18,7 +18,7 @@ from drake_leg.symbolic.derivation import (
     SingularFamily,
 )
 from drake_leg.symbolic.geometry import PARTS
-from drake_leg.symbolic.table import SymbolicRow, row_transform
+from drake_leg.symbolic.table import SymbolicRow, SymbolicTable, row_transform
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -194,22 +194,43 @@ class Piece:
 
 def own_pieces(robot: Derivation) -> Iterator[Piece]:
     """List what is derived from a table; later pieces use the results of earlier ones."""
-    for frame, X_PC in enumerate(robot.neighbours, start=1):
-        left = sp.MatrixSymbol(f"T_{frame - 1}{frame}", 4, 4)
-        yield _piece(f"frame {frame} in frame {frame - 1}", left, partial(sp.Matrix, X_PC))
+    table = robot.table
+    for frame, (row, X_PC) in enumerate(zip(table.rows, robot.neighbours, strict=True), start=1):
+        before = row.antecedent
+        left = sp.MatrixSymbol(f"T_{before}{frame}", 4, 4)
+        yield _piece(f"frame {frame} in frame {before}", left, partial(sp.Matrix, X_PC))
     for frame in range(2, len(robot.neighbours) + 1):
         left = sp.MatrixSymbol(f"T_0{frame}", 4, 4)
         yield _piece(f"frame {frame} in the base", left, partial(robot.in_base, frame))
+    ends = _ends(table)
+    for frame in ends:
+        branch = Derivation(table.branch(frame)) if len(ends) > 1 else robot
+        yield from _foot_pieces(branch, f" of frame {frame}" if len(ends) > 1 else "")
+
+
+def _ends(table: SymbolicTable) -> tuple[int, ...]:
+    """Choose the frames that have a Jacobian: the tips, without the frames of loops if others are.
+
+    The last frame is the only one where every row leads to it.
+    """
+    of_loops = {row for loop in table.loops for row in loop}
+    return tuple(tip for tip in table.tips if tip not in of_loops) or table.tips
+
+
+def _foot_pieces(robot: Derivation, of: str) -> Iterator[Piece]:
+    """List what is derived of one foot; ``of`` says which, where there are several."""
     J = sp.MatrixSymbol("J", 6, len(robot.table.q))
-    yield _piece(f"Jacobian, its rows {', '.join(PARTS)}", J, lambda: robot.spatial_jacobian)
+    rows = ", ".join(PARTS)
+    joints = f", per {', '.join(map(str, robot.table.q))}" if of else ""
+    yield _piece(f"Jacobian{of}, its rows {rows}{joints}", J, lambda: robot.spatial_jacobian)
     yield _piece(
-        "Jacobian by both methods",
+        f"Jacobian{of} by both methods",
         sp.Symbol("direct") - sp.Symbol("indirect"),
         lambda: _zero_or(robot.difference),
     )
 
     def determinant() -> list[Equation]:
-        title = f"determinant of the rows {', '.join(PARTS[row] for row in robot.task)}"
+        title = f"determinant{of} of the rows {', '.join(PARTS[row] for row in robot.task)}"
         size = len(robot.task)
         return [_determinant(robot.determinant, title, size=size)] if size else []
 
@@ -218,12 +239,12 @@ def own_pieces(robot: Derivation) -> Iterator[Piece]:
         return [equation for family in found for equation in zeros_of(family)]
 
     yield Piece(
-        title="determinant",
+        title=f"determinant{of}",
         derive=determinant,
         otherwise="none, as no rows of the Jacobian make it square",
     )
     yield Piece(
-        title="singular postures",
+        title=f"singular postures{of}",
         derive=families,
         otherwise="not found, as there is no determinant",
     )

@@ -146,6 +146,23 @@ class SymbolicTable:
         antecedents = {row.antecedent for row in self.rows}
         return tuple(n for n in range(1, len(self.rows) + 1) if n not in antecedents)
 
+    def branch(self, frame: int) -> SymbolicTable:
+        """The rows from the base to a frame, as a chain of their own."""
+        path = self.path(frame)
+        place = {number: k for k, number in enumerate(path, start=1)} | {0: 0}
+        positions = dict(zip(self.moving, self.q, strict=True))
+        return replace(
+            self,
+            rows=tuple(
+                replace(self.rows[n - 1], antecedent=place[self.rows[n - 1].antecedent])
+                for n in path
+            ),
+            q=tuple(positions[number] for number in path if number in positions),
+            links=tuple(self.links[number - 1] for number in path),
+            loops=(),
+            sliding_cuts=frozenset(),
+        )
+
     def path(self, frame: int) -> tuple[int, ...]:
         """List the rows from the base to a frame, both numbered from 1; empty for frame 0."""
         if not 0 <= frame <= len(self.rows):

@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy as sp
+from trees import two_fingers
 
 from drake_leg.kinematics import khalil
 from drake_leg.robot.robot import Row
@@ -11,6 +12,7 @@ from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import SCARA
 from drake_leg.symbolic.derivation import Derivation, evaluator
 from drake_leg.symbolic.equations import own_pieces
+from drake_leg.symbolic.table import table_of_robot
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 ODD = (
@@ -79,3 +81,24 @@ def test_an_arm_of_six_joints_has_its_wrist_among_its_families():
     ]
     assert sp.sin(derivation.table.q[4]) in [equation.left for equation in stated]
     assert found["Jacobian by both methods"][0].right == 0
+
+
+def test_a_tree_has_a_jacobian_for_each_tip_with_the_joints_that_move_it(rng):
+    robot = two_fingers()
+    table = table_of_robot(robot)
+    titles = [piece.title for piece in own_pieces(Derivation(table))]
+    for row, antecedent in enumerate(robot.antecedents, start=1):
+        assert f"frame {row} in frame {antecedent}" in titles
+    tips = sorted(robot.tips.values())
+    assert [t for t in titles if t.startswith("Jacobian of frame") and "rows" in t] == [
+        f"Jacobian of frame {tip}, its rows w_x, w_y, w_z, v_x, v_y, v_z, per "
+        + ", ".join(str(q) for q in table.branch(tip).q)
+        for tip in tips
+    ]
+    q = rng.uniform(-1.0, 1.0, len(table.q))
+    for name, tip in robot.tips.items():
+        branch = table.branch(tip)
+        columns = [table.q.index(position) for position in branch.q]
+        expected = khalil.jacobian(robot.at_tip(name).rows, q[columns])
+        found = evaluator(branch, Derivation(branch).spatial_jacobian)(q[columns])
+        np.testing.assert_allclose(found, expected, atol=1e-14)
