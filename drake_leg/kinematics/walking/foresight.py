@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.arguments import require_kind
+from drake_leg.arguments import checked
 from drake_leg.errors import ImpossibleWalkError, InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.cycle_times import attitudes_end, times_of, times_within
@@ -322,7 +322,7 @@ class WalkForesight:
                 one.what: {
                     "where": one.where,
                     "time_s": one.time,
-                    "value": one.value,
+                    "value": one.value if math.isfinite(one.value) else None,
                     "limit": one.limit if math.isfinite(one.limit) else None,
                     "unit": one.unit,
                 }
@@ -331,6 +331,7 @@ class WalkForesight:
         }
 
 
+@checked
 def foresee_walk(
     robot: Robot,
     walk: Walk,
@@ -371,8 +372,9 @@ def foresee_walk(
     Raises
     ------
     InvalidValueError
-        If the gait is for another number of legs, fewer than three feet are down at some time and
-        the walk is not ``dynamic``, or a foot is not on the ground at the start.
+        If an argument makes no sense, the gait is for another number of legs, fewer than three feet
+        are down at some time and the walk is not ``dynamic``, or a foot is not on the ground at the
+        start.
 
     Examples
     --------
@@ -387,10 +389,10 @@ def foresee_walk(
     >>> found.refusal is None
     True
     """
-    require_kind("the walk", walk, Walk)
-    require_kind("the servo", servo, Servo, type(None))
-    require_kind("the ground", ground, Ground)
     require_non_negative("gravity", gravity, "m/s^2")
+    require_non_negative("the height of a standing foot", foot_height, "m")
+    if not duration > 0.0:
+        raise InvalidValueError(f"the duration is {duration!r} s; it must be positive")
     abilities = Abilities(robot=robot, servo=servo, ground=ground, gravity=gravity, dynamic=dynamic)
     require_gait(robot, walk.gait, abilities.legs.count, dynamic=dynamic)
     _require_ground(abilities, walk, foot_height)

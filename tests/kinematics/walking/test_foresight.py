@@ -262,7 +262,9 @@ def test_gaits_that_do_not_suit_the_robot_are_refused():
     ):
         foresee_walk(HEXABOT, walk_of(FORWARD, gait=trot))
     slow = replace(FORWARD, forward=0.02)
-    assert foresee_walk(HEXABOT, walk_of(slow, gait=trot), dynamic=True).refusal is None
+    flying = foresee_walk(HEXABOT, walk_of(slow, gait=trot), IDEAL, dynamic=True)
+    assert flying.refusal is None
+    assert flying.as_json()["worst"]["static margin"]["value"] is None  # no foot is down
 
 
 def test_feet_that_are_not_on_the_ground_at_the_start_are_refused():
@@ -295,6 +297,24 @@ def test_the_greatest_speed_is_that_of_the_body_as_it_is_held_in_the_end():
     assert raised.height == pytest.approx(0.145)
     assert raised.greatest_speed == pytest.approx(already.greatest_speed, rel=0.02)
     assert raised.greatest_speed < 0.9 * foresee_walk(HEXABOT, walk_of(), IDEAL).greatest_speed
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"robot": "hexabot"}, "robot is 'hexabot'; it must be a Robot"),
+        ({"walk": 3}, "walk is 3; it must be a Walk"),
+        ({"servo": "ideal"}, "servo is 'ideal'; it must be a Servo or None"),
+        ({"ground": 0.8}, "ground is 0.8; it must be a Ground"),
+        ({"gravity": -9.81}, "gravity is -9.81 m/s"),
+        ({"duration": 0.0}, "the duration is 0.0 s; it must be positive"),
+        ({"duration": math.nan}, "the duration is nan s"),
+        ({"foot_height": math.inf}, "height of a standing foot is inf"),
+    ],
+)
+def test_wrong_arguments_are_refused(change, said):
+    with pytest.raises(InvalidValueError, match=said):
+        foresee_walk(**{"robot": HEXABOT, "walk": walk_of(FORWARD), **change})
 
 
 def test_only_the_time_of_the_run_counts():
