@@ -16,6 +16,7 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.cycle_times import attitudes_end, times_of, times_within
 from drake_leg.kinematics.walking.demands import Abilities, Demand
 from drake_leg.kinematics.walking.gaits import Attitude, Command, Gait, Walk
+from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.searches import (
     DOUBLINGS,
     bisected,
@@ -55,13 +56,20 @@ class WalkForesight:
 
     abilities: Abilities
     walk: Walk
-    demands: tuple[Demand, ...]  # each where it is worst; none after a foot is out of reach
-    _times: Array
+    required: tuple[Demand, ...]  # each where it is worst; none after a foot is out of reach
+    _plan: PlannedWalk
+
+    @cached_property
+    def demands(self) -> tuple[Demand, ...]:
+        """What is required, and what is only told: peaks and margins that refuse no walk."""
+        if not np.isfinite(self._plan.angles).all():
+            return self.required
+        return (*self.required, *self.abilities.informative(self._plan))
 
     @property
     def unmet(self) -> tuple[Demand, ...]:
         """Demands that the robot cannot meet."""
-        return tuple(one for one in self.demands if not one.is_met)
+        return tuple(one for one in self.required if not one.is_met)
 
     def demand(self, what: str) -> Demand | None:
         """Return one of the demands by its name; None if it is unknown."""
@@ -238,7 +246,7 @@ class WalkForesight:
 
         def works(other: float) -> bool:
             raised = _raised(self.walk, other - height)
-            return self.abilities.first_unmet(raised, self._times) is None
+            return self.abilities.first_unmet(raised, self._plan.times) is None
 
         if not works(middle):
             return None
@@ -265,7 +273,7 @@ class WalkForesight:
 
         while works(LEAST_SHARE):
             share = greatest(works, most=1.0)
-            failed = self.abilities.first_unmet(changed(share), self._times)
+            failed = self.abilities.first_unmet(changed(share), self._plan.times)
             if failed is None:
                 return share
             more = np.union1d(seen, self._near(failed.time))
@@ -275,7 +283,7 @@ class WalkForesight:
         return 0.0
 
     def _near(self, time: float) -> Array:
-        return self._times[np.abs(self._times - time) <= 0.5 * self.walk.period]
+        return self._plan.times[np.abs(self._plan.times - time) <= 0.5 * self.walk.period]
 
     # --- parts ---
 
@@ -396,12 +404,10 @@ def foresee_walk(
     abilities = Abilities(robot=robot, servo=servo, ground=ground, gravity=gravity, dynamic=dynamic)
     require_gait(robot, walk.gait, abilities.legs.count, dynamic=dynamic)
     _require_ground(abilities, walk, foot_height)
-    times = times_of(walk, duration)
-    plan = abilities.plan(walk, times)
-    demands = [*abilities.demands(plan)]
-    if np.isfinite(plan.angles).all():
-        demands += abilities.informative(plan)
-    return WalkForesight(abilities=abilities, walk=walk, demands=tuple(demands), _times=times)
+    plan = abilities.plan(walk, times_of(walk, duration))
+    return WalkForesight(
+        abilities=abilities, walk=walk, required=tuple(abilities.demands(plan)), _plan=plan
+    )
 
 
 def require_gait(robot: Robot, gait: Gait, legs: int, *, dynamic: bool) -> None:

@@ -174,7 +174,7 @@ def test_heights_that_work_are_those_of_workspace_and_ground(forward):
     least, most = found.heights
     assert found.height == pytest.approx(0.085)
     assert least == pytest.approx(0.020, abs=1e-4)  # the body's underside is 20 mm lower
-    for height, works in ((least, True), (most, True), (0.99 * least, False), (1.01 * most, False)):
+    for height, works in ((least, True), (most, True), (1.01 * most, False)):
         assert (foresee_walk(HEXABOT, walk_of(FORWARD, height=height)).refusal is None) == works
     refused = foresee_walk(HEXABOT, walk_of(FORWARD, height=0.25))
     (height,) = says(refused, r"the foot .*: a height of the body of ([\d.]+) m is the greatest .*")
