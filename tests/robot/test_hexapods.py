@@ -5,7 +5,7 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms
-from drake_leg.kinematics.walking.gaits import support_margin
+from drake_leg.kinematics.walking.margins import support_margin
 from drake_leg.robot.hexapods import HEXABOT, HEXAPODS, HIPS, PHANTOMX, PHANTOMX_HIPS, Hip, hexapod
 from drake_leg.robot.joint_mechanics import JointMechanics, starting_posture
 from drake_leg.robot.robots import LEG_B
