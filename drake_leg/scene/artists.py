@@ -144,8 +144,11 @@ class Renderer:
         axes = RotationMatrix(np.column_stack([right, -up, -back]))
         X_WC = RigidTransform(axes, framing.camera(aspect))
         focus = self.height / 2.0 / math.tan(view.field / 2.0)
-        reach = np.abs(_projected(self._scene.held, X_WC, focus)).max(axis=0) + EDGE * self.width
         size = np.array([self.width, self.height])
+        reach = size / 2.0  # around a robot that walks, its ground fills the picture
+        if self._scene.footing is None:
+            reach = np.abs(_projected(self._scene.held, X_WC, focus)).max(axis=0)
+            reach += EDGE * self.width
         beside, above = np.maximum(size / 2.0 - reach, 0.0).astype(int).tolist()
         width, height = self.width - 2 * beside, self.height - 2 * above
         far = framing.distance(aspect) + self._scene.size

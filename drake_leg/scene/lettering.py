@@ -267,8 +267,8 @@ class AxisNames:
     def _seen(self, X_WF: Array) -> list[_Axis]:
         """List all axes as they are seen."""
         camera, rules, seen = self._camera, PLACEMENT, list[_Axis]()
-        lengths = triad_lengths(len(X_WF), self._scene.size)
-        for mark, X, length in zip(self._scene.shown.marks, X_WF, lengths, strict=True):
+        lengths = triad_lengths(self._scene.triads, self._scene.size)
+        for mark, X, length in zip(self._scene.shown.marks, X_WF, lengths, strict=False):
             origin = X[:3, 3]
             sight = (camera - origin) / np.linalg.norm(camera - origin)
             tips = origin + length * X[:3, :3].T

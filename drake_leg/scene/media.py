@@ -130,7 +130,7 @@ def still(
     text = seen_from.titled(scene.shown.title)
     title = Words(text=text, x=28, y=38, size=TITLE, colour=paper.ink)
     names = AxisNames(artist, scene, seen_from, share=SMOOTHING, size=LETTERS, paper=paper)
-    X_WF = posture.poses()[0]
+    X_WF = scene.followed(posture.poses()[0])
     words = [title, *names.place(X_WF, [title])]
     smooth = reduced(artist.image(X_WF, seen_from), SMOOTHING)
     buffer = io.BytesIO()
@@ -251,7 +251,7 @@ def _images(
     small = max(height // 40, SMALLEST_LETTERS)
     names = AxisNames(renderer, scene, view, share=share, size=small)
     title = Words(text=frames.shown.title, x=margin, y=margin + letters / 2, size=letters)
-    for time, X_WF in zip(frames.time, frames.poses(), strict=True):
+    for time, X_WF in zip(frames.time, scene.followed(frames.poses()), strict=True):
         clock = Words(text=f"t = {time:.1f} s", x=margin, y=height - 1.4 * margin, size=letters)
         words = [title, clock, *names.place(X_WF, [title, clock])]
         yield write_on(reduced(renderer.image(X_WF, view), share), words)

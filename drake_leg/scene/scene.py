@@ -22,6 +22,7 @@ from drake_leg.kinematics.khalil import Array, one_vector, real_numbers
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.closed import closing
+from drake_leg.scene.footing import Footing
 from drake_leg.scene.shown_plant import (
     Part,
     Showable,
@@ -52,6 +53,10 @@ SLACK = 1e-9  # of a square of the floor: a point on its edge needs no other squ
 WORLD_TRIAD = 1.5  # of the others: length of the world's axes
 DASH = 3  # pieces of a trace from one dash to the next; the last of them is the gap
 OF_JOINTS = ("joint positions", "q")  # names of their scope, in the diagrams of this package
+# Of a robot that walks, in sizes of it: lines on the ground, squares, traces of the feet.
+GROUND_LINE, SQUARE_SHARE, FOOT_TRACE = 0.004, 1.5, 0.003
+GROUND_AROUND = 2  # squares of the ground beyond the walk
+WALKING_TRIADS = 2  # of the world and the body
 MOST_PIECES = 5000  # of a trace before those that lie on others are left out
 
 
@@ -68,12 +73,12 @@ Record: TypeAlias = (
 
 
 def triad_lengths(frames: int, size: float) -> list[float]:
-    """Lengths of the axes of each frame [m]; the world's are longer."""
+    """Lengths of the axes of each frame [m]; those of the first, the world's, are longer."""
     return [WORLD_TRIAD * TRIAD_LENGTH * size] + [TRIAD_LENGTH * size] * (frames - 1)
 
 
 def triad_parts(frames: int, size: float) -> tuple[Part, ...]:
-    """Draw the axes of all frames, three parts each: x red, y green, z blue."""
+    """Draw the axes of the first frames, three parts each: x red, y green, z blue."""
     parts = []
     for index, length in enumerate(triad_lengths(frames, size)):
         radius = (0.8 if index == 0 else 1.0) * TRIAD_RADIUS * size
@@ -95,15 +100,18 @@ def triad_tips(X_WF: Array, size: float) -> Array:
     return np.asarray(X_WF[..., np.newaxis, :3, 3] + lengths * axes)
 
 
-def trace_parts(paths: Sequence[Array], size: float) -> tuple[Part, ...]:
+def trace_parts(
+    paths: Sequence[Array], size: float, radius: float = TRACE_RADIUS, dash: int = DASH
+) -> tuple[Part, ...]:
     """Draw dashes along paths, (rows, 3) each [m]; what lies on earlier pieces is left out.
 
     They are thicker than the axes of frames: an axis that lies along a path is seen in the gaps.
+    The radius is in sizes of the scene; a path without gaps has a ``dash`` of 0.
     """
-    radius, parts = TRACE_RADIUS * size, list[Part]()
+    radius, parts = radius * size, list[Part]()
     for path in paths:
         for number, (start, end) in enumerate(_pieces(path, TRACE_SPACING * size)):
-            if number % DASH < DASH - 1:
+            if not dash or number % dash < dash - 1:
                 shape, pose = rod(start, end, radius)
                 parts.append(
                     Part(path=f"trace/{len(parts)}", frame=0, shape=shape, X_FP=pose, colour=TRACE)
@@ -182,6 +190,7 @@ class PlantMotion:
     shown: ShownPlant
     time: Array  # (rows,) [s], rising
     q: Array  # (rows, q) [rad or m], quaternions of what floats
+    footing: Footing | None = None  # of a robot that walks, at the same times
 
     def __post_init__(self) -> None:
         name, positions = self.shown.name, self.shown.plant.num_positions()
@@ -215,7 +224,7 @@ class PlantMotion:
         for start in self.shown.quaternions:
             even[:, start : start + 4] = without_sign_jumps(even[:, start : start + 4])
         q = np.column_stack([np.interp(time, self.time, column) for column in even.T])
-        return replace(self, time=time, q=q)
+        return replace(self, time=time, q=q, footing=self.footing and self.footing.at(time))
 
     def poses(self) -> Array:
         """Poses of all shown frames in the world, X_WF (rows, n, 4, 4)."""
@@ -393,22 +402,30 @@ class Scene:
     floor: Array  # (2, 3), opposite corners of the floor [m]
     floor_square: float  # edge of the floor's squares [m]
     size: float  # greatest edge of the box around the plant [m]
+    triads: int  # how many of the first frames have axes
+    footing: Footing | None = None  # of a robot that walks: pictures go with it, over its ground
+    whole: Array | None = None  # (n, 3), its whole walk [m]
 
     @property
     def held(self) -> Array:
-        """Points that a picture must hold, with the floor's corners, (n + 4, 3) [m]."""
+        """Points that a picture must hold, with the floor's corners, (k, 3) [m]."""
+        if self.footing is not None:
+            return np.concatenate([self.points, self.footing.under(self.points)])
         (x, y, z), (u, v, _) = self.floor
         corners = np.array([[x, y, z], [u, y, z], [x, v, z], [u, v, z]])
         return np.concatenate([self.points, corners])
 
     def framing(self, view: View) -> Framing:
-        """Find how a view sees the whole scene."""
+        """Find how a view sees the whole scene, or a robot that walks."""
         return frame(view, self.held)
 
     def hull(self) -> Array:
-        """Corners of the smallest convex body that holds the whole scene, (k, 3) [m]."""
-        points = self.held
-        return np.asarray(points[ConvexHull(points, qhull_options="QJ").vertices])
+        """Corners of the smallest convex body that holds what is framed, (k, 3) [m]."""
+        return hull_of(self.held)
+
+    def followed(self, X_WF: Array) -> Array:
+        """Poses (..., n, 4, 4), moved so that a robot that walks is over the origin."""
+        return X_WF if self.footing is None else _followed(X_WF, self.footing)
 
     def trace_points(self) -> Array:
         """Middles of the traces' dashes, (k, 3) [m]."""
@@ -416,14 +433,27 @@ class Scene:
         return np.array(middles).reshape(-1, 3)
 
 
+def hull_of(points: Array) -> Array:
+    """Corners of the smallest convex body that holds points (n, 3), (k, 3) [m]."""
+    return np.asarray(points[ConvexHull(points, qhull_options="QJ").vertices])
+
+
+def _followed(X_WF: Array, footing: Footing) -> Array:
+    found = X_WF.copy()
+    found[..., :3, 3] -= footing.under(X_WF[..., 1:2, :3, 3])
+    return found
+
+
 def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = None) -> Scene:
     """Make a scene that contains a whole motion, of one row or many.
 
     It is larger than the motion on every side by ``room``, of its size, and holds also the points
-    ``around``, (n, 3) [m], on the same floor.
+    ``around``, (n, 3) [m], on the same floor. Of a robot that walks it shows what is around it.
     """
     few = np.unique(np.linspace(0, len(motion.time) - 1, MOST_POSTURES).astype(int))
     plant, poses = motion.shown, motion.poses()
+    if motion.footing is not None:
+        return _walk_scene(plant, poses[few], motion.footing)
     seen = plant.outline(poses[few])
     size = size_of(seen)
     points = np.concatenate([seen, triad_tips(poses[few], size).reshape(-1, 3)])
@@ -445,4 +475,36 @@ def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = N
         floor=floor,
         floor_square=square,
         size=size,
+        triads=len(plant.frames),
+    )
+
+
+def _walk_scene(plant: ShownPlant, poses: Array, footing: Footing) -> Scene:
+    """Make a scene of a robot that walks: on its ground, as large in the picture as it can be."""
+    near, whole = plant.outline(_followed(poses, footing)), plant.outline(poses)
+    size, line = size_of(near), GROUND_LINE * size_of(near)
+    square = floor_square(SQUARE_SHARE * size)
+    in_ground = (footing.under(whole) - footing.X_WG[:3, 3]) @ footing.X_WG[:3, :3]
+    low = np.floor(in_ground[:, :2].min(axis=0) / square) - GROUND_AROUND
+    high = np.ceil(in_ground[:, :2].max(axis=0) / square) + GROUND_AROUND
+    floor = np.column_stack([np.array([low, high]) * square, np.full(2, -line / 2.0)])
+    grid = (
+        replace(part, X_FP=footing.X_WG @ part.X_FP) for part in floor_parts(floor, square, line)
+    )
+    paths = list(np.moveaxis(footing.feet, 1, 0))
+    return Scene(
+        shown=plant,
+        parts=(
+            *(replace(part, opacity=1.0) for part in plant.parts(size)),
+            *triad_parts(WALKING_TRIADS, size),
+            *trace_parts(paths, size, FOOT_TRACE, dash=0),
+            *grid,
+        ),
+        points=near,
+        floor=floor,
+        floor_square=square,
+        size=size,
+        triads=WALKING_TRIADS,
+        footing=footing,
+        whole=hull_of(np.concatenate([whole, footing.under(whole)])),
     )

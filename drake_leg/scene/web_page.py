@@ -30,10 +30,12 @@ from drake_leg.scene.scene import (
     VIEWS,
     Scene,
     View,
+    frame,
     triad_lengths,
 )
 from drake_leg.scene.server import MOST_PIECES
 
+ROBOT = "/drake/robot"  # in a page's tree
 Entry = tuple[str, tuple[Colour, ...]]  # of a legend: words, and the colors of what they name
 AXES: tuple[Entry, ...] = (("x", (RED,)), ("y", (GREEN,)), ("z", (BLUE,)))
 
@@ -97,9 +99,10 @@ def templates() -> Environment:
 
 def stage_data(scene: Scene, first: View) -> dict[str, Any]:
     """Collect the data that the scripts of all pages need; ``first`` is the initial view."""
-    count, lengths = len(scene.shown.frames), triad_lengths(len(scene.shown.frames), scene.size)
-    tips = [length * np.eye(3) for length in lengths]
-    held = [np.concatenate([*pair]) for pair in zip(scene.shown.held(), tips, strict=True)]
+    count, lengths = scene.triads, triad_lengths(scene.triads, scene.size)
+    held = scene.shown.held()
+    for index, length in enumerate(lengths):
+        held[index] = np.concatenate([held[index], length * np.eye(3)])
     return {
         "margin": MARGIN,
         "views": [
@@ -107,27 +110,44 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
                 "label": view.label,
                 "field": view.field,
                 "axes": view.axes.T.tolist(),  # right, up, toward the camera
-                "target": scene.framing(view).target.tolist(),
             }
             for view in VIEWS.values()
         ],
+        "targets": [scene.framing(view).target.tolist() for view in VIEWS.values()],
         "points": np.round(scene.hull(), 6).tolist(),
         "floor": round(float(scene.floor[0, 2]), 6),
         "first": list(VIEWS).index(first.name),
-        "paths": [drake_path(index) for index in range(1, count)],
+        "paths": [drake_path(index) for index in range(1, len(scene.shown.frames))],
         "triads": [f"{drake_path(index)}/triad" for index in range(count)],
-        "frames": scene.shown.names,
-        "marks": scene.shown.marks,
+        "frames": scene.shown.names[:count],
+        "marks": scene.shown.marks[:count],
         "axes": lengths,
         "placement": asdict(PLACEMENT),
         "held": [np.round(points, 6).tolist() for points in held[1:]],
         "trace": f"{drake_path(0)}/trace",
+        "walk": _walk_data(scene),
+    }
+
+
+def _walk_data(scene: Scene) -> dict[str, Any] | None:
+    """How pages follow a robot that walks, and where they see all of its way."""
+    if scene.footing is None or scene.whole is None:
+        return None
+    targets = [frame(view, scene.whole).target for view in VIEWS.values()]
+    return {
+        "path": ROBOT,
+        "origin": scene.footing.X_WG[:3, 3].tolist(),
+        "normal": scene.footing.X_WG[:3, 2].tolist(),
+        "whole": {
+            "points": np.round(scene.whole, 6).tolist(),
+            "targets": [target.tolist() for target in targets],
+        },
     }
 
 
 def drake_path(index: int) -> str:
     """Path of a shown frame in a page's tree; 0 is the world."""
-    return f"/drake/robot/frame_{index}"
+    return f"{ROBOT}/frame_{index}"
 
 
 def pose_rows(X_WF: Array) -> Array:

@@ -31,15 +31,32 @@ const stage = (() => {
       (i) => matrix[i] * x + matrix[i + 4] * y + matrix[i + 8] * z + matrix[i + 12] * w);
   }
 
+  // A picture goes with a robot that walks: all is moved so that its body is over the origin.
+  let following = data.walk !== null;
+  function shift([x, y]) {
+    if (!following) return [0, 0, 0];
+    const [p, q, r] = data.walk.origin, [a, b, c] = data.walk.normal;
+    return [-x, -y, (a * (x - p) + b * (y - q)) / c - r];
+  }
+
   let present = []; // points of the robot as it is, and what else there is to hold
+  let placed = null;
   function place(poses, more = []) {
+    placed = [poses, more];
+    const [x, y, z] = shift(poses[0]);
+    if (data.walk) {
+      viewer.handle_command({
+        type: "set_transform", path: data.walk.path, matrix: matrix([x, y, z, 1, 0, 0, 0]),
+      });
+    }
     const matrices = poses.map(matrix);
     data.paths.forEach((path, i) => {
       viewer.handle_command({ type: "set_transform", path: path, matrix: matrices[i] });
     });
     present = data.held.flatMap((corners, i) =>
-      corners.map((corner) => times(matrices[i], [...corner, 1]))).concat(more);
-    if (view && distance(view, present) > away * (1 + 1e-9)) look(data.views.indexOf(view));
+      corners.map((corner) => times(matrices[i], [...corner, 1]))).concat(more)
+      .map(([u, v, w]) => [u + x, v + y, w + z]);
+    if (view && distance(view, present) > away * (1 + 1e-9)) look(chosen);
   }
 
   function setVisible(paths, on) {
@@ -58,7 +75,8 @@ const stage = (() => {
   }
 
   // Views. Meshcat's camera has y up: x, y, z of the world are x, z, -y there.
-  let view = null;
+  let view = null, chosen = 0;
+  const seen = () => (data.walk && !following ? data.walk.whole : data);
   const buttons = data.views.map((entry, i) => {
     const button = makeButton(element("page-views"), entry.label, () => look(i));
     button.title = `Key ${i + 1}`;
@@ -78,9 +96,10 @@ const stage = (() => {
 
   let away = 0; // [m], of the camera
   function look(index) {
-    view = data.views[index];
+    chosen = index;
+    view = { ...data.views[index], target: seen().targets[index] };
     mark();
-    away = distance(view, data.points.concat(present));
+    away = distance(view, seen().points.concat(present));
     const [x, y, z] = view.target.map((part, i) => part + away * view.axes[2][i]);
     const [u, v, w] = view.target;
     Object.assign(viewer.camera, {
@@ -97,7 +116,7 @@ const stage = (() => {
   }
 
   function mark() {
-    buttons.forEach((button, i) => button.setAttribute("aria-pressed", data.views[i] === view));
+    buttons.forEach((button, i) => button.setAttribute("aria-pressed", Boolean(view) && i === chosen));
   }
 
   viewer.controls.addEventListener("start", () => { view = null; mark(); });
@@ -113,7 +132,7 @@ const stage = (() => {
   shareGestures(pane);
 
   new ResizeObserver(() => {
-    if (view) look(data.views.indexOf(view)); else viewer.set_3d_pane_size();
+    if (view) look(chosen); else viewer.set_3d_pane_size();
   }).observe(pane);
 
   const writeNames = makeNames(data, pane);
@@ -135,6 +154,16 @@ const stage = (() => {
   makeShown("Frames", data.triads).title =
     data.frames.map((name, place) => `${data.marks[place]} ${name}`).join(", ");
   makeShown("Trace", [data.trace]);
+  if (data.walk) {
+    const button = makeButton(element("page-views"), "Follow", () => {
+      following = !following;
+      button.setAttribute("aria-pressed", following);
+      if (placed) place(...placed);
+      look(chosen);
+    });
+    button.setAttribute("aria-pressed", "true");
+    button.title = "The picture goes with the robot, or holds its whole way";
+  }
 
   // Whether a key is typed into a box, or belongs to the browser.
   function isTyped(event) {
