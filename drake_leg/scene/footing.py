@@ -15,10 +15,13 @@ from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.margins import support_margin
 from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
+from drake_leg.robot.ground import Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.units import STANDARD_GRAVITY
 
 LOADED = 0.02  # of the robot's weight: a foot with less supports nothing
+BOUNCE = 0.020  # [s]: a foot that was loaded within this time supports; contacts open for moments
+EXACT = 1e-9  # [s], of rows at the ends of that time
 DOWN = np.array([0.0, 0.0, -1.0])  # along gravity, in the world
 
 
@@ -32,9 +35,10 @@ class Footing:
     time: Array  # (rows,) [s], rising
     feet: Array  # (rows, n, 3) p_WF [m]
     forces: Array  # (rows, n, 3), of the ground on the feet [N]
+    stands: NDArray[np.bool_]  # (rows, n), whether a foot carries load
     centre: Array  # (rows, 3), center of mass [m]
     weight: float  # [N]
-    X_WG: Array  # (4, 4)
+    ground: Ground
 
     @classmethod
     def of(
@@ -44,27 +48,33 @@ class Footing:
         body: Array,
         q: Array,
         forces: Array,
-        X_WG: Array,
+        ground: Ground,
     ) -> Self:
         """Make it from the body's quaternion and place in W (rows, 7), and joints (rows, 3 n).
 
         The forces (rows, n, 3) [N] are in W.
         """
-        X_WB = np.tile(np.eye(4), (len(time), 1, 1))
-        X_WB[:, :3, :3] = Rotation.from_quat(body[:, :4], scalar_first=True).as_matrix()
-        X_WB[:, :3, 3] = body[:, 4:]
+        X_WB = pose_of(body)
         feet = Legs.of(robot).feet(q.reshape(len(q), -1, 3))
         links = base_transforms(robot.rows, q)
         links = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), links], axis=1)
         centre = centres_of_mass(robot, links)[:, np.newaxis]
+        weight = total_mass(robot) * STANDARD_GRAVITY
+        pressed = forces @ np.array(ground.X_WG)[:3, 2] > LOADED * weight
         return cls(
             time=time,
             feet=_placed(X_WB, feet),
             forces=forces,
+            stands=_near(time, pressed),
             centre=_placed(X_WB, centre)[:, 0],
-            weight=total_mass(robot) * STANDARD_GRAVITY,
-            X_WG=X_WG,
+            weight=weight,
+            ground=ground,
         )
+
+    @cached_property
+    def X_WG(self) -> Array:
+        """Pose of the ground's frame, (4, 4)."""
+        return np.array(self.ground.X_WG)
 
     def at(self, time: Array) -> Self:
         """Interpolate linearly at other times, (k,) [s]."""
@@ -74,18 +84,15 @@ class Footing:
             rows = np.column_stack([np.interp(time, self.time, column) for column in columns])
             return rows.reshape(len(time), *values.shape[1:])
 
+        middles = (self.time[1:] + self.time[:-1]) / 2.0
         return replace(
             self,
             time=time,
             feet=between(self.feet),
             forces=between(self.forces),
+            stands=self.stands[np.searchsorted(middles, time)],
             centre=between(self.centre),
         )
-
-    @cached_property
-    def stands(self) -> NDArray[np.bool_]:
-        """Whether each foot carries load, (rows, n)."""
-        return np.asarray(self.forces @ self.X_WG[:3, 2] > LOADED * self.weight)
 
     @cached_property
     def below(self) -> Array:
@@ -121,6 +128,22 @@ class Footing:
         normal = self.X_WG[:3, 2]
         over = (place - self.X_WG[:3, 3]) @ normal
         return np.asarray(place - (over / (DOWN @ normal))[..., np.newaxis] * DOWN)
+
+
+def pose_of(body: Array) -> Array:
+    """Pose (rows, 4, 4) of a body, from its quaternion and place, (rows, 7)."""
+    X = np.tile(np.eye(4), (len(body), 1, 1))
+    X[:, :3, :3] = Rotation.from_quat(body[:, :4], scalar_first=True).as_matrix()
+    X[:, :3, 3] = body[:, 4:]
+    return X
+
+
+def _near(time: Array, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether flags (rows, n) are set at some time within ``BOUNCE`` of each row."""
+    before = np.vstack([np.zeros((1, flags.shape[1]), dtype=int), np.cumsum(flags, axis=0)])
+    first = np.searchsorted(time, time - BOUNCE - EXACT)
+    last = np.searchsorted(time, time + BOUNCE + EXACT)
+    return np.asarray(before[last] > before[first])
 
 
 def _placed(X: Array, points: Array) -> Array:

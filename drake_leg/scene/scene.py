@@ -19,6 +19,8 @@ from drake_leg.colours import PURPLE, rgb
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.chain import require_radians
 from drake_leg.kinematics.khalil import Array, one_vector, real_numbers
+from drake_leg.robot.ground import FLAT as LEVEL
+from drake_leg.robot.ground import Ground
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.closed import closing
@@ -32,6 +34,7 @@ from drake_leg.scene.shown_plant import (
     shown,
     size_of,
 )
+from drake_leg.scene.walked import walked
 from drake_leg.simulation.recording import Recording, without_sign_jumps
 from drake_leg.simulation.run import Run
 from drake_leg.units import ANGLE_UNITS, LENGTH_UNITS, TIME_UNITS
@@ -55,7 +58,9 @@ DASH = 3  # pieces of a trace from one dash to the next; the last of them is the
 OF_JOINTS = ("joint positions", "q")  # names of their scope, in the diagrams of this package
 # Of a robot that walks, in sizes of it: lines on the ground, squares, traces of the feet.
 GROUND_LINE, SQUARE_SHARE, FOOT_TRACE = 0.004, 1.5, 0.003
+CLEAR = 0.6  # opacity of the body
 GROUND_AROUND = 2  # squares of the ground beyond the walk
+STONE, DEPTH = (0.80, 0.79, 0.76), 0.002  # of steps and blocks; how deep they go below the grid [m]
 WALKING_TRIADS = 2  # of the world and the body
 MOST_PIECES = 5000  # of a trace before those that lie on others are left out
 
@@ -251,8 +256,11 @@ def at_rest(what: Showable, q: ArrayLike | None = None) -> PlantMotion:
     return PlantMotion(shown=plant, time=np.zeros(1), q=posture.reshape(1, -1))
 
 
-def motion_of(what: Showable, record: Record) -> PlantMotion:
+def motion_of(what: Showable, record: Record, *, ground: Ground = LEVEL) -> PlantMotion:
     """Read a plant's motion from a recording or a log.
+
+    A robot with legs walks on a ground; its recording has ``x``, ``y``, ``z`` and ``qw`` to ``qz``
+    of the body, in the ground's frame, and the forces on its feet.
 
     A recording has ``time`` and ``q1``, ``q2`` and so on, or ``q`` where there is one joint, in the
     units of their headers, or in SI where these name none. Where the tip was recorded too, in
@@ -262,8 +270,13 @@ def motion_of(what: Showable, record: Record) -> PlantMotion:
     if isinstance(record, PlantMotion):
         return record
     plant = shown(what)
-    recording = _of_scopes(record) if isinstance(record, Run) else record
-    recording = getattr(recording, "recording", recording)
+    recording = getattr(record, "recording", record)
+    if isinstance(what, Robot) and isinstance(recording, Run | Recording):
+        found = walked(what, recording, ground)
+        if found is not None:
+            q = plant.whole(found.body, found.q)
+            return PlantMotion(shown=plant, time=found.time, q=q, footing=found.footing)
+    recording = _of_scopes(recording) if isinstance(recording, Run) else recording
     if isinstance(recording, Recording):
         return _recorded(plant, recording)
     if isinstance(record, VectorLog):
@@ -481,7 +494,9 @@ def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = N
 
 def _walk_scene(plant: ShownPlant, poses: Array, footing: Footing) -> Scene:
     """Make a scene of a robot that walks: on its ground, as large in the picture as it can be."""
-    near, whole = plant.outline(_followed(poses, footing)), plant.outline(poses)
+    moving = _followed(poses, footing)
+    moving[:, 0] = moving[:, 1]  # the world's origin stays behind
+    near, whole = plant.outline(moving), plant.outline(poses)
     size, line = size_of(near), GROUND_LINE * size_of(near)
     square = floor_square(SQUARE_SHARE * size)
     in_ground = (footing.under(whole) - footing.X_WG[:3, 3]) @ footing.X_WG[:3, :3]
@@ -489,13 +504,17 @@ def _walk_scene(plant: ShownPlant, poses: Array, footing: Footing) -> Scene:
     high = np.ceil(in_ground[:, :2].max(axis=0) / square) + GROUND_AROUND
     floor = np.column_stack([np.array([low, high]) * square, np.full(2, -line / 2.0)])
     grid = (
-        replace(part, X_FP=footing.X_WG @ part.X_FP) for part in floor_parts(floor, square, line)
+        replace(part, X_FP=footing.X_WG @ part.X_FP)
+        for part in (*floor_parts(floor, square, line), *_stones(footing.ground, floor))
     )
     paths = list(np.moveaxis(footing.feet, 1, 0))
     return Scene(
         shown=plant,
         parts=(
-            *(replace(part, opacity=1.0) for part in plant.parts(size)),
+            *(
+                replace(part, opacity=1.0 if part.frame > 1 else CLEAR)
+                for part in plant.parts(size)
+            ),
             *triad_parts(WALKING_TRIADS, size),
             *trace_parts(paths, size, FOOT_TRACE, dash=0),
             *grid,
@@ -508,3 +527,22 @@ def _walk_scene(plant: ShownPlant, poses: Array, footing: Footing) -> Scene:
         footing=footing,
         whole=hull_of(np.concatenate([whole, footing.under(whole)])),
     )
+
+
+def _clear(part: Part) -> float:
+    """Opacity of a part of a robot that walks: the axes in its body are seen."""
+    return CLEAR if part.frame < WALKING_TRIADS else 1.0
+
+
+def _stones(ground: Ground, floor: Array) -> Iterator[Part]:
+    """Draw steps and blocks between the corners of the floor, (2, 3) [m], in the ground's frame."""
+    if ground.steps is None and ground.blocks is None:
+        return
+    for number, slab in enumerate(ground.slabs()):
+        low, high = np.array(slab)
+        low[:2], high[:2] = np.maximum(low[:2], floor[0, :2]), np.minimum(high[:2], floor[1, :2])
+        low[2] = min(-DEPTH, high[2] - DEPTH)
+        if (low < high).all() and high[2] != 0.0:
+            X_GS = RigidTransform((low + high) / 2.0).GetAsMatrix4()
+            box = Box(*(high - low))
+            yield Part(path=f"floor/stone{number}", frame=0, shape=box, X_FP=X_GS, colour=STONE)

@@ -217,6 +217,18 @@ class ShownPlant:
         posture[self.joints] = one_vector("q", given, len(self.joints))
         return posture
 
+    def whole(self, body: Array, q: Array) -> Array:
+        """All positions (rows, q) of a floating robot.
+
+        From its base's quaternion and place (rows, 7), and its joints' (rows, n) in the table's
+        order.
+        """
+        found = np.tile(self.default, (len(body), 1))
+        start = self.quaternions[0]
+        found[:, start : start + 7] = body
+        found[:, self.joints] = q
+        return found
+
     def positions(self, q: ArrayLike | None) -> Array:
         """Check joint positions, (..., q); None stands for the plant's default ones."""
         if q is None:
