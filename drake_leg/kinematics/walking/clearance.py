@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_leg.kinematics.khalil import Array, base_transforms
+from drake_leg.kinematics.khalil import Array, base_transforms, row_transform
 from drake_leg.robot.robot import Link, Robot
 from drake_leg.robot.solids import Brick, Cylinder, Solid
 
@@ -35,13 +35,14 @@ class Capsules(NamedTuple):
 def capsules_of(robot: Robot) -> Capsules:
     """Capsules around the solids of all legs; a link without a solid is a line to its end.
 
-    The capsule of a brick is along its longest edge, and around all its other edges.
+    The capsule of a brick is along its longest edge, and around all its other edges. One that is
+    inside of another one of the same body, as the ball of a foot in the tibia's, is left out.
     """
     found = [
         (row, link.name, leg, *_capsule(link))
         for leg, tip in enumerate(robot.tips.values())
         for row in robot.path(tip)
-        if (link := robot.segments[row - 1].link) is not None
+        if (link := robot.segments[row - 1].link) is not None and not _is_inside(robot, row, link)
     ]
     rows, names, legs, ends, radii = zip(*found, strict=True)
     beside = _neighbours(robot)
@@ -82,6 +83,18 @@ def _capsule(link: Link) -> tuple[Array, float]:
         radius = shape.radius
     centre = np.array(solid.centre)
     return np.array([centre - half, centre + half]), radius
+
+
+def _is_inside(robot: Robot, row: int, link: Link) -> bool:
+    """Whether the capsule of a fixed row's link is inside of that of the row before."""
+    own, before = robot.rows[row - 1], robot.antecedents[row - 1]
+    carrier = robot.segments[before - 1].link if before else None
+    if own.joint != "fixed" or carrier is None:
+        return False
+    (ends, radius), (around, wide) = _capsule(link), _capsule(carrier)
+    X = row_transform(own)
+    points = (ends @ X[:3, :3].T + X[:3, 3])[:, np.newaxis].repeat(2, axis=1)
+    return bool((segment_distance(points, around) + radius <= wide).all())
 
 
 def lowest(solid: Solid, X: Array) -> Array:

@@ -1,5 +1,6 @@
 """Distances between the legs, as capsules around their links."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -38,14 +39,23 @@ def test_distances_of_segments_are_the_least_of_all_their_points():
 
 def test_capsules_hold_the_solids_of_the_legs():
     capsules = capsules_of(HEXABOT)
-    assert capsules.legs == tuple(leg for leg in range(6) for _ in range(4))
-    assert capsules.names[:4] == tuple(
-        f"left_front_{link}" for link in ("coxa", "femur", "tibia", "foot")
-    )
+    # The balls of the feet are inside of the tibias' capsules.
+    assert capsules.legs == tuple(leg for leg in range(6) for _ in range(3))
+    assert capsules.names[:3] == tuple(f"left_front_{link}" for link in ("coxa", "femur", "tibia"))
     # A femur is 100 mm long; its corners are 12 and 15 mm from its axis.
     assert capsules.ends[1] == pytest.approx(np.array([(0.0, 0.0, 0.0), (0.1, 0.0, 0.0)]))
     assert capsules.radii[1] == pytest.approx(np.hypot(0.012, 0.015))
-    assert capsules.radii[3] == 0.006
+
+
+def test_a_ball_that_is_larger_than_its_leg_has_a_capsule():
+    segments = list(HEXABOT.segments)
+    foot = segments[3]
+    ball = replace(foot.link.solid, shape=Sphere(radius=0.03))
+    segments[3] = replace(foot, link=replace(foot.link, solid=ball))
+    capsules = capsules_of(replace(HEXABOT, segments=tuple(segments)))
+    assert capsules.names[3] == "left_front_foot"
+    assert capsules.radii[3] == 0.03
+    assert len(capsules.names) == 19
 
 
 def test_pairs_are_of_legs_that_follow_each_other_around_the_body():
@@ -53,7 +63,7 @@ def test_pairs_are_of_legs_that_follow_each_other_around_the_body():
     legs = np.array(capsules.legs)[capsules.pairs]
     beside = {tuple(sorted(pair)) for pair in legs.tolist()}
     assert beside == {(0, 1), (1, 2), (3, 4), (4, 5), (0, 3), (2, 5)}
-    assert len(capsules.pairs) == 6 * 4 * 4
+    assert len(capsules.pairs) == 6 * 3 * 3
 
 
 def test_the_lowest_point_of_a_solid_is_that_of_its_corners_or_rims():
@@ -86,7 +96,7 @@ def test_legs_that_are_stretched_side_by_side_are_as_far_apart_as_their_hips():
     capsules = capsules_of(robot)
     X_B = base_transforms(robot.rows, np.zeros((2, 6)))
     gaps = gaps_between_legs(capsules, X_B)
-    assert gaps.shape == (2, 16)
+    assert gaps.shape == (2, 9)
     thick = 2.0 * np.hypot(0.012, 0.015)
     assert gaps.min(axis=1) == pytest.approx(0.2 - thick, abs=1e-15)
     # The legs turn towards each other until they cross.
