@@ -176,6 +176,16 @@ class RunOptions:
 
     duration: float = option(20.0, DURATION, "s")
     gravity: float = option(STANDARD_GRAVITY, "gravity, along -z", "m/s^2")
+
+    def __post_init__(self) -> None:
+        for each in dataclasses.fields(self):
+            setattr(self, each.name, converted(each, getattr(self, each.name)))
+
+
+@dataclass(kw_only=True)
+class IntegratedOptions(RunOptions):
+    """Options of every run that an integrator steps."""
+
     integrator: str = option("runge_kutta5", f"one of {', '.join(INTEGRATORS)}")
     accuracy: float | None = option(
         None, "relative accuracy of error control", shown="none, the steps are fixed"
@@ -188,10 +198,6 @@ class RunOptions:
         "a pendulum's 0.002",
     )
 
-    def __post_init__(self) -> None:
-        for each in dataclasses.fields(self):
-            setattr(self, each.name, converted(each, getattr(self, each.name)))
-
     def integrator_settings(self, default_step: float) -> IntegratorSettings:
         """Return the integrator's settings; ``default_step`` [s] is the longest step by default."""
         return IntegratorSettings(
@@ -202,7 +208,7 @@ class RunOptions:
 
 
 @dataclass(kw_only=True)
-class DampingOptions(RunOptions):
+class DampingOptions(IntegratedOptions):
     """Options of every run whose robot comes with this package."""
 
     damping: float | None = option(None, DAMPING, shown="0")
@@ -224,7 +230,7 @@ class DampingOptions(RunOptions):
 
 
 @dataclass(kw_only=True)
-class StepOptions(RunOptions):
+class StepOptions(IntegratedOptions):
     """Options of every run whose foot or tool follows a sine."""
 
     q0: list[float] | None = option(
@@ -416,7 +422,7 @@ class OwnOptions(StraightOptions):
 
 
 @dataclass(kw_only=True)
-class LoopOptions(RunOptions):
+class LoopOptions(IntegratedOptions):
     """The motion of a robot with closed loops."""
 
     q0: list[float] | None = option(

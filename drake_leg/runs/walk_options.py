@@ -1,0 +1,238 @@
+"""The options of a walk, in the units and under the names of the command line.
+
+What an option takes follows from the annotation of its field, as in ``options.py``.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from drake_leg.errors import InvalidValueError, did_you_mean
+from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, Walk
+from drake_leg.kinematics.walking.plan import walk_of
+from drake_leg.robot.file_names import ENDINGS, is_robot_file
+from drake_leg.robot.hexapods import HEXAPODS
+from drake_leg.robot.robot import Robot
+from drake_leg.robot.servos import SERVOS, Servo, load_servo
+from drake_leg.runs.options import RunOptions, option
+from drake_leg.units import require_positive
+
+ROBOTS = {robot.name.replace("_", "-"): robot for robot in HEXAPODS}
+SWING = 0.5  # [s], about as long as a swing lasts by default
+STANDS = 0.5  # [s], for which the robot stands first
+RAMP = 1.0  # [s], in which it gets its speed, and stops
+AFTER = 1.0  # [s], for which it stands at the end
+WALKING = 10.0  # [s], by default
+
+
+@dataclass(kw_only=True)
+class WalkOptions(RunOptions):
+    """A robot with legs walks."""
+
+    duration: float | None = option(  # type: ignore[assignment]
+        None, "simulated time", "s", shown="10, or until `distance` or `angle` is walked"
+    )
+    robot: str = option(
+        "hexabot", f"that walks: {', '.join(ROBOTS)}, or a TOML or .par file of one's own"
+    )
+    gait: str = option("tripod", f"one of {', '.join(GAITS)}, or own, with `phases` and `duty`")
+    phases: list[float] | None = option(
+        None, "of an own gait: when each leg's stance begins, 0 to 1", shown="none"
+    )
+    duty: float | None = option(
+        None, "how much of the period a foot stands, 0 to 1", shown="that of the gait"
+    )
+    period: float | None = option(
+        None, "of the gait", "s", shown="tripod 1, the ripple gaits 1.5, wave 3"
+    )
+    speed: float | None = option(None, "of the body, forward", "m/s", shown="0.1, unless another")
+    sideways: float = option(0.0, "speed of the body to the left", "m/s")
+    turn: float = option(0.0, "angular speed of the body to the left", "deg/s")
+    distance: float | None = option(
+        None, "that the body goes before it stops", "m", shown="none, it does not stop"
+    )
+    angle: float | None = option(
+        None, "by which the body turns before it stops", "deg", shown="none, it does not stop"
+    )
+    height: float | None = option(
+        None, "of the body over the ground", "m", shown="that of the robot's starting posture"
+    )
+    lift: float = option(0.03, "height of a swing", "m")
+    roll: float = option(0.0, "of the body, its right side down", "deg")
+    pitch: float = option(0.0, "of the body, its front down", "deg")
+    shift: list[float] | None = option(
+        None, "of the body over its feet: forward, to the left", "m", shown="0,0"
+    )
+    servo: str = option("ideal", f"at every joint: {', '.join(SERVOS)}, or a TOML file")
+    gain: float | None = option(
+        None, "Position P Gain of a DYNAMIXEL servo, 1 to 16383", shown="that of the servo"
+    )
+    effort: float | None = option(
+        None, "greatest torque of a servo", "N*m", shown="its stall torque"
+    )
+    feed_forward: str = option(
+        "full", "what the servos are told of their load: full, gravity or none"
+    )
+    feedback: float | None = option(
+        None,
+        "rate at which the body is brought back to its planned pose",
+        "1/s",
+        shown="none, open loop",
+    )
+    payload: float = option(0.0, "on the body, of which the plan does not know", "kg")
+    push: float | None = option(
+        None, "change of the robot's speed by a push of 50 ms", "m/s", shown="none"
+    )
+    push_at: float = option(3.0, "when the push begins", "s")
+    push_direction: float = option(90.0, "of the push: 0 forward, 90 to the left", "deg")
+    time_step: float = option(0.005, "of the simulation: the rows of recording.csv", "s")
+    stiffness: float = option(5e4, "of a foot's contact", "N/m")
+    foot_radius: float = option(0.0, "of a foot's ball, which rolls; 0 is a point", "m")
+    friction: float = option(0.8, "coefficient of the ground")
+
+    def __post_init__(self) -> None:
+        RunOptions.__post_init__(self)
+        if self.speed is None:
+            self.speed = 0.0 if self.sideways or self.turn else 0.1
+        if self.duration is None:
+            self.duration = WALKING if self.ends is None else self.ends + RAMP + AFTER
+
+    @property
+    def the_robot(self) -> Robot:
+        """The robot that walks."""
+        if self.robot in ROBOTS:
+            return ROBOTS[self.robot]
+        if is_robot_file(self.robot):
+            from drake_leg.robot.robot_file import load_robot  # with readers that help does not need
+
+            return load_robot(self.robot)
+        own = f"the robots are {', '.join(ROBOTS)}; one of your own is a file ending in {ENDINGS}"
+        raise InvalidValueError(
+            f"there is no robot {self.robot!r}", advice=did_you_mean(self.robot, ROBOTS, own)
+        )
+
+    @property
+    def the_gait(self) -> Gait:
+        """The gait, by its name or by its phases."""
+        if self.gait == "own":
+            if self.phases is None or self.duty is None:
+                raise InvalidValueError(
+                    "an own gait needs `phases` and `duty`, as `phases=[0, 0.5, 0, 0.5, 0, 0.5]` "
+                    "and `duty=0.6`"
+                )
+            phases = tuple(self.phases)
+            return Gait(name="own", phases=phases, duty=self.duty, source="the user's table")
+        if self.gait not in GAITS:
+            raise InvalidValueError(
+                f"there is no gait {self.gait!r}; the gaits are {', '.join(GAITS)}, and own",
+                advice=did_you_mean(self.gait, [*GAITS, "own"]),
+            )
+        if self.phases is not None:
+            raise InvalidValueError(
+                f"the gait {self.gait} has phases of its own: leave `phases` out, or give "
+                "`gait='own'`"
+            )
+        gait = GAITS[self.gait]
+        return gait if self.duty is None else replace(gait, duty=self.duty)
+
+    @property
+    def the_period(self) -> float:
+        """Of the gait [s]; by default the half second in which swings last about ``SWING``."""
+        if self.period is not None:
+            require_positive("the period", self.period, "s")
+            return self.period
+        return max(1.0, round(2.0 * SWING / (1.0 - self.the_gait.duty)) / 2.0)
+
+    @property
+    def the_servo(self) -> Servo:
+        """The servo at every joint."""
+        if self.servo in SERVOS:
+            servo = SERVOS[self.servo]
+        elif Path(self.servo).suffix.lower() == ".toml":
+            servo = load_servo(self.servo)
+        else:
+            raise InvalidValueError(
+                f"there is no servo {self.servo!r}",
+                advice=did_you_mean(
+                    self.servo,
+                    SERVOS,
+                    f"the servos are {', '.join(SERVOS)}; one of your own is a file ending in .toml",
+                ),
+            )
+        if self.gain is not None:
+            servo = servo.with_gain(self.gain)
+        if self.effort is None:
+            return servo
+        require_positive("the effort", self.effort, "N*m")
+        # The motor's line keeps its slope.
+        slope = servo.back_emf_damping
+        return replace(servo, stall_torque=self.effort, no_load_speed=self.effort / slope)
+
+    @property
+    def starts(self) -> float:
+        """When the body begins to move [s]: when all feet have stood."""
+        return max(STANDS, self.the_period * (1.0 - self.the_gait.duty / 2.0))
+
+    @property
+    def ends(self) -> float | None:
+        """When the body begins to stop [s], if a distance or an angle is given."""
+        if self.distance is not None and self.angle is not None:
+            raise InvalidValueError("give a distance or an angle, not both")
+        speed, turning = math.hypot(self.speed or 0.0, self.sideways), abs(self.turn)
+        for way, rate, what, of in (
+            (self.distance, speed, "distance", "speed"),
+            (self.angle, turning, "angle", "turn"),
+        ):
+            if way is None:
+                continue
+            require_positive(f"the {what}", way, "m" if what == "distance" else "deg")
+            if rate == 0.0:
+                raise InvalidValueError(
+                    f"the {what} is {way:g} and the {of} is 0, so that it takes forever: give "
+                    f"`{of}`, too"
+                )
+            return self.starts + way / rate
+        return None
+
+    def the_walk(self) -> Walk:
+        """Plan the walk.
+
+        Raises
+        ------
+        InvalidValueError
+            If an option makes no sense.
+        """
+        ends = self.ends
+        command = Command(
+            forward=self.speed or 0.0,
+            sideways=self.sideways,
+            turning=math.radians(self.turn),
+            start=self.starts,
+            end=math.inf if ends is None else ends,
+            ramp=RAMP,
+        )
+        shift = [0.0, 0.0] if self.shift is None else self.shift
+        if len(shift) != 2:
+            raise InvalidValueError(
+                f"shift is {shift}; it must be two numbers in m: forward, to the left"
+            )
+        attitudes = []
+        if self.roll or self.pitch or any(shift):
+            attitudes.append(
+                Attitude(
+                    roll=math.radians(self.roll),
+                    pitch=math.radians(self.pitch),
+                    shift=(shift[0], shift[1], 0.0),
+                    lasting=STANDS,
+                )
+            )
+        return walk_of(
+            self.the_robot,
+            self.the_gait,
+            period=self.the_period,
+            lift=self.lift,
+            commands=(command,) if command.twist.any() else (),
+            attitudes=attitudes,
+            height=self.height,
+            foot_height=self.foot_radius,
+        )
