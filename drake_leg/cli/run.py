@@ -143,6 +143,8 @@ def _status(summary: Mapping[str, Any], folder: ResultsFolder, pictures: Picture
         status = fail(f"the data in {folder.path} are whole", FAILED)
     if folder.remark:
         status = fail(folder.remark, BAD_INPUT)
+    if summary.get("fell"):
+        status = fail(f"the robot fell at {summary['fell_at_s']:.3g} s", STOPPED_EARLY)
     if summary["stop_reason"] is None:
         return status
     interrupted = summary["stop_reason"] == "interrupted"
@@ -163,6 +165,11 @@ def _quality(summary: Mapping[str, Any]) -> str:
             f", foot up to {farthest:.3g} m from its command, farther than "
             f"{1e3 * summary['off_command_m']:g} mm for "
             f"{summary['time_off_command_s']:.3g} s"
+        )
+    if "commanded_distance_m" in summary:
+        return (
+            f", {summary['distance_m']:.4g} m of {summary['commanded_distance_m']:.4g} m walked, "
+            f"heading off by {summary['heading_error_deg']:.2g} deg"
         )
     if "max_closure_m" in summary:
         return f", loops closed to {summary['max_closure_m']:.1e} m"

@@ -33,10 +33,12 @@ from pydrake.systems.primitives import (
 )
 
 from drake_leg.arguments import checked, require_fields
+from drake_leg.diagrams.disturbance import add_push
 from drake_leg.diagrams.mechanism import add_scope
 from drake_leg.diagrams.wiring import built, plant_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.motions import Push
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import planned_torques
@@ -73,10 +75,14 @@ class HexapodConfig:
         What the servos are told of the planned load: weight and inertia, weight alone, or nothing.
     feedback : float, optional
         Rate at which an error of the body's pose decays [1/s]; by default nothing is fed back.
-    contact : Contact
-        Of the feet with the ground.
     ground : Ground
-        With its friction; the walk is planned in its frame.
+        Its slope, friction, and what lies on it.
+    contact : Contact
+        Of the feet.
+    payload : float
+        On the body, of which the feed-forward does not know [kg].
+    push : Push, optional
+        At the body, in the world's frame.
     time_step : float
         Of the plant and of all signals [s].
     gravity : float
@@ -93,8 +99,10 @@ class HexapodConfig:
     servo: Servo = IDEAL
     feed_forward: str = FULL
     feedback: float | None = None  # [1/s]
-    contact: Contact = POINT_FEET
     ground: Ground = FLAT
+    contact: Contact = POINT_FEET
+    payload: float = 0.0  # [kg]
+    push: Push | None = None
     time_step: float = TIME_STEP  # [s]
     gravity: float = STANDARD_GRAVITY  # [m/s^2]
 
@@ -147,7 +155,7 @@ class HexapodConfig:
             self.walk,
             times,
             self.servo,
-            gravity=tuple(-self.gravity * self.X_WG[2, :3]),
+            gravity=-self.gravity * self.X_WG[2, :3],
             inertia=self.feed_forward == FULL,
         )
 
@@ -184,8 +192,9 @@ def build(config: HexapodConfig) -> Diagram:
         config.robot,
         time_step=config.time_step,
         servo=config.servo,
-        contact=config.contact,
         ground=config.ground,
+        contact=config.contact,
+        payload=config.payload,
         gravity=config.gravity,
     )
     plant = walker.plant
@@ -221,6 +230,10 @@ def build(config: HexapodConfig) -> Diagram:
     builder.Connect(wanted.get_output_port(), walker.servos.desired_state)
     builder.Connect(forward.GetOutputPort("torque"), walker.servos.actuation)
     builder.Connect(plant.get_state_output_port(walker.instance), sensed.get_input_port())
+
+    if config.push is not None:
+        body = plant.GetFrameByName(config.robot.base_name)
+        add_push(builder, plant, body, config.push)
 
     _add_scopes(builder, walker, sensed, wanted)
     return built(builder)

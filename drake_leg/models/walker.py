@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
 from pydrake.geometry import AddContactMaterial, ProximityProperties, SceneGraph, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
@@ -14,7 +15,7 @@ from pydrake.multibody.plant import (
     DiscreteContactApproximation,
     MultibodyPlant,
 )
-from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains
+from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains, SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
@@ -30,6 +31,7 @@ TIME_STEP = 0.005  # [s]
 # SAP makes stiff contacts softer, in proportion to this number, than they are: at Drake's own
 # value, 1, a robot of 2 kg sinks by millimeters and slips.
 NEAR_RIGID = 0.01
+RIGID = 1e6  # times as stiff as a foot is the ground
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,8 +64,9 @@ def add_walker(
     *,
     time_step: float = TIME_STEP,
     servo: Servo = IDEAL,
-    contact: Contact = POINT_FEET,
     ground: Ground = FLAT,
+    contact: Contact = POINT_FEET,
+    payload: float = 0.0,
     gravity: float = STANDARD_GRAVITY,
 ) -> Walker:
     """Add a discrete plant of a floating robot on the ground, and its SceneGraph.
@@ -71,6 +74,7 @@ def add_walker(
     Each joint has a servo: Drake's implicit position controller with the motor's torque-speed line
     and its gear's friction; its ``desired_state`` and ``actuation`` ports (the feed-forward) are
     still to be connected.
+    A payload [kg] is a point on the body, at its frame's origin.
 
     Raises
     ------
@@ -79,6 +83,7 @@ def add_walker(
     """
     require_positive("the time step", time_step, "s")
     require_non_negative("gravity", gravity, "m/s^2")
+    require_non_negative("the payload", payload, "kg")
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
     plant.set_name(robot.name)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
@@ -87,7 +92,9 @@ def add_walker(
     parser.SetStrictParsing()
     try:
         (instance,) = parser.AddModelsFromString(sdf_text(robot), "sdf")
-        _touch(plant, robot, contact, ground)
+        if payload:
+            _load(plant, robot, payload)
+        _touch(plant, robot, ground, contact)
         _drive(plant, servo)
         add_gear_friction(plant, servo)
         plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
@@ -98,7 +105,13 @@ def add_walker(
     return Walker(plant, scene_graph, instance, servo_ports(builder, plant, instance, servo))
 
 
-def _touch(plant: MultibodyPlant, robot: Robot, contact: Contact, ground: Ground) -> None:
+def _load(plant: MultibodyPlant, robot: Robot, payload: float) -> None:
+    """Put a point mass [kg] on the body."""
+    load = plant.AddRigidBody("payload", SpatialInertia.PointMass(payload, np.zeros(3)))
+    plant.WeldFrames(plant.GetFrameByName(robot.base_name), load.body_frame())
+
+
+def _touch(plant: MultibodyPlant, robot: Robot, ground: Ground, contact: Contact) -> None:
     """Let the feet and the ground collide."""
     properties = ProximityProperties()
     friction = CoulombFriction(ground.friction, ground.friction)
@@ -108,7 +121,7 @@ def _touch(plant: MultibodyPlant, robot: Robot, contact: Contact, ground: Ground
         ball = Sphere(contact.foot_radius)
         plant.RegisterCollisionGeometry(foot, RigidTransform(), ball, f"{tip}_contact", properties)
     rigid = ProximityProperties()
-    AddContactMaterial(None, 1e6 * contact.stiffness, friction, rigid)
+    AddContactMaterial(None, RIGID * contact.stiffness, friction, rigid)
     add_ground(plant, ground, rigid)
 
 

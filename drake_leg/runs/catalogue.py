@@ -29,6 +29,7 @@ from drake_leg.runs.options import (
     ScaraOptions,
     SpringPendulumOptions,
 )
+from drake_leg.runs.walk_options import WalkOptions
 
 if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 STEP = "the step"
 LOOPS = "its loops closed"
+WALK = "walking on the ground"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,6 +72,8 @@ class RunKind:
 
     def robot(self, options: Any) -> Robot:  # noqa: ANN401
         """Return the robot that moves."""
+        if isinstance(options, WalkOptions):
+            return options.the_robot
         tip = options.tip if isinstance(options, OwnOptions) else None
         if self.own is not None and self.own.loops:
             return self.own
@@ -85,6 +89,7 @@ class RunKind:
     def _module(self) -> Any:  # noqa: ANN401
         name = "pendulum" if issubclass(self.options, PendulumOptions) else "step"
         name = "closed_loop" if issubclass(self.options, LoopOptions) else name
+        name = "walk" if issubclass(self.options, WalkOptions) else name
         return import_module(f"drake_leg.runs.{name}")
 
 
@@ -102,6 +107,7 @@ RUNS = {
     "scara": RunKind(
         title="SCARA arm", motion="the straight line", shows="B 1", options=ScaraOptions
     ),
+    "hexapod": RunKind(title="Hexapod", motion=WALK, options=WalkOptions),
 }
 
 

@@ -8,9 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drake_leg.errors import InvalidValueError, did_you_mean
+from drake_leg.kinematics.motions import Push
 from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, Walk
 from drake_leg.kinematics.walking.plan import walk_of
+from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.robot.file_names import ENDINGS, is_robot_file
+from drake_leg.robot.ground import Blocks, Ground, Steps
 from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import SERVOS, Servo, load_servo
@@ -23,6 +26,8 @@ STANDS = 0.5  # [s], for which the robot stands first
 RAMP = 1.0  # [s], in which it gets its speed, and stops
 AFTER = 1.0  # [s], for which it stands at the end
 WALKING = 10.0  # [s], by default
+AHEAD = 0.30  # [m], from where the body starts to stairs or blocks
+PUSH_LASTS = 0.050  # [s]
 
 
 @dataclass(kw_only=True)
@@ -89,6 +94,17 @@ class WalkOptions(RunOptions):
     stiffness: float = option(5e4, "of a foot's contact", "N/m")
     foot_radius: float = option(0.0, "of a foot's ball, which rolls; 0 is a point", "m")
     friction: float = option(0.8, "coefficient of the ground")
+    slope: float = option(0.0, "of the ground, upwards along the way", "deg")
+    across: float = option(0.0, "of the ground across the way, its left side up", "deg")
+    steps: float | None = option(
+        None, "height of stairs across the way; negative: down", "m", shown="none"
+    )
+    step_count: float = option(3.0, "how many stairs there are")
+    step_run: float = option(0.2, "from one stair to the next", "m")
+    blocks: float | None = option(
+        None, "greatest height of a field of random blocks", "m", shown="none"
+    )
+    seed: float = option(0.0, "of the random blocks")
 
     def __post_init__(self) -> None:
         RunOptions.__post_init__(self)
@@ -103,7 +119,9 @@ class WalkOptions(RunOptions):
         if self.robot in ROBOTS:
             return ROBOTS[self.robot]
         if is_robot_file(self.robot):
-            from drake_leg.robot.robot_file import load_robot  # with readers that help does not need
+            from drake_leg.robot.robot_file import (
+                load_robot,
+            )  # with readers that help does not need
 
             return load_robot(self.robot)
         own = f"the robots are {', '.join(ROBOTS)}; one of your own is a file ending in {ENDINGS}"
@@ -167,6 +185,34 @@ class WalkOptions(RunOptions):
         # The motor's line keeps its slope.
         slope = servo.back_emf_damping
         return replace(servo, stall_torque=self.effort, no_load_speed=self.effort / slope)
+
+    @property
+    def the_ground(self) -> Ground:
+        """The ground; stairs or blocks begin ``AHEAD`` of the body's start."""
+        steps = blocks = None
+        if self.steps is not None:
+            count = _whole("step_count", self.step_count)
+            steps = Steps(height=self.steps, run=self.step_run, start=AHEAD, count=count)
+        if self.blocks is not None:
+            blocks = Blocks(height=self.blocks, start=AHEAD, seed=_whole("seed", self.seed))
+        return Ground(
+            slope=math.radians(self.slope),
+            across=math.radians(self.across),
+            friction=self.friction,
+            steps=steps,
+            blocks=blocks,
+        )
+
+    @property
+    def the_push(self) -> Push | None:
+        """The push on the body, in the world's frame."""
+        if self.push is None:
+            return None
+        weight = total_mass(self.the_robot) + self.payload
+        strength = self.push * weight * math.pi / (2.0 * PUSH_LASTS)
+        angle = math.radians(self.push_direction)
+        force = (strength * math.cos(angle), strength * math.sin(angle), 0.0)
+        return Push(force=force, at=self.push_at, lasting=PUSH_LASTS)
 
     @property
     def starts(self) -> float:
@@ -236,3 +282,9 @@ class WalkOptions(RunOptions):
             height=self.height,
             foot_height=self.foot_radius,
         )
+
+
+def _whole(name: str, value: float) -> int:
+    if value != int(value) or value < 0.0:
+        raise InvalidValueError(f"{name} is {value:g}; it must be a whole number, not negative")
+    return int(value)

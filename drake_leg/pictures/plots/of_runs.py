@@ -19,7 +19,7 @@ from drake_leg.simulation.recording import Recording
 
 LEG_JOINTS = {1: "hip", 2: "knee", 3: "ankle"}
 
-Subject = Literal["swing", "foot", "tool", "loops"]  # what a run shows
+Subject = Literal["swing", "foot", "tool", "loops", "walk"]  # what a run shows
 
 Named = Iterator[tuple[str, Callable[[], Figure]]]
 
@@ -37,6 +37,8 @@ def figures_of_run(
         yield from _pendulum(title, robot, recording, summary)
     elif subject == "tool":
         yield from _scara(title, robot, recording)
+    elif subject == "walk":
+        return
     elif subject == "loops":
         yield from _loops(title, robot, recording)
     else:

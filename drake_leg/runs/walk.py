@@ -1,0 +1,250 @@
+"""The run of a robot that walks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.systems.framework import Diagram
+from scipy.spatial.transform import Rotation
+
+from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
+from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.walking.power import (
+    cost_of_transport,
+    electrical_power,
+    mechanical_power,
+    work,
+)
+from drake_leg.kinematics.walking.weights import total_mass
+from drake_leg.robot.robot import Robot
+from drake_leg.runs.outcome import Outcome
+from drake_leg.runs.walk_options import WalkOptions
+from drake_leg.runs.walk_record import WalkRecord
+from drake_leg.simulation.integrator import ROW_INTERVAL
+from drake_leg.simulation.recording import Recording, lettered, numbered
+from drake_leg.simulation.run import Progress, Start, simulate
+
+KINDS = ("hip", "knee", "ankle")
+AT_REST = 1e-6  # [m]: a body that was to go less far has no cost of transport
+
+
+@dataclass(frozen=True, kw_only=True)
+class WalkOutcome(Outcome):
+    """A recorded walk and its summary."""
+
+    record: WalkRecord
+
+
+def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) -> WalkOutcome:
+    """Let a robot walk.
+
+    Raises
+    ------
+    InvalidValueError
+        If an option makes no sense.
+    """
+    config = config_of(robot, options)
+    done = simulate(
+        build(config),
+        options.duration,
+        start=start_walking(config),
+        max_step=min(config.time_step, ROW_INTERVAL),
+        progress=progress,
+        guarded=False,
+    )
+    record = WalkRecord(config=config, run=done)
+    common = {
+        "robot": robot.name,
+        "duration_s": options.duration,
+        "stopped_at_s": done.stopped_at,
+        "stop_reason": done.stop_reason,
+        "time_step_s": config.time_step,
+        "rows": len(done.time),
+        "real_time_factor": done.real_time_factor,
+    }
+    return WalkOutcome(
+        robot=robot,
+        recording=Recording(_columns(record)),
+        exact={name: record.planned.value[:, row, 3] for row, name in enumerate(("x", "y", "z"))},
+        summary={**common, **_findings(record)},
+        subject="walk",
+        record=record,
+    )
+
+
+def diagram(robot: Robot, options: WalkOptions) -> tuple[Diagram, Start]:
+    """Build the diagram of a run; return it with its start."""
+    config = config_of(robot, options)
+    return build(config), start_walking(config)
+
+
+def config_of(robot: Robot, options: WalkOptions) -> HexapodConfig:
+    """Return the config of a run's diagram; an option that makes no sense is refused."""
+    from drake_leg.models.walker import Contact
+
+    return HexapodConfig(
+        robot=robot,
+        walk=options.the_walk(),
+        servo=options.the_servo,
+        feed_forward=options.feed_forward,
+        feedback=options.feedback,
+        ground=options.the_ground,
+        contact=Contact(stiffness=options.stiffness, foot_radius=options.foot_radius),
+        payload=options.payload,
+        push=options.the_push,
+        time_step=options.time_step,
+        gravity=options.gravity,
+    )
+
+
+def _columns(record: WalkRecord) -> dict[str, Array]:
+    """Columns of the recording; places and forces are in the frame of the ground."""
+    rows, legs = len(record.time), record.config.legs.names
+    joints = 3 * len(legs)
+    X_GB, planned = record.body, record.planned.value
+    columns = {"time[s]": record.time}
+    columns |= lettered("", "xyz", "m", X_GB[:, :3, 3])
+    columns |= lettered("q", "wxyz", "", _quaternions(X_GB))
+    for name, values, unit in (
+        ("q", record.q, "rad"),
+        ("qdot", record.rates, "rad/s"),
+        ("tau", record.torques, "N*m"),
+    ):
+        columns |= numbered(name, [unit] * joints, values.reshape(rows, joints))
+    for number, leg in enumerate(legs):
+        columns |= lettered(f"{leg}_", "xyz", "m", record.feet[:, number])
+        columns |= lettered(f"{leg}_f", "xyz", "N", record.forces[:, number])
+        columns[f"{leg}_down"] = record.planned_down[:, number].astype(np.float64)
+    columns |= lettered("com_", "xyz", "m", record.centre_of_mass)
+    columns["static_margin[m]"] = record.static_margin
+    columns |= lettered("planned_", "xyz", "m", planned[:, :3, 3])
+    columns |= lettered("planned_q", "wxyz", "", _quaternions(planned))
+    columns["power[W]"] = record.power
+    return columns
+
+
+def _quaternions(X: Array) -> Array:
+    """(rows, 4), w first and not negative."""
+    return np.asarray(Rotation.from_matrix(X[:, :3, :3]).as_quat(canonical=True, scalar_first=True))
+
+
+def _findings(record: WalkRecord) -> dict[str, Any]:
+    servo, walk = record.config.servo, record.config.walk
+    return {
+        "gait": walk.gait.name,
+        "period_s": walk.period,
+        "servo": servo.name,
+        **_course(record),
+        **_steadiness(record),
+        **_support(record),
+        **_effort(record),
+        "fell": record.fell_at is not None,
+        "fell_at_s": record.fell_at,
+    }
+
+
+def _course(record: WalkRecord) -> dict[str, Any]:
+    """How far the body went, and how far off its planned course and heading it ends."""
+    planned = record.planned
+    velocity = planned.rate[:, :3, 3]
+    speed = np.linalg.norm(velocity, axis=1)
+    length = float(np.trapezoid(speed, record.time))
+    moves = np.flatnonzero(speed > AT_REST)
+    off = record.body[-1, :3, 3] - planned.value[-1, :3, 3]
+    start = record.body[0, :3, 3] - planned.value[0, :3, 3]
+    ahead = across = 0.0
+    if len(moves):
+        forward = velocity[moves[-1]] / speed[moves[-1]]
+        left = np.array([-forward[1], forward[0], 0.0])
+        ahead, across = float(forward @ (off - start)), float(left @ (off - start))
+    heading = np.degrees(record.tilts[:, 2])
+    lasted = float(record.time[-1])
+    return {
+        "commanded_distance_m": length,
+        "distance_m": length + ahead,
+        "distance_error_percent": 100.0 * ahead / length if length > AT_REST else None,
+        "off_course_m": across,
+        "greatest_distance_from_plan_m": float(np.linalg.norm(record.offsets[:, :2], axis=1).max()),
+        "mean_speed_m_s": (length + ahead) / lasted if lasted else 0.0,
+        "heading_error_deg": float(heading[-1]),
+        "greatest_heading_error_deg": float(np.abs(heading).max()),
+    }
+
+
+def _steadiness(record: WalkRecord) -> dict[str, Any]:
+    tilts, heights = record.tilts[record.settled], record.offsets[record.settled, 2]
+    roll, pitch, _ = np.degrees(np.abs(tilts)).max(axis=0).tolist()
+    return {
+        "greatest_roll_error_deg": roll,
+        "greatest_pitch_error_deg": pitch,
+        "height_ripple_m": float(np.ptp(heights)),
+        "mean_height_error_m": float(heights.mean()),
+    }
+
+
+def _support(record: WalkRecord) -> dict[str, Any]:
+    settled, legs = record.settled, record.config.legs.names
+    slips, swings = record.slips, record.swing_heights
+    vertical = record.forces[settled, :, 2]
+    carried = np.abs(record.force_on_body[settled]).max() > 0.1 * record.weight
+    return {
+        "greatest_slip_m": float(slips.max()) if len(slips) else None,
+        "mean_slip_m": float(slips.mean()) if len(slips) else None,
+        "least_static_margin_m": _finite(record.static_margin[settled].min()),
+        "least_dynamic_margin_m": _finite(_least(record.dynamic_margin[settled])),
+        "clearance_m": float(swings.min()) if len(swings) else None,
+        "greatest_contact_force_n": dict(zip(legs, vertical.max(axis=0).tolist(), strict=True)),
+        "mean_contact_force_n": dict(zip(legs, vertical.mean(axis=0).tolist(), strict=True)),
+        "body_touched_ground": bool(carried),
+    }
+
+
+def _effort(record: WalkRecord) -> dict[str, Any]:
+    """Torques, speeds, power, and what a walk costs."""
+    settled, servo, config = record.settled, record.config.servo, record.config
+    torques, rates = record.torques[settled], record.rates[settled]
+    time, drive = record.time[settled], record.drive[settled]
+    mechanical = mechanical_power(servo, drive, rates).sum(axis=(1, 2))
+    found: dict[str, Any] = {
+        "peak_torque_n_m": _by_kind(np.abs(torques).max(axis=(0, 1))),
+        "rms_torque_n_m": _by_kind(np.sqrt((torques**2).mean(axis=(0, 1)))),
+        "peak_joint_rate_rad_s": _by_kind(np.abs(rates).max(axis=(0, 1))),
+        "stall_torque_n_m": servo.stall_torque,
+        "no_load_speed_rad_s": servo.no_load_speed,
+        "rows_at_torque_limit": int(
+            (np.abs(drive) >= servo.stall_torque * (1 - 1e-9)).any((1, 2)).sum()
+        ),
+        "mean_mechanical_power_w": float(mechanical.mean()),
+        "mean_electrical_power_w": None,
+        "mechanical_cost_of_transport": None,
+        "electrical_cost_of_transport": None,
+    }
+    powers = {"mechanical": mechanical}
+    if servo.is_electrical:
+        powers["electrical"] = electrical_power(servo, drive, rates).sum(axis=(1, 2))
+        found["mean_electrical_power_w"] = float(powers["electrical"].mean())
+    way = np.linalg.norm(np.diff(record.body[settled, :2, 3], axis=0), axis=1).sum()
+    speed = np.linalg.norm(record.planned.rate[settled, :3, 3], axis=1)
+    if config.gravity > 0.0 and float(np.trapezoid(speed, time)) > AT_REST:
+        mass = total_mass(config.robot) + config.payload
+        for kind, power in powers.items():
+            found[f"{kind}_cost_of_transport"] = cost_of_transport(
+                work(time, power), mass, float(way), config.gravity
+            )
+    return found
+
+
+def _by_kind(values: Array) -> Mapping[str, float]:
+    return dict(zip(KINDS, values.tolist(), strict=True))
+
+
+def _least(values: Array) -> float:
+    """Least value; NaN if there is none."""
+    return float(np.nanmin(values)) if np.isfinite(values).any() else float("nan")
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
