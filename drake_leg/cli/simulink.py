@@ -15,7 +15,7 @@ from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import uncollected
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
-from drake_leg.runs.options import RunOptions
+from drake_leg.runs.options import IntegratedOptions, RunOptions
 
 if TYPE_CHECKING:
     from drake_leg.simulink.compare.findings import Comparison
@@ -93,6 +93,11 @@ def _compare(chosen: argparse.Namespace) -> int:
     from drake_leg.simulink.reader import read_model
 
     model = read_model(chosen.model)
+    if not isinstance(options, IntegratedOptions):
+        raise InvalidValueError(
+            f"{chosen.name} is a walk, of which no Simulink model is known",
+            advice="compare the model with the run of one leg, such as leg-b",
+        )
     diagram, start = kind.diagram(options)
     root = diagram.CreateDefaultContext()
     start(diagram, root)

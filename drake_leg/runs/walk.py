@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,14 +31,7 @@ KINDS = ("hip", "knee", "ankle")
 AT_REST = 1e-6  # [m]: a body that was to go less far has no cost of transport
 
 
-@dataclass(frozen=True, kw_only=True)
-class WalkOutcome(Outcome):
-    """A recorded walk and its summary."""
-
-    record: WalkRecord
-
-
-def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) -> WalkOutcome:
+def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) -> Outcome:
     """Let a robot walk.
 
     Raises
@@ -65,13 +58,12 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
         "rows": len(done.time),
         "real_time_factor": done.real_time_factor,
     }
-    return WalkOutcome(
+    return Outcome(
         robot=robot,
         recording=Recording(_columns(record)),
         exact={name: record.planned.value[:, row, 3] for row, name in enumerate(("x", "y", "z"))},
         summary={**common, **_findings(record)},
         subject="walk",
-        record=record,
     )
 
 
@@ -137,12 +129,15 @@ def _findings(record: WalkRecord) -> dict[str, Any]:
         "gait": walk.gait.name,
         "period_s": walk.period,
         "servo": servo.name,
+        "slope_deg": math.degrees(record.config.ground.slope),
+        "across_deg": math.degrees(record.config.ground.across),
         **_course(record),
         **_steadiness(record),
         **_support(record),
         **_effort(record),
         "fell": record.fell_at is not None,
         "fell_at_s": record.fell_at,
+        "inaccuracy": None,
     }
 
 

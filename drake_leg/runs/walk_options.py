@@ -16,7 +16,7 @@ from drake_leg.robot.file_names import ENDINGS, is_robot_file
 from drake_leg.robot.ground import Blocks, Ground, Steps
 from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.robot import Robot
-from drake_leg.robot.servos import SERVOS, Servo, load_servo
+from drake_leg.robot.servos import SERVOS, Servo
 from drake_leg.runs.options import RunOptions, option
 from drake_leg.units import require_positive
 
@@ -27,7 +27,15 @@ RAMP = 1.0  # [s], in which it gets its speed, and stops
 AFTER = 1.0  # [s], for which it stands at the end
 WALKING = 10.0  # [s], by default
 AHEAD = 0.30  # [m], from where the body starts to stairs or blocks
-PUSH_LASTS = 0.050  # [s]
+PUSH_LASTS, PUSH_AT, TO_THE_LEFT = 0.050, 3.0, 90.0  # [s], [s], [deg]
+STAIRS, STEP_RUN = 3, 0.20  # how many, and from one to the next [m]
+BESIDE = {  # options that mean nothing without another
+    "push_at": "push_speed",
+    "push_direction": "push_speed",
+    "step_count": "steps",
+    "step_run": "steps",
+    "block_seed": "blocks",
+}
 
 
 @dataclass(kw_only=True)
@@ -85,11 +93,13 @@ class WalkOptions(RunOptions):
         shown="none, open loop",
     )
     payload: float = option(0.0, "on the body, of which the plan does not know", "kg")
-    push: float | None = option(
+    push_speed: float | None = option(
         None, "change of the robot's speed by a push of 50 ms", "m/s", shown="none"
     )
-    push_at: float = option(3.0, "when the push begins", "s")
-    push_direction: float = option(90.0, "of the push: 0 forward, 90 to the left", "deg")
+    push_at: float | None = option(None, "when the push begins", "s", shown="3")
+    push_direction: float | None = option(
+        None, "of the push: 0 forward, 90 to the left", "deg", shown="90"
+    )
     time_step: float = option(0.005, "of the simulation: the rows of recording.csv", "s")
     stiffness: float = option(5e4, "of a foot's contact", "N/m")
     foot_radius: float = option(0.0, "of a foot's ball, which rolls; 0 is a point", "m")
@@ -99,15 +109,21 @@ class WalkOptions(RunOptions):
     steps: float | None = option(
         None, "height of stairs across the way; negative: down", "m", shown="none"
     )
-    step_count: float = option(3.0, "how many stairs there are")
-    step_run: float = option(0.2, "from one stair to the next", "m")
+    step_count: float | None = option(None, "how many stairs there are", shown="3")
+    step_run: float | None = option(None, "from one stair to the next", "m", shown="0.2")
     blocks: float | None = option(
         None, "greatest height of a field of random blocks", "m", shown="none"
     )
-    seed: float = option(0.0, "of the random blocks")
+    block_seed: float | None = option(None, "of the random blocks", shown="0")
 
     def __post_init__(self) -> None:
         RunOptions.__post_init__(self)
+        for name, other in BESIDE.items():
+            if getattr(self, name) is not None and getattr(self, other) is None:
+                raise InvalidValueError(
+                    f"`{name}` means nothing without `{other}`",
+                    advice=f"give `{other}`, too, or leave it out",
+                )
         if self.speed is None:
             self.speed = 0.0 if self.sideways or self.turn else 0.1
         if self.duration is None:
@@ -167,6 +183,8 @@ class WalkOptions(RunOptions):
         if self.servo in SERVOS:
             servo = SERVOS[self.servo]
         elif Path(self.servo).suffix.lower() == ".toml":
+            from drake_leg.robot.toml.servo import load_servo  # with readers, as above
+
             servo = load_servo(self.servo)
         else:
             raise InvalidValueError(
@@ -174,7 +192,7 @@ class WalkOptions(RunOptions):
                 advice=did_you_mean(
                     self.servo,
                     SERVOS,
-                    f"the servos are {', '.join(SERVOS)}; one of your own is a file ending in .toml",
+                    f"the servos are {', '.join(SERVOS)}, or a file ending in .toml",
                 ),
             )
         if self.gain is not None:
@@ -191,10 +209,12 @@ class WalkOptions(RunOptions):
         """The ground; stairs or blocks begin ``AHEAD`` of the body's start."""
         steps = blocks = None
         if self.steps is not None:
-            count = _whole("step_count", self.step_count)
-            steps = Steps(height=self.steps, run=self.step_run, start=AHEAD, count=count)
+            count = _whole("step_count", self.step_count, STAIRS)
+            run = STEP_RUN if self.step_run is None else self.step_run
+            steps = Steps(height=self.steps, run=run, start=AHEAD, count=count)
         if self.blocks is not None:
-            blocks = Blocks(height=self.blocks, start=AHEAD, seed=_whole("seed", self.seed))
+            seed = _whole("block_seed", self.block_seed, 0)
+            blocks = Blocks(height=self.blocks, start=AHEAD, seed=seed)
         return Ground(
             slope=math.radians(self.slope),
             across=math.radians(self.across),
@@ -206,13 +226,14 @@ class WalkOptions(RunOptions):
     @property
     def the_push(self) -> Push | None:
         """The push on the body, in the world's frame."""
-        if self.push is None:
+        if self.push_speed is None:
             return None
         weight = total_mass(self.the_robot) + self.payload
-        strength = self.push * weight * math.pi / (2.0 * PUSH_LASTS)
-        angle = math.radians(self.push_direction)
+        strength = self.push_speed * weight * math.pi / (2.0 * PUSH_LASTS)
+        angle = math.radians(TO_THE_LEFT if self.push_direction is None else self.push_direction)
+        at = PUSH_AT if self.push_at is None else self.push_at
         force = (strength * math.cos(angle), strength * math.sin(angle), 0.0)
-        return Push(force=force, at=self.push_at, lasting=PUSH_LASTS)
+        return Push(force=force, at=at, lasting=PUSH_LASTS)
 
     @property
     def starts(self) -> float:
@@ -284,7 +305,9 @@ class WalkOptions(RunOptions):
         )
 
 
-def _whole(name: str, value: float) -> int:
+def _whole(name: str, value: float | None, otherwise: int) -> int:
+    if value is None:
+        return otherwise
     if value != int(value) or value < 0.0:
         raise InvalidValueError(f"{name} is {value:g}; it must be a whole number, not negative")
     return int(value)

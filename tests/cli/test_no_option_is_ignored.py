@@ -26,6 +26,11 @@ OF_RUNS = {
     "--l2", "--l3", "--density", "--filter-time-constant", "--feedback", "--lift", "--tool-height",
     "--size", "--velocity-target", "--lower-limit", "--upper-limit", "--spring-stiffness",
     "--spring-unit", "--task", "--dynamics", "--tip", "--swing",
+    # of walks
+    "--robot", "--gait", "--phases", "--duty", "--period", "--speed", "--sideways", "--turn",
+    "--distance", "--angle", "--height", "--roll", "--pitch", "--shift", "--servo", "--effort",
+    "--feed-forward", "--payload", "--push-speed", "--time-step", "--foot-radius", "--friction",
+    "--slope", "--across", "--steps", "--blocks",
 }  # fmt: skip
 
 ALWAYS = {
@@ -60,7 +65,11 @@ OF_RUNS_MEANINGLESS = [
     ("pendulum-damped --limit-damping 0", NO_LIMIT),
     ("pendulum-spring --limit-width 0.1", NO_LIMIT),
     ("pendulum-spring --target 30 --spring-stiffness 0", "nothing pulls there"),
-    ("leg-b --lift 0.04", "leg-b has no option --lift: only ellipse has it"),
+    ("hexapod --push-direction 90", "means nothing without --push-speed"),
+    ("hexapod --step-count 2", "means nothing without --steps"),
+    ("hexapod --step-run 0.1", "means nothing without --steps"),
+    ("hexapod --block-seed 1", "means nothing without --blocks"),
+    ("leg-b --lift 0.04", "leg-b has no option --lift: only ellipse, hexapod have it"),
 ]
 
 NO_LETTERS = "gives numbers to the letters of a .par file, and leg-b has none"
@@ -215,7 +224,8 @@ def with_targets():
     return dataclasses.replace(LEG_B, segments=tuple(segments))
 
 
-KINDS = {name: kind.options for name, kind in RUNS.items()} | {"robot.toml": StraightOptions}
+KINDS = {name: kind.options for name, kind in RUNS.items() if name != "hexapod"}
+KINDS |= {"robot.toml": StraightOptions}
 
 # What must be given beside an option for it to mean something.
 BESIDE = {

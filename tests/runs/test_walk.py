@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+
+from drake_leg.runs.named import run
+from drake_leg.runs.walk import config_of
+from drake_leg.runs.walk_options import WalkOptions
+
+
+@pytest.fixture(scope="module")
+def forward():
+    return run("hexapod", duration=3.0)
+
+
+def test_the_summary_says_how_well_it_walked(forward):
+    summary = forward.summary
+    assert summary["commanded_distance_m"] == pytest.approx(0.1 * (3.0 - 0.725 - 0.5), abs=1e-6)
+    assert abs(summary["distance_error_percent"]) < 0.3
+    assert abs(summary["heading_error_deg"]) < 0.03
+    assert summary["greatest_roll_error_deg"] < 0.04
+    assert summary["greatest_pitch_error_deg"] < 0.04
+    assert summary["height_ripple_m"] < 3e-4
+    assert summary["least_static_margin_m"] > 0.075
+    assert summary["clearance_m"] == pytest.approx(0.03, abs=1e-3)
+    assert not summary["fell"]
+    assert not summary["body_touched_ground"]
+
+
+def test_forces_of_the_ground_carry_weight_and_acceleration(forward):
+    """Newton's second law for the whole robot, its accelerations by differences."""
+    recording, legs = forward.recording, ("left_front", "left_middle", "left_rear")
+    legs += tuple(leg.replace("left", "right") for leg in legs)
+    force = sum(recording.stack(f"{leg}_fx", f"{leg}_fy", f"{leg}_fz") for leg in legs)
+    rows = recording["time"] > 1.0
+    h = 0.005
+    place = recording.stack("com_x", "com_y", "com_z")
+    speed_change = (place[2:] - 2.0 * place[1:-1] + place[:-2]) / h**2
+    mass = 2.1616
+    expected = mass * (speed_change + [0.0, 0.0, 9.80665])
+    # A step's forces give the speed at its end.
+    off = (force[1:-1] - expected)[rows[1:-1]]
+    assert np.abs(off.mean(axis=0)).max() < 2e-3 * mass * 9.80665
+    assert np.sqrt((off**2).mean(axis=0)).max() < 0.05 * mass * 9.80665
+
+
+def test_power_is_torque_times_rate_and_costs_add_up(forward):
+    summary, recording = forward.summary, forward.recording
+    torques = np.stack([recording[f"tau{n}"] for n in range(1, 19)])
+    rates = np.stack([recording[f"qdot{n}"] for n in range(1, 19)])
+    np.testing.assert_allclose(recording["power"], (torques * rates).sum(axis=0), atol=1e-12)
+    assert 0.0 < summary["mechanical_cost_of_transport"]
+    assert summary["mechanical_cost_of_transport"] < summary["electrical_cost_of_transport"]
+
+
+def test_a_robot_that_is_too_weak_falls_and_the_summary_says_when():
+    summary = run("hexapod", duration=1.5, effort=0.15, feed_forward="none").summary
+    assert summary["fell"]
+    assert 0.0 < summary["fell_at_s"] < 1.5
+
+
+def test_a_robot_that_stands_has_no_cost_of_transport():
+    summary = run("hexapod", duration=0.7, speed=0.0).summary
+    assert summary["commanded_distance_m"] == 0.0
+    assert summary["distance_error_percent"] is None
+    assert summary["mechanical_cost_of_transport"] is None
+    assert summary["least_static_margin_m"] > 0.1
+
+
+def test_options_reach_the_config():
+    options = WalkOptions(
+        servo="xl430", feedback=2.0, friction=0.4, stiffness=1e5, payload=0.5, time_step=0.002
+    )
+    config = config_of(options.the_robot, options)
+    assert (config.servo.name, config.feedback, config.time_step) == ("xl430", 2.0, 0.002)
+    assert (config.ground.friction, config.contact.stiffness, config.payload) == (0.4, 1e5, 0.5)
