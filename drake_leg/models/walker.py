@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from pydrake.geometry import AddContactMaterial, ProximityProperties, SceneGraph, Sphere
+from pydrake.geometry import AddContactMaterial, Box, ProximityProperties, SceneGraph, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import (
@@ -25,6 +25,7 @@ from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import IDEAL, Servo
+from drake_leg.robot.solids import Brick
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 TIME_STEP = 0.005  # [s]
@@ -112,7 +113,7 @@ def _load(plant: MultibodyPlant, robot: Robot, payload: float) -> None:
 
 
 def _touch(plant: MultibodyPlant, robot: Robot, ground: Ground, contact: Contact) -> None:
-    """Let the feet and the ground collide."""
+    """Let the ground collide with the feet, and with the body of a robot that falls."""
     properties = ProximityProperties()
     friction = CoulombFriction(ground.friction, ground.friction)
     AddContactMaterial(None, contact.stiffness, friction, properties)
@@ -120,6 +121,12 @@ def _touch(plant: MultibodyPlant, robot: Robot, ground: Ground, contact: Contact
         foot = plant.GetBodyByName(tip)
         ball = Sphere(contact.foot_radius)
         plant.RegisterCollisionGeometry(foot, RigidTransform(), ball, f"{tip}_contact", properties)
+    body = robot.base_link
+    if body is not None and body.solid is not None and isinstance(body.solid.shape, Brick):
+        plate = Box(body.solid.shape.length, body.solid.shape.width, body.solid.shape.height)
+        place = RigidTransform(np.array(body.solid.centre))
+        on = plant.GetBodyByName(robot.base_name)
+        plant.RegisterCollisionGeometry(on, place, plate, "body_contact", properties)
     rigid = ProximityProperties()
     AddContactMaterial(None, RIGID * contact.stiffness, friction, rigid)
     add_ground(plant, ground, rigid)

@@ -28,7 +28,7 @@ def test_a_walker_is_the_robot_with_servos_and_contact():
         for shape in inspector.GetAllGeometryIds()
         if inspector.GetProximityProperties(shape) is not None
     ]
-    assert len(touching) == 7
+    assert len(touching) == 8  # feet, body, ground
 
 
 def test_its_mass_matrix_is_that_of_the_plain_plant_with_rotors():

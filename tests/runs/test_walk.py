@@ -35,7 +35,7 @@ def test_forces_of_the_ground_carry_weight_and_acceleration(forward):
     place = recording.stack("com_x", "com_y", "com_z")
     speed_change = (place[2:] - 2.0 * place[1:-1] + place[:-2]) / h**2
     mass = 2.1616
-    expected = mass * (speed_change + [0.0, 0.0, 9.80665])
+    expected = mass * (speed_change + np.array([0.0, 0.0, 9.80665]))
     # A step's forces give the speed at its end.
     off = (force[1:-1] - expected)[rows[1:-1]]
     assert np.abs(off.mean(axis=0)).max() < 2e-3 * mass * 9.80665
@@ -47,12 +47,12 @@ def test_power_is_torque_times_rate_and_costs_add_up(forward):
     torques = np.stack([recording[f"tau{n}"] for n in range(1, 19)])
     rates = np.stack([recording[f"qdot{n}"] for n in range(1, 19)])
     np.testing.assert_allclose(recording["power"], (torques * rates).sum(axis=0), atol=1e-12)
-    assert 0.0 < summary["mechanical_cost_of_transport"]
-    assert summary["mechanical_cost_of_transport"] < summary["electrical_cost_of_transport"]
+    mechanical = summary["mechanical_cost_of_transport"]
+    assert summary["electrical_cost_of_transport"] > mechanical > 0.0
 
 
 def test_a_robot_that_is_too_weak_falls_and_the_summary_says_when():
-    summary = run("hexapod", duration=1.5, effort=0.15, feed_forward="none").summary
+    summary = run("hexapod", duration=1.5, effort=0.05, feed_forward="none").summary
     assert summary["fell"]
     assert 0.0 < summary["fell_at_s"] < 1.5
 

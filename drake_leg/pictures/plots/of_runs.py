@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.pictures.plots import foot_plots, pendulum_plots
+from drake_leg.pictures.plots import foot_plots, pendulum_plots, walk_plots
 from drake_leg.pictures.plots.foot_plots import sine_frequency, stroboscope
 from drake_leg.robot.robot import JointType, Robot
 from drake_leg.simulation.recording import Recording
@@ -38,7 +38,7 @@ def figures_of_run(
     elif subject == "tool":
         yield from _scara(title, robot, recording)
     elif subject == "walk":
-        return
+        yield from _walk(title, recording)
     elif subject == "loops":
         yield from _loops(title, robot, recording)
     else:
@@ -105,6 +105,11 @@ def _loops(title: str, robot: Robot, recording: Recording) -> Named:
     ):
         if numbers:
             yield name, partial(draw, recording, f"{title}: {what}", numbers)
+
+
+def _walk(title: str, recording: Recording) -> Named:
+    yield "gait", lambda: walk_plots.gait(recording, f"{title}: gait")
+    yield "margin", lambda: walk_plots.margin(recording, f"{title}: static margin")
 
 
 def _of(numbers: Mapping[int, str], driven: set[int]) -> dict[int, str]:
