@@ -2,8 +2,12 @@
 
 import pytest
 
-from drake_leg.cli import main
+from drake_leg.cli import entry, main
 from drake_leg.cli.entry import COMMANDS, EXAMPLES, _build_parser
+from drake_leg.kinematics.walking.foresight import foresee_walk
+from drake_leg.kinematics.walking.gaits import Command
+from drake_leg.kinematics.walking.plan import walk_of
+from drake_leg.robot.hexapods import HEXABOT
 
 
 def refused(capsys, *words):
@@ -138,3 +142,16 @@ def test_every_example_can_be_parsed():
 def test_a_slip_is_answered_with_what_to_type(capsys, words, said):
     assert main(words.split()) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_walk_that_the_robot_cannot_make_ends_with_status_3(capsys, monkeypatch):
+    def walking(_chosen):
+        walk = walk_of(HEXABOT, commands=[Command(forward=0.6, start=1.0)])
+        foresee_walk(HEXABOT, walk).require_walkable()
+
+    monkeypatch.setattr(entry, "_list", walking)
+    assert main(["list"]) == 3
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("drake-leg: the foot of left_front would be 0.2")
+    assert err.endswith("is the greatest that works; --force goes on\n")
