@@ -247,6 +247,11 @@ class JointUnits:
         """Unit of the joint's speed."""
         return f"{self.position}/s"
 
+    @property
+    def rotor_inertia(self) -> str:
+        """Unit of a rotor's inertia, seen at the joint."""
+        return "kg" if self.position == "m" else "kg*m^2"
+
     def si(self, value: float) -> float:
         """Convert a position or a speed to rad, m, rad/s or m/s."""
         return math.radians(value) if self.position == "deg" else value

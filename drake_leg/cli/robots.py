@@ -173,12 +173,12 @@ def _slips(source: RobotSource) -> list[Finding]:
 
 
 def _doubts(source: RobotSource) -> list[Finding]:
-    """Look at the robot itself; a file of SYMORO has said which branches are doubtful."""
-    from drake_leg.lab.grader.tables import lint_branches, lint_sizes
+    """Look at the robot itself; a file of SYMORO has said what in it is doubtful."""
+    from drake_leg.lab.grader.tables import lint_branches, lint_friction, lint_sizes
 
     robot = source.robot()
-    branches = () if isinstance(source, ParSource) else lint_branches(robot)
-    return [*lint_sizes(robot), *branches]
+    said = isinstance(source, ParSource)
+    return [*lint_sizes(robot), *(() if said else (*lint_branches(robot), *lint_friction(robot)))]
 
 
 def _seed(chosen: argparse.Namespace) -> int:

@@ -467,10 +467,11 @@ def _refuse_mechanics(robot: Robot) -> None:
     """Refuse damping and springs at a joint at which a loop is cut."""
     for loop in robot.loops:
         mechanics = robot.segments[loop.cut - 1].mechanics
-        if mechanics.damping or mechanics.spring_stiffness:
+        acting = ("damping", "dry_friction", "rotor_inertia", "spring_stiffness")
+        if any(getattr(mechanics, name) for name in acting):
             raise InvalidValueError(
-                f"the joint {loop.joint!r}, at which a loop of {robot.name!r} is cut, has damping "
-                "or a spring",
+                f"the joint {loop.joint!r}, at which a loop of {robot.name!r} is cut, has damping, "
+                "friction, a rotor or a spring",
                 advice="cut the loop at another of its joints",
             )
 

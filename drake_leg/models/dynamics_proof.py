@@ -66,13 +66,16 @@ def by_symbols(robot: Robot, motions: _Motions) -> Array:
 
 
 def by_drake(robot: Robot, witness: DrakeWitness, motions: _Motions) -> Array:
-    """Torques by Drake's inverse dynamics, (N, n, 1) [N*m or N]; a joint's damper resists it."""
+    """Torques by Drake's inverse dynamics, (N, n, 1) [N*m or N], and against friction."""
     rows = zip(motions.q, motions.qdot, motions.qddot, *motions.base, strict=True)
-    damping = [segment.mechanics.damping for segment in robot.moving]
+    damping, dry = (
+        np.array([getattr(segment.mechanics, name) for segment in robot.moving])
+        for name in ("damping", "dry_friction")
+    )
     found = []
     for q, qdot, qddot, *base in rows:
         joints, wrench = witness.torques(q, qdot, qddot, np.array(base) @ base_rotation(robot).T)
-        joints = joints + damping * qdot
+        joints = joints + damping * qdot + dry * np.sign(qdot)
         held = wrench.reshape(2, 3) @ base_rotation(robot)
         found.append(np.concatenate([joints, held.reshape(-1)]) if robot.floating else joints)
     return np.array(found)[..., np.newaxis]

@@ -271,6 +271,7 @@ def _add_joint(model: ET.Element, segment: Segment, parent: str) -> None:
     _add_text(joint, "child", segment.link.name)
     if segment.row.joint != "fixed":
         _add_axis(joint, segment.mechanics)
+        _add_rotor(joint, segment.mechanics)
 
 
 def _add_axis(joint: ET.Element, mechanics: JointMechanics) -> None:
@@ -282,6 +283,17 @@ def _add_axis(joint: ET.Element, mechanics: JointMechanics) -> None:
     if mechanics.spring_stiffness:
         _add_text(dynamics, "spring_reference", _number(mechanics.equilibrium_position))
         _add_text(dynamics, "spring_stiffness", _number(mechanics.spring_stiffness))
+
+
+def _add_rotor(joint: ET.Element, mechanics: JointMechanics) -> None:
+    """Add the inertia of the rotor, seen at the joint, and say what a joint of Drake has not."""
+    if mechanics.rotor_inertia:
+        ET.register_namespace("drake", _DRAKE)
+        _add_text(joint, f"{{{_DRAKE}}}rotor_inertia", _number(mechanics.rotor_inertia))
+        _add_text(joint, f"{{{_DRAKE}}}gear_ratio", "1")
+    if mechanics.dry_friction:
+        said = f"Dry friction {mechanics.dry_friction:g} N*m or N is left out: Drake has none."
+        joint.append(ET.Comment(comment(said)))
 
 
 def _add_limits(axis: ET.Element, mechanics: JointMechanics) -> None:
@@ -308,6 +320,7 @@ LEG_FILE = "hexabot_leg_of_thighs.sdf"
 NOWHERE = "0 0 0 0 0 0"
 
 _ORIGINAL = "femur"  # of leg B: the thigh without any setting
+_DRAKE = "drake.mit.edu"
 _EXPERIMENTAL = "http://sdformat.org/schemas/experimental"
 
 

@@ -129,7 +129,9 @@ def _driven(segment: Segment, servo: Servo) -> Segment:
     if segment.row.joint == "fixed":
         return segment
     damping = segment.mechanics.damping + servo.back_emf_damping
-    mechanics = replace(segment.mechanics, damping=damping, effort=servo.stall_torque)
+    mechanics = replace(
+        segment.mechanics, damping=damping, effort=servo.stall_torque, rotor_inertia=0.0
+    )
     return replace(segment, mechanics=mechanics)
 
 

@@ -93,6 +93,8 @@ class JointMechanics:
     """
 
     damping: float = 0.0  # [N*m*s/rad] or [N*s/m]
+    dry_friction: float = 0.0  # [N*m] or [N], Coulomb's; Drake's joints have none
+    rotor_inertia: float = 0.0  # [kg*m^2] or [kg], of the motor's rotor, seen at the joint
     spring_stiffness: float = 0.0  # [N*m/rad] or [N/m]
     equilibrium_position: float = 0.0  # [rad] or [m], where the spring is at rest
     actuated: bool = True
@@ -107,6 +109,8 @@ class JointMechanics:
 
     def __post_init__(self) -> None:
         require_non_negative("the damping", self.damping, "N*m*s/rad")
+        require_non_negative("the dry friction", self.dry_friction, "N*m")
+        require_non_negative("the rotor's inertia", self.rotor_inertia, "kg*m^2")
         require_non_negative("the spring stiffness", self.spring_stiffness, "N*m/rad")
         require_angle("the spring's equilibrium position", self.equilibrium_position)
         require_kind("whether the joint is actuated", self.actuated, bool)
@@ -142,6 +146,12 @@ class JointMechanics:
             raise InvalidValueError(
                 f"the effort limit is {self.effort!r} N*m at a joint that is not actuated; "
                 "leave out one of the two"
+            )
+
+        if self.rotor_inertia and not self.actuated:
+            raise InvalidValueError(
+                f"the rotor's inertia is {self.rotor_inertia!r} kg*m^2 at a joint that is not "
+                "actuated; leave out one of the two"
             )
 
     @property

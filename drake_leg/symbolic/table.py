@@ -290,7 +290,9 @@ def table_of_robot(robot: Robot) -> SymbolicTable:
     links = []
     for number, segment in enumerate(robot.segments, start=1):
         parameters = {} if segment.link is None else link_numbers(segment.link)
-        parameters["FV"] = segment.mechanics.damping
+        mechanics = segment.mechanics
+        parameters |= {"IA": mechanics.rotor_inertia, "FV": mechanics.damping}
+        parameters["FS"] = mechanics.dry_friction
         links.append(LinkParameters(**_parameters(number, parameters, values)))
     base = NO_LINK
     if robot.floating and robot.base_link is not None:

@@ -6,6 +6,7 @@ import pytest
 from trees import hexapod, two_fingers
 
 from drake_leg import LEG_B, SCARA, prove
+from drake_leg.models.plant import build_plant
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import Link, Robot, Row, Segment
@@ -35,6 +36,24 @@ def test_products_of_inertia_dampers_and_springs_make_no_difference():
     second = replace(first, joint="b", link=Link(name="second", inertial=body))
     robot = Robot(name="odd", title="Odd", source="test", segments=(first, second))
     assert of_torques(robot).difference < 1e-14
+
+
+def test_rotors_and_dry_friction_are_in_the_proof(monkeypatch):
+    segments = tuple(
+        replace(one, mechanics=JointMechanics(rotor_inertia=0.2 + k, dry_friction=0.3, damping=0.1))
+        if one.joint and one.row.joint != "fixed"
+        else one
+        for k, one in enumerate(LEG_B.segments)
+    )
+    robot = replace(LEG_B, segments=segments)
+    assert of_torques(robot).difference < 1e-14
+    plant = build_plant(robot)
+    assert plant.CalcMassMatrix(plant.CreateDefaultContext())[2, 2] > 2.2
+    monkeypatch.setattr(
+        "drake_leg.models.plant.sdf_text",
+        lambda robot: sdf_text(robot).replace("rotor_inertia>1.2<", "rotor_inertia>1.3<"),
+    )
+    assert not of_torques(robot).agrees
 
 
 def test_a_robot_without_mass_has_no_torques():

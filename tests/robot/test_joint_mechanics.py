@@ -127,3 +127,8 @@ def test_a_target_of_high_priority_off_the_motion_is_refused():
 def test_a_motion_of_no_joint_is_refused():
     with pytest.raises(InvalidValueError, match="leg_b has no joint 'wing'; its joints are hip"):
         initial_state(LEG_B, {"wing": (0.0, 0.0)})
+
+
+def test_a_rotor_has_a_motor():
+    with pytest.raises(InvalidValueError, match=r"rotor's inertia is 0.1 .* not actuated"):
+        JointMechanics(rotor_inertia=0.1, actuated=False)

@@ -568,6 +568,19 @@ def lint_branches(robot: Robot) -> Iterator[Finding]:
                 )
 
 
+def lint_friction(robot: Robot) -> Iterator[Finding]:
+    """Look for dry friction, which no simulation here has."""
+    for index, segment in enumerate(robot.segments, start=1):
+        if segment.mechanics.dry_friction:
+            unit = "N" if segment.row.joint == "prismatic" else "N*m"
+            yield Finding(
+                f"row {index}",
+                f"the dry friction is {segment.mechanics.dry_friction:g} {unit}",
+                "Drake's joints do not have it: it is in the symbolic models only",
+                severity="warning",
+            )
+
+
 def _size(link: Link, carried: Sequence[Row]) -> float:
     """Return the greatest length known to be the link's: to its end, a next joint, its solid."""
     sizes = [math.hypot(*link.end), 2.0 * math.hypot(*link.centre_of_mass)]

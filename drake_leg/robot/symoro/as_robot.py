@@ -41,6 +41,7 @@ from drake_leg.robot.symoro.text import (
 )
 from drake_leg.robot.tree import Loop
 
+AT_ROBOTS_JOINT = {"FV": "damping", "FS": "dry_friction", "IA": "rotor_inertia"}
 JOINTS: tuple[JointType, ...] = ("revolute", "prismatic", "fixed")  # by sigma
 GREATEST = 1e9  # in any unit
 _ROUNDING = 1e-15  # of what is subtracted
@@ -256,14 +257,18 @@ class _Maker:
         return value
 
     def _mechanics(self, row: int) -> JointMechanics:
-        damping = self._par.expression("FV", row)
-        if self._unknown(damping):
-            damping = ZERO
-        number = self._number("FV", row, damping)
-        try:
-            return JointMechanics(damping=number, actuated=self._par.actuated[row - 1])
-        except InvalidValueError as error:
-            raise self._par.error("FV", row, error) from None
+        actuated = self._par.actuated[row - 1]
+        found = {}
+        for key, name in AT_ROBOTS_JOINT.items():
+            expression = self._par.expression(key, row)
+            if self._unknown(expression) or (key == "IA" and not actuated):
+                expression = ZERO
+            found[name] = self._number(key, row, expression)
+            try:
+                JointMechanics(**{name: found[name]})  # type: ignore[arg-type]
+            except InvalidValueError as error:
+                raise self._par.error(key, row, error) from None
+        return JointMechanics(actuated=actuated, **found)  # type: ignore[arg-type]
 
     def _body(self, link: int) -> Inertial:
         """Mass properties about the center of mass, from those about the frame's origin."""
@@ -315,6 +320,8 @@ class _Maker:
             for key in keys:
                 values = par.values.get(key, ())
                 for index, value in enumerate(values, first_index(key, par.floating)):
+                    if key == "IA" and index and par.actuated[index - 1]:
+                        continue
                     if not self._unknown(value.expression) and self._value(
                         key, index, value.expression
                     ):
@@ -326,8 +333,8 @@ class _Maker:
 
 
 _LEFT_OUT = {
-    ("IA",): "a rotor's inertia",
-    ("FS",): "Coulomb friction",
+    ("IA",): "the inertia of a rotor at a joint that is not actuated",
+    ("FS",): "Coulomb friction, which Drake's joints do not have,",
     (*FORCE, *MOMENT): "a force on the environment",
     ("eta",): "an elastic joint",
     ("W0", "WP0", "V0", "VP0"): "a motion of the base",

@@ -16,7 +16,12 @@ from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import BASE, Link, Robot, Segment, require_robot
 from drake_leg.robot.solids import Inertial, mass_properties
 from drake_leg.robot.symoro.arithmetic import evaluate, parse_arithmetic
-from drake_leg.robot.symoro.as_robot import JOINTS, central_inertial, robot_name
+from drake_leg.robot.symoro.as_robot import (
+    AT_ROBOTS_JOINT,
+    JOINTS,
+    central_inertial,
+    robot_name,
+)
 from drake_leg.robot.symoro.positions import position_key
 from drake_leg.robot.symoro.reader import FIXED, in_parts_of_pi
 from drake_leg.robot.symoro.text import (
@@ -65,9 +70,7 @@ def robot_par(robot: Robot) -> str:
         "",
         "(* Dynamic parameters: inertias about the origins of the links' frames *)",
         *_bodies([rows.body(link) for link in links]),
-        _list("IA", ["0" for _ in links]),
-        _list("FV", [rows.damping(link) for link in links]),
-        _list("FS", ["0" for _ in links]),
+        *(_list(key, [rows.at_joint(link, key) for link in links]) for key in ("IA", "FV", "FS")),
         *(_list(key, ["0" for _ in links]) for key in (*FORCE, *MOMENT)),
         "",
         "(* Joint parameters *)",
@@ -162,11 +165,12 @@ class _Rows:
             return "the base", _inertial(self._robot.base_link)
         return f"link {link}", _inertial(self._robot.segments[self.order[link - 1] - 1].link)
 
-    def damping(self, link: int) -> str:
-        """Viscous friction of a link's joint."""
+    def at_joint(self, link: int, key: str) -> str:
+        """Rotor's inertia or friction of a link's joint."""
         if link == 0:
             return "0"
-        return _decimal(self._robot.segments[self.order[link - 1] - 1].mechanics.damping)
+        mechanics = self._robot.segments[self.order[link - 1] - 1].mechanics
+        return _decimal(getattr(mechanics, AT_ROBOTS_JOINT[key]))
 
 
 def _inertial(link: Link | None) -> Inertial | None:

@@ -52,6 +52,8 @@ _INSTEAD_OF_INERTIAL = {
 _MECHANICS_KEYS = (
     "damping",
     "damping_unit",
+    "dry_friction",
+    "rotor_inertia",
     "spring_stiffness",
     "spring_unit",
     "equilibrium_position",
@@ -67,7 +69,8 @@ _INSTEAD_OF_MECHANICS = {
     **dict.fromkeys(("limits", *_LIMIT_KEYS), "limits go under [row.limits]"),
     "stiffness": "did you mean 'spring_stiffness'?",
     "mimic": "joints do not follow one another here, each row that moves has a position of its own",
-    "friction": "friction that grows with speed is damping; there is no other",
+    "friction": "friction that grows with speed is damping, any other is dry_friction",
+    **dict.fromkeys(("armature", "inertia", "ia", "IA"), "write rotor_inertia, seen at the joint"),
     **dict.fromkeys(("q0", "home", "initial_position"), "write position_target"),
 }
 _INSTEAD_OF_LIMITS = {
@@ -130,7 +133,7 @@ _INSTEAD_OF_ROW = {
         ("length", "width", "height", "radius", "shape", "colour", "color"),
         "what a link looks like goes under [row.solid]",
     ),
-    "friction": "what grows with speed is damping, under [row.mechanics]; there is no other",
+    "friction": "what grows with speed is damping, any other dry_friction, under [row.mechanics]",
     **dict.fromkeys(
         ("stiffness", "spring_stiffness"), "write spring_stiffness, under [row.mechanics]"
     ),
@@ -213,9 +216,17 @@ def read_mechanics(
             f"effort is {effort:.9g} {units.effort} at a joint with actuated = false; leave out "
             "one of the two"
         )
+    rotor = acting.non_negative("rotor_inertia", units.rotor_inertia, 0.0)
+    if rotor and not actuated:
+        raise acting.error(
+            f"rotor_inertia is {rotor:.9g} {units.rotor_inertia} at a joint with actuated = false; "
+            "leave out one of the two"
+        )
     return bounds.make(
         JointMechanics,
         damping=_in_si(acting, "damping", "damping_unit", units.damping, 0.0),
+        dry_friction=acting.non_negative("dry_friction", units.effort, 0.0),
+        rotor_inertia=rotor,
         spring_stiffness=_in_si(acting, "spring_stiffness", "spring_unit", units.stiffness, 0.0),
         equilibrium_position=units.si(equilibrium),
         actuated=actuated,

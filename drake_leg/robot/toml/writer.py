@@ -157,6 +157,8 @@ def _acting(mechanics: JointMechanics, units: JointUnits) -> Entries:
     position, velocity = mechanics.position_target, mechanics.velocity_target
     return {
         "damping": (mechanics.damping, next(iter(units.damping))),
+        "dry_friction": (mechanics.dry_friction, units.effort),
+        "rotor_inertia": (mechanics.rotor_inertia, units.rotor_inertia),
         "spring_stiffness": (mechanics.spring_stiffness, next(iter(units.stiffness))),
         "equilibrium_position": (_shown_in(units, mechanics.equilibrium_position), units.position),
         "actuated": (mechanics.actuated, ""),

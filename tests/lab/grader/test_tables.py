@@ -18,6 +18,7 @@ from drake_leg.lab.grader.tables import (
     TableRow,
     errors,
     lint_branches,
+    lint_friction,
     lint_sizes,
     lint_table,
     repaired,
@@ -300,3 +301,10 @@ def test_the_frames_of_a_loop_may_be_turned():
     robot = replace(robot, segments=(*links, turned, end))
     assert not list(lint_branches(robot))
     assert not read_par(robot_par(robot), "x.par").notes
+
+
+def test_dry_friction_is_said_to_be_in_no_simulation():
+    mechanics = replace(LEG_B.segments[0].mechanics, dry_friction=0.3)
+    first = replace(LEG_B.segments[0], mechanics=mechanics)
+    (finding,) = lint_friction(replace(LEG_B, segments=(first, *LEG_B.segments[1:])))
+    assert finding.sentence().startswith("row 1 (a guess): the dry friction is 0.3 N*m")

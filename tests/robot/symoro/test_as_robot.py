@@ -21,6 +21,7 @@ from drake_leg.robot.symoro.as_robot import numbers_of, robot_name, robot_of_par
 from drake_leg.robot.symoro.reader import read_par
 from drake_leg.robot.symoro.writer import not_in_par, robot_par
 from drake_leg.robot.tree import Loop
+from drake_leg.symbolic.table import table_of_robot
 
 SAMPLES = Path(__file__).parents[3] / "examples" / "symoro"
 RX90, LOOP, TREE = (SAMPLES / f"{n}.par" for n in ("rx90", "parallelogram-arm", "two-fingers"))
@@ -199,8 +200,27 @@ def test_parameters_that_make_no_physical_body_are_refused(changed, said):
 def test_what_the_robot_cannot_hold_is_said():
     extra = "IA = {0.1}\nFS = {0.2}\nFX = {3}\neta = {1}\nW0 = {0,0,1}\n"
     notes = read(ONE + extra, **NUMBERS).notes
-    for said in ("IA of link 1", "FS of link 1", "FX of link 1", "eta of joint 1", "W0 of comp"):
+    for said in ("FS of link 1", "FX of link 1", "eta of joint 1", "W0 of comp"):
         assert sum(said in note for note in notes) == 1
+    assert not any("IA" in note for note in notes)
+
+
+def test_rotors_and_friction_are_kept_and_written():
+    text = ONE + "IA = {IA1}\nFS = {0.2}\n"
+    robot = read(text, **NUMBERS, IA1=0.1, FV1=0.3).robot
+    found = robot.segments[0].mechanics
+    assert (found.rotor_inertia, found.damping, found.dry_friction) == (0.1, 0.3, 0.2)
+    again = read(robot_par(robot)).robot.segments[0].mechanics
+    assert again == found
+    table = table_of_robot(robot)
+    link = table.links[0]
+    assert [table.values[getattr(link, key)] for key in ("IA", "FV", "FS")] == [0.1, 0.3, 0.2]
+
+
+def test_a_rotor_of_a_joint_that_is_not_actuated_is_said_to_be_left_out():
+    loaded = read(ONE + "IA = {0.1}\nmu = {0}\n", **NUMBERS)
+    assert loaded.robot.segments[0].mechanics.rotor_inertia == 0.0
+    assert any("a rotor at a joint that is not actuated" in note for note in loaded.notes)
 
 
 def test_a_floating_base_needs_a_mass():

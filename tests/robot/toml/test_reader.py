@@ -222,6 +222,7 @@ def mechanics(draw):
     )
     return JointMechanics(
         damping=draw(st.just(0.0) | st.floats(1e-6, 10.0)),
+        dry_friction=draw(st.just(0.0) | st.floats(1e-6, 10.0)),
         spring_stiffness=draw(st.just(0.0) | st.floats(1e-6, 10.0)),
         equilibrium_position=draw(st.floats(-1.0, 1.0)),
         lower=lower,
@@ -412,7 +413,7 @@ def test_whatever_is_typed_ends_in_a_robot_or_a_sentence(text):
         ("inertia = [1, 1, 1]", "moments and products"),
         ("a = 0.3", "belongs to the classic convention"),
         ("home = 30", "write position_target"),
-        ("friction = 0.1", "is damping, under [row.mechanics]"),
+        ("friction = 0.1", "any other dry_friction, under [row.mechanics]"),
     ],
 )
 def test_usual_keys_of_other_programs_are_answered_with_what_to_write(line, remedy):
