@@ -237,8 +237,8 @@ class WalkOptions(RunOptions):
 
     @property
     def starts(self) -> float:
-        """When the body begins to move [s]: when all feet have stood."""
-        return max(STANDS, self.the_period * (1.0 - self.the_gait.duty / 2.0))
+        """When the body begins to move [s]; the first foot swings ``STANDS`` after the start."""
+        return STANDS + self.the_period * (1.0 - self.the_gait.duty / 2.0)
 
     @property
     def ends(self) -> float | None:

@@ -13,7 +13,7 @@ def forward():
 
 def test_the_summary_says_how_well_it_walked(forward):
     summary = forward.summary
-    assert summary["commanded_distance_m"] == pytest.approx(0.1 * (3.0 - 0.725 - 0.5), abs=1e-6)
+    assert summary["commanded_distance_m"] == pytest.approx(0.1 * (3.0 - 1.225 - 0.5), abs=1e-6)
     assert abs(summary["distance_error_percent"]) < 0.3
     assert abs(summary["heading_error_deg"]) < 0.03
     assert summary["greatest_roll_error_deg"] < 0.04
