@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
 from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.walking.foresight import WalkForesight, foresee_walk
 from drake_leg.kinematics.walking.power import (
     cost_of_transport,
     electrical_power,
@@ -21,7 +22,7 @@ from drake_leg.kinematics.walking.power import (
 from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.outcome import Outcome
-from drake_leg.runs.walk_options import WalkOptions
+from drake_leg.runs.walk_options import WALKING, WalkOptions
 from drake_leg.runs.walk_record import WalkRecord
 from drake_leg.simulation.integrator import ROW_INTERVAL
 from drake_leg.simulation.recording import Recording, lettered, numbered
@@ -38,8 +39,13 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
     ------
     InvalidValueError
         If an option makes no sense.
+    ImpossibleWalkError
+        If the robot cannot make the walk, unless it is forced.
     """
     config = config_of(robot, options)
+    foreseen = _foreseen(config, options)
+    if not options.force:
+        foreseen.require_walkable()
     done = simulate(
         build(config),
         options.duration,
@@ -62,7 +68,7 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
         robot=robot,
         recording=Recording(_columns(record)),
         exact={name: record.planned.value[:, row, 3] for row, name in enumerate(("x", "y", "z"))},
-        summary={**common, **_findings(record)},
+        summary={**common, **_findings(record), **_of_foresight(foreseen)},
         subject="walk",
     )
 
@@ -90,6 +96,28 @@ def config_of(robot: Robot, options: WalkOptions) -> HexapodConfig:
         time_step=options.time_step,
         gravity=options.gravity,
     )
+
+
+def _foreseen(config: HexapodConfig, options: WalkOptions) -> WalkForesight:
+    return foresee_walk(
+        config.robot,
+        config.walk,
+        config.servo,
+        ground=config.ground,
+        gravity=config.gravity,
+        dynamic=options.dynamic,
+        duration=options.duration or WALKING,
+        foot_height=config.contact.foot_radius,
+    )
+
+
+def _of_foresight(foreseen: WalkForesight) -> dict[str, Any]:
+    """What was known before: what fails, and the planned margin."""
+    margin = foreseen.demand("static margin")
+    return {
+        "foreseen": foreseen.refusal,
+        "planned_static_margin_m": None if margin is None else margin.value,
+    }
 
 
 def _columns(record: WalkRecord) -> dict[str, Array]:

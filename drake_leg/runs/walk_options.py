@@ -92,6 +92,8 @@ class WalkOptions(RunOptions):
         "1/s",
         shown="none, open loop",
     )
+    dynamic: bool = option(False, "let fewer than three feet be down: the robot may fall")
+    force: bool = option(False, "walk, though the foresight says that it will fail")
     payload: float = option(0.0, "on the body, of which the plan does not know", "kg")
     push_speed: float | None = option(
         None, "change of the robot's speed by a push of 50 ms", "m/s", shown="none"

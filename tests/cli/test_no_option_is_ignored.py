@@ -30,7 +30,7 @@ OF_RUNS = {
     "--robot", "--gait", "--phases", "--duty", "--period", "--speed", "--sideways", "--turn",
     "--distance", "--angle", "--height", "--roll", "--pitch", "--shift", "--servo", "--effort",
     "--feed-forward", "--payload", "--push-speed", "--time-step", "--foot-radius", "--friction",
-    "--slope", "--across", "--steps", "--blocks",
+    "--slope", "--across", "--steps", "--blocks", "--dynamic", "--force",
 }  # fmt: skip
 
 ALWAYS = {

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from drake_leg.errors import DrakeLegError
 from drake_leg.runs.named import run
 from drake_leg.runs.walk import config_of
 from drake_leg.runs.walk_options import WalkOptions
@@ -52,7 +53,7 @@ def test_power_is_torque_times_rate_and_costs_add_up(forward):
 
 
 def test_a_robot_that_is_too_weak_falls_and_the_summary_says_when():
-    summary = run("hexapod", duration=1.5, effort=0.05, feed_forward="none").summary
+    summary = run("hexapod", duration=1.5, effort=0.05, feed_forward="none", force=True).summary
     assert summary["fell"]
     assert 0.0 < summary["fell_at_s"] < 1.5
 
@@ -72,3 +73,22 @@ def test_options_reach_the_config():
     config = config_of(options.the_robot, options)
     assert (config.servo.name, config.feedback, config.time_step) == ("xl430", 2.0, 0.002)
     assert (config.ground.friction, config.contact.stiffness, config.payload) == (0.4, 1e5, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"speed": 1.0}, "a speed of 0.* m/s .* is the greatest that works"),
+        ({"height": 0.19}, "reach"),
+        ({"effort": 0.05}, "at most 0.05 N\\*m"),
+        ({"duty": 0.4}, "feet down"),
+    ],
+)
+def test_a_walk_that_the_robot_cannot_make_is_refused(options, said):
+    with pytest.raises(DrakeLegError, match=said):
+        run("hexapod", **options)
+
+
+def test_the_planned_margin_is_known_before(forward):
+    assert forward.summary["planned_static_margin_m"] == pytest.approx(0.078, abs=2e-3)
+    assert forward.summary["foreseen"] is None
