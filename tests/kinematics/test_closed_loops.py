@@ -208,5 +208,5 @@ def test_what_has_no_loop_or_does_not_close_is_refused():
 def test_a_cut_joint_has_no_spring():
     segments = list(FOUR_BAR.segments)
     segments[3] = replace(segments[3], mechanics=JointMechanics(damping=0.1))
-    with pytest.raises(InvalidValueError, match=r"'pin'.*damping or a spring"):
+    with pytest.raises(InvalidValueError, match=r"'pin'.*damping, friction, a rotor or a spring"):
         ClosedLoops(replace(FOUR_BAR, segments=tuple(segments)))
