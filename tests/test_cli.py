@@ -336,7 +336,7 @@ BAD_CONFIGS = [
     ("duration: 1\n---\nduration: 2\n", "config.yaml"),
     ("1: 2\n", "1"),
     ("on: yes\n", "config.yaml"),
-    ("[" * 5000, "config.yaml"),
+    ("[" * 2000, "config.yaml"),
     ("!!python/object/apply:os.getcwd []\n", "config.yaml"),
 ]
 

@@ -214,12 +214,13 @@ def sentences(done):
     return [line for line in done.stderr.splitlines() if ", at work for " not in line]
 
 
-def on_a_small_disk(most):
+def on_a_small_disk(most, figures):
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
 
+    words = ("run", "pendulum", "--out", "out", "--duration", "0.5", "--figures", figures)
     return subprocess.run(
-        [sys.executable, "-m", "drake_leg", "run", "pendulum", "--out", "out", "--duration", "0.5"],
+        [sys.executable, "-m", "drake_leg", *words],
         capture_output=True,
         text=True,
         check=False,
@@ -228,7 +229,7 @@ def on_a_small_disk(most):
 
 
 def test_a_full_disk_is_one_sentence_and_leaves_nothing(here):
-    done = on_a_small_disk(1000)
+    done = on_a_small_disk(1000, "none")
     assert done.returncode == 2
     assert done.stdout == ""
     (sentence,) = sentences(done)
@@ -237,10 +238,11 @@ def test_a_full_disk_is_one_sentence_and_leaves_nothing(here):
 
 
 def test_a_disk_that_is_full_at_the_figures_costs_these_alone(here):
-    done = on_a_small_disk(40_000)
+    done = on_a_small_disk(40_000, "png")
     assert done.returncode == 1
     rows = int(re.match(r"wrote out: (\d+) rows", done.stdout)[1])
     *figures, last = sentences(done)
+    assert figures
     assert last == "drake-leg: the data in out are whole"
     for sentence in figures:
         assert re.match(r"drake-leg: the figure \w+: out cannot be written \(File too", sentence)

@@ -131,7 +131,7 @@ def test_exact_motion_is_that_of_an_independent_integration(model):
 @pytest.mark.parametrize("model", [FREE, SPRUNG], ids=["free", "sprung"])
 @pytest.mark.parametrize("q0", [0.0, 1.5, -1.5, math.radians(-200), UPRIGHT + 1e-5])
 def test_energy_is_conserved_without_damping(model, q0):
-    q, qdot = exact_motion(model, q0, np.linspace(0.0, 10.0, 2001))
+    q, qdot = exact_motion(model, q0, np.linspace(0.0, 4.0, 801))
     total = energy(model, q, qdot)
     scale = max(abs(total[0]), model.gravity_torque)
     np.testing.assert_allclose(total, total[0], rtol=0, atol=1e-10 * scale)
