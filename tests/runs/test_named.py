@@ -1,6 +1,7 @@
 """A named run from Python: what it takes, what it refuses in a sentence, what it returns."""
 
 import dataclasses
+import gc
 import pickle
 from fractions import Fraction
 
@@ -116,3 +117,17 @@ def test_the_path_of_a_toml_file_is_a_robot(tmp_path):
         assert (result.name, result.robot) == (str(path), LEG_B)
     with pytest.raises(UnreadableFileError, match=r"no\.toml cannot be read"):
         run("no.toml")
+
+
+@pytest.mark.parametrize("dynamics", ["none", "inverse"])
+def test_many_runs_keep_nothing(dynamics):
+    """Objects are counted here, megabytes by tests/benchmarks/memory.py."""
+
+    def kept_after(runs):
+        for _ in range(runs):
+            run("leg-b", dynamics=dynamics, duration=0.1)
+        gc.collect()
+        return len(gc.get_objects())
+
+    kept_after(3)
+    assert kept_after(20) <= kept_after(1) + 10
