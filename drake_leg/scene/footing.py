@@ -36,6 +36,7 @@ class Footing:
     feet: Array  # (rows, n, 3) p_WF [m]
     forces: Array  # (rows, n, 3), of the ground on the feet [N]
     stands: NDArray[np.bool_]  # (rows, n), whether a foot carries load
+    body: Array  # (rows, 3) p_WB [m]
     centre: Array  # (rows, 3), center of mass [m]
     weight: float  # [N]
     ground: Ground
@@ -66,6 +67,7 @@ class Footing:
             feet=_placed(X_WB, feet),
             forces=forces,
             stands=_near(time, pressed),
+            body=body[:, 4:],
             centre=_placed(X_WB, centre)[:, 0],
             weight=weight,
             ground=ground,
@@ -91,8 +93,14 @@ class Footing:
             feet=between(self.feet),
             forces=between(self.forces),
             stands=self.stands[np.searchsorted(middles, time)],
+            body=between(self.body),
             centre=between(self.centre),
         )
+
+    @cached_property
+    def origin(self) -> Array:
+        """Where pictures go with the body: the ground under it, (rows, 3) [m]."""
+        return self.under(self.body)
 
     @cached_property
     def below(self) -> Array:

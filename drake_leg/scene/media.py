@@ -27,6 +27,8 @@ from drake_leg.scene.artists import (
 )
 from drake_leg.scene.lettering import LIGHT, AxisNames, Paper, Pixels, Words, reduced, write_on
 from drake_leg.scene.scene import (
+    FOOT_TRACE,
+    TRACE,
     PlantMotion,
     Record,
     Scene,
@@ -37,11 +39,19 @@ from drake_leg.scene.scene import (
     scene_of,
 )
 from drake_leg.scene.shown_plant import Showable
+from drake_leg.scene.walk_overlay import (
+    draw_footing,
+    margin_in_words,
+    newtons_a_square,
+    overlay_data,
+    overlay_rows,
+    packed,
+)
 from drake_leg.scene.web_page import pose_rows, stage_data, web_page
 
 WIDTH, HEIGHT = 960, 720  # [pixels] of a still
 SMOOTHING = 2  # a still is rendered larger by this factor
-LETTERS, TITLE = 24, 26  # [pixels], of a still
+LETTERS, TITLE, SMALL = 24, 26, 20  # [pixels], of a still
 
 VIDEOS = (".mp4", ".gif")
 VIDEO_WIDTH, VIDEO_HEIGHT = 800, 600  # [pixels]; even, as MP4 wants
@@ -125,6 +135,16 @@ def still(
             f"there is no paper {paper!r}", advice="take LIGHT or DARK of drake_leg.scene.lettering"
         )
     scene = scene_of(posture if motion is None else motion_of(what, motion))
+    return _still(scene, posture, seen_from, paper)
+
+
+def walking_still(motion: PlantMotion, time: float, *, view: View | str = "3d") -> Still:
+    """Take a picture of a robot that walks at a time [s], with its support and its forces."""
+    moment = motion.at(time)
+    return _still(scene_of(motion), moment, as_view(view), LIGHT)
+
+
+def _still(scene: Scene, posture: PlantMotion, seen_from: View, paper: Paper) -> Still:
     able: type[Renderer] | type[Sketcher] = Renderer if rendering_fault() is None else Sketcher
     artist = able(scene, width=SMOOTHING * WIDTH, height=SMOOTHING * HEIGHT, paper=paper)
     text = seen_from.titled(scene.shown.title)
@@ -133,9 +153,25 @@ def still(
     X_WF = scene.followed(posture.poses()[0])
     words = [title, *names.place(X_WF, [title])]
     smooth = reduced(artist.image(X_WF, seen_from), SMOOTHING)
+    if posture.footing is not None:
+        footing = posture.footing
+        smooth = draw_footing(smooth, artist, seen_from, scene, footing, 0, SMOOTHING)
+        text = f"t = {posture.time[0]:.2f} s, {_told(scene, posture, 0)}"
+        words.append(Words(text=text, x=28, y=HEIGHT - 30, size=SMALL, colour=paper.ink))
     buffer = io.BytesIO()
     Image.fromarray(write_on(smooth, words, paper=paper)).save(buffer, "PNG", optimize=True)
     return Still(buffer.getvalue())
+
+
+def _told(scene: Scene, motion: PlantMotion, row: int) -> str:
+    """Say what the support is, and what arrows mean."""
+    footing = motion.footing
+    assert footing is not None
+    square, force = 1e3 * scene.floor_square, newtons_a_square(scene, footing)
+    return (
+        f"{margin_in_words(float(footing.margins[row]))}; squares {square:g} mm, "
+        f"as long as arrows of {force:g} N"
+    )
 
 
 def sketching() -> str | None:
@@ -251,10 +287,16 @@ def _images(
     small = max(height // 40, SMALLEST_LETTERS)
     names = AxisNames(renderer, scene, view, share=share, size=small)
     title = Words(text=frames.shown.title, x=margin, y=margin + letters / 2, size=letters)
-    for time, X_WF in zip(frames.time, scene.followed(frames.poses()), strict=True):
-        clock = Words(text=f"t = {time:.1f} s", x=margin, y=height - 1.4 * margin, size=letters)
+    for row, (time, X_WF) in enumerate(
+        zip(frames.time, scene.followed(frames.poses()), strict=True)
+    ):
+        image, text = reduced(renderer.image(X_WF, view), share), f"t = {time:.1f} s"
+        if frames.footing is not None:
+            image = draw_footing(image, renderer, view, scene, frames.footing, row, share)
+            text = f"{text}, {_told(scene, frames, row)}"
+        clock = Words(text=text, x=margin, y=height - 1.4 * margin, size=letters)
         words = [title, clock, *names.place(X_WF, [title, clock])]
-        yield write_on(reduced(renderer.image(X_WF, view), share), words)
+        yield write_on(image, words)
         if progress is not None:
             progress(float(time - frames.time[0]))
 
@@ -378,8 +420,17 @@ def replay(
         "duration": frames.duration,
         "poses": base64.b64encode(poses.tobytes()).decode("ascii"),
     }
+    if frames.footing is not None:
+        data["pen"] = {"radius": FOOT_TRACE * scene.size, "colour": TRACE}
+        data["footing"] = {
+            **overlay_data(scene, frames.footing),
+            "rows": packed(overlay_rows(scene, frames.footing)),
+        }
     title = f"{heading}: replay"
-    page = web_page(scene, "replay.html", title=title, data=data, heading=heading, note=note)
+    force = frames.footing and f"{newtons_a_square(scene, frames.footing):g}"
+    page = web_page(
+        scene, "replay.html", title=title, data=data, heading=heading, note=note, force=force
+    )
     return Replay(heading, page)
 
 

@@ -231,6 +231,12 @@ class PlantMotion:
         q = np.column_stack([np.interp(time, self.time, column) for column in even.T])
         return replace(self, time=time, q=q, footing=self.footing and self.footing.at(time))
 
+    def at(self, time: float) -> Self:
+        """Return the row nearest to a time [s]."""
+        row = int(np.abs(self.time - time).argmin())
+        when, q = self.time[row : row + 1], self.q[row : row + 1]
+        return replace(self, time=when, q=q, footing=self.footing and self.footing.at(when))
+
     def poses(self) -> Array:
         """Poses of all shown frames in the world, X_WF (rows, n, 4, 4)."""
         return self.shown.poses(self.q)

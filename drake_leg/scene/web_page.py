@@ -65,6 +65,8 @@ def web_page(
     """
     meshcat = open_meshcat()
     for part in scene.parts:
+        if scene.footing is not None and part.path.startswith("trace/"):
+            continue  # the script draws what has been walked
         path = f"{drake_path(part.frame)}/{part.path}"
         meshcat.SetObject(path, part.shape, Rgba(*part.colour, part.opacity))
         meshcat.SetTransform(path, RigidTransform(part.X_FP))

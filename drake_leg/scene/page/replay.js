@@ -25,6 +25,8 @@ if (stage) (() => {
     return pose;
   }
 
+  const showFooting = data.footing ? makeWalked(data, stage) : () => {};
+
   let time = 0, playing = false, before = null;
 
   function show(moment) {
@@ -32,6 +34,7 @@ if (stage) (() => {
     const place = Math.min(time * data.rate, moments - 1);
     const whole = Math.floor(place);
     stage.place(data.paths.map((_, frame) => between(whole, place - whole, frame)));
+    showFooting(whole, place - whole);
     scrub.value = time;
     clock.textContent = `${time.toFixed(2)} of ${data.duration.toFixed(2)} s`;
     scrub.setAttribute("aria-valuetext", clock.textContent);
