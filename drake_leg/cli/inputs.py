@@ -8,12 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.terminal import numbers, remark
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import read_text
 from drake_leg.robot.file_names import ENDINGS, is_par, is_robot_file
+from drake_leg.robot.ground import FLAT, Ground, ground_from
 from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.linkages import NAMED_LINKAGES
@@ -127,6 +128,12 @@ def add_robot_source(parser: argparse.ArgumentParser) -> None:
         "prints one), or a .par file of SYMORO (--par prints one)",
     )
     add_numbers(parser)
+
+
+def ground_of(summary: Mapping[str, Any]) -> Ground:
+    """Return the ground of a walk, as the summary of its run has it; level ground of others."""
+    data = summary.get("ground")
+    return ground_from(data) if isinstance(data, Mapping) else FLAT
 
 
 def add_numbers(parser: argparse.ArgumentParser) -> None:

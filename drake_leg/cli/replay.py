@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from drake_leg.cli.inputs import FILE, ROBOT_NAMES, add_numbers, robot_source
+from drake_leg.cli.inputs import FILE, ROBOT_NAMES, add_numbers, ground_of, robot_source
 from drake_leg.cli.terminal import add_view, picture, refuse_ignored, stop_note
 from drake_leg.errors import OutputError, UnreadableFileError
 from drake_leg.files import read_text
@@ -155,7 +155,7 @@ def _motion(run: _RecordedRun, robot_name: str | None, given: Sequence[str] | No
     if isinstance(rows, int) and rows != found:
         raise _incomplete(run, f"has {found} rows", f"{rows}")
     try:
-        motion = motion_of(robot, recording)
+        motion = motion_of(robot, recording, ground=ground_of(run.summary))
     except OtherRobotError as error:
         raise _other_robot(run, robot) or error from None
     end = run.summary.get("stopped_at_s")

@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.inputs import add_numbers, named_or_robot
+from drake_leg.cli.inputs import add_numbers, ground_of, named_or_robot
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -330,7 +330,9 @@ def add_shows(parser: argparse.ArgumentParser) -> None:
         "--video", type=Path, metavar="FILE", help="write a video of the run (.mp4, .gif)"
     )
     parser.add_argument(
-        "--stills", action="store_true", help="add pictures from every side to DIR, at the start"
+        "--stills",
+        action="store_true",
+        help="add pictures from every side to DIR, at the start; of a walk, in its middle",
     )
 
 
@@ -366,17 +368,21 @@ def _write_shows(
     def motion() -> PlantMotion:
         from drake_leg.scene.scene import motion_of
 
-        return motion_of(outcome.robot, outcome.recording)
+        ground = ground_of(outcome.summary)
+        return motion_of(outcome.robot, outcome.recording, ground=ground)
 
     if chosen.stills:
         from drake_leg.scene.scene import VIEWS
 
         for view in VIEWS:
             with pictures.trying(f"the still {view}"), folder.more() as scratch:
-                from drake_leg.scene.media import still
+                from drake_leg.scene.media import still, walking_still
 
                 shown, start = motion().shown, motion().q[0]
-                png = still(shown, start, view=view, motion=motion()).png
+                if motion().footing is None:
+                    png = still(shown, start, view=view, motion=motion()).png
+                else:
+                    png = walking_still(motion(), motion().time[-1] / 2.0, view=view).png
                 (scratch / f"still_{view}.png").write_bytes(png)
     for option, path in _shows(chosen).items():
         with pictures.trying(f"the {option} {path}"), place_given_by(f"--{option}"):

@@ -7,6 +7,7 @@ the way of the walk. A slope turns G in the world.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import NoneType
@@ -227,6 +228,24 @@ def _require_on_ground(what: str, begin: float, end: float, *, along: str = "x")
             f"{what} is from {along} = {begin:.6g} to {end:.6g} m; the ground ends at -{EDGE:g} "
             f"and {EDGE:g} m"
         )
+
+
+def ground_from(data: Mapping[str, Any]) -> Ground:
+    """Read a ground back from what ``dataclasses.asdict`` made of it.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is not one.
+    """
+    try:
+        parts = {
+            name: data[name] and kind(**data[name])
+            for name, kind in (("steps", Steps), ("blocks", Blocks))
+        }
+        return Ground(**{**data, **parts})
+    except (TypeError, KeyError) as error:
+        raise InvalidValueError(f"{shown(data)} is not a ground: {error}") from None
 
 
 FLAT = Ground()

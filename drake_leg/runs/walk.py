@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -159,6 +160,7 @@ def _findings(record: WalkRecord) -> dict[str, Any]:
         "servo": servo.name,
         "slope_deg": math.degrees(record.config.ground.slope),
         "across_deg": math.degrees(record.config.ground.across),
+        "ground": asdict(record.config.ground),
         **_course(record),
         **_steadiness(record),
         **_support(record),

@@ -26,7 +26,7 @@ LEAST = 0.01  # of the weight: a weaker force has no arrow
 # Of the robot's size: arrows, the edge of the support, the mark of the center of mass, and how far
 # they are over the ground.
 SHAFT, HEAD, HEAD_LENGTH, EDGE, MARK, OVER = 0.008, 0.02, 0.055, 0.004, 0.014, 0.004
-SMOOTHING = 3  # drawn larger by this factor
+SMOOTHING = 2  # drawn larger by this factor
 
 
 def newtons_a_square(scene: Scene, footing: Footing) -> float:
@@ -78,7 +78,8 @@ def draw_footing(
     pen.ellipse([x - radius, y - radius, x + radius, y + radius], fill=_ink(CENTRE, 0.9))
     for foot, way in zip(footing.feet[row], arrows(scene, footing)[row], strict=True):
         if way.any():
-            _arrow(pen, *map(np.array, seen(np.array([foot, foot + way]))), scene.size * metre)
+            tail, head = np.array(seen(np.array([foot, foot + way])))
+            _arrow(pen, tail, head, scene.size * metre)
     smooth = layer.resize((width, height), Image.Resampling.BOX)
     paper = Image.fromarray(image).convert("RGBA")
     return np.asarray(Image.alpha_composite(paper, smooth).convert("RGB"))

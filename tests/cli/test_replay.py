@@ -254,3 +254,15 @@ def test_a_recording_that_is_a_pipe_is_refused_at_once(capsys):
     Path("leg/recording.csv").unlink()
     os.mkfifo("leg/recording.csv")
     assert "leg is not a run's folder" in refused(capsys, "leg", "--out", "a.html")
+
+
+def test_a_walk_on_a_slope_is_replayed_on_it():
+    name = "walk"
+    words = ["hexapod", "--duration", "0.1", "--slope", "8", "--figures", "none", "--out", name]
+    assert main(["run", *words]) == 0
+    assert main(["replay", name, "--out", "walk.html"]) == 0
+    page = Path("walk.html").read_text(encoding="utf-8")
+    data = json.loads(re.search(r'id="page-data">(.*?)</script>', page, re.DOTALL)[1])
+    slope = np.radians(8.0)
+    np.testing.assert_allclose(data["walk"]["normal"], [-np.sin(slope), 0.0, np.cos(slope)])
+    assert "support margin" in page

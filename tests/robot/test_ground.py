@@ -1,10 +1,12 @@
+import json
 import math
+from dataclasses import asdict
 
 import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.ground import EDGE, FLAT, Blocks, Ground, Steps
+from drake_leg.robot.ground import EDGE, FLAT, Blocks, Ground, Steps, ground_from
 
 
 def test_the_x_axis_rises_by_the_slope_and_the_left_side_by_the_slope_across():
@@ -79,3 +81,17 @@ def test_the_height_is_the_top_of_the_highest_slab(rng):
 def test_wrong_numbers_are_refused(make, sentence):
     with pytest.raises(InvalidValueError, match=sentence):
         make()
+
+
+@pytest.mark.parametrize(
+    "ground",
+    [FLAT, Ground(slope=0.1, across=0.02, steps=Steps(height=0.01), blocks=Blocks(height=0.02))],
+)
+def test_a_ground_is_read_back_from_json(ground):
+    assert ground_from(json.loads(json.dumps(asdict(ground)))) == ground
+
+
+@pytest.mark.parametrize("data", [{"slop": 1.0}, {**asdict(FLAT), "steps": {"heigth": 1.0}}])
+def test_what_is_not_a_ground_is_refused(data):
+    with pytest.raises(InvalidValueError, match="is not a ground"):
+        ground_from(data)
