@@ -49,6 +49,7 @@ def test_there_is_one_for_each_chapter():
         "03_leg_step",
         "04_scara",
         "05_from_simulink",
+        "06_hexapod",
     ]
 
 
