@@ -9,7 +9,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.inputs import add_robot_source, add_tip, joint_positions, robot_source
+from drake_leg.cli.inputs import (
+    add_robot_source,
+    add_tip,
+    joint_positions,
+    robot_source,
+    searched_start,
+)
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -131,8 +137,9 @@ def _closed_loops(chosen: argparse.Namespace, robot: Robot) -> int:
         },
         "means nothing for a robot with closed loops",
     )
-    q = None
-    if chosen.q is not None:
+    if chosen.q is None:
+        q = searched_start(robot)
+    else:
         values = numbers("--q", chosen.q)
         active = [segment for segment in robot.moving if segment.mechanics.actuated]
         moving = active if len(values) == len(active) else ()

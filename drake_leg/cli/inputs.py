@@ -30,6 +30,7 @@ from drake_leg.runs.catalogue import reports_posture
 from drake_leg.runs.options import TIP
 
 if TYPE_CHECKING:
+    from drake_leg.kinematics.closed_loops import ClosedLoops
     from drake_leg.symbolic.table import SymbolicTable
 
 FILE = "FILE.toml|FILE.par"  # of a robot
@@ -220,18 +221,52 @@ def posture(name: str, robot: Robot, text: str | None) -> list[float]:
         q = list(starting_posture(robot)) if reports is None else joint_positions(robot, reports)
     else:
         q = joint_positions(robot, numbers("--q", text))
-    return closed_posture(robot, q)
+    return closed_posture(robot, q, searched=text is None)
 
 
-def closed_posture(robot: Robot, q: list[float]) -> list[float]:
-    """Close the loops of a robot from a posture, if it has any; the passive joints move."""
+def closed_posture(robot: Robot, q: list[float], *, searched: bool = False) -> list[float]:
+    """Close the loops of a robot from a posture, if it has any; the passive joints move.
+
+    Where that is not possible, a closed posture is ``searched``, and what was found is said.
+    """
     if not robot.loops:
         return q
     from drake_leg.kinematics.closed_loops import ClosedLoops
 
     loops = ClosedLoops(robot)
-    closed: list[float] = loops.position([q[i] for i in loops.active_columns], q).tolist()
-    return closed
+    try:
+        return [float(value) for value in loops.position([q[i] for i in loops.active_columns], q)]
+    except InvalidValueError:
+        found = _searched(loops, q) if searched else None
+        if found is None:
+            raise
+        return found
+
+
+def searched_start(robot: Robot) -> list[float] | None:
+    """Search a closed posture, and say what was found; None where the robot starts in one."""
+    start = list(starting_posture(robot))
+    found = closed_posture(robot, start, searched=True)
+    moves = any(
+        f != s for f, s, g in zip(found, start, robot.moving, strict=True) if g.mechanics.actuated
+    )
+    return found if moves else None
+
+
+def _searched(loops: ClosedLoops, q: list[float]) -> list[float] | None:
+    from drake_leg.kinematics.assemblies import closed_near
+
+    found = closed_near(loops, q)
+    if found is None:
+        return None
+    closed, starts, closing = found
+    position: list[float] = closed.tolist()
+    remark(
+        f"the loops do not close with {loops.in_words([q[i] for i in loops.active_columns])}, "
+        f"where {loops.robot.name} starts: of {starts} starts of Newton's method, with all joints "
+        f"moving, {closing} closed; the nearest posture is --q {as_typed(loops.robot, position)}"
+    )
+    return position
 
 
 def joint_positions(

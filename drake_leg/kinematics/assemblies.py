@@ -31,6 +31,7 @@ BATCH = 32  # starts of Newton's method at a time
 IN_VAIN = 128  # closed starts in a row that find nothing new: then the search ends
 MOST_STARTS = 2048
 FOLDED = "one of infinitely many, as two links lie on each other and turn together"
+NEARLY_SINGULAR = 1e-3  # least singular value of the passive joints' scaled Jacobian
 PLANAR, SPATIAL = 2, 16  # most assemblies of a single loop
 
 
@@ -289,3 +290,29 @@ def _search(loops: ClosedLoops, columns: list[int], q: Array, most: int | None) 
     elif closed:
         how += f", and the last {closed - last_new} found none that is new"
     return _Solved(columns, ways, full, how)
+
+
+def closed_near(loops: ClosedLoops, near: Sequence[float]) -> tuple[Array, int, int] | None:
+    """Search the closed posture that is nearest to another, all joints moving.
+
+    Newton's method starts there, and at random postures around it. Those in limits and apart from
+    singular assemblies are preferred. Returned are the posture, and how many starts there were and
+    how many of them closed; None if none did.
+    """
+    start = np.array(near, dtype=np.float64)
+    generator = np.random.default_rng(0)
+    around = generator.uniform(-1.0, 1.0, (BATCH, len(start)))
+    around *= np.where(loops.turning, math.pi, loops.size)
+    around *= np.linspace(0.0, 1.0, BATCH)[:, np.newaxis]
+    postures, errors = loops.closest(start + around, range(len(start)))
+    closed = postures[errors <= CLOSED]
+    if not len(closed):
+        return None
+    bounds = np.array([segment.mechanics.bounds for segment in loops.robot.moving])
+
+    def rank(q: Array) -> tuple[bool, bool, float]:
+        outside = bool(((q < bounds[:, 0]) | (q > bounds[:, 1])).any())
+        return outside, loops.sigma_min(q) < NEARLY_SINGULAR, loops.distance(q, start)
+
+    best = min(closed, key=rank)
+    return np.where(loops.turning, principal(best), best), BATCH, len(closed)

@@ -2,11 +2,15 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
 from drake_leg.cli import main
-from drake_leg.robot.linkages import FOUR_BAR, SLIDER_CRANK
+from drake_leg.kinematics.assemblies import closed_near
+from drake_leg.kinematics.closed_loops import ClosedLoops
+from drake_leg.robot.joint_mechanics import JointMechanics, StateTarget, starting_posture
+from drake_leg.robot.linkages import FIVE_BAR, FOUR_BAR, SLIDER_CRANK
 from drake_leg.robot.toml.writer import robot_toml
 
 
@@ -61,3 +65,30 @@ def test_a_linkage_of_ones_own_runs(tmp_path, capsys):
     assert "loops closed to" in capsys.readouterr().out
     assert main([*given, "--out", str(tmp_path / "out"), "--amplitude", "0.1"]) == 2
     assert "has no option --amplitude" in capsys.readouterr().err
+
+
+def test_where_loops_do_not_close_at_the_start_a_closed_posture_is_searched(tmp_path, capsys):
+    """Both cranks point outwards, and the rods are too short to meet."""
+    targets = {"left": math.pi, "right": 0.0}
+    segments = tuple(
+        replace(
+            one, mechanics=JointMechanics(position_target=StateTarget(value=targets[one.joint]))
+        )
+        if one.joint in targets
+        else one
+        for one in FIVE_BAR.segments
+    )
+    robot = replace(FIVE_BAR, segments=segments)
+    loops = ClosedLoops(robot)
+    start = starting_posture(robot)
+    q, starts, closed = closed_near(loops, start)
+    assert loops.gap(q) < 1e-12
+    assert closed <= starts == 32
+    path = tmp_path / "five.toml"
+    path.write_text(robot_toml(robot))
+    assert main(["doctor", str(path), "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["q_rad_or_m"] == pytest.approx(q.tolist())
+    assert "do not close with left at 180 deg, right at 0 deg, where five_bar starts" in err
+    assert f"of 32 starts of Newton's method, with all joints moving, {closed} closed" in err
+    assert main(["doctor", str(path), "--q", "180,0"]) == 2
