@@ -7,7 +7,7 @@ import pytest
 
 from drake_leg import run
 from drake_leg.errors import InvalidValueError
-from drake_leg.robot.linkages import FOUR_BAR, SLIDER_CRANK
+from drake_leg.robot.linkages import FIVE_BAR, FOUR_BAR, SLIDER_CRANK
 from drake_leg.runs.catalogue import run_kind
 
 
@@ -29,6 +29,20 @@ def test_a_released_linkage_keeps_its_energy():
     assert done.summary["energy_error_j"] < 1e-9
     assert done.recording["q1"][0] == pytest.approx(math.radians(80))
     assert "tau1[N*m]" not in done.recording.columns
+
+
+def test_a_released_linkage_steps_by_its_error():
+    """In steps of 10 ms a five-bar linkage would change its energy."""
+    done = run(FIVE_BAR, duration=0.2, max_step=0.01)
+    assert done.summary["accuracy"] == 1e-8
+    assert done.summary["energy_error_j"] < 1e-6
+    assert done.summary["inaccuracy"] is None
+
+
+def test_a_change_of_energy_is_said():
+    done = run(SLIDER_CRANK, q0=[80], duration=1.0, integrator="explicit_euler", max_step=0.02)
+    assert "the energy has changed by up to" in done.summary["inaccuracy"]
+    assert "choose a smaller `max_step`" in done.summary["inaccuracy"]
 
 
 def test_its_diagram_is_that_which_is_simulated():
