@@ -22,10 +22,25 @@ settings.register_profile("drake_leg", deadline=None, derandomize=True, max_exam
 settings.load_profile("drake_leg")
 
 
+collected = 0  # how many full collections of garbage there were
+
+
 def pytest_collection_finish():
     """Modules and tests live to the end: the collector of garbage need not visit them again."""
+    leave_alone()
+
+
+def pytest_runtest_logfinish():
+    """Nor what modules have cached since, where a test had all garbage collected."""
+    if gc.get_stats()[-1]["collections"] > collected:
+        leave_alone()
+
+
+def leave_alone():
+    global collected
     gc.collect()
     gc.freeze()
+    collected = gc.get_stats()[-1]["collections"]
 
 
 @pytest.fixture(autouse=True)
