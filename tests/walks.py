@@ -53,16 +53,17 @@ WALKS = {
         {"speed": 0.0, "height": 0.11, "duration": 3.0}, {"mean_height_error_m": 2e-4}
     ),
     "0.2 m/s": Walk({"speed": 0.2, "period": 0.8}, {DISTANCE: 0.4}),
-    "0.3 m/s": Walk({"speed": 0.3, "period": 0.5}, {DISTANCE: 0.8}),
-    "xl430, gain 800, feedback": Walk(P800 | {"feedback": 2.0}, {DISTANCE: 0.6}),
-    "xl430, gain 800, feedback, 10 deg up": Walk(P800 | SLOPE | {"feedback": 2.0}, {DISTANCE: 0.6}),
+    "0.3 m/s": Walk({"speed": 0.3, "period": 0.6}, {DISTANCE: 0.8}),
+    "xl430, gain 800, feedback": Walk(P800 | {"feedback": 4.0}, {DISTANCE: 0.6}),
+    "xl430, gain 800, feedback, 10 deg up": Walk(P800 | SLOPE | {"feedback": 4.0}, {DISTANCE: 0.6}),
     "10 deg up": Walk(SLOPE, {DISTANCE: 2.0}),
     "10 deg up, feedback": Walk(SLOPE | {"feedback": 2.0}, {DISTANCE: 0.2}),
     "10 deg across, feedback": Walk(
         {"across": 10.0, "feedback": 2.0, "duration": 8.0}, {"off_course_m": 2e-3}
     ),
-    "steps of 20 mm, feedback": Walk(
-        {"steps": 0.02, "lift": 0.05, "feedback": 2.0, "duration": 12.0}, {DISTANCE: 0.5}
+    "step of 20 mm, feedback": Walk(
+        {"steps": 0.02, "step_count": 1.0, "lift": 0.05, "feedback": 2.0, "duration": 12.0},
+        {DISTANCE: 0.5},
     ),
     "friction 0.05": Walk({"friction": 0.05}, {DISTANCE: 0.5}),
     "push of 0.5 m/s": Walk({"push_speed": 0.5, "push_at": 4.0}, {"off_course_m": 0.010}),

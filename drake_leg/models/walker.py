@@ -22,7 +22,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.models.gears import ServoPorts, add_gear_friction, servo_ports
 from drake_leg.models.ground import add_ground
 from drake_leg.models.sdf import sdf_text
-from drake_leg.robot.ground import FLAT, Ground
+from drake_leg.robot.ground import FLAT, FOOT_STIFFNESS, Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import IDEAL, Servo
 from drake_leg.robot.solids import Brick
@@ -39,7 +39,7 @@ RIGID = 1e6  # times as stiff as a foot is the ground
 class Contact:
     """How feet touch the ground: by points, or by balls, which roll."""
 
-    stiffness: float = 5e4  # [N/m], of a foot
+    stiffness: float = FOOT_STIFFNESS  # [N/m]
     foot_radius: float = 0.0  # [m]; 0: a point
 
     def __post_init__(self) -> None:

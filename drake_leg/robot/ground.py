@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 EDGE = 50.0  # [m], from the origin to the ground's edges
 DEPTH = 1.0  # [m], of the ground below its lowest step
+# [N/m]. Where it is less, feet sink in and a robot falls short of its way (0.2 % at half of it);
+# where it is more, feet that touch down at steps of 5 ms bounce and slip.
+FOOT_STIFFNESS = 1e5
 STEEPEST = math.radians(60.0)
 MOST_PARTS = 1000  # steps or blocks; Drake takes seconds to add more to a plant
 

@@ -13,7 +13,7 @@ from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, W
 from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.robot.file_names import ENDINGS, is_robot_file
-from drake_leg.robot.ground import Blocks, Ground, Steps
+from drake_leg.robot.ground import FOOT_STIFFNESS, Blocks, Ground, Steps
 from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import SERVOS, Servo
@@ -103,7 +103,7 @@ class WalkOptions(RunOptions):
         None, "of the push: 0 forward, 90 to the left", "deg", shown="90"
     )
     time_step: float = option(0.005, "of the simulation: the rows of recording.csv", "s")
-    stiffness: float = option(5e4, "of a foot's contact", "N/m")
+    stiffness: float = option(FOOT_STIFFNESS, "of a foot's contact", "N/m")
     foot_radius: float = option(0.0, "of a foot's ball, which rolls; 0 is a point", "m")
     friction: float = option(0.8, "coefficient of the ground")
     slope: float = option(0.0, "of the ground, upwards along the way", "deg")
