@@ -62,6 +62,7 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
         "stopped_at_s": done.stopped_at,
         "stop_reason": done.stop_reason,
         "time_step_s": config.time_step,
+        "settled_at_s": record.settled_at,
         "rows": len(done.time),
         "real_time_factor": done.real_time_factor,
     }
@@ -139,8 +140,12 @@ def _columns(record: WalkRecord) -> dict[str, Array]:
         columns |= lettered(f"{leg}_", "xyz", "m", record.feet[:, number])
         columns |= lettered(f"{leg}_f", "xyz", "N", record.forces[:, number])
         columns[f"{leg}_down"] = record.planned_down[:, number].astype(np.float64)
+        columns[f"{leg}_loaded"] = record.loaded[:, number].astype(np.float64)
     columns |= lettered("com_", "xyz", "m", record.centre_of_mass)
+    columns |= lettered("under_com_", "xy", "m", record.under_centre_of_mass)
+    columns |= lettered("zmp_", "xy", "m", record.zero_moment_point)
     columns["static_margin[m]"] = record.static_margin
+    columns["dynamic_margin[m]"] = record.dynamic_margin
     columns |= lettered("planned_", "xyz", "m", planned[:, :3, 3])
     columns |= lettered("planned_q", "wxyz", "", _quaternions(planned))
     columns["power[W]"] = record.power

@@ -136,18 +136,30 @@ class WalkRecord:
         return _placed(self.body, centres_of_mass(self.config.robot, X_BL)[:, np.newaxis])[:, 0]
 
     @cached_property
+    def under_centre_of_mass(self) -> Array:
+        """Center of mass, projected along gravity to the height of the feet, (rows, 2) [m]."""
+        down = np.broadcast_to(-self.config.X_WG[2, :3], self.centre_of_mass.shape)
+        return on_ground(self.centre_of_mass, down, self._support_height)
+
+    @cached_property
+    def zero_moment_point(self) -> Array:
+        """Where the forces on the feet have no horizontal moment, (rows, 2) [m]; NaN in the air."""
+        share = np.maximum(self.forces[..., 2], 0.0)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(
+                np.einsum("tn,tni->ti", share, self.feet[..., :2]) / share.sum(axis=1)[:, None]
+            )
+
+    @cached_property
     def static_margin(self) -> Array:
         """Of the center of mass, projected along gravity, inside the loaded feet, (rows,) [m]."""
-        down = np.broadcast_to(-self.config.X_WG[2, :3], self.centre_of_mass.shape)
-        return self._margin(on_ground(self.centre_of_mass, down, self._support_height))
+        return self._margin(self.under_centre_of_mass)
 
     @cached_property
     def dynamic_margin(self) -> Array:
         """Of the zero-moment point inside the loaded feet, (rows,) [m]; NaN in the air."""
-        share = np.maximum(self.forces[..., 2], 0.0)
-        with np.errstate(invalid="ignore"):
-            point = np.einsum("tn,tni->ti", share, self.feet[..., :2]) / share.sum(axis=1)[:, None]
-        return np.where(share.any(axis=1), self._margin(point), np.nan)
+        in_air = np.isnan(self.zero_moment_point).any(axis=1)
+        return np.where(in_air, np.nan, self._margin(self.zero_moment_point))
 
     @cached_property
     def tilts(self) -> Array:
@@ -161,10 +173,15 @@ class WalkRecord:
         off = self.body[:, :3, 3] - self.planned.value[:, :3, 3]
         return np.asarray(np.einsum("tji,tj->ti", self.planned.value[:, :3, :3], off))
 
+    @property
+    def settled_at(self) -> float:
+        """From when on rows count [s]: not while the robot is put on its feet."""
+        return min(SETTLED, float(self.time[-1]) / 2.0)
+
     @cached_property
     def settled(self) -> NDArray[np.bool_]:
-        """Which rows count, (rows,): not those in which the robot is put on its feet."""
-        return np.asarray(self.time >= min(SETTLED, self.time[-1] / 2.0))
+        """Which rows count, (rows,)."""
+        return np.asarray(self.time >= self.settled_at)
 
     @cached_property
     def fell_at(self) -> float | None:

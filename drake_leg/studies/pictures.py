@@ -32,7 +32,19 @@ UNITS = {  # at the end of the name of an entry of a summary
     "_deg": "deg",
     "_m": "m",
     "_s": "s",
+    "_n": "N",
+    "_w": "W",
+    "_percent": "%",
 }
+OF_WALKS = (
+    "mechanical_cost_of_transport",
+    "electrical_cost_of_transport",
+    "distance_error_percent",
+    "least_static_margin_m",
+    "greatest_slip_m",
+    "mean_electrical_power_w",
+)
+TELLING = {*FIELDS, *OF_WALKS}  # entries of a summary that tell designs apart
 GREATEST, LEAST = "max", "min"
 MOST_MESSAGES = 10  # that a page lists
 MOST_PLOTS = 6  # that are drawn where none is asked for
@@ -48,10 +60,12 @@ def label(plan: Plan, name: str) -> str:
             unit = options[one.option].metadata["unit"].partition(",")[0]
             return f"{name} [{unit}]" if unit else name
     stem, bracket, index = name.partition("[")
+    entry, _, part = stem.partition(".")
     for ending, unit in UNITS.items():
-        if stem.endswith(ending):
-            words = stem.removesuffix(ending).replace("_", " ")
-            return f"{words} {int(index[:-1]) + 1} [{unit}]" if bracket else f"{words} [{unit}]"
+        for whole, of in ((stem, ""), (entry, f" {part}")):
+            if whole.endswith(ending):
+                words = f"{whole.removesuffix(ending)}{of}".replace("_", " ")
+                return f"{words} {int(index[:-1]) + 1} [{unit}]" if bracket else f"{words} [{unit}]"
     return name.replace("_", " ")
 
 
@@ -64,7 +78,7 @@ def plot_field(plan: Plan, table: Table, field: str, over: Sequence[str] | None)
         If there is no such field, or it has no numbers.
     """
     require_matplotlib()
-    from drake_leg.pictures.plots.sweep_plots import curve, field_map
+    from drake_leg.pictures.plots.sweep_plots import curve, curves, field_map
 
     varied = [one.name for one in plan.vary]
     chosen = list(over or varied[:2])
@@ -75,6 +89,9 @@ def plot_field(plan: Plan, table: Table, field: str, over: Sequence[str] | None)
     title = f"{of.label.partition(' [')[0]} over {' and '.join(chosen)}"
     if len(axes) == 1:
         return curve(axes[0], of, title=title, others=others)
+    numbers, texts = ([each for each in axes if each.is_text == kind] for kind in (False, True))
+    if len(texts) == 1:
+        return curves(numbers[0], texts[0], of, title=title, others=others)
     return field_map(axes[0], axes[1], of, title=title, others=others)
 
 
@@ -131,7 +148,7 @@ def default_fields(plan: Plan, table: Table) -> list[str]:
     varied = {one.name for one in plan.vary}
     names = [name for name in table if name not in varied and name != "run"]
     vary = [name for name in names if table.is_numeric(name)]
-    telling = [name for name in vary if name in FIELDS]
+    telling = [name for name in vary if name in TELLING]
     return (telling or vary)[:MOST_PLOTS]
 
 

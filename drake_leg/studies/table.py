@@ -35,7 +35,7 @@ class Table(Mapping[str, NDArray[Any]]):
         """Put rows by place, and what was varied, in the plan's order."""
         ordered = [rows[place] for place in range(len(rows))]
         names = dict.fromkeys([*HEADING, *(name for row in ordered for name in row)])
-        found = {name: [row.get(name) for row in ordered] for name in names}
+        found = {name: [row.get(name) for row in ordered] for name in names if name not in varied}
         return cls({"run": range(len(rows)), **varied, **found})
 
     def __getitem__(self, name: str) -> NDArray[Any]:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.pictures.plots import foot_plots, pendulum_plots, walk_plots
+from drake_leg.pictures.plots import foot_plots, pendulum_plots, walk_plots, walk_views
 from drake_leg.pictures.plots.foot_plots import sine_frequency, stroboscope
 from drake_leg.robot.robot import JointType, Robot
 from drake_leg.simulation.recording import Recording
@@ -29,8 +29,8 @@ def figures_of_run(
 ) -> Named:
     """Name the figures of a run, and the functions that draw them.
 
-    ``subject`` is what the run shows: a pendulum that swings, a foot or a tool that is moved, or
-    the joints of closed loops.
+    ``subject`` is what the run shows: a pendulum that swings, a foot or a tool that is moved, the
+    joints of closed loops, or a robot that walks.
     ``title`` begins the figures' titles; ``summary`` is the run's.
     """
     if subject == "swing":
@@ -38,7 +38,7 @@ def figures_of_run(
     elif subject == "tool":
         yield from _scara(title, robot, recording)
     elif subject == "walk":
-        yield from _walk(title, recording)
+        yield from _walk(title, robot, recording, summary)
     elif subject == "loops":
         yield from _loops(title, robot, recording)
     else:
@@ -107,9 +107,25 @@ def _loops(title: str, robot: Robot, recording: Recording) -> Named:
             yield name, partial(draw, recording, f"{title}: {what}", numbers)
 
 
-def _walk(title: str, recording: Recording) -> Named:
+def _walk(title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]) -> Named:
+    paths, polygon = (
+        f"{title}: paths of the feet in the body's frame",
+        f"{title}: support, and its static margin",
+    )
+    settled = summary["settled_at_s"]
     yield "gait", lambda: walk_plots.gait(recording, f"{title}: gait")
-    yield "margin", lambda: walk_plots.margin(recording, f"{title}: static margin")
+    yield "foot_paths", lambda: walk_views.foot_paths(robot, recording, paths, summary)
+    yield "support", lambda: walk_views.support(robot, recording, polygon, summary)
+    yield "margins", lambda: walk_plots.margins(recording, f"{title}: margins of the support")
+    yield (
+        "contact_forces",
+        lambda: walk_plots.contact_forces(recording, f"{title}: contact forces", settled=settled),
+    )
+    yield (
+        "servo_limits",
+        lambda: walk_plots.servo_limits(recording, f"{title}: torque over speed", summary),
+    )
+    yield "body_errors", lambda: walk_plots.body_errors(recording, f"{title}: body off its plan")
 
 
 def _of(numbers: Mapping[int, str], driven: set[int]) -> dict[int, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import cycle
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +14,15 @@ from numpy.typing import NDArray
 
 from drake_leg.colours import BLUE, VERMILLION
 from drake_leg.kinematics.khalil import Array
-from drake_leg.pictures.plots.style import GREY, GRID, PLOT_WIDTH, claim, legend_above, new_figure
+from drake_leg.pictures.plots.style import (
+    GREY,
+    GRID,
+    LINES,
+    PLOT_WIDTH,
+    claim,
+    legend_above,
+    new_figure,
+)
 
 MOST_LEVELS = 8  # of contours
 SMALLEST_CONTOURED = 4  # rows or columns of a map that has contours
@@ -28,15 +37,19 @@ class Axis(NamedTuple):
     label: str
     values: NDArray[Any]  # (rows,), numbers or texts
 
+    @property
+    def is_text(self) -> bool:
+        """Whether the values are no numbers."""
+        return self.values.dtype.kind not in "fiu"
+
 
 def curve(x: Axis, field: Axis, *, title: str, others: Sequence[str] = ()) -> Figure:
     """Plot a field over one varied value; where ``others`` vary, too, their mean and range."""
     figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
     places, names = _places(x)
     known = np.isfinite(field.values)
-    at, of = np.unique(places[known], return_inverse=True)
     values = field.values[known]
-    mean = np.bincount(of, values, len(at)) / np.maximum(np.bincount(of, minlength=len(at)), 1)
+    at, of, mean = _means(places[known], values)
     marked = "o" if len(at) <= FEW_POINTS else ""
     line = "" if names else "-"
     if others and len(values) > len(at):
@@ -50,6 +63,28 @@ def curve(x: Axis, field: Axis, *, title: str, others: Sequence[str] = ()) -> Fi
     axes.plot(at, mean, f"{marked}{line}" or "o", color=BLUE, markersize=4)
     axes.set(xlabel=x.label, ylabel=field.label)
     _name_ticks(axes.xaxis, names)
+    return figure
+
+
+def curves(x: Axis, by: Axis, field: Axis, *, title: str, others: Sequence[str] = ()) -> Figure:
+    """Plot a field over a varied number, a curve for each of the texts of another varied value."""
+    figure, (axes,) = new_figure(title, width=PLOT_WIDTH)
+    known = np.isfinite(field.values)
+    which, names = _places(by)
+    marked = "o" if len(np.unique(x.values)) <= FEW_POINTS else ""
+    for number, (name, (colour, style)) in enumerate(zip(names, cycle(LINES), strict=False)):
+        rows = known & (which == number)
+        at, _, mean = _means(x.values[rows].astype(float), field.values[rows])
+        axes.plot(at, mean, marked, linestyle=style, color=colour, markersize=4, label=name)
+    missing, said = len(known) - int(known.sum()), []
+    if others:
+        said.append(f"mean over {' and '.join(others)}")
+    if missing:
+        said.append(f"{missing} of {len(known)} runs have no value")
+    if said:
+        claim(axes, "; ".join(said))
+    axes.set(xlabel=x.label, ylabel=field.label)
+    legend_above(axes)
     return figure
 
 
@@ -133,9 +168,16 @@ def _in_steps(values: Array) -> Array:
     return steps
 
 
+def _means(places: Array, values: Array) -> tuple[Array, NDArray[np.int_], Array]:
+    """Different places, which of them each value is at, and the mean value at each."""
+    at, of = np.unique(places, return_inverse=True)
+    counts = np.maximum(np.bincount(of, minlength=len(at)), 1)
+    return at, of, np.asarray(np.bincount(of, values, len(at)) / counts)
+
+
 def _places(axis: Axis) -> tuple[Array, list[str]]:
     """Where values are on an axis: numbers themselves, texts in the order of their appearance."""
-    if axis.values.dtype.kind in "fiu":
+    if not axis.is_text:
         return axis.values.astype(float), []
     names = list(dict.fromkeys(map(str, axis.values)))
     return np.array([names.index(str(value)) for value in axis.values], dtype=float), names
