@@ -2,9 +2,12 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import DrakeLegError
+from drake_leg.kinematics.walking.margins import zero_moment_point
 from drake_leg.runs.named import run
 from drake_leg.runs.walk import config_of
 from drake_leg.runs.walk_options import WalkOptions
+
+PLACES = ("front", "middle", "rear")
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +44,28 @@ def test_forces_of_the_ground_carry_weight_and_acceleration(forward):
     off = (force[1:-1] - expected)[rows[1:-1]]
     assert np.abs(off.mean(axis=0)).max() < 2e-3 * mass * 9.80665
     assert np.sqrt((off**2).mean(axis=0)).max() < 0.05 * mass * 9.80665
+
+
+def test_the_zero_moment_point_is_that_of_the_forces(forward):
+    """By the moment of the feet's forces about the origin."""
+    recording, moment, force = forward.recording, 0.0, 0.0
+    for leg in (f"{side}_{place}" for side in ("left", "right") for place in PLACES):
+        f = recording.stack(f"{leg}_fx", f"{leg}_fy", f"{leg}_fz")
+        moment = moment + np.cross(recording.stack(f"{leg}_x", f"{leg}_y", f"{leg}_z"), f)
+        force = force + f
+    settled = recording["time"] >= forward.summary["settled_at_s"]
+    expected = zero_moment_point(moment, force)[settled]
+    found = recording.stack("zmp_x", "zmp_y")[settled]
+    np.testing.assert_allclose(found, expected, atol=2e-4)
+    least = recording["dynamic_margin"][settled].min()
+    assert least == forward.summary["least_dynamic_margin_m"]
+
+
+def test_on_the_flat_the_center_of_mass_is_over_its_projection(forward):
+    recording = forward.recording
+    np.testing.assert_allclose(
+        recording.stack("under_com_x", "under_com_y"), recording.stack("com_x", "com_y")
+    )
 
 
 def test_power_is_torque_times_rate_and_costs_add_up(forward):

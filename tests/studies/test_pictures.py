@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.pictures.plots.sweep_plots import pareto_front
+from drake_leg.pictures.plots.sweep_plots import Axis, curves, pareto_front
+from drake_leg.studies.pictures import label
 from drake_leg.studies.sweep import sweep
 
 
@@ -50,6 +51,37 @@ def test_choices_are_named_and_samples_are_points():
     )
     axes, _ = drawn.plot("sigma_min_m").axes
     np.testing.assert_array_equal(axes.collections[-1].get_offsets()[:, 0], drawn["femur"])
+
+
+def test_a_field_over_a_number_and_choices_has_a_curve_for_each_of_them():
+    steps = sweep(
+        "leg-b", vary={"amplitude": "0.03:0.05:3", "inverse": "exact,damped"}, duration=0.1
+    )
+    (axes,) = steps.plot("stroke_m").axes
+    assert [line.get_label() for line in axes.lines] == ["exact", "damped"]
+    for column, line in enumerate(axes.lines):
+        np.testing.assert_allclose(line.get_xdata(), [0.03, 0.04, 0.05])
+        np.testing.assert_array_equal(line.get_ydata(), steps["stroke_m"].reshape(3, 2)[:, column])
+    (other,) = steps.plot("stroke_m", over=["inverse", "amplitude"]).axes
+    assert other.get_xlabel() == axes.get_xlabel() == "amplitude [m/s]"
+
+
+def test_curves_tell_of_runs_without_a_value():
+    x = Axis("speed [m/s]", np.array([1.0, 1.0, 2.0, 2.0]))
+    by = Axis("gait", np.array(["tripod", "wave"] * 2, dtype=object))
+    figure = curves(x, by, Axis("cost", np.array([3.0, 5.0, 2.0, np.nan])), title="title")
+    tripod, wave = figure.axes[0].lines
+    assert tripod.get_ydata().tolist() == [3.0, 2.0]
+    assert wave.get_ydata().tolist() == [5.0]
+    assert [text.get_text() for text in figure.axes[0].texts] == ["1 of 4 runs have no value"]
+
+
+def test_entries_of_a_walks_summary_have_their_units(legs):
+    labels = [
+        label(legs.plan, name)
+        for name in ("peak_torque_n_m.knee", "mean_electrical_power_w", "foreseen.time_s")
+    ]
+    assert labels == ["peak torque knee [N·m]", "mean electrical power [W]", "foreseen.time [s]"]
 
 
 def test_none_is_better_in_both_than_the_front(rng):

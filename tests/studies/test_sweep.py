@@ -609,6 +609,15 @@ def test_a_sweep_of_which_all_runs_are_refused_fails(tmp_path, capsys):
     assert "all runs were refused, the first one because gravity is -1.0" in said.err
 
 
+def test_what_was_varied_stays_in_the_row_of_a_refused_run():
+    """A summary that has an entry of the same name does not replace it."""
+    rows = {0: {"status": "done", "gait": "tripod", "cost": 2.0}, 1: {"status": "refused"}}
+    table = Table.from_rows({"gait": ["tripod", "wave"]}, rows)
+    assert table["gait"].tolist() == ["tripod", "wave"]
+    assert list(table) == ["run", "gait", "status", "message", "stopped_at_s", "cost"]
+    assert table["cost"][0] == 2.0
+
+
 def test_values_are_looked_at_before_what_writes_them(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     words = ["leg-b", "--out", str(tmp_path / "none"), "--vary"]

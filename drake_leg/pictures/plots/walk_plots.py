@@ -187,12 +187,13 @@ def planned_down(recording: Recording, leg: str) -> Flags:
 
 def planned_and_real(recording: Recording) -> tuple[Rotation, Rotation]:
     """Planned and real attitude of the body in the frame of the ground, (rows,) each."""
-    return tuple(  # type: ignore[return-value]
+    planned, real = (
         Rotation.from_quat(
             recording.stack(*(f"{prefix}q{part}" for part in "wxyz")), scalar_first=True
         )
         for prefix in ("planned_", "")
     )
+    return planned, real
 
 
 def errors_of(recording: Recording) -> tuple[Array, Array]:
