@@ -54,9 +54,9 @@ def test_the_zero_moment_point_is_that_of_the_forces(forward):
         moment = moment + np.cross(recording.stack(f"{leg}_x", f"{leg}_y", f"{leg}_z"), f)
         force = force + f
     settled = recording["time"] >= forward.summary["settled_at_s"]
-    expected = zero_moment_point(moment, force)[settled]
+    expected = zero_moment_point(moment[settled], force[settled])
     found = recording.stack("zmp_x", "zmp_y")[settled]
-    np.testing.assert_allclose(found, expected, atol=2e-4)
+    np.testing.assert_allclose(found, expected, atol=2e-5)  # feet are up to 0.2 mm deep
     least = recording["dynamic_margin"][settled].min()
     assert least == forward.summary["least_dynamic_margin_m"]
 

@@ -23,6 +23,7 @@ from drake_leg.files import LIST
 from drake_leg.robot.robot_file import load_robot
 from drake_leg.runs.catalogue import RUNS, run_kind
 from drake_leg.runs.named import run
+from drake_leg.runs.walk_options import BESIDE
 from drake_leg.studies import pool, row
 from drake_leg.studies.journal import JOURNAL
 from drake_leg.studies.plan import Plan, checked_plan, options_of, samples
@@ -114,6 +115,8 @@ EXAMPLES = {  # of options without a default
     "spring_unit": "N*m/rad",
     "task": "position",
     "dynamics": "forward",
+    "phases": [0.0, 0.5, 0.0, 0.5, 0.0, 0.5],
+    "shift": [0.01, 0.0],
 }
 
 
@@ -121,7 +124,9 @@ def test_everything_that_a_run_takes_can_vary():
     for name, kind in RUNS.items():
         for option, default in vars(kind.options()).items():
             value = EXAMPLES.get(option, 1.0) if default is None else default
-            plan = checked_plan(planned(name, **{option: [value]}))
+            needs = BESIDE.get(option) if name == "hexapod" else None
+            beside = {needs: [0.1]} if needs else {}
+            plan = checked_plan(planned(name, **{option: [value]}, **beside))
             assert getattr(options_of(plan, 0), option) == value
 
 

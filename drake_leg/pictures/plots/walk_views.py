@@ -79,7 +79,9 @@ def foot_paths(
     panels[1].set_title("from above", **PANEL_TITLE)
     panels[1].set_xlabel("x, forward [mm]")
     heights = [np.ptp(axes.get_ylim()) for axes in panels]
-    panels[0].get_subplotspec().get_gridspec().set_height_ratios(heights)
+    grid = figure.add_gridspec(2, 1, height_ratios=heights)
+    for row, axes in enumerate(panels):
+        axes.set_subplotspec(grid[row])
     figure.legend(*panels[1].get_legend_handles_labels(), ncols=4, **LEGEND_BELOW)
     return figure
 

@@ -127,14 +127,10 @@ def test_the_body_is_drawn_as_large_as_it_is(walk, figures):
 
 
 def test_a_body_that_is_no_brick_has_the_outline_of_its_hips():
-    hips = Legs.of(PHANTOMX).hips
-    body = PHANTOMX.base_link
-    bare = replace(PHANTOMX, base_link=replace(body, solid=None))
-    np.testing.assert_array_equal(walk_views._outline(bare, hips), hips)
-    ball = replace(
-        bare, base_link=replace(body, solid=replace(body.solid, shape=Sphere(radius=0.1)))
-    )
-    np.testing.assert_array_equal(walk_views._outline(replace(bare, base_link=ball), hips), hips)
+    hips, body = Legs.of(PHANTOMX).hips, PHANTOMX.base_link
+    for solid in (None, replace(body.solid, shape=Sphere(radius=0.1))):
+        robot = replace(PHANTOMX, base_link=replace(body, solid=solid))
+        np.testing.assert_array_equal(walk_views._outline(robot, hips), hips)
 
 
 def test_forces_of_the_feet_carry_the_weight(walk, figures):
