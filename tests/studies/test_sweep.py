@@ -118,13 +118,14 @@ EXAMPLES = {  # of options without a default
     "phases": [0.0, 0.5, 0.0, 0.5, 0.0, 0.5],
     "shift": [0.01, 0.0],
 }
+NEEDS_OF_WALK = BESIDE | {"angle": "turn"}
 
 
 def test_everything_that_a_run_takes_can_vary():
     for name, kind in RUNS.items():
         for option, default in vars(kind.options()).items():
             value = EXAMPLES.get(option, 1.0) if default is None else default
-            needs = BESIDE.get(option) if name == "hexapod" else None
+            needs = NEEDS_OF_WALK.get(option) if name == "hexapod" else None
             beside = {needs: [0.1]} if needs else {}
             plan = checked_plan(planned(name, **{option: [value]}, **beside))
             assert getattr(options_of(plan, 0), option) == value
