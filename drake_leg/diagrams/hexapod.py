@@ -42,7 +42,7 @@ from drake_leg.kinematics.motions import Push
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import planned_torques
-from drake_leg.kinematics.walking.plan import WalkPlan, walk_of
+from drake_leg.kinematics.walking.plan import Plan, WalkPlan, walk_of
 from drake_leg.models.walker import POINT_FEET, TIME_STEP, Contact, Walker, add_walker
 from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.hexapods import HEXABOT
@@ -166,8 +166,13 @@ def build(config: HexapodConfig) -> Diagram:
 
     ``simulate(diagram, duration, start=start_walking(config))`` lets it walk.
     """
+    return build_driven(config, config.plan)
+
+
+def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
+    """Wire the diagram of a robot that walks as another plan says, such as one that is driven."""
     builder = DiagramBuilder()
-    plan, legs, n = config.plan, config.legs.movables, config.legs.count
+    legs, n = config.legs.movables, config.legs.count
 
     # Blocks, in the order of the signal.
     command = builder.AddNamedSystem("Body Command", BodyCommand(plan))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from drake_leg.kinematics.walking.plan import WalkPlan
+from drake_leg.kinematics.walking.plan import Plan
 
 
 class BodyCommand(LeafSystem):
@@ -18,7 +18,7 @@ class BodyCommand(LeafSystem):
     ============ ==== ==== ============ ====================================================
     """
 
-    def __init__(self, plan: WalkPlan) -> None:
+    def __init__(self, plan: Plan) -> None:
         LeafSystem.__init__(self)
         self._plan = plan
         now = {self.time_ticket()}

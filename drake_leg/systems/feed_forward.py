@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from drake_leg.kinematics.walking.plan import WalkPlan
+from drake_leg.kinematics.walking.plan import Plan
 
 
 class FeedForward(LeafSystem):
@@ -17,7 +17,7 @@ class FeedForward(LeafSystem):
     ============ ==== ==== ============ ====================================================
     """
 
-    def __init__(self, plan: WalkPlan) -> None:
+    def __init__(self, plan: Plan) -> None:
         LeafSystem.__init__(self)
         self._plan = plan
         size = len(plan.at(0.0).torques)

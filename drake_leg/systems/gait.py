@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.kinematics.movable import Movable
-from drake_leg.kinematics.walking.plan import WalkPlan
+from drake_leg.kinematics.walking.plan import Plan
 
 PULL = 0.5  # of the way to the planned place, in a time step
 _FUNCTIONS = (math.cos, math.sin)
@@ -33,13 +33,13 @@ class GaitBlock(LeafSystem):
 
     Parameters
     ----------
-    plan : WalkPlan
+    plan : Plan
         Of the feet.
     legs : sequence of Movable
         In the order of the plan's feet.
     """
 
-    def __init__(self, plan: WalkPlan, legs: Sequence[Movable]) -> None:
+    def __init__(self, plan: Plan, legs: Sequence[Movable]) -> None:
         LeafSystem.__init__(self)
         self._plan, self._legs = plan, tuple(legs)
         self._pull = PULL / plan.step  # [1/s]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -86,6 +86,16 @@ class PlanRow(NamedTuple):
 
 
 Torques = Callable[[Array], Array]  # times (rows,) to the joints' torques (rows, 3 n)
+
+
+class Plan(Protocol):
+    """What the blocks of a robot that walks look up, time step by time step."""
+
+    step: float  # [s]
+
+    def at(self, time: float) -> PlanRow:
+        """Return the row of a time [s]."""
+        ...
 
 
 class WalkPlan:
