@@ -41,6 +41,11 @@ KEYS = (
     "keys in the page, held: A D along x, S W along y, F R along z; space halts, "
     "1 to 4 are the views, Escape quits"
 )
+WALK_KEYS = (
+    "keys in the page, held: W S forward and back, A D to the left and right, Q E turn left and "
+    "right; space halts, 1 to 4 are the views, Escape quits"
+)
+WALKERS = {"hexapod": "hexabot"}  # names of runs that are no robots'
 IDLE = "the guard is idle"
 
 
@@ -117,7 +122,9 @@ def configure_teleop(parser: argparse.ArgumentParser) -> None:
         "connection. The page shows a section of a leg's workspace and the smallest singular "
         "value; near a singularity a guard slows the foot and stops it (green, orange, red), and "
         "lets it go back. The terminal also shows what the guard does. A foot with fewer than "
-        "three joints moves only along some directions, which the page names."
+        "three joints moves only along some directions, which the page names. A robot with "
+        "legs, such as hexapod or phantomx, walks: held keys W S, A D and Q E move and turn its "
+        "body, and the page selects its gait and height."
     )
     parser.epilog = LEAVING
     add_robot_source(parser)
@@ -135,7 +142,10 @@ def configure_teleop(parser: argparse.ArgumentParser) -> None:
 def _teleop(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.teleop import drive_robot
 
-    robot = robot_source(chosen.robot, chosen.numbers).robot().at_tip(chosen.tip)
+    robot = robot_source(WALKERS.get(chosen.robot, chosen.robot), chosen.numbers).robot()
+    if robot.floating:
+        return _walk(chosen, robot)
+    robot = robot.at_tip(chosen.tip)
     q = posture(chosen.robot, robot, chosen.q)
     start = _start(robot, q, chosen.task)
     try:
@@ -145,6 +155,24 @@ def _teleop(chosen: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         return 0
     print(f"the robot was left at --q {as_typed(robot, step.q.tolist())}")
+    return 0
+
+
+def _walk(chosen: argparse.Namespace, robot: Robot) -> int:
+    """Walk a robot with legs."""
+    from drake_leg.scene.walk_teleop import drive_walk
+
+    of_feet = {"--q": chosen.q is not None, "--tip": chosen.tip is not None}
+    of_feet["--task"] = chosen.task is not None
+    refuse_ignored(of_feet, f"means nothing with {robot.name}, which walks")
+    try:
+        with _start_server(chosen, f"{robot.title}, walked by W S, A D, Q E") as server:
+            _say(WALK_KEYS)
+            step = drive_walk(robot, server, say=_say, once=chosen.once)
+    except KeyboardInterrupt:
+        return 0
+    x, y, _ = step.positions[4:7].tolist()
+    print(f"the body was left {1e3 * x:.0f} mm ahead of its start and {1e3 * y:.0f} mm to the left")
     return 0
 
 

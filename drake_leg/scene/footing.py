@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Self
 
 import numpy as np
@@ -56,7 +56,7 @@ class Footing:
         The forces (rows, n, 3) [N] are in W.
         """
         X_WB = pose_of(body)
-        feet = Legs.of(robot).feet(q.reshape(len(q), -1, 3))
+        feet = _legs(robot).feet(q.reshape(len(q), -1, 3))
         links = base_transforms(robot.rows, q)
         links = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), links], axis=1)
         centre = centres_of_mass(robot, links)[:, np.newaxis]
@@ -136,6 +136,11 @@ class Footing:
         normal = self.X_WG[:3, 2]
         over = (place - self.X_WG[:3, 3]) @ normal
         return np.asarray(place - (over / (DOWN @ normal))[..., np.newaxis] * DOWN)
+
+
+@lru_cache(maxsize=8)
+def _legs(robot: Robot) -> Legs:
+    return Legs.of(robot)
 
 
 def pose_of(body: Array) -> Array:

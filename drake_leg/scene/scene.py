@@ -467,12 +467,13 @@ def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = N
     """Make a scene that contains a whole motion, of one row or many.
 
     It is larger than the motion on every side by ``room``, of its size, and holds also the points
-    ``around``, (n, 3) [m], on the same floor. Of a robot that walks it shows what is around it.
+    ``around``, (n, 3) [m], on the same floor. Of a robot that walks it shows what is
+    around it, and so many more squares of its ground.
     """
     few = np.unique(np.linspace(0, len(motion.time) - 1, MOST_POSTURES).astype(int))
     plant, poses = motion.shown, motion.poses()
     if motion.footing is not None:
-        return _walk_scene(plant, poses[few], motion.footing)
+        return _walk_scene(plant, poses[few], motion.footing, room)
     seen = plant.outline(poses[few])
     size = size_of(seen)
     points = np.concatenate([seen, triad_tips(poses[few], size).reshape(-1, 3)])
@@ -498,7 +499,7 @@ def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = N
     )
 
 
-def _walk_scene(plant: ShownPlant, poses: Array, footing: Footing) -> Scene:
+def _walk_scene(plant: ShownPlant, poses: Array, footing: Footing, room: float) -> Scene:
     """Make a scene of a robot that walks: on its ground, as large in the picture as it can be."""
     moving = _followed(poses, footing)
     moving[:, 0] = moving[:, 1]  # the world's origin stays behind
@@ -506,8 +507,8 @@ def _walk_scene(plant: ShownPlant, poses: Array, footing: Footing) -> Scene:
     size, line = size_of(near), GROUND_LINE * size_of(near)
     square = floor_square(SQUARE_SHARE * size)
     in_ground = (footing.under(whole) - footing.X_WG[:3, 3]) @ footing.X_WG[:3, :3]
-    low = np.floor(in_ground[:, :2].min(axis=0) / square) - GROUND_AROUND
-    high = np.ceil(in_ground[:, :2].max(axis=0) / square) + GROUND_AROUND
+    low = np.floor(in_ground[:, :2].min(axis=0) / square) - GROUND_AROUND - room
+    high = np.ceil(in_ground[:, :2].max(axis=0) / square) + GROUND_AROUND + room
     floor = np.column_stack([np.array([low, high]) * square, np.full(2, -line / 2.0)])
     grid = (
         replace(part, X_FP=footing.X_WG @ part.X_FP)

@@ -6,7 +6,7 @@ The page also shows the section of the workspace that a leg reaches without turn
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from threading import Lock
@@ -73,25 +73,35 @@ class Orders:
 
 
 class VelocityCommands:
-    """The commanded velocity, one page's at a time; ``clock`` tells the time [s]."""
+    """The commanded velocity, one page's at a time; ``clock`` tells the time [s].
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock, self._lock = clock, Lock()
+    No part of it is beyond ``fastest``, (3,), in the page's units.
+    """
+
+    def __init__(
+        self,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        fastest: Sequence[float] = (FASTEST,) * 3,
+    ) -> None:
+        self._clock, self._lock, self._fastest = clock, Lock(), tuple(fastest)
         self._velocity, self._tab, self._heard = REST, "", 0.0
         self._halts, self._asked = 0, set[str]()
 
     def handle(self, command: Command) -> dict[str, Any]:
         """Carry a command out; return the ``velocity`` that is commanded now.
 
-        ``{"do": "drive", "velocity": [x, y, z], "tab": name}`` in mm/s, at most ``FASTEST`` along
-        each axis; ``{"do": "alive", "tab": name}`` from the same page keeps it up, or it lapses
-        after ``SILENCE``. ``halt``, ``start``, ``clear``, ``quit`` take nothing else.
+        ``{"do": "drive", "velocity": [x, y, z], "tab": name}`` sets it;
+        ``{"do": "alive", "tab": name}`` from the same page keeps it up, or it lapses after
+        ``SILENCE``. ``halt``, ``start``, ``clear``, ``quit`` take nothing else.
         """
         wanted = action_of(command, ACTIONS)
         if wanted == "drive":
             given, tab = numbers_of(command, "velocity", 3), tab_of(command)
             with self._lock:
-                self._velocity = [min(max(v, -FASTEST), FASTEST) for v in given]
+                self._velocity = [
+                    min(max(v, -most), most) for v, most in zip(given, self._fastest, strict=True)
+                ]
                 self._tab, self._heard = tab if any(given) else "", self._clock()
                 return {"velocity": self._velocity}
         tab = tab_of(command) if wanted == "alive" else ""

@@ -52,12 +52,19 @@ def walked(robot: Robot, record: Run | Recording, ground: Ground) -> Walked | No
 
 def _of_scopes(legs: Legs, run: Run) -> tuple[Array, Array, Array, Array]:
     body, q = run.scopes[POSE], run.scopes["joint positions"]
-    # The plant's generalized contact forces of a leg's joints are J^T f.
-    torques = run.scopes["contact forces"][:, 6:].reshape(len(q), legs.count, 3, 1)
-    J = legs.jacobians(q.reshape(len(q), legs.count, 3))
-    in_body = np.linalg.solve(np.swapaxes(J, -1, -2), torques)[..., 0]
-    forces = np.einsum("tij,tnj->tni", pose_of(body)[:, :3, :3], in_body)
+    forces = foot_forces(legs, body, q, run.scopes["contact forces"][:, 6:])
     return run.time, body, q, forces
+
+
+def foot_forces(legs: Legs, body: Array, q: Array, torques: Array) -> Array:
+    """Forces of the ground on the feet in the world, (rows, n, 3) [N].
+
+    From the plant's generalized contact forces of the joints, (rows, 3 n) [N*m]: J^T f.
+    """
+    J = legs.jacobians(q.reshape(len(q), legs.count, 3))
+    joints = torques.reshape(len(q), legs.count, 3, 1)
+    in_body = np.linalg.solve(np.swapaxes(J, -1, -2), joints)[..., 0]
+    return np.asarray(np.einsum("tij,tnj->tni", pose_of(body)[:, :3, :3], in_body))
 
 
 def _of_columns(

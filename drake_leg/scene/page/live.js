@@ -39,7 +39,8 @@ const live = stage && (() => {
     const told = JSON.parse(event.data);
     if (told.session !== data.session) { location.reload(); return; }
     element("page-lost").hidden = true;
-    stage.place(told.poses, drawTrace(told.trace));
+    const ends = drawTrace(told.trace);
+    stage.place(told.poses, data.walk ? [] : ends); // the picture leaves old steps behind
     element("page-tip").textContent = told.tip.map(write).join(", ");
     for (const listener of listeners.state) listener(told);
   });

@@ -39,6 +39,15 @@ const stage = (() => {
     return [-x, -y, (a * (x - p) + b * (y - q)) / c - r];
   }
 
+  // A level ground without an end goes with the robot by whole squares.
+  function moveGround([x, y]) {
+    const [u, v] = [x, y].map((part) => Math.round(part / data.walk.square) * data.walk.square);
+    viewer.handle_command({
+      type: "set_transform", path: data.walk.path + "/frame_0/floor",
+      matrix: matrix([u, v, 0, 1, 0, 0, 0]),
+    });
+  }
+
   let present = []; // points of the robot as it is, and what else there is to hold
   let placed = null;
   function place(poses, more = []) {
@@ -48,6 +57,7 @@ const stage = (() => {
       viewer.handle_command({
         type: "set_transform", path: data.walk.path, matrix: matrix([x, y, z, 1, 0, 0, 0]),
       });
+      if (data.walk.square) moveGround(poses[0]);
     }
     const matrices = poses.map(matrix);
     data.paths.forEach((path, i) => {
