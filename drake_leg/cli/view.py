@@ -143,7 +143,7 @@ def _teleop(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.teleop import drive_robot
 
     robot = robot_source(WALKERS.get(chosen.robot, chosen.robot), chosen.numbers).robot()
-    if robot.floating:
+    if chosen.tip is None and _walks(robot):
         return _walk(chosen, robot)
     robot = robot.at_tip(chosen.tip)
     q = posture(chosen.robot, robot, chosen.q)
@@ -158,13 +158,23 @@ def _teleop(chosen: argparse.Namespace) -> int:
     return 0
 
 
+def _walks(robot: Robot) -> bool:
+    """Tell whether a robot has legs to walk on, and a gait for as many."""
+    from drake_leg.kinematics.walking.gaits import LEGS
+    from drake_leg.kinematics.walking.legs import Legs
+
+    try:
+        return Legs.of(robot).count == len(LEGS)
+    except InvalidValueError:
+        return False
+
+
 def _walk(chosen: argparse.Namespace, robot: Robot) -> int:
     """Walk a robot with legs."""
     from drake_leg.scene.walk_teleop import drive_walk
 
-    of_feet = {"--q": chosen.q is not None, "--tip": chosen.tip is not None}
-    of_feet["--task"] = chosen.task is not None
-    refuse_ignored(of_feet, f"means nothing with {robot.name}, which walks")
+    of_feet = {"--q": chosen.q is not None, "--task": chosen.task is not None}
+    refuse_ignored(of_feet, f"means nothing with {robot.name}, which walks, unless --tip is given")
     try:
         with _start_server(chosen, f"{robot.title}, walked by W S, A D, Q E") as server:
             _say(WALK_KEYS)

@@ -224,3 +224,12 @@ def test_a_rendered_still_needs_no_words(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(media, "rendering_fault", lambda: None)
     monkeypatch.setattr(media, "still", lambda robot, q, view: media.Still(b"a picture"))
     assert run(capsys, "view", "leg-b", "--still", "leg.png") == (0, "wrote leg.png\n", "")
+
+
+def test_a_robot_with_legs_walks(capsys):
+    assert main(["teleop", "hexapod", "--once"]) == 0
+    said = capsys.readouterr().out
+    assert "walked by W S, A D, Q E" in said
+    assert "the body was left" in said
+    assert main(["teleop", "hexapod", "--once", "--q", "0,0,0"]) == 2
+    assert "unless --tip is given" in capsys.readouterr().err

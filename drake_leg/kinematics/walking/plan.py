@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, Walk
@@ -89,7 +90,7 @@ class PlanRow(NamedTuple):
     twist: Array  # (6,), of B in G, expressed in B [rad/s, m/s]
     feet: Array  # (n, 3), p_BF [m]
     swing: Array  # (n, 3), velocity of the feet in G, expressed in B [m/s]
-    down: Array  # (n,) of bool
+    down: NDArray[np.bool_]  # (n,)
     torques: Array  # (3 n,), feed-forward of the joints [N*m]
 
 
