@@ -174,11 +174,11 @@ def _instants(walk: _Walk, recording: Recording, period: float) -> list[int]:
     )
     moving = np.flatnonzero((np.abs(np.diff(places, axis=0)) > MOVES).any(axis=1))
     first, last = (moving[0], moving[-1]) if len(moving) else (0, len(places) - 1)
+    lasts = min(period, walk.time[-1] - walk.time[0])
     middle = (walk.time[first] + walk.time[last]) / 2.0
-    times = middle + period * ((np.arange(INSTANTS) + 0.5) / INSTANTS - 0.5)
-    rows: list[int] = np.searchsorted(
-        walk.time, np.clip(times, walk.time[0], walk.time[-1])
-    ).tolist()
+    begins = np.clip(middle - lasts / 2.0, walk.time[0], walk.time[-1] - lasts)
+    times = begins + lasts * (np.arange(INSTANTS) + 0.5) / INSTANTS
+    rows: list[int] = np.searchsorted(walk.time, times).tolist()
     return rows
 
 

@@ -118,6 +118,15 @@ def test_the_margin_is_that_of_the_polygon_which_is_drawn(walk, figures):
         assert counts["loaded foot"] >= 3
 
 
+@pytest.mark.parametrize(("last", "step"), [(1.6, 1.0 / 6.0), (0.6, 0.1)])
+def test_instants_are_those_of_a_period_or_of_all_that_was_recorded(walk, last, step):
+    rows = walk.recording["time"] <= last
+    short = Recording({name: values[rows] for name, values in walk.recording.columns.items()})
+    figure = walk_views.support(walk.robot, short, "title", walk.summary)
+    instants = [float(axes.get_title("left").split(" s")[0]) for axes in figure.axes]
+    np.testing.assert_allclose(np.diff(instants), step, atol=0.011)
+
+
 def test_the_body_is_drawn_as_large_as_it_is(walk, figures):
     shape = walk.robot.base_link.solid.shape
     for axes, up in zip(figures["foot_paths"].axes, (shape.height, shape.width), strict=True):
