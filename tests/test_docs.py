@@ -225,6 +225,8 @@ def test_a_pages_commands_work_one_after_the_other(page, tmp_path, monkeypatch, 
             continue
         if words[0] == "run" and "--out" in words:
             words += ["--duration", "3"]
+        if words[:2] == ["sweep", "hexapod"]:
+            words += ["--duration", "0.6"]
         try:
             status = main(words)
         except SystemExit as stop:
