@@ -23,12 +23,10 @@ from functools import cached_property
 
 import numpy as np
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import (
-    Adder,
     Demultiplexer,
     DiscreteTimeIntegrator,
-    Gain,
     Multiplexer,
 )
 
@@ -53,6 +51,7 @@ from drake_leg.systems.body_feedback import BodyFeedback
 from drake_leg.systems.feed_forward import FeedForward
 from drake_leg.systems.gait import GaitBlock
 from drake_leg.systems.inverse_jacobian import InverseJacobian
+from drake_leg.systems.servo_command import ServoCommand
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 FULL, GRAVITY, NONE = "full", "gravity", "none"  # feed-forward
@@ -188,9 +187,7 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
     ]
     angles = builder.AddNamedSystem("Joint Angles", Multiplexer([3] * n))
     rates = builder.AddNamedSystem("Joint Rates", Multiplexer([3] * n))
-    over_a_step = builder.AddNamedSystem("Time Step", Gain(config.time_step, 3 * n))
-    ahead = builder.AddNamedSystem("Next Angles", Adder(2, 3 * n))  # at the end of the step
-    wanted = builder.AddNamedSystem("Desired State", Multiplexer([3 * n, 3 * n]))
+    servos = builder.AddNamedSystem("Servo Command", ServoCommand(3 * n, config.time_step))
     forward = builder.AddNamedSystem("Feed-Forward", FeedForward(plan))
     walker = add_walker(
         builder,
@@ -227,12 +224,10 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
         builder.Connect(integrator.get_output_port(), angles.get_input_port(i))
         builder.Connect(inverse.GetOutputPort("qdot"), rates.get_input_port(i))
     builder.Connect(angles.get_output_port(), gait.GetInputPort("q"))
-    builder.Connect(rates.get_output_port(), over_a_step.get_input_port())
-    builder.Connect(angles.get_output_port(), ahead.get_input_port(0))
-    builder.Connect(over_a_step.get_output_port(), ahead.get_input_port(1))
-    builder.Connect(ahead.get_output_port(), wanted.get_input_port(0))
-    builder.Connect(rates.get_output_port(), wanted.get_input_port(1))
-    builder.Connect(wanted.get_output_port(), walker.servos.desired_state)
+    builder.Connect(angles.get_output_port(), servos.GetInputPort("q"))
+    builder.Connect(rates.get_output_port(), servos.GetInputPort("qdot"))
+    desired = servos.GetOutputPort("desired")
+    builder.Connect(desired, walker.servos.desired_state)
     builder.Connect(forward.GetOutputPort("torque"), walker.servos.actuation)
     builder.Connect(plant.get_state_output_port(walker.instance), sensed.get_input_port())
 
@@ -240,12 +235,12 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
         body = plant.GetFrameByName(config.robot.base_name)
         add_push(builder, plant, body, config.push)
 
-    _add_scopes(builder, walker, sensed, wanted)
+    _add_scopes(builder, walker, sensed, desired)
     return built(builder)
 
 
 def _add_scopes(
-    builder: DiagramBuilder, walker: Walker, sensed: Demultiplexer, wanted: Multiplexer
+    builder: DiagramBuilder, walker: Walker, sensed: Demultiplexer, desired: OutputPort
 ) -> None:
     plant, robot = walker.plant, walker.instance
     for name, port in (
@@ -253,7 +248,7 @@ def _add_scopes(
         ("joint positions", sensed.get_output_port(1)),
         ("body velocity", sensed.get_output_port(2)),
         ("joint velocities", sensed.get_output_port(3)),
-        ("desired state", wanted.get_output_port()),
+        ("desired state", desired),
         ("joint torques", walker.servos.torques),
         ("contact forces", plant.get_generalized_contact_forces_output_port(robot)),
     ):

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count, takewhile
 
+from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, System
 from pydrake.systems.primitives import (
@@ -68,6 +69,8 @@ _GLYPHS: dict[type, str] = {
 }
 _INSIDE = {
     "InverseJacobian": ("J⁻¹",),
+    "DiscreteTimeIntegrator": ("h / (z - 1)",),
+    "GaitBlock": ("gait",),
     "PrescribedMotion": ("inverse", "dynamics"),
     "FrameSensor": ("6 DOF",),
     "EnergySensor": ("T + V",),
@@ -221,6 +224,11 @@ def pretty(name: str) -> str:
     return _PRETTY.get(name, name.replace("_", " "))
 
 
+def _of_block(port: str, block: str) -> str:
+    """Leave out a plant's name from the names of the ports of its only robot."""
+    return port.removeprefix(f"{block}_")
+
+
 def signal_names(systems: Mapping[str, System], shown: Sequence[LiveWire]) -> dict[Output, str]:
     """Name the signals of outputs that have no name.
 
@@ -229,8 +237,9 @@ def signal_names(systems: Mapping[str, System], shown: Sequence[LiveWire]) -> di
     """
     named: dict[Output, str] = {}
     for wire in shown:
-        if not pretty(wire.output) and pretty(wire.input):
-            named.setdefault((wire.source, wire.output), pretty(wire.input))
+        name = pretty(_of_block(wire.input, wire.target))
+        if not pretty(wire.output) and name:
+            named.setdefault((wire.source, wire.output), name)
     for wire in shown:
         if wire.output == "state" and isinstance(systems[wire.target], Demultiplexer):
             named.setdefault((wire.target, "y0"), "q")
@@ -261,10 +270,10 @@ def diagram_picture(
     """Read a diagram's own blocks and wires, not yet laid out.
 
     Without ``scopes`` the logs are left out; without ``accelerations`` the wires to inputs ``a``
-    and ``qddot``, and what only they need.
+    and ``qddot``, and what only they need. A SceneGraph is part of its plant.
     """
     systems = {system.get_name(): system for system in diagram.GetSystems()}
-    shown = wires(diagram)
+    shown = [w for w in wires(diagram) if not _is_of_geometry(systems, w)]
     if not scopes:
         shown = [w for w in shown if not isinstance(systems[w.target], VectorLogSink)]
     if not accelerations:
@@ -276,6 +285,11 @@ def diagram_picture(
     ports = {name: _ports(systems[name], name, shown) for name in names}
     blocks = tuple(_block(systems[name], *ports[name]) for name in names)
     return Picture(title=title, blocks=blocks, nets=_nets(systems, blocks, ports, shown))
+
+
+def _is_of_geometry(systems: Mapping[str, System], wire: LiveWire) -> bool:
+    """Whether a wire is between a plant and the SceneGraph in which its bodies touch."""
+    return any(isinstance(systems[end], SceneGraph) for end in (wire.source, wire.target))
 
 
 def _without_accelerations(shown: Sequence[LiveWire]) -> list[LiveWire]:
@@ -311,8 +325,8 @@ def _block(system: System, inputs: list[str], outputs: list[str]) -> DrawnBlock:
         caption=wrapped(name, SIGNAL_WIDTH) + _start(system, glyph),
         glyph=glyph,
         text=_text(system, glyph, kind),
-        inputs=tuple((pretty(port) if boxed else "") or sign for port in inputs),
-        outputs=tuple(pretty(port) if boxed else "" for port in outputs),
+        inputs=tuple((pretty(_of_block(port, name)) if boxed else "") or sign for port in inputs),
+        outputs=tuple(pretty(_of_block(port, name)) if boxed else "" for port in outputs),
         physical=converter or kind in _PHYSICAL or glyph == "plant",
         loose=boxed,
     )
