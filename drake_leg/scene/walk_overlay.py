@@ -75,7 +75,8 @@ def draw_footing(
     (x, y), top = seen(footing.below[row : row + 1])[0], seen(footing.centre[row : row + 1])[0]
     pen.line([(x, y), top], fill=_ink(CENTRE, 0.8), width=max(line // 2, 1))
     radius = MARK * scene.size * metre
-    pen.ellipse([x - radius, y - radius, x + radius, y + radius], fill=_ink(CENTRE, 0.9))
+    for ring, ink in ((1.35 * radius, (1.0, 1.0, 1.0)), (radius, CENTRE)):
+        pen.ellipse([x - ring, y - ring, x + ring, y + ring], fill=_ink(ink, 1.0))
     for foot, way in zip(footing.feet[row], arrows(scene, footing)[row], strict=True):
         if way.any():
             tail, head = np.array(seen(np.array([foot, foot + way])))

@@ -46,7 +46,10 @@ const makeFooting = (data, stage) => {
   const heads = onTop(solids("forces/heads", new THREE.ConeGeometry(1, 1, 20), pen.force, legs));
   const edges = solids("support/edges", rod(), pen.support, legs);
   const thread = solids("support/thread", rod(), pen.centre, 1);
-  const mark = solids("support/mark", new THREE.SphereGeometry(1, 20, 12), pen.centre, 1);
+  // The mark of the center of mass is seen through the body, dark with a light rim.
+  const mark = onTop(solids("support/mark", new THREE.SphereGeometry(1, 20, 12), [1, 1, 1], 2));
+  mark.setColorAt(0, new THREE.Color(1, 1, 1));
+  mark.setColorAt(1, new THREE.Color().setRGB(...pen.centre, THREE.SRGBColorSpace));
   const corners = new Float32Array(9 * Math.max(legs - 2, 1));
   const face = new THREE.BufferGeometry();
   face.setAttribute("position", new THREE.BufferAttribute(corners, 3));
@@ -80,8 +83,10 @@ const makeFooting = (data, stage) => {
     face.attributes.position.needsUpdate = true;
     for (const one of [area, edges]) colour(one.material, safe ? pen.support : pen.falling);
     lay(thread, 0, below, centre, pen.thread);
-    const place = new THREE.Matrix4().makeTranslation(below.x, below.y, below.z);
-    mark.setMatrixAt(0, place.scale(new THREE.Vector3(pen.mark, pen.mark, pen.mark)));
+    [1.35 * pen.mark, pen.mark].forEach((radius, i) => {
+      const place = new THREE.Matrix4().makeTranslation(below.x, below.y, below.z);
+      mark.setMatrixAt(i, place.scale(new THREE.Vector3(radius, radius, radius)));
+    });
   }
 
   const readout = stage.element("walk-margin");
