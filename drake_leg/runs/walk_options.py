@@ -10,7 +10,7 @@ from pathlib import Path
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.kinematics.motions import Push
 from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, Walk
-from drake_leg.kinematics.walking.plan import walk_of
+from drake_leg.kinematics.walking.plan import usual_period, walk_of
 from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.robot.file_names import ENDINGS, is_robot_file
 from drake_leg.robot.ground import FOOT_STIFFNESS, Blocks, Ground, Steps
@@ -21,7 +21,6 @@ from drake_leg.runs.options import RunOptions, option
 from drake_leg.units import require_positive
 
 ROBOTS = {robot.name.replace("_", "-"): robot for robot in HEXAPODS}
-SWING = 0.5  # [s], about as long as a swing lasts by default
 STANDS = 0.5  # [s], for which the robot stands first
 RAMP = 1.0  # [s], in which it gets its speed, and stops
 AFTER = 1.0  # [s], for which it stands at the end
@@ -173,11 +172,11 @@ class WalkOptions(RunOptions):
 
     @property
     def the_period(self) -> float:
-        """Of the gait [s]; by default the half second in which swings last about ``SWING``."""
+        """Of the gait [s]; by default its usual one."""
         if self.period is not None:
             require_positive("the period", self.period, "s")
             return self.period
-        return max(1.0, round(2.0 * SWING / (1.0 - self.the_gait.duty)) / 2.0)
+        return usual_period(self.the_gait)
 
     @property
     def the_servo(self) -> Servo:
