@@ -65,6 +65,7 @@ def _frozen(value: Any) -> Any:  # noqa: ANN401 - as TOML has it
 
 
 GAIN = 10.0  # report B, figure 10
+WALKING = 4.0  # [s], the last of it one period at full speed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +91,7 @@ RUNS: Mapping[str, ReportRun] = {
     "leg-b-gain": ReportRun(name="leg-b", title="leg B with a gain", options={"gain": GAIN}),
     "ellipse": ReportRun(name="ellipse", title="leg B on an ellipse"),
     "scara": ReportRun(name="scara", title="SCARA arm"),
+    "hexapod": ReportRun(name="hexapod", title="hexapod", options={"duration": WALKING}),
 }
 
 

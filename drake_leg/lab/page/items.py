@@ -16,7 +16,7 @@ from drake_leg.errors import PictureError
 from drake_leg.kinematics.euler import rotation_matrices
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_rotation_angles
 from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.lab.page import mathematics
+from drake_leg.lab.page import mathematics, walking
 from drake_leg.lab.page.contents import GAIN, RUNS, SUBJECTS, Item, command
 from drake_leg.lab.page.pieces import (
     picture,
@@ -34,6 +34,7 @@ from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 from drake_leg.pictures.plots.style import for_light_and_dark, narrow, save, svg_text
 from drake_leg.pictures.svg import ALL
 from drake_leg.runs.catalogue import run_kind
+from drake_leg.runs.figures import figure_drawers
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
 from drake_leg.scene.lettering import DARK, LIGHT
@@ -359,6 +360,27 @@ def _stroke(item: Item, _maker: ItemMaker) -> ShownItem:
     return _text(item, mathematics.stroke(item), doctor)
 
 
+def _locomotion(item: Item, maker: ItemMaker) -> ShownItem:
+    outcome = maker.outcomes[item.subject]
+    return ShownItem(
+        body=walking.answer(outcome),
+        commands=(command(item.subject),),
+        result=f"{item.subject}/summary.json",
+    )
+
+
+def _walked(item: Item, maker: ItemMaker) -> ShownItem:
+    outcome = maker.outcomes[item.subject]
+    title = f"{item.label}: {RUNS[item.subject].title}"
+    body, files = _saved(item, maker, dict(figure_drawers(title, outcome))[item.show]())
+    return ShownItem(
+        body=body,
+        commands=(command(item.subject),),
+        result=f"{item.subject}/{item.show}.png",
+        files=files,
+    )
+
+
 KINDS: Mapping[str, Callable[[Item, ItemMaker], ShownItem]] = {
     "plot": _plot,
     "map": _map,
@@ -371,4 +393,6 @@ KINDS: Mapping[str, Callable[[Item, ItemMaker], ShownItem]] = {
     "methods": _methods,
     "singular": _singular,
     "stroke": _stroke,
+    "locomotion": _locomotion,
+    "walked": _walked,
 }

@@ -28,6 +28,7 @@ from drake_leg.lab.page.pieces import (
     prose,
     template,
 )
+from drake_leg.lab.page.walking import tilt
 from drake_leg.lab.page.workers import Workers, workers_here, working
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
@@ -50,6 +51,18 @@ def highlights(outcomes: Mapping[str, Outcome]) -> Iterator[tuple[str, Markup, s
         ),
         "a02_4",
         "A 2.4",
+    )
+    walk = outcomes["hexapod"]
+    yield (
+        "What does that imply for a robot on six legs?",
+        Markup(
+            f"<b>It walks straight, and does not wobble.</b> Roll and pitch are at most "
+            f"{tilt(walk):.3f}°, the height changes by "
+            f"{1e3 * walk.summary['height_ripple_m']:.2f}&nbsp;mm, and the center of mass is at "
+            f"least {1e3 * walk.summary['least_static_margin_m']:.0f}&nbsp;mm inside the feet."
+        ),
+        "walk_answer",
+        "six legs",
     )
     yield (
         "Where is it singular?",
@@ -107,7 +120,14 @@ def _worst(outcomes: Mapping[str, Outcome], measure: str) -> float:
 LEAD = "b07_replay"  # opens the page
 ITEMS = tuple(item for chapter in chapters() for item in chapter.items)
 STAGES = len(RUNS) + len(ITEMS)
-OF_RUNS = ("plot", "frames", "blocks", "replay")  # kinds that show the outcome of a run
+OF_RUNS = (
+    "plot",
+    "frames",
+    "blocks",
+    "replay",
+    "locomotion",
+    "walked",
+)  # kinds that show the outcome of a run
 ALONE = ("map", "still")  # kinds of other pictures; all other kinds are mathematics
 
 Stage = tuple[str | Item, Outcome | ShownItem | PictureError]
@@ -222,8 +242,10 @@ def _overview(outcomes: Mapping[str, Outcome]) -> Markup:
         summary = outcome.summary
         if "max_position_error_m" in summary:
             error = power(summary["max_position_error_m"]) + " m"
-        else:
+        elif "max_angle_error_rad" in summary:
             error = power(summary["max_angle_error_rad"]) + " rad"
+        else:
+            error = power(summary["greatest_distance_from_plan_m"]) + " m (from the plan)"
         rows.append(
             (
                 Markup("<code>{}</code>").format(command(key)),
