@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -78,5 +80,5 @@ def answer(outcome: Outcome) -> Markup:
     return Markup("<p>{}</p>\n{}").format(Markup(said), piece("table", head, rows))
 
 
-def _mm(summary: dict[str, float], key: str, decimals: int) -> str:
+def _mm(summary: Mapping[str, Any], key: str, decimals: int) -> str:
     return f"{1e3 * summary[key]:.{decimals}f} mm"
