@@ -1,6 +1,7 @@
 import io
 import json
 import math
+import re
 import subprocess
 import sys
 from importlib.metadata import version
@@ -29,6 +30,13 @@ PENDULUM = COMMON | {
 KEYS = {
     "leg-a": LEG, "leg-b": LEG, "ellipse": LEG, "pendulum": PENDULUM, "pendulum-damped": PENDULUM,
     "pendulum-spring": PENDULUM, "scara": COMMON | {"stroke_m", "det_j_min_m2", "det_j_max_m2"},
+    "hexapod": COMMON | {
+        "commanded_distance_m", "distance_m", "distance_error_percent", "heading_error_deg",
+        "greatest_roll_error_deg", "greatest_pitch_error_deg", "height_ripple_m", "greatest_slip_m",
+        "mean_slip_m", "least_static_margin_m", "least_dynamic_margin_m", "peak_torque_n_m",
+        "rms_torque_n_m", "mechanical_cost_of_transport", "electrical_cost_of_transport",
+        "clearance_m", "greatest_contact_force_n", "fell", "fell_at_s",
+    },
 }  # fmt: skip
 DURATIONS = {"pendulum": 2.5, "pendulum-damped": 2.0, "pendulum-spring": 2.0}
 
@@ -169,7 +177,8 @@ def test_the_recording_can_be_read_and_is_finite_and_fine_enough(carried_out):
     assert time[-1] == DURATIONS.get(name, 1.0)
     assert np.diff(time).max() <= 0.04 + 1e-12
     assert all(np.isfinite(column).all() for column in recording.columns.values())
-    assert all("[" in header or header in ("qw", "qx", "qy", "qz") for header in recording.columns)
+    without = re.compile(r"(planned_)?q[wxyz]|.*_(down|loaded)")  # a unit
+    assert all("[" in header or without.fullmatch(header) for header in recording.columns)
 
 
 def test_a_run_prints_one_line_of_what_it_wrote(no_figures, tmp_path, capsys):

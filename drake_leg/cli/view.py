@@ -160,7 +160,7 @@ def _teleop(chosen: argparse.Namespace) -> int:
 
 def _walks(robot: Robot) -> bool:
     """Tell whether a robot has legs to walk on, and a gait for as many."""
-    from drake_leg.kinematics.walking.gaits import LEGS
+    from drake_leg.kinematics.walking.gait import LEGS
     from drake_leg.kinematics.walking.legs import Legs
 
     try:

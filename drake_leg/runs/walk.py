@@ -92,7 +92,7 @@ def config_of(robot: Robot, options: WalkOptions) -> HexapodConfig:
         feed_forward=options.feed_forward,
         feedback=options.feedback,
         ground=options.the_ground,
-        contact=Contact(stiffness=options.stiffness, foot_radius=options.foot_radius),
+        contact=Contact(stiffness=options.foot_stiffness, foot_radius=options.foot_radius),
         payload=options.payload,
         push=options.the_push,
         time_step=options.time_step,

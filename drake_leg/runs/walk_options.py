@@ -6,12 +6,10 @@ What an option takes follows from the annotation of its field, as in ``options.p
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from drake_leg.errors import InvalidValueError, did_you_mean
-from drake_leg.kinematics.motions import Push
-from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, Walk
-from drake_leg.kinematics.walking.plan import usual_period, walk_of
-from drake_leg.kinematics.walking.weights import total_mass
+from drake_leg.kinematics.walking.gait import GAITS, Gait, usual_period
 from drake_leg.robot.file_names import ENDINGS, is_robot_file
 from drake_leg.robot.ground import FOOT_STIFFNESS, Blocks, Ground, Steps
 from drake_leg.robot.hexapods import HEXAPODS
@@ -19,6 +17,10 @@ from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import SERVOS, Servo
 from drake_leg.runs.options import RunOptions, option
 from drake_leg.units import require_positive
+
+if TYPE_CHECKING:
+    from drake_leg.kinematics.motions import Push
+    from drake_leg.kinematics.walking.gaits import Walk
 
 ROBOTS = {robot.name.replace("_", "-"): robot for robot in HEXAPODS}
 STANDS = 0.5  # [s], for which the robot stands first
@@ -102,7 +104,7 @@ class WalkOptions(RunOptions):
         None, "of the push: 0 forward, 90 to the left", "deg", shown="90"
     )
     time_step: float = option(0.005, "of the simulation: the rows of recording.csv", "s")
-    stiffness: float = option(FOOT_STIFFNESS, "of a foot's contact", "N/m")
+    foot_stiffness: float = option(FOOT_STIFFNESS, "of a foot's contact", "N/m")
     foot_radius: float = option(0.0, "of a foot's ball, which rolls; 0 is a point", "m")
     friction: float = option(0.8, "coefficient of the ground")
     slope: float = option(0.0, "of the ground, upwards along the way", "deg")
@@ -225,10 +227,13 @@ class WalkOptions(RunOptions):
         )
 
     @property
-    def the_push(self) -> Push | None:
+    def the_push(self) -> "Push | None":
         """The push on the body, in the world's frame."""
         if self.push_speed is None:
             return None
+        from drake_leg.kinematics.motions import Push  # with NumPy, which help does without
+        from drake_leg.kinematics.walking.weights import total_mass
+
         weight = total_mass(self.the_robot) + self.payload
         strength = self.push_speed * weight * math.pi / (2.0 * PUSH_LASTS)
         angle = math.radians(TO_THE_LEFT if self.push_direction is None else self.push_direction)
@@ -262,7 +267,7 @@ class WalkOptions(RunOptions):
             return self.starts + way / rate
         return None
 
-    def the_walk(self) -> Walk:
+    def the_walk(self) -> "Walk":
         """Plan the walk.
 
         Raises
@@ -270,6 +275,9 @@ class WalkOptions(RunOptions):
         InvalidValueError
             If an option makes no sense.
         """
+        from drake_leg.kinematics.walking.gaits import Attitude, Command
+        from drake_leg.kinematics.walking.plan import walk_of
+
         ends = self.ends
         command = Command(
             forward=self.speed or 0.0,

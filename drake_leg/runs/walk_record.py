@@ -86,12 +86,22 @@ class WalkRecord:
         return _placed(self.body, self.feet_in_body)
 
     @cached_property
+    def _contact(self) -> Array:
+        """Generalized contact forces, (rows, 6 + 3 n).
+
+        A row has those of the step that ends there; the first row has those of the first step.
+        """
+        found = self.run.scopes["contact forces"].copy()
+        found[0] = found[min(1, len(found) - 1)]
+        return found
+
+    @cached_property
     def forces(self) -> Array:
         """Force of the ground on each foot, in G, (rows, n, 3) [N].
 
         The plant's generalized contact forces of a leg's joints are J^T f.
         """
-        joints = self.run.scopes["contact forces"][:, 6:].reshape(self.q.shape)
+        joints = self._contact[:, 6:].reshape(self.q.shape)
         J = np.swapaxes(self.config.legs.jacobians(self.q), -1, -2)
         in_body = np.linalg.solve(J, joints[..., np.newaxis])[..., 0]
         return np.asarray(np.einsum("tij,tnj->tni", self.body[:, :3, :3], in_body))
@@ -99,7 +109,7 @@ class WalkRecord:
     @cached_property
     def force_on_body(self) -> Array:
         """Force of the ground on anything but feet, in G, (rows, 3) [N]."""
-        whole = self.run.scopes["contact forces"][:, 3:6] @ self.config.X_WG[:3, :3]
+        whole = self._contact[:, 3:6] @ self.config.X_WG[:3, :3]
         return np.asarray(whole - self.forces.sum(axis=1))
 
     @cached_property

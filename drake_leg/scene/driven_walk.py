@@ -17,9 +17,10 @@ from drake_leg.diagrams.wiring import plant_of
 from drake_leg.errors import DrakeLegError, InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.foresight import foresee_walk
-from drake_leg.kinematics.walking.gaits import GAITS, Command, Gait
+from drake_leg.kinematics.walking.gait import GAITS, Gait, usual_period
+from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.live import LiveWalk
-from drake_leg.kinematics.walking.plan import usual_period, walk_of
+from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.robot.ground import FLAT
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import IDEAL

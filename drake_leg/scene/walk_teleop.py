@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.walking.gaits import GAITS
+from drake_leg.kinematics.walking.gait import GAITS
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.driven_walk import DrivenWalk, WalkStep
 from drake_leg.scene.scene import TRACE, VIEWS, PlantMotion, Scene, scene_of

@@ -29,7 +29,8 @@ OF_RUNS = {
     # of walks
     "--robot", "--gait", "--phases", "--duty", "--period", "--speed", "--sideways", "--turn",
     "--distance", "--angle", "--height", "--roll", "--pitch", "--shift", "--servo", "--effort",
-    "--feed-forward", "--payload", "--push-speed", "--time-step", "--foot-radius", "--friction",
+    "--feed-forward", "--payload", "--push-speed", "--time-step", "--foot-radius",
+    "--foot-stiffness", "--friction",
     "--slope", "--across", "--steps", "--blocks", "--dynamic", "--force",
 }  # fmt: skip
 

@@ -4,7 +4,8 @@ import pytest
 from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
 from drake_leg.diagrams.wiring import wires
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.walking.gaits import GAITS, Command
+from drake_leg.kinematics.walking.gait import GAITS
+from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.simulation.run import simulate

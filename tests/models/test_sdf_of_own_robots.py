@@ -110,10 +110,10 @@ def test_drake_reads_an_explicit_inertia():
         ({"mass": 0.0}, "mass"),
         ({"mass": -1.0}, "mass"),
         ({"mass": math.nan}, "mass"),
-        ({"moments": (1.0, 1.0, 2.1)}, "less than the other two"),
-        ({"moments": (0.0, 1.0, 1.0)}, "must be positive"),
+        ({"moments": (1.0, 1.0, 2.1)}, "at most the other two together"),
+        ({"moments": (-0.1, 1.0, 1.0)}, "none of them can be negative"),
         ({"moments": (1.0, 1.0, math.inf)}, "must be three finite numbers"),
-        ({"products": (1.5, 0.0, 0.0)}, "must be positive"),
+        ({"products": (1.5, 0.0, 0.0)}, "none of them can be negative"),
         ({"centre": (math.nan, 0.0, 0.0)}, "must be three finite numbers"),
     ],
 )

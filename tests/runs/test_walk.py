@@ -93,7 +93,7 @@ def test_a_robot_that_stands_has_no_cost_of_transport():
 
 def test_options_reach_the_config():
     options = WalkOptions(
-        servo="xl430", feedback=2.0, friction=0.4, stiffness=1e5, payload=0.5, time_step=0.002
+        servo="xl430", feedback=2.0, friction=0.4, foot_stiffness=1e5, payload=0.5, time_step=0.002
     )
     config = config_of(options.the_robot, options)
     assert (config.servo.name, config.feedback, config.time_step) == ("xl430", 2.0, 0.002)

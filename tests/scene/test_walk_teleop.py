@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.walking.gaits import GAITS
+from drake_leg.kinematics.walking.gait import GAITS
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.scene import walk_teleop
 from drake_leg.scene.driven_walk import FELL, DrivenWalk

@@ -24,7 +24,7 @@ EVERY = list(FIELDS)
 
 def planned(name="leg-b", vary=None, fields=EVERY, simulated=False, **options):
     vary = {"femur": [0.1]} if vary is None else vary
-    return sweeps._plan(name, vary, None, None, None, fields, simulated, options)
+    return sweeps._plan(name, vary, None, None, None, None, fields, simulated, options)
 
 
 @pytest.mark.parametrize("name", ["leg-a", "leg-b"])

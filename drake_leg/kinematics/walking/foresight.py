@@ -15,7 +15,8 @@ from drake_leg.errors import ImpossibleWalkError, InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.cycle_times import attitudes_end, times_of, times_within
 from drake_leg.kinematics.walking.demands import Abilities, Demand
-from drake_leg.kinematics.walking.gaits import Attitude, Command, Gait, Walk
+from drake_leg.kinematics.walking.gait import Gait
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
 from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.searches import (
     DOUBLINGS,

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, finite_vectors
-from drake_leg.kinematics.walking.gaits import Gait, smoothstep
+from drake_leg.kinematics.walking.gait import Gait
+from drake_leg.kinematics.walking.gaits import smoothstep
 from drake_leg.kinematics.walking.plan import PlanRow
 from drake_leg.units import require_non_negative, require_positive
 

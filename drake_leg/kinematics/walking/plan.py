@@ -10,21 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, Walk
+from drake_leg.kinematics.walking.gait import GAITS, Gait
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot
 
 ROWS = 512  # that are planned at once
 ON_TIME = 1e-6  # of a time step: how far a time may be from a multiple of it
-
-
-SWING = 0.5  # [s], about as long as a swing lasts by default
-
-
-def usual_period(gait: Gait) -> float:
-    """Period of a gait [s]: whole half seconds, in which swings last about ``SWING``."""
-    return max(1.0, round(2.0 * SWING / (1.0 - gait.duty)) / 2.0)
 
 
 def walk_of(

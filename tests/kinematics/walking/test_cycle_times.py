@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from drake_leg.kinematics.walking.cycle_times import PER_SWING, times_of, times_within
-from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Walk
+from drake_leg.kinematics.walking.gait import GAITS
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
 
 NEUTRAL = [(x, y, 0.0) for y in (0.2, -0.2) for x in (0.2, 0.0, -0.2)]
 

@@ -11,7 +11,8 @@ from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
 from drake_leg.errors import ImpossibleWalkError, InvalidValueError
 from drake_leg.kinematics.walking.demands import BEHIND, lags
 from drake_leg.kinematics.walking.foresight import foresee_walk
-from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Gait, Walk
+from drake_leg.kinematics.walking.gait import GAITS, Gait
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.robot.ground import Ground, Steps
 from drake_leg.robot.hexapods import HEXABOT, Hip, hexapod

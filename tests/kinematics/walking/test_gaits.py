@@ -7,14 +7,8 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.walking.gaits import (
-    GAITS,
-    Attitude,
-    Command,
-    Gait,
-    Walk,
-    smoothstep,
-)
+from drake_leg.kinematics.walking.gait import GAITS, Gait
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk, smoothstep
 
 NEUTRAL = [
     (0.19, 0.15, -0.085), (0.0, 0.21, -0.085), (-0.19, 0.15, -0.085),

@@ -8,7 +8,8 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms, jacobian
-from drake_leg.kinematics.walking.gaits import GAITS, LEGS, Attitude, Command, Motion, Walk
+from drake_leg.kinematics.walking.gait import GAITS, LEGS
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Motion, Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.robot.hexapods import HEXABOT, Hip, hexapod
 from drake_leg.robot.joint_mechanics import JointMechanics, starting_posture

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.walking.gaits import GAITS, Command, Walk
+from drake_leg.kinematics.walking.gait import GAITS
+from drake_leg.kinematics.walking.gaits import Command, Walk
 from drake_leg.kinematics.walking.live import GREATEST, RISE, LiveWalk
 
 STEP = 0.005

@@ -12,7 +12,8 @@ from pydrake.multibody.tree import MultibodyForces
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import base_transforms
-from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Motion, Walk
+from drake_leg.kinematics.walking.gait import GAITS
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Motion, Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import (
     FADING,

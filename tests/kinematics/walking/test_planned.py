@@ -8,7 +8,8 @@ import pytest
 from pydrake.math import RigidTransform
 
 from drake_leg.kinematics.khalil import base_transforms
-from drake_leg.kinematics.walking.gaits import GAITS, Attitude, Command, Walk
+from drake_leg.kinematics.walking.gait import GAITS
+from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.margins import support_margin
 from drake_leg.kinematics.walking.planned import PlannedWalk
