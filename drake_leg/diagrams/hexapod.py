@@ -17,7 +17,7 @@ servos at the end of a step, and so they get the angles wanted there.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -54,6 +54,7 @@ from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.servo_command import ServoCommand
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
+CONTACT = "contact forces"  # scope of the generalized ones, of base and joints
 FULL, GRAVITY, NONE = "full", "gravity", "none"  # feed-forward
 FEED_FORWARDS = (FULL, GRAVITY, NONE)
 
@@ -250,7 +251,7 @@ def _add_scopes(
         ("joint velocities", sensed.get_output_port(3)),
         ("desired state", desired),
         ("joint torques", walker.servos.torques),
-        ("contact forces", plant.get_generalized_contact_forces_output_port(robot)),
+        (CONTACT, plant.get_generalized_contact_forces_output_port(robot)),
     ):
         add_scope(builder, name, port)
 
@@ -274,3 +275,13 @@ def start_walking(config: HexapodConfig) -> Callable[[Diagram, Context], None]:
             integrator.set_integral_value(integrator.GetMyMutableContextFromRoot(context), q)
 
     return start
+
+
+def contact_rows(scopes: Mapping[str, Array]) -> Array:
+    """Generalized contact forces of a recorded walk, (rows, 6 + 3 n) [N*m, N].
+
+    A row has those of the step that ends there; the first row has those of the first step.
+    """
+    found = scopes[CONTACT].copy()
+    found[0] = found[min(1, len(found) - 1)]
+    return found

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from drake_leg.diagrams.hexapod import HexapodConfig
+from drake_leg.diagrams.hexapod import HexapodConfig, contact_rows
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.gaits import Motion
 from drake_leg.kinematics.walking.margins import on_ground, support_margin
@@ -86,24 +86,10 @@ class WalkRecord:
         return _placed(self.body, self.feet_in_body)
 
     @cached_property
-    def _contact(self) -> Array:
-        """Generalized contact forces, (rows, 6 + 3 n).
-
-        A row has those of the step that ends there; the first row has those of the first step.
-        """
-        found = self.run.scopes["contact forces"].copy()
-        found[0] = found[min(1, len(found) - 1)]
-        return found
-
-    @cached_property
     def forces(self) -> Array:
-        """Force of the ground on each foot, in G, (rows, n, 3) [N].
-
-        The plant's generalized contact forces of a leg's joints are J^T f.
-        """
+        """Force of the ground on each foot, in G, (rows, n, 3) [N]."""
         joints = self._contact[:, 6:].reshape(self.q.shape)
-        J = np.swapaxes(self.config.legs.jacobians(self.q), -1, -2)
-        in_body = np.linalg.solve(J, joints[..., np.newaxis])[..., 0]
+        in_body = self.config.legs.forces(self.q, joints)
         return np.asarray(np.einsum("tij,tnj->tni", self.body[:, :3, :3], in_body))
 
     @cached_property
@@ -226,6 +212,10 @@ class WalkRecord:
                     heights = self.feet[first:last, foot, 2]
                     found.append(heights.max() - heights[0])
         return np.array(found)
+
+    @cached_property
+    def _contact(self) -> Array:
+        return contact_rows(self.run.scopes)
 
     @property
     def _support_height(self) -> Array:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from drake_leg.diagrams.hexapod import contact_rows
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, real_numbers
 from drake_leg.kinematics.walking.legs import Legs
@@ -52,18 +53,17 @@ def walked(robot: Robot, record: Run | Recording, ground: Ground) -> Walked | No
 
 def _of_scopes(legs: Legs, run: Run) -> tuple[Array, Array, Array, Array]:
     body, q = run.scopes[POSE], run.scopes["joint positions"]
-    forces = foot_forces(legs, body, q, run.scopes["contact forces"][:, 6:])
+    forces = foot_forces(legs, body, q, contact_rows(run.scopes)[:, 6:])
     return run.time, body, q, forces
 
 
 def foot_forces(legs: Legs, body: Array, q: Array, torques: Array) -> Array:
     """Forces of the ground on the feet in the world, (rows, n, 3) [N].
 
-    From the plant's generalized contact forces of the joints, (rows, 3 n) [N*m]: J^T f.
+    From the plant's generalized contact forces of the joints, (rows, 3 n) [N*m].
     """
-    J = legs.jacobians(q.reshape(len(q), legs.count, 3))
-    joints = torques.reshape(len(q), legs.count, 3, 1)
-    in_body = np.linalg.solve(np.swapaxes(J, -1, -2), joints)[..., 0]
+    in_legs = (len(q), legs.count, 3)
+    in_body = legs.forces(q.reshape(in_legs), torques.reshape(in_legs))
     return np.asarray(np.einsum("tij,tnj->tni", pose_of(body)[:, :3, :3], in_body))
 
 

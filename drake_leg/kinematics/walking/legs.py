@@ -169,6 +169,16 @@ class Legs:
             [foot_jacobian(leg, own[..., i, :]) for i, leg in enumerate(self.geometries)], axis=-3
         )
 
+    def forces(self, q: ArrayLike, torques: ArrayLike) -> Array:
+        """Forces on the feet (..., n, 3) [N] in B, by the torques J^T f that they cause.
+
+        Angles and torques are (..., n, 3) [rad, N*m].
+        """
+        J_transposed = np.swapaxes(self.jacobians(q), -1, -2)
+        return np.asarray(
+            np.linalg.solve(J_transposed, np.asarray(torques)[..., np.newaxis])[..., 0]
+        )
+
     def sigma_mins(self, q: ArrayLike) -> Array:
         """Smallest singular value of every leg's Jacobian, (..., n) [m/rad]."""
         own = self._own(q)

@@ -213,3 +213,11 @@ def test_joints_that_legs_share_or_mix_are_refused():
     )
     with pytest.raises(InvalidValueError, match="do not come leg by leg"):
         Legs.of(replace(HEXABOT, segments=tuple(shared)))
+
+
+def test_forces_on_the_feet_cause_the_torques_that_are_given():
+    legs = Legs.of(HEXABOT)
+    q = np.tile([0.2, 0.4, -1.2], (6, 1)) + np.linspace(0.0, 0.3, 18).reshape(6, 3)
+    f = np.linspace(-2.0, 9.0, 18).reshape(6, 3)
+    torques = np.einsum("nij,ni->nj", legs.jacobians(q), f)
+    np.testing.assert_allclose(legs.forces(q, torques), f, atol=1e-12)
