@@ -14,7 +14,7 @@ from drake_leg.lab.page.contents import chapters
 from drake_leg.lab.page.items import KINDS, ShownItem
 from drake_leg.lab.page.workers import working
 
-RUNS = {"pendulum": page.RUNS["pendulum"], "leg-b": page.RUNS["leg-b"]}
+RUNS = {name: page.RUNS[name] for name in ("pendulum", "leg-b", "hexapod")}
 
 
 def one_of_each_kind():
