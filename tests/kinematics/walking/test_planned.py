@@ -1,4 +1,4 @@
-"""What planned walks ask for: against Drake, closed forms, and the prototype's number."""
+"""What planned walks ask for: against Drake and closed forms."""
 
 import math
 from dataclasses import replace
