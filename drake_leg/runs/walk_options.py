@@ -5,6 +5,7 @@ What an option takes follows from the annotation of its field, as in ``options.p
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -132,7 +133,7 @@ class WalkOptions(RunOptions):
         if self.duration is None:
             self.duration = WALKING if self.ends is None else self.ends + RAMP + AFTER
 
-    @property
+    @cached_property
     def the_robot(self) -> Robot:
         """The robot that walks."""
         if self.robot in ROBOTS:

@@ -24,7 +24,8 @@ class BodyFeedback(LeafSystem):
     ``command``    in   6    rad/s, m/s   commanded twist of the body B, in B; rotation first
     ``pose``       in   12   -, m         commanded R_GB row by row, then p_GB
     ``sensed``     in   7    -, m         the body's quaternion (w, x, y, z), place in the world
-    ``twist``      out  6    rad/s, m/s   command, and ``rate`` times the difference of the poses
+    ``correction`` out  6    rad/s, m/s   ``rate`` times the difference of the poses
+    ``twist``      out  6    rad/s, m/s   command and correction
     ``levelling``  out  3    rad, rad, m  its integral: roll, pitch, height
     ============== ==== ==== ============ ====================================================
 
@@ -47,25 +48,25 @@ class BodyFeedback(LeafSystem):
         self._command = self.DeclareVectorInputPort("command", 6)
         self._pose = self.DeclareVectorInputPort("pose", 12)
         self._sensed = self.DeclareVectorInputPort("sensed", 7)
+        self._correction = self.DeclareVectorOutputPort("correction", 6, self._calc_correction)
         self.DeclareVectorOutputPort("twist", 6, self._calc_twist)
         state = self.DeclareDiscreteState(3)
         self.DeclareStateOutputPort("levelling", state)
         self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._level)
 
-    def _rates(self, context: Context) -> list[float]:
-        """Twist (6,) that brings the body back."""
+    def _calc_correction(self, context: Context, correction: BasicVector) -> None:
         pose, sensed = self._pose.Eval(context), self._sensed.Eval(context)
         X_GB = np.eye(4)
         X_GB[:3, :3], X_GB[:3, 3] = pose[:9].reshape(3, 3), pose[9:]
         R_WS = Quaternion(sensed[:4] / np.linalg.norm(sensed[:4])).rotation()
         p_GS = self._R_GW @ (sensed[4:] - self._p_WG)
-        return [self._rate * off for off in difference(X_GB, self._R_GW @ R_WS, p_GS)]
+        off = difference(X_GB, self._R_GW @ R_WS, p_GS)
+        correction.SetFromVector([self._rate * part for part in off])
 
     def _calc_twist(self, context: Context, twist: BasicVector) -> None:
-        pairs = zip(self._command.Eval(context).tolist(), self._rates(context), strict=True)
-        twist.SetFromVector([wanted + back for wanted, back in pairs])
+        twist.SetFromVector(self._command.Eval(context) + self._correction.Eval(context))
 
     def _level(self, context: Context, state: DiscreteValues) -> None:
-        roll, pitch, _, _, _, up = self._rates(context)
+        roll, pitch, _, _, _, up = self._correction.Eval(context).tolist()
         before = context.get_discrete_state_vector().CopyToVector()
         state.set_value(before + self._time_step * np.array([roll, pitch, up]))
