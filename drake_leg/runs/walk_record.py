@@ -12,14 +12,13 @@ from scipy.spatial.transform import Rotation
 from drake_leg.diagrams.hexapod import HexapodConfig, contact_rows
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.gaits import Motion
-from drake_leg.kinematics.walking.margins import on_ground, support_margin
+from drake_leg.kinematics.walking.margins import on_ground, support_margin, supporting
 from drake_leg.kinematics.walking.power import gear_friction, motor_torque
 from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
+from drake_leg.simulation.recording import intervals
 from drake_leg.simulation.run import Run
 
 SETTLED = 0.5  # [s]: until then a robot that was put on its feet sinks into its contacts
-LOADED = 0.02  # of the robot's weight: a foot with less supports nothing
-BOUNCE = 0.020  # [s]: a foot that was loaded within this time supports
 OVERTURNED = np.radians(45.0)  # tilt of a robot that has fallen
 COLLAPSED = 0.5  # of its planned height: a robot that is lower has fallen
 
@@ -105,18 +104,8 @@ class WalkRecord:
 
     @cached_property
     def loaded(self) -> NDArray[np.bool_]:
-        """Whether each foot carries load, now or a moment before or after, (rows, n).
-
-        The contact of a foot that has just touched down may open again for a few steps.
-        """
-        now = self.forces[..., 2] > LOADED * self.weight
-        reach = round(BOUNCE / self.config.time_step)
-        seen = np.zeros_like(now)
-        for shift in range(-reach, reach + 1):
-            rows = slice(max(shift, 0), len(now) + min(shift, 0))
-            others = slice(max(-shift, 0), len(now) + min(-shift, 0))
-            seen[rows] |= now[others]
-        return seen
+        """Whether each foot carries load, now or a moment before or after, (rows, n)."""
+        return supporting(self.time, self.forces[..., 2], self.weight)
 
     @cached_property
     def planned_down(self) -> NDArray[np.bool_]:
@@ -197,7 +186,7 @@ class WalkRecord:
         found = []
         for foot in range(self.feet.shape[1]):
             stands = self.planned_down[:, foot] & self.loaded[:, foot] & self.settled
-            for first, last in _intervals(stands):
+            for first, last in intervals(stands):
                 places = self.feet[first:last, foot, :2]
                 found.append(np.linalg.norm(places - places[0], axis=1).max())
         return np.array(found)
@@ -207,7 +196,7 @@ class WalkRecord:
         """Greatest height of each whole swing of a foot over where it began, (swings,) [m]."""
         found = []
         for foot in range(self.feet.shape[1]):
-            for first, last in _intervals(~self.planned_down[:, foot]):
+            for first, last in intervals(~self.planned_down[:, foot]):
                 if last < len(self.time):
                     heights = self.feet[first:last, foot, 2]
                     found.append(heights.max() - heights[0])
@@ -233,9 +222,3 @@ class WalkRecord:
 def _placed(X: Array, points: Array) -> Array:
     """Points (rows, n, 3) in the frame in which poses (rows, 4, 4) are."""
     return np.asarray(np.einsum("tij,tnj->tni", X[:, :3, :3], points) + X[:, np.newaxis, :3, 3])
-
-
-def _intervals(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last row, exclusive, of each run of true flags."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

@@ -13,15 +13,12 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.legs import Legs
-from drake_leg.kinematics.walking.margins import support_margin
+from drake_leg.kinematics.walking.margins import support_margin, supporting
 from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
 from drake_leg.robot.ground import Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.units import STANDARD_GRAVITY
 
-LOADED = 0.02  # of the robot's weight: a foot with less supports nothing
-BOUNCE = 0.020  # [s]: a foot that was loaded within this time supports; contacts open for moments
-EXACT = 1e-9  # [s], of rows at the ends of that time
 DOWN = np.array([0.0, 0.0, -1.0])  # along gravity, in the world
 
 
@@ -61,12 +58,12 @@ class Footing:
         links = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), links], axis=1)
         centre = centres_of_mass(robot, links)[:, np.newaxis]
         weight = total_mass(robot) * STANDARD_GRAVITY
-        pressed = forces @ np.array(ground.X_WG)[:3, 2] > LOADED * weight
+        pressing = forces @ np.array(ground.X_WG)[:3, 2]
         return cls(
             time=time,
             feet=_placed(X_WB, feet),
             forces=forces,
-            stands=_near(time, pressed),
+            stands=supporting(time, pressing, weight),
             body=body[:, 4:],
             centre=_placed(X_WB, centre)[:, 0],
             weight=weight,
@@ -149,14 +146,6 @@ def pose_of(body: Array) -> Array:
     X[:, :3, :3] = Rotation.from_quat(body[:, :4], scalar_first=True).as_matrix()
     X[:, :3, 3] = body[:, 4:]
     return X
-
-
-def _near(time: Array, flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether flags (rows, n) are set at some time within ``BOUNCE`` of each row."""
-    before = np.vstack([np.zeros((1, flags.shape[1]), dtype=int), np.cumsum(flags, axis=0)])
-    first = np.searchsorted(time, time - BOUNCE - EXACT)
-    last = np.searchsorted(time, time + BOUNCE + EXACT)
-    return np.asarray(before[last] > before[first])
 
 
 def _placed(X: Array, points: Array) -> Array:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.arguments import require_kind, shown
 from drake_leg.errors import InvalidValueError, OutputError, UnreadableFileError, did_you_mean
@@ -269,3 +269,9 @@ def without_sign_jumps(quaternions: ArrayLike) -> Array:
     flips = np.where((rows[1:] * rows[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
     signs: Array = np.concatenate([[1.0], np.cumprod(flips)])
     return rows * signs[:, np.newaxis]
+
+
+def intervals(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last row, exclusive, of each time in which a flag (rows,) is set."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

@@ -9,6 +9,7 @@ from hypothesis.extra.numpy import arrays
 from drake_leg.errors import InvalidValueError, OutputError
 from drake_leg.simulation.recording import (
     Recording,
+    intervals,
     lettered,
     numbered,
     without_sign_jumps,
@@ -191,3 +192,9 @@ def test_lists_become_arrays(tmp_path):
     assert "<td>0.25</td>" in swing._repr_html_()
     swing.write_csv(tmp_path / "swing.csv")
     np.testing.assert_array_equal(Recording.read_csv(tmp_path / "swing.csv")["q"], swing["q"])
+
+
+def test_intervals_are_the_runs_of_true_flags():
+    flags = np.array([True, True, False, True, False, False, True])
+    assert intervals(flags) == [(0, 2), (3, 4), (6, 7)]
+    assert intervals(np.zeros(3, dtype=bool)) == []

@@ -7,6 +7,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.kinematics.khalil import Array
 
+LOADED = 0.02  # of the robot's weight: a foot with less supports nothing
+BOUNCE = 0.020  # [s]: a foot that was loaded within this time supports; contacts open for moments
+EXACT = 1e-9  # [s], of rows at the ends of that time
+
+
+def supporting(time: Array, pressing: Array, weight: float) -> NDArray[np.bool_]:
+    """Whether each foot supports a robot, (rows, n): it is loaded within ``BOUNCE`` of the row.
+
+    The feet press on the ground with forces (rows, n) [N]; the contact of a foot that has just
+    touched down may open again for a few steps.
+    """
+    loaded = pressing > LOADED * weight
+    before = np.vstack([np.zeros((1, loaded.shape[1]), dtype=int), np.cumsum(loaded, axis=0)])
+    first = np.searchsorted(time, time - BOUNCE - EXACT)
+    last = np.searchsorted(time, time + BOUNCE + EXACT)
+    return np.asarray(before[last] > before[first])
+
 
 def support_margin(
     feet: ArrayLike, point: ArrayLike, down: NDArray[np.bool_] | None = None

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.colours import BLUE, GREEN, VERMILLION
 from drake_leg.kinematics.khalil import Array
+from drake_leg.kinematics.walking.margins import LOADED
 from drake_leg.pictures.plots.style import (
     BODY,
     GREY,
@@ -25,10 +26,9 @@ from drake_leg.pictures.plots.style import (
     new_figure,
     whole_ticks,
 )
-from drake_leg.simulation.recording import Recording
+from drake_leg.simulation.recording import Recording, intervals
 
 KINDS = ("hip", "knee", "ankle")  # of the joints of a leg
-LOADED = 0.02  # of the weight: a foot with less supports nothing
 BOUNCE = 0.040  # [s]: a gap of the load that is not longer is a bounce
 ROOM = 1.05  # times the greatest value: what an axis shows
 PANEL_TITLE: dict[str, Any] = {"loc": "left", "fontsize": 10.0}
@@ -208,10 +208,9 @@ def errors_of(recording: Recording) -> tuple[Array, Array]:
 
 def bars_of(time: Array, flags: Flags, gap: float = 0.0) -> list[tuple[float, float]]:
     """Beginnings and lengths of the times in which a flag is set; gaps up to ``gap`` [s] count."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
     last = len(time) - 1
     bars: list[tuple[float, float]] = []
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
+    for first, end in intervals(flags):
         begins, ends = float(time[first]), float(time[min(end, last)])
         if bars and begins - sum(bars[-1]) <= gap:
             begins = bars.pop()[0]
