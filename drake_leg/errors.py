@@ -79,6 +79,20 @@ class MissingNumbersError(InvalidValueError):
         )
 
 
+class UnknownValueError(InvalidValueError):
+    """A value of a Simulink model that cannot be evaluated.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The variables and functions that it uses and nothing gives, where that is the reason.
+    """
+
+    def __init__(self, problem: str, *, names: Iterable[str] = (), advice: str = "") -> None:
+        self.names = tuple(names)
+        super().__init__(problem, advice=advice)
+
+
 class OutputError(DrakeLegError):
     """A file or folder that cannot be written or read."""
 

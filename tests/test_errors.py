@@ -30,6 +30,7 @@ from drake_leg.errors import (
     SingularConfigurationError,
     StepBudgetError,
     TimeBudgetError,
+    UnknownValueError,
     UnreadableFileError,
     UnstableRunError,
 )
@@ -79,6 +80,7 @@ PROVOKED_ELSEWHERE = {
     OtherRobotError: "tests/scene/test_scene.py",
     TimeBudgetError: "tests/test_progress.py",
     MissingNumbersError: "tests/robot/symoro/test_as_robot.py",
+    UnknownValueError: "tests/simulink/test_parameters.py",
 }
 
 
@@ -216,6 +218,7 @@ SAMPLES = {
     "Sequence[float]": (1.0, 2.0),
     "tuple[float, float]": (-1.0, 1.0),
     "Mapping[str, str]": {"D3": "d of row 3"},
+    "Iterable[str]": ("L1",),
 }
 
 

@@ -27,24 +27,30 @@ NO_EFFECT = "has no effect on compare, which simulates nothing"
 def configure_inspect(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
-        "List the blocks of a Simulink model with their settings in SI, its wires, "
-        "physical connections, MATLAB functions and solver. No MATLAB is needed, and nothing in "
-        "the file is executed."
+        "Tell what a Simulink model is: its kinds of blocks, its solver, and what is not "
+        "understood. No MATLAB is needed, and nothing in the file is executed."
     )
     parser.add_argument("model", type=Path, metavar="MODEL.slx", help="file saved by Simulink")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument(
+        "--blocks",
+        action="store_true",
+        help="list all blocks with their settings in SI, wires, physical connections and code",
+    )
+    form.add_argument("--json", action="store_true", help="print all of it as JSON")
     parser.set_defaults(command=_inspect)
 
 
 def _inspect(chosen: argparse.Namespace) -> int:
-    from drake_leg.simulink.listing import as_json, as_lines
+    from drake_leg.simulink.listing import as_json, as_lines, as_summary
     from drake_leg.simulink.reader import read_model
 
     model = read_model(chosen.model)
     if chosen.json:
         print(json.dumps(as_json(model), indent=2, allow_nan=False), flush=True)
     else:
-        print("\n".join(as_lines(model)), flush=True)
+        lines = as_lines(model) if chosen.blocks else as_summary(model)
+        print("\n".join(lines), flush=True)
     return 0
 
 

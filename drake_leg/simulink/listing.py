@@ -4,19 +4,28 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Container, Mapping, Sequence
 from typing import Any
 
-from drake_leg.simulink.model import Block, Model, Value, split_port
+from drake_leg.errors import UnknownValueError
+from drake_leg.simulink.lacks import lacks_of
+from drake_leg.simulink.model import Block, Model, Parameters, Value, split_port
 from drake_leg.simulink.parameters import default_values
 
 _WIDTH = 100
 _LONGEST_TEXT = 60
 _UNITS = "Units"
+_PLACES = 3  # where something is used, that are told
 
 
 def as_json(model: Model) -> dict[str, Any]:
-    """Return a model as JSON can hold it: numbers in SI, infinite ones as ``inf`` or ``-inf``."""
+    """Return a model as JSON can hold it: numbers in SI, infinite ones as ``inf`` or ``-inf``.
+
+    A value that is not known is null, and ``lacks`` has its text and the reason.
+    """
+    lacks = lacks_of(model)
+    absent = {(lack.sid, lack.parameter) for lack in lacks}
     return {
         "blocks": [
             {
@@ -25,7 +34,7 @@ def as_json(model: Model) -> dict[str, Any]:
                 "type": block.type,
                 "source": block.source,
                 "system": block.system,
-                "parameters": plain(dict(block.parameters)),
+                "parameters": _plain_values(block.sid, block.parameters, absent),
             }
             for block in model.blocks
         ],
@@ -37,8 +46,78 @@ def as_json(model: Model) -> dict[str, Any]:
             {"sid": function.sid, "name": function.name, "script": function.script}
             for function in model.functions
         ],
-        "solver": plain(dict(model.solver)),
+        "solver": _plain_values("", model.solver, absent),
+        "lacks": [
+            {
+                "sid": lack.sid,
+                "parameter": lack.parameter,
+                "text": lack.text,
+                "names": list(lack.names),
+                "reason": lack.reason,
+            }
+            for lack in lacks
+        ],
     }
+
+
+def _plain_values(
+    sid: str, values: Mapping[str, Value], absent: Container[tuple[str, str]]
+) -> dict[str, Any]:
+    return {name: None if (sid, name) in absent else plain(values[name]) for name in values}
+
+
+def as_summary(model: Model) -> list[str]:
+    """Return what a model is and what it lacks: its kinds of blocks, and what is not understood."""
+    kinds = Counter(printable(block.kind) for block in model.blocks)
+    counts = (
+        (len(model.blocks), "block"),
+        (len(model.wires), "wire"),
+        (len(model.nodes), "physical connection"),
+        (len(model.functions), "MATLAB function"),
+    )
+    lines = [f"{printable(model.name)}: {', '.join(_counted(*count) for count in counts)}", ""]
+    shown = [f"{kind} {number}" if number > 1 else kind for kind, number in kinds.most_common()]
+    lines += [*_wrapped("kinds   ", ", ".join(shown), 8), *_solver(model), ""]
+    return lines + _lacking(model)
+
+
+def _solver(model: Model) -> list[str]:
+    shown = ", ".join(f"{key} {_held(model.solver, key)}" for key in model.solver)
+    return _wrapped("solver  ", shown, 8)
+
+
+def _lacking(model: Model) -> list[str]:
+    """Return what is not understood: kinds of blocks, names without a value, other values."""
+    lacks, paths = lacks_of(model), block_paths(model)
+    if not lacks:
+        return ["everything is understood"]
+    kinds: dict[str, list[str]] = {}
+    names: dict[str, list[str]] = {}
+    others: list[tuple[str, str]] = []
+    for lack in lacks:
+        at = f"{paths[lack.sid]!r}" if lack.sid else "the solver"
+        if not lack.parameter:
+            kinds.setdefault(lack.text, []).append(at)
+        elif lack.names:
+            for name in lack.names:
+                names.setdefault(name, []).append(f"{at} {lack.parameter}")
+        else:
+            others.append((lack.reason, ""))
+    lines = [f"not understood: {len(lacks)}"]
+    for title, found in (("kinds of blocks", kinds), ("names without a value", names)):
+        if found:
+            rows = [(f"  {printable(name)}", _some(places)) for name, places in found.items()]
+            lines += ["", f"{title} ({len(found)})", *_table(("  name", "used by"), rows)[1:]]
+    if others:
+        lines += ["", f"other values ({len(others)})"]
+        for reason, _ in others:
+            lines += _wrapped("  ", printable(reason), 4)
+    return lines
+
+
+def _some(places: Sequence[str]) -> str:
+    shown = ", ".join(places[:_PLACES])
+    return shown if len(places) <= _PLACES else f"{shown} and {len(places) - _PLACES} more"
 
 
 def as_lines(model: Model) -> list[str]:
@@ -62,8 +141,7 @@ def as_lines(model: Model) -> list[str]:
         lines += ["", f"code of {names[function.sid]} (SID {function.sid})"]
         code = function.script or "(none in the file)"
         lines += [f"  {printable(row.expandtabs(4))}" for row in code.strip("\n").splitlines()]
-    solver = [f"{key} {_shown(value)}" for key, value in model.solver.items()]
-    return [*lines, "", *_wrapped("solver  ", ", ".join(solver), 8)]
+    return [*lines, "", *_solver(model), "", *_lacking(model)]
 
 
 def block_paths(model: Model) -> dict[str, str]:
@@ -80,14 +158,31 @@ def _settings(block: Block) -> list[str]:
     defaults = default_values(block.type, block.source)
     return [
         " ".join(
-            filter(None, (name, _shown(value), str(block.parameters.get(f"{name}{_UNITS}", ""))))
+            filter(
+                None,
+                (name, _held(block.parameters, name), str(block.parameters.get(name + _UNITS, ""))),
+            )
         )
-        for name, value in block.parameters.items()
-        if (name in block.mask or _is_telling(name, value, defaults)) and name != "SFBlockType"
+        for name in block.parameters
+        if (name in block.mask or _is_telling(block.parameters, name, defaults))
+        and name != "SFBlockType"
     ]
 
 
-def _is_telling(name: str, value: Value, defaults: Mapping[str, Value]) -> bool:
+def _held(values: Mapping[str, Value], name: str) -> str:
+    """Show a value, or the text of one that is not known."""
+    try:
+        return _shown(values[name])
+    except UnknownValueError:
+        text = values.text(name) if isinstance(values, Parameters) else ""
+        return f"({_shown(text)}: not known)"
+
+
+def _is_telling(values: Mapping[str, Value], name: str, defaults: Mapping[str, Value]) -> bool:
+    try:
+        value = values[name]
+    except UnknownValueError:
+        return True
     if name in defaults:
         return value != defaults[name]
     return not isinstance(value, str)

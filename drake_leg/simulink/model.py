@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +12,47 @@ from drake_leg.errors import InvalidValueError
 
 Numbers = float | tuple[float, ...] | tuple[tuple[float, ...], ...]
 Value = Numbers | str
+
+
+class Parameters(Mapping[str, Value]):
+    """Values by name, each evaluated when it is asked for.
+
+    Raises
+    ------
+    UnknownValueError
+        By ``[]`` and ``get``, for a value that cannot be evaluated, or is infinite where none can
+        be.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[str, Value] = {}
+        self._pending: dict[str, Callable[[], Value]] = {}
+        self._texts: dict[str, str] = {}
+
+    def add(self, name: str, value: Value | Callable[[], Value], text: str = "") -> None:
+        """Add a value, or what evaluates its text."""
+        self._found[name] = text if callable(value) else value
+        if callable(value):
+            self._pending[name], self._texts[name] = value, text
+
+    def text(self, name: str) -> str:
+        """Return the text of a value that is evaluated."""
+        return self._texts.get(name, "")
+
+    def __getitem__(self, name: str) -> Value:
+        if name in self._pending:
+            self._found[name] = self._pending[name]()
+            del self._pending[name]
+        return self._found[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(tuple(self._found))
+
+    def __len__(self) -> int:
+        return len(self._found)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +66,7 @@ class Block:
     system: str  # SID of the subsystem that holds it; "" at the top
     parameters: Mapping[str, Value]  # in SI; absent ones at Simulink's defaults
     mask: tuple[str, ...] = ()  # names of those that its mask adds, as numbers or as they stand
+    unknown: str = ""  # why it is no block that is known; "" where it is
 
     @cached_property
     def kind(self) -> str:

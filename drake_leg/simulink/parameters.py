@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 
-from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.catalogue import known_parameters
+from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.simulink.catalogue import Parameter, known_parameters
 from drake_leg.simulink.diagram import DrawnBlock
 from drake_leg.simulink.matlab.program import value
-from drake_leg.simulink.model import Numbers, Value
+from drake_leg.simulink.model import Numbers, Parameters, Value
 from drake_leg.units import parse_unit
 
 Used = tuple[tuple[str, Numbers], ...]
@@ -176,31 +177,17 @@ def _shortened(text: str) -> str:
 # --- values of parameters --------------------------------------------------------------------
 
 _UNIT_SUFFIXES = ("Units", "_unit")
-_LIBRARIES = "Simulink, Simscape and Simscape Multibody"
 
 
-def values_of(block: DrawnBlock, names: Names) -> dict[str, Value]:
-    """Evaluate a block's parameters, those included that its mask adds.
+def values_of(block: DrawnBlock, names: Names) -> Parameters:
+    """Read a block's parameters, those included that its mask adds.
 
-    Those that the file leaves out have their defaults; a value with a unit is in SI, and so is the
-    unit beside it; what is not a number is text. ``Inputs`` of a Sum are its signs alone: ``+-``.
-
-    Raises
-    ------
-    InvalidValueError
-        If the block is of no known kind, or a number cannot be evaluated, or is infinite where
-        none can be.
+    Those that the file leaves out have their defaults; what is not a number is text. ``Inputs`` of
+    a Sum are its signs alone: ``+-``. Of a block of no known kind, what has no unit is text.
     """
-    known = known_parameters(block.type, block.source)
-    if known is None:
-        raise InvalidValueError(_unknown(block))
+    known = known_parameters(block.type, block.source) or ()
     texts = block.texts
-    if texts.get("Variant") == "on":
-        raise InvalidValueError(
-            f"{block} is a variant subsystem, whose active choice the file alone does not tell: "
-            "put the active choice in its place"
-        )
-    found: dict[str, Value] = {}
+    found = Parameters()
     others = dict(texts)
     for parameter in known:
         others.pop(parameter.name, None)
@@ -209,30 +196,44 @@ def values_of(block: DrawnBlock, names: Names) -> dict[str, Value]:
         if text is None:
             text = _counted(block, parameter.name) or parameter.default
         if not parameter.numeric:
-            found[parameter.name] = text
+            found.add(parameter.name, text)
             continue
-        unit = texts.get(f"{name}Units", parameter.unit)
-        try:
-            number = evaluate(text, unit, parameter.unit, names)
-            require_finite(number, text, unbounded=parameter.unbounded, names=names)
-        except InvalidValueError as error:
-            raise InvalidValueError(f"{block}: parameter {name} {error}") from None
-        found[parameter.name] = number
+        found.add(parameter.name, partial(_number, block, parameter, name, text, names), text)
         if parameter.unit:
-            found[f"{parameter.name}Units"] = parse_unit(parameter.unit).si
+            found.add(f"{parameter.name}Units", parse_unit(parameter.unit).si)
         for spelled in parameter.names:
             others.pop(spelled, None)
             others.pop(f"{spelled}Units", None)
     for name, text in others.items():
         if name not in found and not name.endswith("_conf"):
-            found[name] = text
-    _convert_others(block, others, found, names)
+            found.add(name, text)
+    _add_others(block, others, found, names)
     for name, text in block.mask.values.items():
         if name not in {parameter.name for parameter in known}:
-            found[name] = names.numbers.get(name, text)
+            found.add(name, names.numbers.get(name, text))
     if block.type == "Sum":
-        found["Inputs"] = _signs(str(found["Inputs"]))
+        found.add("Inputs", _signs(str(found["Inputs"])))
     return found
+
+
+def _number(block: DrawnBlock, parameter: Parameter, name: str, text: str, names: Names) -> Value:
+    unit = block.texts.get(f"{name}Units", parameter.unit)
+    with complaining(f"{block}: parameter {name}"):
+        number = evaluate(text, unit, parameter.unit, names)
+        require_finite(number, text, unbounded=parameter.unbounded, names=names)
+    return number
+
+
+@contextmanager
+def complaining(about: str) -> Iterator[None]:
+    """Say of what an error complains."""
+    try:
+        yield
+    except InvalidValueError as error:
+        names = getattr(error, "names", ())
+        raise UnknownValueError(
+            f"{about} {error.problem}", names=names, advice=error.advice
+        ) from None
 
 
 def default_values(block_type: str, source: str) -> Mapping[str, Value]:
@@ -245,26 +246,25 @@ def default_values(block_type: str, source: str) -> Mapping[str, Value]:
     }
 
 
-def _convert_others(
-    block: DrawnBlock, others: Mapping[str, str], found: dict[str, Value], names: Names
+def _add_others(
+    block: DrawnBlock, others: Mapping[str, str], found: Parameters, names: Names
 ) -> None:
-    """Convert parameters that are not in the catalogue but have a unit."""
+    """Add parameters that are not in the catalogue but have a unit."""
     for suffix in _UNIT_SUFFIXES:
         for key in [key for key in others if key.endswith(suffix)]:
             name = key.removesuffix(suffix)
-            if name not in others:
-                continue
             unit = others[key].strip()
             try:
                 si = parse_unit(unit).si
             except InvalidValueError:
                 continue
-            try:
-                found[name] = evaluate(others[name], unit, unit, names)
-                require_finite(found[name], others[name], unbounded=True, names=names)
-            except InvalidValueError as error:
-                raise InvalidValueError(f"{block}: parameter {name} {error}") from None
-            found[key] = si
+            if name in others:
+                parameter = Parameter(
+                    name=name, default="", numeric=True, unit=unit, unbounded=True
+                )
+                evaluated = partial(_number, block, parameter, name, others[name], names)
+                found.add(name, evaluated, others[name])
+                found.add(key, si)
 
 
 def _counted(block: DrawnBlock, parameter: str) -> str | None:
@@ -282,16 +282,27 @@ def _signs(inputs: str) -> str:
     return signs if re.fullmatch(r"[+-]+", signs) else inputs
 
 
-def _unknown(block: DrawnBlock) -> str:
+_LIBRARIES = "Simulink, Simscape and Simscape Multibody"
+
+
+def why_unknown(block: DrawnBlock) -> str:
+    """Say why a block is of no known kind; "" where it is known."""
     if block.type == "Reference" and not block.source:
         return f"{block} names no library block: restore its library link in Simulink"
+    if block.type == "ModelReference":
+        return f"{block} is another model in a file of its own: copy that model into a subsystem"
+    if block.texts.get("Variant") == "on":
+        return (
+            f"{block} is a variant subsystem, whose active choice the file alone does not tell: "
+            "put the active choice in its place"
+        )
+    if known_parameters(block.type, block.source) is not None:
+        return ""
     if block.type == "Reference":
         return (
             f"{block} comes from {block.source!r}, which is not a known block of {_LIBRARIES}: "
             "break its library link (Library Link > Break Link), or replace it"
         )
-    if block.type == "ModelReference":
-        return f"{block} is another model in a file of its own: copy that model into a subsystem"
     return (
         f"{block} is of type {block.type!r}, which is not a known block of {_LIBRARIES}: "
         "replace it, or comment it out"

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import Parts, parameters, parse_markup
 from drake_leg.simulink.diagram import Charts, read_diagram
-from drake_leg.simulink.model import Block, Model, Value
-from drake_leg.simulink.parameters import evaluate, names_of, require_finite, values_of
+from drake_leg.simulink.model import Block, Model, Parameters, Value
+from drake_leg.simulink.parameters import (
+    complaining,
+    evaluate,
+    names_of,
+    require_finite,
+    values_of,
+    why_unknown,
+)
 from drake_leg.simulink.wiring import nodes_of, wires_of
 
 _ROOT = "simulink/systems/system_root.xml"
@@ -33,7 +41,10 @@ _FIXED = re.compile(r"FixedStep\w*|ode(1|2|3|4|5|8|14x|1be|1b)")
 
 
 def read_model(path: Path) -> Model:
-    """Read a Simulink file, R2016 or later; nothing in it is executed or unpacked to the disk.
+    """Read a Simulink file; nothing in it is executed or unpacked to the disk.
+
+    Values are evaluated when they are asked for, and blocks of unknown kinds are blocks, too:
+    ``lacks.lacks_of`` lists what is not understood.
 
     Returns
     -------
@@ -45,8 +56,7 @@ def read_model(path: Path) -> Model:
     Raises
     ------
     InvalidValueError
-        With the file, the block and the parameter, if it is not such a file, is damaged, or has a
-        block that is not known or a number that cannot be evaluated.
+        With the file, if it is not such a file or is damaged.
     """
     path = Path(path)
     try:
@@ -78,6 +88,7 @@ class _File:
                     system=block.system,
                     parameters=values_of(block, names[block.sid]),
                     mask=tuple(block.mask.values),
+                    unknown=why_unknown(block),
                 )
                 for block in diagram.blocks.values()
             ),
@@ -127,19 +138,24 @@ class _File:
         return self._tree(_WHOLE) if own is None else own
 
 
-def _solver(configuration: Element | None) -> dict[str, Value]:
+def _solver(configuration: Element | None) -> Parameters:
     """Read the first configuration's times [s] and tolerances, defaults where they are absent."""
     texts = _texts(configuration)
     solver = texts.get("SolverName") or texts.get("Solver") or "VariableStepAuto"
     kind = "Fixed-step" if _FIXED.fullmatch(solver) else "Variable-step"
-    found: dict[str, Value] = {"Solver": solver, "SolverType": texts.get("SolverType", kind)}
+    found = Parameters()
+    found.add("Solver", solver)
+    found.add("SolverType", texts.get("SolverType", kind))
     for name, default in _DEFAULTS.items():
-        try:
-            text = texts.get(name, default)
-            found[name] = evaluate(text, "", "")
-            require_finite(found[name], text, unbounded=name in _UNBOUNDED)
-        except InvalidValueError as error:
-            raise InvalidValueError(f"solver setting {name} {error}") from None
+        text = texts.get(name, default)
+        found.add(name, partial(_setting, name, text), text)
+    return found
+
+
+def _setting(name: str, text: str) -> Value:
+    with complaining(f"solver setting {name}"):
+        found = evaluate(text, "", "")
+        require_finite(found, text, unbounded=name in _UNBOUNDED)
     return found
 
 

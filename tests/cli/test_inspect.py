@@ -24,7 +24,7 @@ def inspected(capsys, *words):
 
 
 def test_the_table_of_the_leg(capsys, leg):
-    status, out, err = inspected(capsys, leg)
+    status, out, err = inspected(capsys, leg, "--blocks")
     assert (status, err) == (0, "")
     lines = [" ".join(line.split()) for line in out.splitlines()]
     assert lines[0] == "leg: 50 blocks"
@@ -47,7 +47,7 @@ def test_the_table_of_the_leg(capsys, leg):
 
 
 def test_columns_are_aligned(capsys, leg):
-    _, out, _ = inspected(capsys, leg)
+    _, out, _ = inspected(capsys, leg, "--blocks")
     rows = out.splitlines()[2:]
     place = rows[0].index("kind")
     for row in rows[: rows.index("")]:
@@ -58,7 +58,7 @@ def test_json_has_exactly_these_keys(capsys, leg):
     status, out, _ = inspected(capsys, leg, "--json")
     content = json.loads(out)
     assert status == 0
-    assert list(content) == ["blocks", "wires", "nodes", "functions", "solver"]
+    assert list(content) == ["blocks", "wires", "nodes", "functions", "solver", "lacks"]
     assert set(content["blocks"][0]) == {"sid", "name", "type", "source", "system", "parameters"}
     assert set(content["wires"][0]) == {"from", "to", "name"}
     assert set(content["functions"][0]) == {"sid", "name", "script"}
@@ -83,7 +83,7 @@ def test_subsystems_name_the_path(capsys, tmp_path):
     builder = ModelBuilder()
     thigh = builder.add_block("SubSystem", "Thigh\nlink")
     builder.add_block("Gain", "K", {"Gain": "[1 2;3 4]"}, system=thigh)
-    _, out, _ = inspected(capsys, builder.write(tmp_path / "m.slx"))
+    _, out, _ = inspected(capsys, builder.write(tmp_path / "m.slx"), "--blocks")
     assert "2    Thigh link/K  Gain       Gain [1 2; 3 4]\n" in out
 
 
@@ -93,7 +93,7 @@ def test_masks_show_their_parameters(capsys, tmp_path):
     builder.blocks[thigh].mask = mask_text({"L": "100", "w": "[1 2]", "file": "'leg.stl'"})
     builder.add_block("Gain", "K", {"Gain": "L/4"}, system=thigh)
     path = builder.write(tmp_path / "m.slx")
-    _, out, _ = inspected(capsys, path)
+    _, out, _ = inspected(capsys, path, "--blocks")
     lines = [" ".join(line.split()) for line in out.splitlines()]
     assert "1 Thigh SubSystem L 100, w [1 2], file 'leg.stl'" in lines
     assert "2 Thigh/K Gain Gain 25" in lines
@@ -104,26 +104,41 @@ def test_masks_show_their_parameters(capsys, tmp_path):
 def test_control_signs_are_not_sent_to_the_terminal(capsys, tmp_path):
     builder = ModelBuilder()
     builder.add_block("Gain", "K\u202e\u009b2J\x7f", {"Gain": "2"})
-    _, out, _ = inspected(capsys, builder.write(tmp_path / "m.slx"))
+    _, out, _ = inspected(capsys, builder.write(tmp_path / "m.slx"), "--blocks")
     assert "K\\x202e\\x9b2J\\x7f" in out
 
 
 def test_an_empty_model(capsys, tmp_path):
     status, out, _ = inspected(capsys, ModelBuilder().write(tmp_path / "m.slx"))
     assert status == 0
-    assert out.startswith("m: 0 blocks\n")
+    assert out.startswith("m: 0 blocks, 0 wires")
 
 
-@pytest.mark.parametrize("json_too", [[], ["--json"]])
-def test_bad_input_is_one_sentence(capsys, tmp_path, json_too):
+def test_what_is_not_understood_is_listed(capsys, tmp_path):
     builder = published_pendulum({"DampingCoefficient": "b"})
-    status, out, err = inspected(capsys, builder.write(tmp_path / "m.slx"), *json_too)
-    assert (status, out) == (2, "")
-    assert err.count("\n") == 1
-    assert err.startswith(
-        f"drake-leg: {tmp_path / 'm.slx'}: block 'Revolute Joint' (SID 5): parameter "
-        "DampingCoefficient is 'b', which cannot be evaluated"
+    builder.add_library("my_lib/Leg", "Leg 1")
+    path = builder.write(tmp_path / "m.slx")
+    status, out, _ = inspected(capsys, path)
+    assert status == 0
+    assert "not understood: 2\n" in out
+    assert "my_lib/Leg  'Leg 1'\n" in out
+    assert "DampingCoefficient is 'b', which cannot be evaluated" in " ".join(out.split())
+    _, out, _ = inspected(capsys, path, "--json")
+    found = json.loads(out)
+    joint = next(block for block in found["blocks"] if block["name"] == "Revolute Joint")
+    assert joint["parameters"]["DampingCoefficient"] is None
+    lacks = {(lack["sid"], lack["parameter"], lack["text"]) for lack in found["lacks"]}
+    assert (joint["sid"], "DampingCoefficient", "b") in lacks
+
+
+def test_a_summary_counts_the_kinds_of_blocks(capsys, leg):
+    _, out, _ = inspected(capsys, leg)
+    flowing = " ".join(out.split())
+    assert flowing.startswith(
+        "leg: 50 blocks, 28 wires, 24 physical connections, 1 MATLAB function"
     )
+    assert "PS-Simulink Converter 10, Rigid Transform" in flowing
+    assert "everything is understood" in flowing
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
@@ -132,7 +147,7 @@ def test_names_in_any_script_on_any_terminal(tmp_path, encoding):
     builder.add_block("Gain", "脚 θ")
     path = builder.write(tmp_path / "m.slx")
     done = subprocess.run(
-        [sys.executable, "-m", "drake_leg", "inspect", path],
+        [sys.executable, "-m", "drake_leg", "inspect", path, "--blocks"],
         capture_output=True,
         env={"PYTHONIOENCODING": encoding},
         check=True,
@@ -142,7 +157,7 @@ def test_names_in_any_script_on_any_terminal(tmp_path, encoding):
     assert done.stderr == b""
 
 
-@pytest.mark.parametrize("words", [[], ["--json"]])
+@pytest.mark.parametrize("words", [[], ["--blocks"], ["--json"]])
 def test_a_closed_pipe_is_no_traceback(leg, words):
     command = [sys.executable, "-m", "drake_leg", "inspect", str(leg), *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

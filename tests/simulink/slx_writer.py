@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
+from drake_leg.simulink.lacks import require_understood
+from drake_leg.simulink.reader import read_model
+
 Texts = dict[str, str]
 
 
@@ -404,3 +407,10 @@ def _machinery(sid: str, number: int) -> tuple[str, str]:
         )
     )
     return blocks, lines
+
+
+def read_understood(path):
+    """Read a model all of which must be understood."""
+    model = read_model(path)
+    require_understood(model)
+    return model

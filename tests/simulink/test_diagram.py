@@ -1,13 +1,12 @@
 """Masked subsystems, in the three forms that files have."""
 
 import pytest
-from slx_writer import ModelBuilder, mask_text
+from slx_writer import ModelBuilder, mask_text, read_understood
 from work import calls
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import parse_markup
 from drake_leg.simulink.diagram import read_mask
-from drake_leg.simulink.reader import read_model
 
 BRICK = "sm_lib/Body Elements/Brick Solid"
 FORMS = ("new", "R2013", "texts")
@@ -35,7 +34,7 @@ def gain(tmp_path):
     def _gain(builder, text, system, layout="new"):
         builder.add_block("Gain", "K", {"Gain": text}, system=system)
         return (
-            read_model(builder.write(tmp_path / "m.slx", layout=layout))
+            read_understood(builder.write(tmp_path / "m.slx", layout=layout))
             .blocks[-1]
             .parameters["Gain"]
         )
@@ -52,7 +51,7 @@ def test_blocks_inside_use_the_masks_names(tmp_path, form, layout):
         link = masked(builder, name, values, form=form)
         texts = {"BrickDimensions": "[L 1 1]", "BrickDimensionsUnits": "mm"}
         builder.add_library(BRICK, f"Brick {name}", texts, system=link)
-    model = read_model(builder.write(tmp_path / "m.slx", layout=layout))
+    model = read_understood(builder.write(tmp_path / "m.slx", layout=layout))
     found = {block.name: block.parameters for block in model.blocks}
     assert found["Brick Coxa"]["BrickDimensions"] == (0.05, 0.001, 0.001)
     assert found["Brick Femur"]["BrickDimensions"] == (0.1, 0.001, 0.001)
@@ -90,7 +89,7 @@ def test_a_masked_block_uses_its_own_names(tmp_path):
     builder = ModelBuilder()
     sid = builder.add_block("Gain", "K", {"Gain": "2*k"})
     builder.blocks[sid].mask = mask_text({"k": "21"})
-    (block,) = read_model(builder.write(tmp_path / "m.slx")).blocks
+    (block,) = read_understood(builder.write(tmp_path / "m.slx")).blocks
     assert (block.parameters["Gain"], block.parameters["k"]) == (42.0, 21.0)
 
 
@@ -132,7 +131,7 @@ def test_an_unknown_value_that_nobody_uses_is_no_matter(tmp_path):
     masked(builder, "Outer", {"L": "2"})
     inner = masked(builder, "S", {"L": "L0", "file": "'leg.stl'"})
     builder.add_block("Gain", "K", {"Gain": "3"}, system=inner)
-    model = read_model(builder.write(tmp_path / "m.slx"))
+    model = read_understood(builder.write(tmp_path / "m.slx"))
     assert (model.blocks[1].parameters["L"], model.blocks[1].parameters["file"]) == (
         "L0",
         "'leg.stl'",
@@ -200,8 +199,8 @@ def test_the_work_is_proportional_to_the_number_of_masked_blocks(tmp_path):
                 "Gain", f"K{place}", {"Gain": f"{place}*L + a{place % 20}"}, system=system
             )
         path = builder.write(tmp_path / f"{gains}.slx")
-        assert read_model(path).blocks[-1].parameters["Gain"] == (gains - 1) * 100 + 19
-        return calls(lambda: read_model(path))
+        assert read_understood(path).blocks[-1].parameters["Gain"] == (gains - 1) * 100 + 19
+        return calls(lambda: read_understood(path))
 
     few, more, most = work(100), work(300), work(500)
     assert most - more == pytest.approx(more - few, rel=0.2)

@@ -13,7 +13,7 @@ from slx_models import published_leg, published_pendulum
 from slx_writer import ModelBuilder, mask_text
 
 from drake_leg.errors import DrakeLegError
-from drake_leg.simulink.listing import as_json, as_lines
+from drake_leg.simulink.listing import as_json, as_lines, as_summary
 from drake_leg.simulink.reader import read_model
 from drake_leg.simulink.wiring import flatten
 
@@ -146,6 +146,7 @@ def complaint(path):
         model = read_model(path)
         json.dumps(as_json(model), allow_nan=False)
         as_lines(model)
+        as_summary(model)
         flatten(model)
     except DrakeLegError as error:
         return str(error) or "(nothing said)\n"

@@ -2,12 +2,11 @@ import math
 
 import pytest
 from slx_models import published_leg
-from slx_writer import ModelBuilder
+from slx_writer import ModelBuilder, read_understood
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import BUILT_IN, LIBRARIES, WITHOUT_PARAMETERS
 from drake_leg.simulink.parameters import default_values
-from drake_leg.simulink.reader import read_model
 from drake_leg.units import parse_unit
 
 
@@ -19,7 +18,7 @@ def parameters(tmp_path):
             builder.add_library(kind, "B", texts, **more)
         else:
             builder.add_block(kind, "B", texts, **more)
-        return read_model(builder.write(tmp_path / "m.slx")).blocks[0].parameters
+        return read_understood(builder.write(tmp_path / "m.slx")).blocks[0].parameters
 
     return _parameters
 
@@ -194,7 +193,7 @@ def test_infinite_solver_settings_are_refused(tmp_path, name, text):
     with pytest.raises(
         InvalidValueError, match=f"solver setting {name} is '.*', which is infinite"
     ):
-        read_model(path)
+        read_understood(path)
 
 
 @pytest.mark.parametrize("name", ["Quaternion", "RotationQuaternion"])
@@ -273,7 +272,7 @@ def test_what_a_transform_sensor_senses(parameters):
 def test_a_workspace_variable_in_the_solver_is_said(tmp_path):
     path = published_leg(stop_time="Tend").write(tmp_path / "m.slx")
     with pytest.raises(InvalidValueError, match="solver setting StopTime is 'Tend', which cannot"):
-        read_model(path)
+        read_understood(path)
 
 
 def test_units_of_the_table_are_known():

@@ -1,11 +1,10 @@
 import pytest
 from slx_models import JACOB_INV, published_leg, published_pendulum
-from slx_writer import ModelBuilder, write_parts
+from slx_writer import ModelBuilder, read_understood, write_parts
 from work import calls
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import SignalWire
-from drake_leg.simulink.reader import read_model
 
 LAYOUTS = ("new", "old")
 
@@ -13,7 +12,7 @@ LAYOUTS = ("new", "old")
 @pytest.fixture
 def read(tmp_path):
     def _read(builder, layout="new"):
-        return read_model(builder.write(tmp_path / "model.slx", layout=layout))
+        return read_understood(builder.write(tmp_path / "model.slx", layout=layout))
 
     return _read
 
@@ -254,7 +253,7 @@ def test_other_charts_of_old_files_are_no_functions(tmp_path, old, new):
         )
         for name, text in builder.parts().items()
     }
-    model = read_model(write_parts(tmp_path / "m.slx", parts))
+    model = read_understood(write_parts(tmp_path / "m.slx", parts))
     assert model.functions == ()
     assert model.blocks[0].kind == "SubSystem"
 
@@ -279,7 +278,7 @@ def test_hanging_lines_are_skipped(tmp_path):
         '<Line><P Name="Src">1#out:1</P><Branch><P Name="Points">[0, 1]</P></Branch></Line>'
     )
     parts[root] = parts[root].replace("</System>", f"{hanging}</System>")
-    model = read_model(write_parts(tmp_path / "m.slx", parts))
+    model = read_understood(write_parts(tmp_path / "m.slx", parts))
     assert model.wires == model.nodes == ()
 
 
@@ -287,7 +286,7 @@ def test_older_files_count_ports_in_a_text(tmp_path):
     builder = ModelBuilder()
     builder.add_block("Demux", "D", {"Ports": "[1, 3]"})
     builder.add_block("Mux", "M", ports={"in": 5, "out": 1})
-    model = read_model(builder.write(tmp_path / "m.slx", layout="old"))
+    model = read_understood(builder.write(tmp_path / "m.slx", layout="old"))
     assert by_name(model, "D").parameters["Outputs"] == 3.0
     assert by_name(model, "M").parameters["Inputs"] == 5.0
 
@@ -317,7 +316,7 @@ def test_solver_defaults_and_settings(read):
 def test_a_model_without_configuration_has_the_defaults(tmp_path):
     parts = ModelBuilder().parts()
     del parts["simulink/configSet0.xml"]
-    model = read_model(write_parts(tmp_path / "m.slx", parts))
+    model = read_understood(write_parts(tmp_path / "m.slx", parts))
     assert model.solver["StopTime"] == 10.0
 
 
@@ -348,7 +347,7 @@ def edited(tmp_path, old, new, builder=None):
 )
 def test_what_makes_no_sense_is_said(tmp_path, old, new, sentence):
     with pytest.raises(InvalidValueError, match=sentence):
-        read_model(edited(tmp_path, old, new))
+        read_understood(edited(tmp_path, old, new))
 
 
 def test_unknown_library_blocks_are_named(tmp_path):
@@ -357,14 +356,14 @@ def test_unknown_library_blocks_are_named(tmp_path):
     with pytest.raises(
         InvalidValueError, match=r"'Leg 1' \(SID 1\) comes from 'my_lib/Leg'.*Break"
     ):
-        read_model(builder.write(tmp_path / "m.slx"))
+        read_understood(builder.write(tmp_path / "m.slx"))
 
 
 def test_variants_are_refused(tmp_path):
     builder = ModelBuilder()
     builder.add_block("SubSystem", "V", {"Variant": "on"})
     with pytest.raises(InvalidValueError, match=r"'V' \(SID 1\) is a variant subsystem"):
-        read_model(builder.write(tmp_path / "m.slx"))
+        read_understood(builder.write(tmp_path / "m.slx"))
 
 
 def test_one_system_shown_twice_is_refused(tmp_path):
@@ -372,7 +371,7 @@ def test_one_system_shown_twice_is_refused(tmp_path):
     for name in "AB":
         builder.add_block("SubSystem", name)
     with pytest.raises(InvalidValueError, match="shows the system system_1, which another block"):
-        read_model(edited(tmp_path, "system_2", "system_1", builder))
+        read_understood(edited(tmp_path, "system_2", "system_1", builder))
 
 
 @pytest.mark.parametrize("name", ["system_9", "../../etc/passwd", "", "a" * 500])
@@ -380,7 +379,7 @@ def test_missing_systems_are_named(tmp_path, name):
     builder = ModelBuilder()
     builder.add_block("SubSystem", "A")
     with pytest.raises(InvalidValueError, match="it has no part for the system"):
-        read_model(edited(tmp_path, '"system_1"', f'"{name}"', builder))
+        read_understood(edited(tmp_path, '"system_1"', f'"{name}"', builder))
 
 
 def test_endless_depth_is_refused(tmp_path):
@@ -390,7 +389,7 @@ def test_endless_depth_is_refused(tmp_path):
         system = builder.add_block("SubSystem", f"S{place}", system=system)
     for layout, sentence in (("new", "more than 100 deep"), ("old", "deeper than 200 levels")):
         with pytest.raises(InvalidValueError, match=sentence):
-            read_model(builder.write(tmp_path / f"{layout}.slx", layout=layout))
+            read_understood(builder.write(tmp_path / f"{layout}.slx", layout=layout))
 
 
 def test_the_work_is_proportional_to_the_number_of_blocks(tmp_path):
@@ -401,8 +400,8 @@ def test_the_work_is_proportional_to_the_number_of_blocks(tmp_path):
                 "sm_lib/Joints/6-DOF Joint", f"J{place}", {"PxPositionTargetValue": f"{place}"}
             )
         path = builder.write(tmp_path / f"{joints}.slx")
-        assert len(read_model(path).blocks) == 50 + joints
-        return calls(lambda: read_model(path))
+        assert len(read_understood(path).blocks) == 50 + joints
+        return calls(lambda: read_understood(path))
 
     few, more, most = work(0), work(50), work(150)
     assert most - few == pytest.approx(3 * (more - few), rel=0.2)

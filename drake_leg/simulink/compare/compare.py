@@ -49,6 +49,7 @@ from drake_leg.simulink.compare.sides import (
 )
 from drake_leg.simulink.compare.signals import CLOSE, Scalar, Shape, close
 from drake_leg.simulink.compare.simulink_signals import SINKS, is_integrator, unit_factor
+from drake_leg.simulink.lacks import require_understood
 from drake_leg.simulink.model import Block, Model, number
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import TIME_CONSTANT
@@ -78,9 +79,9 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     Raises
     ------
     InvalidValueError
-        If a Rigid Transform, a joint or a solid of the model cannot be read, or the diagram has
-        no plant.
+        If something of the model is not understood, or the diagram has no plant.
     """
+    require_understood(model)
     sides = read_sides(model, live)
     joints = joint_roles(sides)
     inverse = match_inverse(sides)

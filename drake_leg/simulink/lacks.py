@@ -1,0 +1,68 @@
+"""What is not understood of a Simulink model: blocks of unknown kinds, values without a number."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.simulink.model import Block, Model, Parameters, Value
+
+SHOWN = 20  # in an error
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lack:
+    """One block, or one of its values, that is not understood."""
+
+    sid: str  # of the block; "" for a setting of the solver
+    parameter: str  # "" where the kind of block is not known
+    text: str  # of the parameter in the file, or the kind
+    reason: str  # a sentence with the block
+    names: tuple[str, ...] = ()  # variables and functions that nothing gives
+
+
+def lacks_of(model: Model) -> tuple[Lack, ...]:
+    """List all that is not understood, block by block, by evaluating every value."""
+    found = [lack for block in model.blocks for lack in _of_block(block)]
+    return (*found, *_of_values("", model.solver))
+
+
+def require_understood(model: Model) -> None:
+    """Refuse a model of which something is not understood.
+
+    Raises
+    ------
+    InvalidValueError
+        That lists all of it.
+    """
+    lacks = lacks_of(model)
+    if len(lacks) == 1:
+        raise InvalidValueError(lacks[0].reason)
+    if lacks:
+        listed = [lack.reason for lack in lacks[:SHOWN]]
+        if len(lacks) > SHOWN:
+            listed.append(f"and {len(lacks) - SHOWN} more: `drake-leg inspect` lists all")
+        raise InvalidValueError(
+            "\n  ".join((f"{len(lacks)} things of the model are not understood", *listed))
+        )
+
+
+def _of_block(block: Block) -> list[Lack]:
+    if block.unknown:
+        kind = block.source or block.type
+        return [Lack(sid=block.sid, parameter="", text=kind, reason=block.unknown)]
+    return _of_values(block.sid, block.parameters)
+
+
+def _of_values(sid: str, values: Mapping[str, Value]) -> list[Lack]:
+    found = []
+    for name in values:
+        try:
+            values[name]
+        except UnknownValueError as error:
+            text = values.text(name) if isinstance(values, Parameters) else ""
+            found.append(
+                Lack(sid=sid, parameter=name, text=text, reason=str(error), names=error.names)
+            )
+    return found
