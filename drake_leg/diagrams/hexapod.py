@@ -23,6 +23,7 @@ from functools import cached_property
 
 import numpy as np
 from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import (
     Demultiplexer,
@@ -261,20 +262,22 @@ def start_walking(config: HexapodConfig) -> Callable[[Diagram, Context], None]:
 
     def start(diagram: Diagram, context: Context) -> None:
         plant = plant_of(diagram)
-        at_plant = plant.GetMyMutableContextFromRoot(context)
-        body = plant.GetBodyByName(config.robot.base_name)
-        plant.SetFreeBodyPose(
-            at_plant, body, RigidTransform(config.X_WG @ config.walk.body(0.0).value)
-        )
-        robot = body.model_instance()
-        plant.SetPositions(
-            at_plant, robot, [*plant.GetPositions(at_plant, robot)[:7], *config.start.ravel()]
-        )
+        start_plant(config, plant, plant.GetMyMutableContextFromRoot(context))
         for leg, q in zip(config.legs.names, config.start, strict=True):
             integrator = diagram.GetSubsystemByName(f"Integrator {leg}")
             integrator.set_integral_value(integrator.GetMyMutableContextFromRoot(context), q)
 
     return start
+
+
+def start_plant(config: HexapodConfig, plant: MultibodyPlant, at_plant: Context) -> None:
+    """Put a robot on its feet, in the context of its plant."""
+    body = plant.GetBodyByName(config.robot.base_name)
+    robot = body.model_instance()
+    plant.SetFreeBodyPose(at_plant, body, RigidTransform(config.X_WG @ config.walk.body(0.0).value))
+    plant.SetPositions(
+        at_plant, robot, [*plant.GetPositions(at_plant, robot)[:7], *config.start.ravel()]
+    )
 
 
 def contact_rows(scopes: Mapping[str, Array]) -> Array:

@@ -70,7 +70,7 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
         robot=robot,
         recording=Recording(_columns(record)),
         exact={name: record.planned.value[:, row, 3] for row, name in enumerate(("x", "y", "z"))},
-        summary={**common, **_findings(record), **_of_foresight(foreseen)},
+        summary={**common, **findings(record), **_of_foresight(foreseen)},
         subject="walk",
     )
 
@@ -157,7 +157,8 @@ def _quaternions(X: Array) -> Array:
     return np.asarray(Rotation.from_matrix(X[:, :3, :3]).as_quat(canonical=True, scalar_first=True))
 
 
-def _findings(record: WalkRecord) -> dict[str, Any]:
+def findings(record: WalkRecord) -> dict[str, Any]:
+    """What a summary says of a recorded walk."""
     servo, walk = record.config.servo, record.config.walk
     return {
         "gait": walk.gait.name,

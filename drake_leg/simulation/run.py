@@ -42,6 +42,7 @@ from drake_leg.units import beyond, require_positive
 STEP_BUDGET = 2_000_000  # steps that one run may take
 INTERRUPTED = "interrupted"  # why a run stopped
 STEPS_PER_STAGE = 100  # of a run of constant steps, between two checks
+NO_STAGES = "explicit_euler"  # for diagrams whose state is discrete: nothing is integrated
 RUNAWAY = 1e9  # [rad, rad/s, m, m/s]: no joint of these robots gets there but by instability
 STOPS = (
     JointLimitError,
@@ -254,7 +255,9 @@ def _simulated(
 
 def _simulator(diagram: Diagram, settings: IntegratorSettings) -> Simulator:
     simulator = Simulator(diagram)
-    ResetIntegratorFromFlags(simulator, settings.scheme, settings.max_step)
+    has_state = simulator.get_context().num_continuous_states() > 0
+    scheme = settings.scheme if has_state or settings.accuracy else NO_STAGES
+    ResetIntegratorFromFlags(simulator, scheme, settings.max_step)
     integrator = simulator.get_mutable_integrator()
     if settings.accuracy is None:
         integrator.set_fixed_step_mode(True)
@@ -341,9 +344,10 @@ class _Watch:
 
     def stages(self, duration: float) -> list[float]:
         """Times [s] at which a run of constant steps is checked."""
-        step = self._settings.max_step * STEPS_PER_STAGE
-        count = math.ceil(duration / step)
-        return [*(step * stage for stage in range(1, count)), duration]
+        step = self._settings.max_step
+        stages = range(1, math.ceil(duration / (step * STEPS_PER_STAGE)))
+        # Products as Drake's own, lest a discrete plant's step be a rounding error from a stage.
+        return [*(step * (STEPS_PER_STAGE * stage) for stage in stages), duration]
 
     def see(self, root: Context) -> None:
         """Raise where the run must not continue."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.units import require_positive
@@ -36,4 +37,4 @@ class ServoCommand(LeafSystem):
 
     def _calc_desired(self, context: Context, desired: BasicVector) -> None:
         q, qdot = self._q.Eval(context), self._qdot.Eval(context)
-        desired.SetFromVector([*(q + self._time_step * qdot).tolist(), *qdot.tolist()])
+        desired.SetFromVector(np.concatenate((q + self._time_step * qdot, qdot)))

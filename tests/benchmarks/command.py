@@ -15,6 +15,7 @@ from . import (
     case_many,
     case_plant,
     case_variants,
+    case_walk,
 )
 from .measure import measure
 from .table import (
@@ -32,6 +33,7 @@ from .workers import Crew, TaskFailedError
 CASES = {
     "loop": case_loop,
     "plant": case_plant,
+    "walk": case_walk,
     "variants": case_variants,
     "batches": case_batches,
     "many": case_many,

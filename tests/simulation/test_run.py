@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import ConstantVectorSource
+from pydrake.systems.primitives import ConstantVectorSource, DiscreteTimeIntegrator
 from scipy.optimize import brentq
 
 from drake_leg.diagrams import ellipse, hexabot_leg, pendulum, scara
-from drake_leg.diagrams.mechanism import start_on_motion
+from drake_leg.diagrams.mechanism import add_scope, start_on_motion
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics.motions import SineStep
 from drake_leg.models.plant import build_plant
@@ -495,3 +495,14 @@ def without_scopes():
 def test_a_wrong_argument_is_refused_in_a_sentence(call, said):
     with pytest.raises(InvalidValueError, match=said):
         call()
+
+
+def test_a_discrete_diagram_has_one_row_for_each_step():
+    """Checks of the run from time to time add no rows that are a rounding error from a step."""
+    builder = DiagramBuilder()
+    rate = builder.AddNamedSystem("rate", ConstantVectorSource([1.0]))
+    integrator = builder.AddNamedSystem("integrator", DiscreteTimeIntegrator(1, 0.002))
+    builder.Connect(rate.get_output_port(), integrator.get_input_port())
+    add_scope(builder, "place", integrator.get_output_port())
+    done = simulate(builder.Build(), 5.0, start=lambda *_: None, max_step=0.002, guarded=False)
+    np.testing.assert_allclose(done.time, np.linspace(0.0, 5.0, 2501), rtol=0.0, atol=1e-12)

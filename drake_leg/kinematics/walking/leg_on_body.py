@@ -25,10 +25,8 @@ class LegOnBody(MovableLeg):
         self._sign = signs[0] * signs[1] * signs[2]
 
     def _own(self, q: Values) -> list[Values]:
-        return [
-            offset + sign * angle
-            for offset, sign, angle in zip(self._offsets, self._signs, q, strict=True)
-        ]
+        (a, b, c), (s1, s2, s3), (q1, q2, q3) = self._offsets, self._signs, q
+        return [a + s1 * q1, b + s2 * q2, c + s3 * q3]
 
     def foot(self, q: Floats) -> Array:
         """Position of the foot in the body's frame, (3,) [m]."""
@@ -49,11 +47,11 @@ class LegOnBody(MovableLeg):
 
     def rates(self, q: Floats, v: Floats) -> Floats:
         """``J^-1 v``."""
-        own = MovableLeg.rates(self, self._own(q), v)
-        return [sign * rate for sign, rate in zip(self._signs, own, strict=True)]
+        (s1, s2, s3), (u1, u2, u3) = self._signs, MovableLeg.rates(self, self._own(q), v)
+        return [s1 * u1, s2 * u2, s3 * u3]
 
     def task_position(self, q: Values, functions: Functions) -> tuple[Values, ...]:
         """Position of the foot in the body's frame, (3,) [m]."""
-        own = MovableLeg.task_position(self, self._own(q), functions)
-        x, y, z = (place + part for place, part in zip(self._hip, own, strict=True))
-        return x, y, z
+        x, y, z = MovableLeg.task_position(self, self._own(q), functions)
+        x0, y0, z0 = self._hip
+        return x0 + x, y0 + y, z0 + z
