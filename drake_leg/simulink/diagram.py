@@ -3,181 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from itertools import zip_longest
+from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import one_line, parameters
+from drake_leg.simulink.catalogue import known_parameters
+from drake_leg.simulink.file import SimulinkFile
+from drake_leg.simulink.linking import Libraries, Linked
+from drake_leg.simulink.masks import Mask, read_mask
 from drake_leg.simulink.model import Function, split_port
-
-_EVALUATED = ("edit", "slider", "dial", "spinbox", "min", "max")  # the other types hold choices
-_VARIABLE = re.compile(r"\s*([A-Za-z]\w*)\s*=\s*([@&])\d+\s*")  # L=@1, and & for a text
-_COMMENT = re.compile(r"^([^'\"%\n]*)%.*$", re.MULTILINE)
-_CONTINUED = re.compile(r"\.\.\.[^\n]*\n")
-_SETS = re.compile(r"(?<![=~<>!])=(?!=)")
-_WORD = re.compile(r"(?<![\w.])[A-Za-z]\w*")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mask:
-    """The mask of a block."""
-
-    type: str = ""
-    values: dict[str, str] = field(default_factory=dict)  # name to text, of all its parameters
-    literal: frozenset[str] = frozenset()  # parameters whose text is not an expression
-    computed: frozenset[str] = frozenset()  # names that its initialization sets
-
-
-def read_mask(block: Element, texts: dict[str, str]) -> Mask:
-    """Read the mask of a ``<Block>``.
-
-    It is a ``<Mask>``, in files of about R2013 an ``<Object ClassName="Simulink.Mask">``, and
-    before ``MaskVariables`` and their values.
-    """
-    kind, code = texts.get("MaskType", ""), texts.get("MaskInitialization", "")
-    entries = list(_oldest(texts))
-    for child in block:
-        if child.tag == "Mask" or child.get("ClassName") == "Simulink.Mask":
-            own = parameters(child)
-            kind = own.get("Type") or child.findtext("Type") or kind
-            code = own.get("Initialization") or child.findtext("Initialization") or code
-            entries += _newest(child) if child.tag == "Mask" else _older(child)
-    return Mask(
-        type=kind.strip(),
-        values={name: text for name, text, _ in entries},
-        literal=frozenset(name for name, _, evaluated in entries if not evaluated),
-        computed=_computed(code),
-    )
-
-
-def _newest(mask: Element) -> Iterator[tuple[str, str, bool]]:
-    for entry in mask:
-        if entry.tag == "MaskParameter" and entry.get("Name"):
-            evaluated = _is_evaluated(entry.get("Type", "edit"), entry.get("Evaluate", "on"))
-            yield entry.get("Name", ""), entry.findtext("Value") or "", evaluated
-
-
-def _older(mask: Element) -> Iterator[tuple[str, str, bool]]:
-    for entries in mask:
-        if entries.get("PropName") == "Parameters":
-            for entry in [entries, *entries]:
-                texts = parameters(entry)
-                if texts.get("Name"):
-                    evaluated = _is_evaluated(
-                        texts.get("Type", "edit"), texts.get("Evaluate", "on")
-                    )
-                    yield texts["Name"], texts.get("Value", ""), evaluated
-
-
-def _oldest(texts: dict[str, str]) -> Iterator[tuple[str, str, bool]]:
-    values = texts.get("MaskValueString", "").split("|")
-    styles = re.sub(r"\([^()]*\)", "", texts.get("MaskStyleString", "")).split(",")
-    variables = [part for part in texts.get("MaskVariables", "").split(";") if part.strip()]
-    for variable, text, style in zip_longest(variables, values, styles, fillvalue=""):
-        found = _VARIABLE.fullmatch(variable)
-        if found:
-            how = "on" if found[2] == "@" else "off"
-            yield found[1], text, _is_evaluated(style or "edit", how)
-
-
-def _is_evaluated(kind: str, evaluate: str) -> bool:
-    return kind.strip().lower() in _EVALUATED and evaluate != "off"
-
-
-def _computed(code: str) -> frozenset[str]:
-    """Return the names left of an equals sign, rather too many than too few."""
-    names: set[str] = set()
-    for statement in re.split(r"[;\n]", _CONTINUED.sub(" ", _COMMENT.sub(r"\1", code))):
-        equals = _SETS.search(statement)
-        if equals:
-            left = statement[: equals.start()]
-            last = left.rpartition(",")[2]
-            whole = any(last.count(opening) != last.count(end) for opening, end in ("()", "[]"))
-            names.update(_WORD.findall(left if whole else last))
-    return frozenset(names)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Chart:
-    number: str  # as at the end of the S-Function's tag
-    names: frozenset[str]
-    script: str
-    is_function: bool  # a whole MATLAB function, not a state machine with functions inside
-
-
-class Charts:
-    """The charts of a file, from the roots of the parts that hold charts and their instances."""
-
-    def __init__(self, stateflow: Iterable[Element]) -> None:
-        self._charts = _charts(list(stateflow))
-
-    def is_function(self, path: str, name: str, tag: str) -> bool:
-        """Whether a block's chart, by the tag of the S-Function inside, is a MATLAB function."""
-        fits = _fitting(path, name, tag, self._charts)
-        return bool(fits) and all(chart.is_function for chart in fits)
-
-    def script(self, path: str, name: str, tag: str) -> str:
-        """Return the code of a MATLAB Function block; "" where the file has none, or several."""
-        fits = _fitting(path, name, tag, [chart for chart in self._charts if chart.script])
-        return fits[0].script if fits else ""
-
-
-def _charts(roots: list[Element]) -> list[_Chart]:
-    instances: dict[str, set[str]] = {}
-    for root in roots:
-        for instance in root.iter("instance"):
-            texts = parameters(instance)
-            instances.setdefault(texts.get("chart", ""), set()).add(_plain(texts.get("name", "")))
-    charts = []
-    for root in roots:
-        for chart in root.iter("chart"):
-            script = next(
-                (found for eml in chart.iter("eml") if (found := parameters(eml).get("script"))), ""
-            )
-            texts = parameters(chart)
-            names = {_plain(texts.get("name", "")), *instances.get(chart.get("id", ""), ())}
-            charts.append(
-                _Chart(
-                    number=texts.get("chartFileNumber", ""),
-                    names=frozenset(names),
-                    script=script,
-                    is_function=bool(script) and _is_function(chart, texts.get("type")),
-                )
-            )
-    return charts
-
-
-def _is_function(chart: Element, kind: str | None) -> bool:
-    return chart.find("eml") is not None if kind is None else kind == "EML_CHART"
-
-
-def _fitting(path: str, name: str, tag: str, charts: list[_Chart]) -> list[_Chart]:
-    """Choose a block's chart: by its path, by the number that its machinery names, by its name."""
-    path, name = _plain(path), _plain(name.replace("/", "//"))
-    number = tag.rpartition(" ")[2]
-    for fits in (
-        [chart for chart in charts if path in chart.names],
-        [chart for chart in charts if number and number == chart.number],
-        [chart for chart in charts if any(each.endswith(f"/{path}") for each in chart.names)],
-        [chart for chart in charts if name in chart.names],
-    ):
-        if len({chart.script for chart in fits}) == 1:
-            return fits
-    return []
-
-
-def _plain(name: str) -> str:
-    return " ".join(one_line(name).split())
-
-
-# --- what a file says of blocks and ports ----------------------------------------------------
 
 _PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")
 _PHYSICAL = ("lconn", "rconn")
 _OLD_PORTS = {"in": 0, "out": 1, "lconn": 5, "rconn": 6}  # places in <P Name="Ports">
 _DEEPEST = 100  # subsystems in subsystems
+MOST_BLOCKS = 100_000
 _OF_THE_DRAWING = """
 Position ZOrder BlockRotation BlockMirror ShowName HideAutomaticName NameLocation NamePlacement
 FontName FontSize FontWeight FontAngle ForegroundColor BackgroundColor DropShadow IconDisplay
@@ -199,12 +42,12 @@ class DrawnLine:
     ends: tuple[str, ...]  # ports; of a physical line all of them
 
 
-def read_line(element: Element) -> DrawnLine:
-    """Read a ``<Line>`` with its branches."""
+def read_line(element: Element, prefix: str = "") -> DrawnLine:
+    """Read a ``<Line>`` with its branches; the prefix is put before all SIDs."""
     texts = parameters(element)
-    ends = [_port(text) for text in _ends(element, texts)]
+    ends = [prefix + _port(text) for text in _ends(element, texts)]
     physical = any(split_port(end)[1] in _PHYSICAL for end in ends)
-    source = "" if physical or "Src" not in texts else _port(texts["Src"])
+    source = "" if physical or not texts.get("Src") else prefix + _port(texts["Src"])
     if source:
         ends.remove(source)
     return DrawnLine(
@@ -245,6 +88,7 @@ class DrawnBlock:
     texts: dict[str, str]  # parameters in the file
     ports: dict[str, int]  # counts of in, out, lconn, rconn; missing ones are not told
     mask: Mask
+    unlinked: str = ""  # why what it refers to was not found
 
     def __str__(self) -> str:
         return f"block {self.name!r} (SID {self.sid})"
@@ -261,78 +105,166 @@ class Diagram:
     through: dict[str, DrawnBlock] = field(default_factory=dict)  # of them, those that are wires
 
 
-def read_diagram(root: Element, fetch: Callable[[str], Element], charts: Charts) -> Diagram:
-    """Read the ``<System>`` of the top and all systems inside it.
-
-    ``fetch`` finds the ``<System>`` that a ``<System Ref="...">`` names.
-    """
-    walk = _Walk(fetch, charts)
-    walk.read_system(root, "", "", depth=0, commented=False)
+def read_diagram(file: SimulinkFile, libraries: Libraries) -> Diagram:
+    """Read the top of a file and all systems inside it, those of its libraries included."""
+    walk = _Walk(libraries)
+    walk.read_system(file.top, _Place(file=file))
     return walk.diagram
 
 
-class _Walk:
-    def __init__(self, fetch: Callable[[str], Element], charts: Charts) -> None:
-        self.diagram = Diagram()
-        self._fetch, self._charts = fetch, charts
-        self._seen: set[str] = set()
+@dataclass(frozen=True, kw_only=True)
+class _Place:
+    """Where a system stands: in the model, and in the file that draws it."""
 
-    def read_system(
-        self, system: Element, sid: str, path: str, *, depth: int, commented: bool
-    ) -> None:
-        if depth > _DEEPEST:
+    file: SimulinkFile
+    sid: str = ""  # of the block that holds it
+    path: str = ""  # of that block, with a slash behind; "" at the top
+    depth: int = 0
+    commented: bool = False
+    prefix: str = ""  # of the SIDs of the file
+    inside: str = ""  # path of the holding block in the file, with a slash behind
+    links: tuple[tuple[Path, str], ...] = ()  # references through which it is reached
+
+
+class _Walk:
+    def __init__(self, libraries: Libraries) -> None:
+        self.diagram = Diagram()
+        self._libraries = libraries
+        self._seen: set[tuple[str, str]] = set()  # prefix, name of a system
+
+    def read_system(self, system: Element, place: _Place) -> None:
+        if place.depth > _DEEPEST:
             raise InvalidValueError(
                 f"its subsystems lie more than {_DEEPEST} deep, which no model does: save the "
                 "model again in Simulink"
             )
         for child in system:
             if child.tag == "Block":
-                self._read_block(child, sid, path, depth=depth, commented=commented)
+                self._read_block(child, place)
             elif child.tag == "Line":
-                self.diagram.lines.append(read_line(child))
+                self.diagram.lines.append(read_line(child, place.prefix))
 
-    def _read_block(
-        self, element: Element, system: str, path: str, *, depth: int, commented: bool
-    ) -> None:
-        block, found = _drawn_block(element, system, path), self.diagram
+    def _read_block(self, element: Element, place: _Place) -> None:
+        block, found = _drawn_block(element, place), self.diagram
         if block.sid in found.blocks or block.sid in found.commented:
             raise InvalidValueError(
                 f"two blocks have the SID {block.sid}, the second is {block.name!r}: save the "
                 "model again in Simulink"
             )
-        systems = [self._resolve(inner, block) for inner in element if inner.tag == "System"]
-        names = block.path, block.name, _chart_tag(systems)
-        if _is_unnamed_chart(block) and systems and self._charts.is_function(*names):
+        if len(found.blocks) >= MOST_BLOCKS:
+            raise InvalidValueError(
+                f"it has more than {MOST_BLOCKS} blocks, those of its libraries included, as no "
+                "model has"
+            )
+        how = block.texts.get("Commented", "off")
+        if how == "off" and not place.commented:
+            block, element, place = self._followed(block, element, place)
+        systems = [self._resolve(inner, block, place) for inner in element if inner.tag == "System"]
+        inside = f"{place.inside}{block.name.replace('/', '//')}"
+        names = inside, block.name, _chart_tag(systems)
+        if _is_unnamed_chart(block) and systems and place.file.charts.is_function(*names):
             block = replace(block, texts=block.texts | {"SFBlockType": MATLAB_FUNCTION})
-        how, chart = block.texts.get("Commented", "off"), block.texts.get("SFBlockType", "NONE")
+        chart = block.texts.get("SFBlockType", "NONE")
         if how == "through":
             found.through[block.sid] = block
-        if commented or how != "off":
-            commented = True
+        commented = place.commented or how != "off"
+        if commented:
             found.commented.add(block.sid)
         else:
             found.blocks[block.sid] = block
             if chart == MATLAB_FUNCTION:
-                script = self._charts.script(*names)
+                script = place.file.charts.script(*names)
                 found.functions.append(Function(sid=block.sid, name=block.name, script=script))
-        for inside in systems if chart == "NONE" else ():
-            path = f"{block.path}/"
-            self.read_system(inside, block.sid, path, depth=depth + 1, commented=commented)
+        within = replace(
+            place,
+            sid=block.sid,
+            path=f"{block.path}/",
+            depth=place.depth + 1,
+            commented=commented,
+            inside=f"{inside}/",
+        )
+        for system in systems if chart == "NONE" else ():
+            self.read_system(system, within)
 
-    def _resolve(self, system: Element, block: DrawnBlock) -> Element:
+    def _followed(
+        self, block: DrawnBlock, element: Element, place: _Place
+    ) -> tuple[DrawnBlock, Element, _Place]:
+        """Put what a block refers to in its place, reference after reference."""
+        while (reference := _reference(block)) is not None:
+            try:
+                linked = self._linked(block, reference, place)
+            except InvalidValueError as error:
+                return replace(block, unlinked=str(error)), element, place
+            link = (linked.file.path, linked.path)
+            if link in place.links:
+                unlinked = f"{linked.path or linked.file.path.name} refers to itself"
+                return replace(block, unlinked=unlinked), element, place
+            place = replace(
+                place,
+                file=linked.file,
+                prefix=f"{block.sid}:",
+                inside=linked.path.rpartition("/")[0],
+                links=(*place.links, link),
+            )
+            if linked.block is None:
+                texts = {"SFBlockType": "NONE"} | block.texts
+                element = Element("Block")
+                element.append(linked.file.top)
+                return replace(block, type="SubSystem", texts=texts), element, place
+            element = linked.block
+            block = _put_in_place(block, _drawn_block(element, place))
+        return block, element, place
+
+    def _linked(self, block: DrawnBlock, reference: str, place: _Place) -> Linked:
+        if block.type == "Reference":
+            return self._libraries.block(reference, place.file)
+        return Linked(file=self._libraries.file(reference))
+
+    def _resolve(self, system: Element, block: DrawnBlock, place: _Place) -> Element:
         name = system.get("Ref")
         if name is None:
             return system
-        if name in self._seen:
+        if (place.prefix, name) in self._seen:
             raise InvalidValueError(
                 f"{block} shows the system {name}, which another block shows already: save the "
                 "model again in Simulink"
             )
-        self._seen.add(name)
-        return self._fetch(name)
+        self._seen.add((place.prefix, name))
+        return place.file.system(name)
 
 
-def _drawn_block(element: Element, system: str, path: str) -> DrawnBlock:
+def _reference(block: DrawnBlock) -> str | None:
+    """Return what a block refers to in this file or others, None where it refers to nothing."""
+    if block.unlinked:
+        return None
+    if block.type == "Reference":
+        known = known_parameters(block.type, block.source) is not None
+        return None if known or not block.source else block.source
+    if block.type == "ModelReference":
+        texts = block.texts
+        return texts.get("ModelFile") or texts.get("ModelName") or texts.get("ModelNameDialog")
+    if block.type == "SubSystem":
+        return block.texts.get("ReferencedSubsystem") or None
+    return None
+
+
+def _put_in_place(block: DrawnBlock, linked: DrawnBlock) -> DrawnBlock:
+    """Return the block of a library as a model has it: with its name, place and settings."""
+    own = block.mask.values | block.texts
+    values = {name: own.get(name, text) for name, text in linked.mask.values.items()}
+    return replace(
+        linked,
+        sid=block.sid,
+        name=block.name,
+        path=block.path,
+        system=block.system,
+        texts=linked.texts | block.texts,
+        ports=block.ports or linked.ports,
+        mask=replace(linked.mask, values=values),
+    )
+
+
+def _drawn_block(element: Element, place: _Place) -> DrawnBlock:
     name = one_line(element.get("Name", ""))
     kind, sid = element.get("BlockType", ""), element.get("SID", "")
     if not sid or not kind:
@@ -347,12 +279,12 @@ def _drawn_block(element: Element, system: str, path: str) -> DrawnBlock:
         if child.tag == "InstanceData":
             texts |= parameters(child)
     return DrawnBlock(
-        sid=sid,
+        sid=place.prefix + sid,
         name=name,
-        path=path + name.replace("/", "//"),
+        path=place.path + name.replace("/", "//"),
         type=kind,
         source=source,
-        system=system,
+        system=place.sid,
         texts={key: text for key, text in texts.items() if key not in _DRAWING},
         ports=ports,
         mask=read_mask(element, texts),

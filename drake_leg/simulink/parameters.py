@@ -289,8 +289,11 @@ def why_unknown(block: DrawnBlock) -> str:
     """Say why a block is of no known kind; "" where it is known."""
     if block.type == "Reference" and not block.source:
         return f"{block} names no library block: restore its library link in Simulink"
-    if block.type == "ModelReference":
-        return f"{block} is another model in a file of its own: copy that model into a subsystem"
+    if block.unlinked and block.type != "Reference":
+        return (
+            f"{block} is a diagram in a file of its own ({block.unlinked}): put the file beside "
+            "the model, or give its folder with `paths`"
+        )
     if block.texts.get("Variant") == "on":
         return (
             f"{block} is a variant subsystem, whose active choice the file alone does not tell: "
@@ -300,8 +303,9 @@ def why_unknown(block: DrawnBlock) -> str:
         return ""
     if block.type == "Reference":
         return (
-            f"{block} comes from {block.source!r}, which is not a known block of {_LIBRARIES}: "
-            "break its library link (Library Link > Break Link), or replace it"
+            f"{block} comes from {block.source!r}, which is not a known block of {_LIBRARIES}, "
+            f"and {block.unlinked}: put its library beside the model, or give its folder with "
+            "`paths`"
         )
     return (
         f"{block} is of type {block.type!r}, which is not a known block of {_LIBRARIES}: "

@@ -6,7 +6,7 @@ from work import calls
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import parse_markup
-from drake_leg.simulink.diagram import read_mask
+from drake_leg.simulink.masks import read_mask
 
 BRICK = "sm_lib/Body Elements/Brick Solid"
 FORMS = ("new", "R2013", "texts")

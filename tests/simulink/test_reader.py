@@ -340,7 +340,7 @@ def edited(tmp_path, old, new, builder=None):
         ("1#out:1", "1#in:1", "a line begins at 1#in:1, which is not an output"),
         ("2#in:1", "somewhere", "a line ends at 'somewhere', which is not a port"),
         ('"Scope"', '"Quantum"', "block 'S' .SID 2. is of type 'Quantum'"),
-        ('"Scope"', '"ModelReference"', "block 'S' .SID 2. is another model in a file of its own"),
+        ('"Scope"', '"ModelReference"', "block 'S' .SID 2. is a diagram in a file of its own"),
         ('"Scope"', '"Reference"', "block 'S' .SID 2. names no library block"),
         ("</Line>", "</Line><Line><P Name='Src'>1#out:1</P><P Name='Dst'>2#in:1</P></Line>", "two"),
     ],
@@ -354,7 +354,7 @@ def test_unknown_library_blocks_are_named(tmp_path):
     builder = ModelBuilder()
     builder.add_library("my_lib/Leg", "Leg 1")
     with pytest.raises(
-        InvalidValueError, match=r"'Leg 1' \(SID 1\) comes from 'my_lib/Leg'.*Break"
+        InvalidValueError, match=r"'Leg 1' \(SID 1\) comes from 'my_lib/Leg'.*no file my_lib"
     ):
         read_understood(builder.write(tmp_path / "m.slx"))
 

@@ -1,0 +1,84 @@
+"""A Simulink file as trees: its diagram, the systems in it, its charts, its configuration."""
+
+from __future__ import annotations
+
+import re
+from functools import cached_property
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.archive import Parts, parse_markup
+from drake_leg.simulink.charts import Charts
+
+_ROOT = "simulink/systems/system_root.xml"
+_WHOLE = "simulink/blockdiagram.xml"  # in older files the diagram, too
+_CONFIGURATION = "simulink/configSet0.xml"
+_STATEFLOW = re.compile(r"simulink/stateflow(\.xml|/(machine|chart_\w+)\.xml)")
+_SYSTEM = re.compile(r"\w{1,80}")
+_HOLDERS = ("Model", "Library", "Subsystem")
+
+
+class SimulinkFile:
+    """A file whose parts are parsed when they are asked for, each once.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is not such a file or is damaged.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._parts = Parts(path)
+        self._trees: dict[str, Element | None] = {}
+
+    @cached_property
+    def top(self) -> Element:
+        """The ``<System>`` of the top."""
+        root = self._tree(_ROOT)
+        if root is not None:
+            return root
+        for holder in _HOLDERS:
+            system = self._whole.find(f"{holder}/System")
+            if system is not None:
+                return system if system.get("Ref") is None else self.system(system.get("Ref", ""))
+        raise InvalidValueError(f"its part {_WHOLE} has no diagram: save the model again")
+
+    def system(self, name: str) -> Element:
+        """Find the ``<System>`` that a ``<System Ref="...">`` names."""
+        system = self._tree(f"simulink/systems/{name}.xml") if _SYSTEM.fullmatch(name) else None
+        if system is None:
+            raise InvalidValueError(
+                f"it has no part for the system {name[:60]!r}: save the model again in Simulink"
+            )
+        return system
+
+    @cached_property
+    def charts(self) -> Charts:
+        """The charts, MATLAB Functions among them."""
+        names = [name for name in self._parts.names() if _STATEFLOW.fullmatch(name)]
+        trees = [self._tree(name) for name in (*names, _WHOLE)]
+        return Charts(tree for tree in trees if tree is not None)
+
+    @cached_property
+    def configuration(self) -> Element | None:
+        """What holds the settings of the solver; None where the file has none."""
+        own = self._tree(_CONFIGURATION)
+        return self._tree(_WHOLE) if own is None else own
+
+    @property
+    def _whole(self) -> Element:
+        whole = self._tree(_WHOLE)
+        if whole is None:
+            raise InvalidValueError(
+                f"it has no part {_ROOT} and no {_WHOLE}: it is not a model, or a protected "
+                "one; choose a .slx that Simulink saved"
+            )
+        return whole
+
+    def _tree(self, part: str) -> Element | None:
+        if part not in self._trees:
+            content = self._parts.read(part)
+            self._trees[part] = None if content is None else parse_markup(content, part)
+        return self._trees[part]
