@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
+from drake_leg.cli.model_files import add_model_options, opened
 from drake_leg.cli.run import add_run_options, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
@@ -38,14 +39,14 @@ def configure_inspect(parser: argparse.ArgumentParser) -> None:
         help="list all blocks with their settings in SI, wires, physical connections and code",
     )
     form.add_argument("--json", action="store_true", help="print all of it as JSON")
+    add_model_options(parser)
     parser.set_defaults(command=_inspect)
 
 
 def _inspect(chosen: argparse.Namespace) -> int:
     from drake_leg.simulink.listing import as_json, as_lines, as_summary
-    from drake_leg.simulink.reader import read_model
 
-    model = read_model(chosen.model)
+    model = opened(chosen.model, chosen)
     if chosen.json:
         print(json.dumps(as_json(model), indent=2, allow_nan=False), flush=True)
     else:

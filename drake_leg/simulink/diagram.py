@@ -89,6 +89,7 @@ class DrawnBlock:
     ports: dict[str, int]  # counts of in, out, lconn, rconn; missing ones are not told
     mask: Mask
     unlinked: str = ""  # why what it refers to was not found
+    undecided: str = ""  # why none of its variants was chosen
 
     def __str__(self) -> str:
         return f"block {self.name!r} (SID {self.sid})"
@@ -282,7 +283,7 @@ def _drawn_block(element: Element, place: _Place) -> DrawnBlock:
         sid=place.prefix + sid,
         name=name,
         path=place.path + name.replace("/", "//"),
-        type=kind,
+        type="Inport" if kind == "InportShadow" else kind,  # the same port, drawn again
         source=source,
         system=place.sid,
         texts={key: text for key, text in texts.items() if key not in _DRAWING},

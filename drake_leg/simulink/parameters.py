@@ -289,15 +289,15 @@ def why_unknown(block: DrawnBlock) -> str:
     """Say why a block is of no known kind; "" where it is known."""
     if block.type == "Reference" and not block.source:
         return f"{block} names no library block: restore its library link in Simulink"
-    if block.unlinked and block.type != "Reference":
+    if block.type == "ModelReference" or (block.unlinked and block.type != "Reference"):
         return (
-            f"{block} is a diagram in a file of its own ({block.unlinked}): put the file beside "
-            "the model, or give its folder with `paths`"
+            f"{block} is a diagram in a file of its own ({block.unlinked or 'it names none'}): put "
+            "the file beside the model, or give its folder with `paths`"
         )
-    if block.texts.get("Variant") == "on":
+    if block.undecided:
         return (
-            f"{block} is a variant subsystem, whose active choice the file alone does not tell: "
-            "put the active choice in its place"
+            f"{block} is a variant subsystem, and {block.undecided}: choose with "
+            f"`variants={{{block.name!r}: ...}}`"
         )
     if known_parameters(block.type, block.source) is not None:
         return ""

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
+import numpy as np
+
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import parameters
-from drake_leg.simulink.diagram import Diagram, read_diagram
+from drake_leg.simulink.diagram import Diagram, DrawnBlock, read_diagram
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries
 from drake_leg.simulink.model import Block, Model, Parameters, Value
 from drake_leg.simulink.parameters import (
+    Names,
     complaining,
     evaluate,
     names_of,
@@ -22,6 +25,7 @@ from drake_leg.simulink.parameters import (
     values_of,
     why_unknown,
 )
+from drake_leg.simulink.variants import choose_variants
 from drake_leg.simulink.wiring import nodes_of, wires_of
 
 _DEFAULTS = {
@@ -38,7 +42,9 @@ _UNBOUNDED = ("StopTime", "MaxStep")
 _FIXED = re.compile(r"FixedStep\w*|ode(1|2|3|4|5|8|14x|1be|1b)")
 
 
-def read_model(path: Path, *, paths: Sequence[Path] = ()) -> Model:
+def read_model(
+    path: Path, *, paths: Sequence[Path] = (), variants: Mapping[str, str] | None = None
+) -> Model:
     """Read a Simulink file; nothing in it is executed or unpacked to the disk.
 
     Values are evaluated when they are asked for, and blocks of unknown kinds are blocks, too:
@@ -50,6 +56,9 @@ def read_model(path: Path, *, paths: Sequence[Path] = ()) -> Model:
         The file.
     paths : sequence of Path
         Folders where its libraries are looked for, after the folder of the file itself.
+    variants : mapping, optional
+        Choices of variant subsystems, by the path or name of the subsystem: the name or label of
+        the choice. The others are chosen as the file says.
 
     Returns
     -------
@@ -66,13 +75,21 @@ def read_model(path: Path, *, paths: Sequence[Path] = ()) -> Model:
     path = Path(path)
     try:
         file = SimulinkFile(path)
-        return _model(file, read_diagram(file, Libraries(path.parent, paths)))
+        drawn = read_diagram(file, Libraries(path.parent, paths))
+        names = names_of(drawn.blocks.values())
+        diagram = choose_variants(drawn, partial(_holds, names), variants)
+        return _model(file, diagram, names)
     except InvalidValueError as error:
         raise InvalidValueError(f"{path}: {error}") from None
 
 
-def _model(file: SimulinkFile, diagram: Diagram) -> Model:
-    names = names_of(diagram.blocks.values())
+def _holds(names: Mapping[str, Names], block: DrawnBlock, condition: str) -> bool:
+    """Whether the condition of a variant holds."""
+    with complaining(f"the condition {condition!r}"):
+        return bool(np.all(evaluate(condition, "", "", names[block.sid])))
+
+
+def _model(file: SimulinkFile, diagram: Diagram, names: Mapping[str, Names]) -> Model:
     return Model(
         name=file.path.stem,
         blocks=tuple(

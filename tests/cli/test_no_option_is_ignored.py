@@ -48,7 +48,7 @@ ALWAYS = {
     "inverse": {"--foot", "--json", "--pose", "--q", "--tip"},
     "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
-    "inspect": {"--blocks", "--json"},
+    "inspect": {"--blocks", "--json", "--path", "--variant"},
     "compare": OF_RUNS | {"--json", "--strict", "--frequency", "--direction", "--gain"},
     "diagram": {"--part", "--background", "--out", "--overwrite"},
 }  # fmt: skip

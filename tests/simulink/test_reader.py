@@ -359,13 +359,6 @@ def test_unknown_library_blocks_are_named(tmp_path):
         read_understood(builder.write(tmp_path / "m.slx"))
 
 
-def test_variants_are_refused(tmp_path):
-    builder = ModelBuilder()
-    builder.add_block("SubSystem", "V", {"Variant": "on"})
-    with pytest.raises(InvalidValueError, match=r"'V' \(SID 1\) is a variant subsystem"):
-        read_understood(builder.write(tmp_path / "m.slx"))
-
-
 def test_one_system_shown_twice_is_refused(tmp_path):
     builder = ModelBuilder()
     for name in "AB":

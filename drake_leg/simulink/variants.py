@@ -1,0 +1,158 @@
+"""Variant subsystems: one of several choices takes their place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from drake_leg.errors import InvalidValueError, UnknownValueError, did_you_mean
+from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine
+from drake_leg.simulink.model import split_port
+
+Condition = Callable[[DrawnBlock, str], bool]  # block whose names a text uses, and the text
+
+_PORTS = ("Inport", "Outport", "PMIOPort")
+_DEFAULT = "(default)"
+
+
+def choose_variants(
+    diagram: Diagram, holds: Condition, wanted: Mapping[str, str] | None = None
+) -> Diagram:
+    """Leave one choice in every variant subsystem, and draw the lines between their ports.
+
+    A variant subsystem whose choice is not known keeps none, and says why.
+
+    Parameters
+    ----------
+    holds : callable
+        Whether a condition holds; it raises `UnknownValueError` where that is not known.
+    wanted : mapping, optional
+        Choices by path or name of the subsystem: name or label of the choice.
+
+    Raises
+    ------
+    InvalidValueError
+        If a wanted choice or its subsystem does not exist.
+    """
+    inside: dict[str, list[DrawnBlock]] = {}
+    for block in diagram.blocks.values():
+        inside.setdefault(block.system, []).append(block)
+    left = dict(wanted or {})
+    blocks = dict(diagram.blocks)
+    lines = list(diagram.lines)
+    dropped: set[str] = set()
+    for block in diagram.blocks.values():
+        if block.system in dropped or block.sid in dropped:
+            dropped.add(block.sid)
+            continue
+        if block.texts.get("Variant") != "on":
+            continue
+        within = inside.get(block.sid, [])
+        choices = [choice for choice in within if choice.type not in _PORTS]
+        try:
+            active = _active(block, choices, holds, left)
+        except UnknownValueError as error:
+            active = None
+            blocks[block.sid] = replace(block, undecided=error.problem)
+        dropped.update(choice.sid for choice in choices if choice is not active)
+        if active is not None:
+            ports = [port for port in within if port.type in _PORTS]
+            lines += _joined(ports, active, inside.get(active.sid, []))
+    if left:
+        name = next(iter(left))
+        variants = [b.path for b in diagram.blocks.values() if b.texts.get("Variant") == "on"]
+        raise InvalidValueError(
+            f"there is no variant subsystem {name!r}",
+            advice=did_you_mean(name, variants, "`drake-leg inspect --blocks` lists the blocks"),
+        )
+    kept = {sid: block for sid, block in blocks.items() if sid not in dropped}
+    return replace(
+        diagram,
+        blocks=kept,
+        lines=[line for line in map(_without(dropped), lines) if line.ends],
+        functions=[function for function in diagram.functions if function.sid in kept],
+    )
+
+
+def _active(
+    block: DrawnBlock, choices: list[DrawnBlock], holds: Condition, wanted: dict[str, str]
+) -> DrawnBlock:
+    label = wanted.pop(block.path, None) or wanted.pop(block.name, None)
+    asked = label is not None
+    if label is None and block.texts.get("VariantControlMode", "label") == "label":
+        label = block.texts.get("LabelModeActiveChoice") or block.texts.get("OverrideUsingVariant")
+    if label:
+        fits = [one for one in choices if label in (one.name, one.texts.get("VariantControl"))]
+        if asked and not fits:
+            names = ", ".join(repr(one.name) for one in choices)
+            raise InvalidValueError(f"{block} has no choice {label!r}: choose one of {names}")
+        if not fits:
+            raise UnknownValueError(f"none of its choices is {label!r}")
+        return fits[0]
+    others = None
+    for choice in choices:
+        condition = choice.texts.get("VariantControl", "").strip()
+        if condition == _DEFAULT:
+            others = choice
+        elif condition and not condition.startswith("%") and holds(block, condition):
+            return choice
+    if others is None:
+        raise UnknownValueError("no condition of its choices holds")
+    return others
+
+
+def _joined(
+    ports: list[DrawnBlock], active: DrawnBlock, within: list[DrawnBlock]
+) -> list[DrawnLine]:
+    """Lines between the ports of a variant subsystem and those of like name of its choice."""
+    inner = {(port.type, port.name.strip()): port for port in within if port.type in _PORTS}
+    numbers = _numbers(within)
+    found = []
+    for port in ports:
+        match = inner.get((port.type, port.name.strip()))
+        if match is None:
+            continue
+        end = f"{active.sid}#{numbers[match.sid]}"
+        if port.type == "Outport":
+            found.append(_line(end, f"{port.sid}#in:1"))
+        elif port.type == "Inport":
+            found.append(_line(f"{port.sid}#out:1", end))
+        else:
+            own = f"{port.sid}#rconn:1"
+            found.append(DrawnLine(name="", physical=True, source="", ends=(own, end)))
+    return found
+
+
+def _line(source: str, target: str) -> DrawnLine:
+    return DrawnLine(name="", physical=False, source=source, ends=(target,))
+
+
+def _numbers(within: list[DrawnBlock]) -> dict[str, str]:
+    """Ports of a subsystem from outside, by the SIDs of the blocks inside: ``in:1``."""
+    sides: dict[str, list[DrawnBlock]] = {}
+    for block in within:
+        if block.type in ("Inport", "Outport"):
+            sides.setdefault("in" if block.type == "Inport" else "out", []).append(block)
+        elif block.type == "PMIOPort":
+            left = block.texts.get("Side", "Left").lower() == "left"
+            sides.setdefault("lconn" if left else "rconn", []).append(block)
+    return {
+        block.sid: f"{side}:{place}"
+        for side, blocks in sides.items()
+        for place, block in enumerate(sorted(blocks, key=_port_number), start=1)
+    }
+
+
+def _port_number(block: DrawnBlock) -> int:
+    text = block.texts.get("Port", "1")
+    return int(text) if text.isdecimal() else 1
+
+
+def _without(dropped: set[str]) -> Callable[[DrawnLine], DrawnLine]:
+    def kept(line: DrawnLine) -> DrawnLine:
+        if line.source and split_port(line.source)[0] in dropped:
+            return replace(line, ends=())
+        ends = tuple(end for end in line.ends if split_port(end)[0] not in dropped)
+        return line if len(ends) == len(line.ends) else replace(line, ends=ends)
+
+    return kept
