@@ -51,6 +51,7 @@ from drake_leg.simulink.compare.signals import CLOSE, Scalar, Shape, close
 from drake_leg.simulink.compare.simulink_signals import SINKS, is_integrator, unit_factor
 from drake_leg.simulink.lacks import require_understood
 from drake_leg.simulink.model import Block, Model, number
+from drake_leg.simulink.multibody.frames import require_no_own_frames
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import TIME_CONSTANT
 from drake_leg.systems.prescribed_motion import PrescribedMotion
@@ -79,9 +80,11 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     Raises
     ------
     InvalidValueError
-        If something of the model is not understood, or the diagram has no plant.
+        If something of the model is not understood, a solid has frames of its own, or the diagram
+        has no plant.
     """
     require_understood(model)
+    require_no_own_frames(model)
     sides = read_sides(model, live)
     joints = joint_roles(sides)
     inverse = match_inverse(sides)
