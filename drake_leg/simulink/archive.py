@@ -1,4 +1,4 @@
-"""The parts of a .slx file, read within limits as XML trees; nothing is unpacked to the disk."""
+"""The parts of a model's file, read within limits as trees; nothing is unpacked to the disk."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Protocol
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
@@ -17,6 +18,7 @@ from defusedxml.ElementTree import ParseError, XMLParser
 
 from drake_leg.errors import InvalidValueError, UnreadableFileError
 from drake_leg.files import read_bytes
+from drake_leg.simulink.text_model import is_package, parts_of_package, tree_of
 
 LARGEST_FILE = 64 << 20  # bytes, packed
 LARGEST_DIRECTORY = 4 << 20  # bytes of the list of parts
@@ -29,6 +31,8 @@ MOST_ELEMENTS = 1_000_000
 
 _END_OF_DIRECTORY = struct.Struct("<4s4H2LH")
 _SMALL = 1 << 20
+WHOLE = "simulink/blockdiagram.xml"  # the part that has all in older files
+
 _TEXT_MODEL = re.compile(rb"\s*(#[^\n]*\n\s*)*(Model|Library|Subsystem)\s*\{")
 _DAMAGES = (
     *(zipfile.BadZipFile, zlib.error, OSError, EOFError),
@@ -37,11 +41,52 @@ _DAMAGES = (
 _DAMAGED = "it is cut short or damaged: copy the file again or save the model again"
 
 
-class Parts:
-    """The parts of one file, held in memory."""
+class Parts(Protocol):
+    """The parts of one file."""
 
-    def __init__(self, path: Path) -> None:
-        content = _content(path)
+    def names(self) -> tuple[str, ...]:
+        """Return the names of all parts."""
+        ...
+
+    def tree(self, name: str) -> Element | None:
+        """Return a part as a tree; None where the file has no such part."""
+        ...
+
+
+def parts_of(path: Path) -> Parts:
+    """Open a file, .slx or .mdl.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is none or is damaged.
+    """
+    content = _content(path)
+    if is_package(content):
+        return _TextParts(parts_of_package(content))
+    if _TEXT_MODEL.match(content[:4096]):
+        return _TextParts({WHOLE: tree_of(content)})
+    return Archive(content)
+
+
+class _TextParts:
+    """The parts of a .mdl: a text of several, or a single one."""
+
+    def __init__(self, parts: Mapping[str, bytes | Element]) -> None:
+        self._parts = parts
+
+    def names(self) -> tuple[str, ...]:
+        return tuple(self._parts)
+
+    def tree(self, name: str) -> Element | None:
+        part = self._parts.get(name)
+        return parse_markup(part, name) if isinstance(part, bytes) else part
+
+
+class Archive:
+    """The parts of a .slx, held in memory."""
+
+    def __init__(self, content: bytes) -> None:
         try:
             self._archive = zipfile.ZipFile(io.BytesIO(content))
             self._entries = _checked(self._archive.infolist())
@@ -55,6 +100,11 @@ class Parts:
     def names(self) -> tuple[str, ...]:
         """Return the names of all parts."""
         return tuple(self._entries)
+
+    def tree(self, name: str) -> Element | None:
+        """Return a part as a tree; None where the file has no such part."""
+        content = self.read(name)
+        return None if content is None else parse_markup(content, name)
 
     def read(self, name: str) -> bytes | None:
         """Read a part; None where the file has no such part."""
@@ -135,7 +185,7 @@ def one_line(text: str) -> str:
 
 
 def _content(path: Path) -> bytes:
-    """Read the file, or explain why it is not a .slx."""
+    """Read the file, or explain why it is no model."""
     try:
         content = read_bytes(path, most=LARGEST_FILE)
     except UnreadableFileError as error:
@@ -146,12 +196,12 @@ def _content(path: Path) -> bytes:
         raise InvalidValueError(
             "it is a protected model, whose diagram is encrypted: ask its author for the .slx"
         )
-    if _TEXT_MODEL.match(head) or head.startswith(b"# MathWorks OPC Text Package"):
-        raise InvalidValueError(
-            "it is a .mdl, Simulink's older text format: open it in Simulink and save it as .slx"
-        )
+    if _TEXT_MODEL.match(head) or is_package(head):
+        return content
     if not head.startswith(b"PK"):
-        raise InvalidValueError("it is not a ZIP archive, as every .slx is: choose a model's .slx")
+        raise InvalidValueError(
+            "it is not a ZIP archive, as every .slx is, nor a .mdl: choose a model's file"
+        )
     end = tail.rfind(b"PK\x05\x06")
     if end < 0 or len(tail) - end < _END_OF_DIRECTORY.size:
         raise InvalidValueError(_DAMAGED)

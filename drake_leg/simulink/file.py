@@ -8,11 +8,10 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.archive import Parts, parse_markup
+from drake_leg.simulink.archive import WHOLE, parts_of
 from drake_leg.simulink.charts import Charts
 
 _ROOT = "simulink/systems/system_root.xml"
-_WHOLE = "simulink/blockdiagram.xml"  # in older files the diagram, too
 _CONFIGURATION = "simulink/configSet0.xml"
 _STATEFLOW = re.compile(r"simulink/stateflow(\.xml|/(machine|chart_\w+)\.xml)")
 _SYSTEM = re.compile(r"\w{1,80}")
@@ -30,7 +29,7 @@ class SimulinkFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._parts = Parts(path)
+        self._parts = parts_of(path)
         self._trees: dict[str, Element | None] = {}
 
     @cached_property
@@ -43,7 +42,7 @@ class SimulinkFile:
             system = self._whole.find(f"{holder}/System")
             if system is not None:
                 return system if system.get("Ref") is None else self.system(system.get("Ref", ""))
-        raise InvalidValueError(f"its part {_WHOLE} has no diagram: save the model again")
+        raise InvalidValueError(f"its part {WHOLE} has no diagram: save the model again")
 
     def system(self, name: str) -> Element:
         """Find the ``<System>`` that a ``<System Ref="...">`` names."""
@@ -58,27 +57,26 @@ class SimulinkFile:
     def charts(self) -> Charts:
         """The charts, MATLAB Functions among them."""
         names = [name for name in self._parts.names() if _STATEFLOW.fullmatch(name)]
-        trees = [self._tree(name) for name in (*names, _WHOLE)]
+        trees = [self._tree(name) for name in (*names, WHOLE)]
         return Charts(tree for tree in trees if tree is not None)
 
     @cached_property
     def configuration(self) -> Element | None:
         """What holds the settings of the solver; None where the file has none."""
         own = self._tree(_CONFIGURATION)
-        return self._tree(_WHOLE) if own is None else own
+        return self._tree(WHOLE) if own is None else own
 
     @property
     def _whole(self) -> Element:
-        whole = self._tree(_WHOLE)
+        whole = self._tree(WHOLE)
         if whole is None:
             raise InvalidValueError(
-                f"it has no part {_ROOT} and no {_WHOLE}: it is not a model, or a protected "
+                f"it has no part {_ROOT} and no {WHOLE}: it is not a model, or a protected "
                 "one; choose a .slx that Simulink saved"
             )
         return whole
 
     def _tree(self, part: str) -> Element | None:
         if part not in self._trees:
-            content = self._parts.read(part)
-            self._trees[part] = None if content is None else parse_markup(content, part)
+            self._trees[part] = self._parts.tree(part)
         return self._trees[part]

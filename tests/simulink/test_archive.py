@@ -40,21 +40,6 @@ def test_missing_file_folder_and_pipe(tmp_path):
     refused(tmp_path / "pipe.slx", "it is a pipe; give a file")
 
 
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"Model {\n  Name 'x'\n}",
-        b"# $Revision: 1.2 $\n#\nModel {\n",
-        b"Library {\n",
-        b"# MathWorks OPC Text Package\nModel {\n",
-    ],
-)
-def test_older_text_format(tmp_path, content):
-    path = tmp_path / "old.mdl"
-    path.write_bytes(content)
-    refused(path, "it is a .mdl, .* save it as .slx")
-
-
 def test_protected_model(tmp_path, pendulum):
     path = pendulum.rename(tmp_path / "secret.slxp")
     refused(path, "it is a protected model, whose diagram is encrypted")
