@@ -86,10 +86,14 @@ class UnknownValueError(InvalidValueError):
     ----------
     names : tuple of str
         The variables and functions that it uses and nothing gives, where that is the reason.
+    text : str
+        The value as it stands in the file.
     """
 
-    def __init__(self, problem: str, *, names: Iterable[str] = (), advice: str = "") -> None:
-        self.names = tuple(names)
+    def __init__(
+        self, problem: str, *, names: Iterable[str] = (), text: str = "", advice: str = ""
+    ) -> None:
+        self.names, self.text = tuple(names), text
         super().__init__(problem, advice=advice)
 
 

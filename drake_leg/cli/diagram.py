@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
+from drake_leg.cli.model_files import add_model_options, is_model, opened
 from drake_leg.cli.terminal import option_of, picture, refuse_ignored
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError, require_matplotlib
@@ -55,6 +56,7 @@ def configure_diagram(parser: argparse.ArgumentParser) -> None:
         help="auto is light or dark, as the reader's system is; none is for light places "
         "(default auto)",
     )
+    add_model_options(parser)
     parser.add_argument(
         "--out", required=True, type=Path, metavar="FILE", help="file to write, .svg"
     )
@@ -74,8 +76,12 @@ def _diagram(chosen: argparse.Namespace) -> int:
 
 
 def _picture(chosen: argparse.Namespace) -> str:
-    if chosen.name.lower().endswith(".slx"):
+    if is_model(chosen.name):
         return _model(chosen)
+    refuse_ignored(
+        {"--path": bool(chosen.path), "--variant": bool(chosen.variant)},
+        "is for Simulink models and means nothing to a run",
+    )
     return _frames(chosen) if chosen.part == "frames" else _blocks(chosen)
 
 
@@ -84,11 +90,10 @@ def _model(chosen: argparse.Namespace) -> str:
     from drake_leg.pictures.drawing import draw
     from drake_leg.pictures.of_simulink import model_pictures
     from drake_leg.simulink.listing import printable
-    from drake_leg.simulink.reader import read_model
 
     _refuse_signal_options(chosen, "is for runs and means nothing to a Simulink model")
     refuse_ignored({"--set": bool(chosen.numbers)}, "means nothing to a Simulink model")
-    model = read_model(Path(chosen.name))
+    model = opened(Path(chosen.name), chosen)
     try:
         pictures = model_pictures(model, title=printable(model.name), part=chosen.part)
     except InvalidValueError as error:

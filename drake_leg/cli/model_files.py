@@ -12,6 +12,14 @@ if TYPE_CHECKING:
     from drake_leg.simulink.model import Model
 
 
+ENDINGS = (".slx", ".mdl")
+
+
+def is_model(name: str | Path) -> bool:
+    """Whether a name is that of a Simulink file."""
+    return Path(name).suffix.lower() in ENDINGS
+
+
 def add_model_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that say what a model's file does not."""
     parser.add_argument(

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
-from drake_leg.cli.model_files import add_model_options, opened
+from drake_leg.cli.model_files import add_model_options, is_model, opened
 from drake_leg.cli.run import add_run_options, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
@@ -81,14 +81,14 @@ def configure_compare(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also count cross sections, colors and the converters' input filters",
     )
+    add_model_options(parser)
     add_run_options(parser)
     parser.set_defaults(command=_compare)
 
 
 @uncollected()
 def _compare(chosen: argparse.Namespace) -> int:
-    endings = [Path(place).suffix.lower() for place in (chosen.model, chosen.name)]
-    if endings[1] == ".slx" and endings[0] != ".slx":
+    if is_model(chosen.name) and not is_model(chosen.model):
         raise InvalidValueError(
             "the model comes first", advice=f"drake-leg compare {chosen.name} {chosen.model}"
         )
@@ -97,9 +97,8 @@ def _compare(chosen: argparse.Namespace) -> int:
     _refuse_options_of_runs(kind, options, chosen)
     from drake_leg.simulink.compare.compare import LiveModel, compare
     from drake_leg.simulink.listing import plain, printable
-    from drake_leg.simulink.reader import read_model
 
-    model = read_model(chosen.model)
+    model = opened(chosen.model, chosen)
     if not isinstance(options, IntegratedOptions):
         raise InvalidValueError(
             f"{chosen.name} is a walk, of which no Simulink model is known",

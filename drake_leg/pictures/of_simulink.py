@@ -25,6 +25,7 @@ from drake_leg.pictures.svg import (
     spaced,
     wrapped,
 )
+from drake_leg.simulink.lacks import with_texts
 from drake_leg.simulink.matlab.program import Program, program
 from drake_leg.simulink.mechanism import (
     TO_PHYSICAL,
@@ -212,7 +213,10 @@ def signals_picture(
     blocks = [
         block
         for block in model.blocks
-        if block.sid not in network.mechanical or block.sid in network.sensed
+        if block.sid not in network.mechanical
+        or block.sid in network.sensed
+        or block.sid in inputs
+        or block.sid in outputs
     ]
     blocks.sort(key=lambda block: block.sid not in outputs)  # so that scopes are below
     scripts = {function.sid: function.script for function in model.functions}
@@ -301,7 +305,7 @@ def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Pictur
     names = unique_names(model)
     network = network_of(flat)
     pictures = {
-        SIGNALS: signals_picture(flat, network, names, title=f"{title}: signals"),
+        SIGNALS: signals_picture(with_texts(flat), network, names, title=f"{title}: signals"),
         MECHANISM: model_mechanism_picture(network, names, title=f"{title}: mechanism"),
     }
     chosen = [name for name, picture in pictures.items() if picture.blocks and part in (name, ALL)]

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from pydrake.math import RigidTransform, RotationMatrix
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.pictures.mechanical import (
     CAPTION_WIDTH,
     Chain,
@@ -85,10 +85,22 @@ def body_block(block: Block, *, name: str, turned: bool, senses: bool) -> DrawnB
     Raises
     ------
     InvalidValueError
-        If the numbers of a transform or a solid make no sense.
+        If the numbers of a transform or a solid make no sense; the text of one that is not known is
+        shown.
     """
     if block.kind in ("Connection Port", "PMIOPort"):
         return replace(connection_of(cut(block.name)), name=name)
+    try:
+        return _told(block, name=name, turned=turned, senses=senses)
+    except UnknownValueError as error:
+        caption = (*name_lines(block.name, CAPTION_WIDTH), cut(error.text))
+        if block.kind in _GLYPHS:
+            return DrawnBlock(name=name, caption=caption, glyph=_GLYPHS[block.kind])
+        return DrawnBlock(name=name, caption=caption, text=wrapped(block.kind, CAPTION_WIDTH))
+
+
+def _told(block: Block, *, name: str, turned: bool, senses: bool) -> DrawnBlock:
+    """Draw a block whose values are known."""
     caption = name_lines(block.name, CAPTION_WIDTH)
     if block.kind in SOLIDS and "Mass" in block.parameters:  # a shaft's Inertia has none
         solid = read_solid(block)

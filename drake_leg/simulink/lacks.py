@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
-from drake_leg.simulink.model import Block, Model, Parameters, Value
+from drake_leg.simulink.model import Block, Model, Value
 
 SHOWN = 20  # in an error
 
@@ -48,6 +48,26 @@ def require_understood(model: Model) -> None:
         )
 
 
+def with_texts(model: Model) -> Model:
+    """Put the texts of values that are not known in their places, as a picture shows them."""
+    return replace(
+        model,
+        blocks=tuple(
+            replace(block, parameters=_legible(block.parameters)) for block in model.blocks
+        ),
+    )
+
+
+def _legible(values: Mapping[str, Value]) -> dict[str, Value]:
+    found: dict[str, Value] = {}
+    for name in values:
+        try:
+            found[name] = values[name]
+        except UnknownValueError as error:
+            found[name] = error.text
+    return found
+
+
 def _of_block(block: Block) -> list[Lack]:
     if block.unknown:
         kind = block.source or block.type
@@ -61,8 +81,7 @@ def _of_values(sid: str, values: Mapping[str, Value]) -> list[Lack]:
         try:
             values[name]
         except UnknownValueError as error:
-            text = values.text(name) if isinstance(values, Parameters) else ""
             found.append(
-                Lack(sid=sid, parameter=name, text=text, reason=str(error), names=error.names)
+                Lack(sid=sid, parameter=name, text=error.text, reason=str(error), names=error.names)
             )
     return found

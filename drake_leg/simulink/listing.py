@@ -10,7 +10,7 @@ from typing import Any
 
 from drake_leg.errors import UnknownValueError
 from drake_leg.simulink.lacks import lacks_of
-from drake_leg.simulink.model import Block, Model, Parameters, Value, split_port
+from drake_leg.simulink.model import Block, Model, Value, split_port
 from drake_leg.simulink.parameters import default_values
 
 _WIDTH = 100
@@ -173,9 +173,8 @@ def _held(values: Mapping[str, Value], name: str) -> str:
     """Show a value, or the text of one that is not known."""
     try:
         return _shown(values[name])
-    except UnknownValueError:
-        text = values.text(name) if isinstance(values, Parameters) else ""
-        return f"({_shown(text)}: not known)"
+    except UnknownValueError as error:
+        return f"({_shown(error.text)}: not known)"
 
 
 def _is_telling(values: Mapping[str, Value], name: str, defaults: Mapping[str, Value]) -> bool:

@@ -27,17 +27,12 @@ class Parameters(Mapping[str, Value]):
     def __init__(self) -> None:
         self._found: dict[str, Value] = {}
         self._pending: dict[str, Callable[[], Value]] = {}
-        self._texts: dict[str, str] = {}
 
-    def add(self, name: str, value: Value | Callable[[], Value], text: str = "") -> None:
-        """Add a value, or what evaluates its text."""
-        self._found[name] = text if callable(value) else value
+    def add(self, name: str, value: Value | Callable[[], Value]) -> None:
+        """Add a value, or what evaluates it."""
+        self._found[name] = "" if callable(value) else value
         if callable(value):
-            self._pending[name], self._texts[name] = value, text
-
-    def text(self, name: str) -> str:
-        """Return the text of a value that is evaluated."""
-        return self._texts.get(name, "")
+            self._pending[name] = value
 
     def __getitem__(self, name: str) -> Value:
         if name in self._pending:

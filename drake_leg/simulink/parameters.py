@@ -198,7 +198,7 @@ def values_of(block: DrawnBlock, names: Names) -> Parameters:
         if not parameter.numeric:
             found.add(parameter.name, text)
             continue
-        found.add(parameter.name, partial(_number, block, parameter, name, text, names), text)
+        found.add(parameter.name, partial(_number, block, parameter, name, text, names))
         if parameter.unit:
             found.add(f"{parameter.name}Units", parse_unit(parameter.unit).si)
         for spelled in parameter.names:
@@ -218,21 +218,21 @@ def values_of(block: DrawnBlock, names: Names) -> Parameters:
 
 def _number(block: DrawnBlock, parameter: Parameter, name: str, text: str, names: Names) -> Value:
     unit = block.texts.get(f"{name}Units", parameter.unit)
-    with complaining(f"{block}: parameter {name}"):
+    with complaining(f"{block}: parameter {name}", text):
         number = evaluate(text, unit, parameter.unit, names)
         require_finite(number, text, unbounded=parameter.unbounded, names=names)
     return number
 
 
 @contextmanager
-def complaining(about: str) -> Iterator[None]:
+def complaining(about: str, text: str) -> Iterator[None]:
     """Say of what an error complains."""
     try:
         yield
     except InvalidValueError as error:
         names = getattr(error, "names", ())
         raise UnknownValueError(
-            f"{about} {error.problem}", names=names, advice=error.advice
+            f"{about} {error.problem}", names=names, text=text, advice=error.advice
         ) from None
 
 
@@ -263,7 +263,7 @@ def _add_others(
                     name=name, default="", numeric=True, unit=unit, unbounded=True
                 )
                 evaluated = partial(_number, block, parameter, name, others[name], names)
-                found.add(name, evaluated, others[name])
+                found.add(name, evaluated)
                 found.add(key, si)
 
 

@@ -85,7 +85,7 @@ def read_model(
 
 def _holds(names: Mapping[str, Names], block: DrawnBlock, condition: str) -> bool:
     """Whether the condition of a variant holds."""
-    with complaining(f"the condition {condition!r}"):
+    with complaining(f"the condition {condition!r}", condition):
         return bool(np.all(evaluate(condition, "", "", names[block.sid])))
 
 
@@ -122,12 +122,12 @@ def _solver(configuration: Element | None) -> Parameters:
     found.add("SolverType", texts.get("SolverType", kind))
     for name, default in _DEFAULTS.items():
         text = texts.get(name, default)
-        found.add(name, partial(_setting, name, text), text)
+        found.add(name, partial(_setting, name, text))
     return found
 
 
 def _setting(name: str, text: str) -> Value:
-    with complaining(f"solver setting {name}"):
+    with complaining(f"solver setting {name}", text):
         found = evaluate(text, "", "")
         require_finite(found, text, unbounded=name in _UNBOUNDED)
     return found

@@ -63,7 +63,7 @@ def choose_variants(
         variants = [b.path for b in diagram.blocks.values() if b.texts.get("Variant") == "on"]
         raise InvalidValueError(
             f"there is no variant subsystem {name!r}",
-            advice=did_you_mean(name, variants, "`drake-leg inspect --blocks` lists the blocks"),
+            advice=did_you_mean(name, variants, "give the name of one, or its path in the model"),
         )
     kept = {sid: block for sid, block in blocks.items() if sid not in dropped}
     return replace(

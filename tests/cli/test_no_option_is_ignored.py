@@ -49,8 +49,9 @@ ALWAYS = {
     "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
     "inspect": {"--blocks", "--json", "--path", "--variant"},
-    "compare": OF_RUNS | {"--json", "--strict", "--frequency", "--direction", "--gain"},
-    "diagram": {"--part", "--background", "--out", "--overwrite"},
+    "compare": OF_RUNS | {"--path", "--variant", "--json", "--strict", "--frequency",
+                          "--direction", "--gain"},
+    "diagram": {"--path", "--variant", "--part", "--background", "--out", "--overwrite"},
 }  # fmt: skip
 
 NO_LIMIT = "there is no limit"

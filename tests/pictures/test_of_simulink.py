@@ -288,6 +288,27 @@ def test_blocks_carry_their_most_telling_parameters(pictures):
     assert "−9.80665" in " ".join(block_named(mechanism, "Mechanism Configuration").caption)
 
 
+def test_a_value_that_is_not_known_is_drawn_as_its_text(pictures):
+    builder = published_leg()
+    builder.set("Sine Wave", Amplitude="A/2")
+    builder.set("Brick Solid1", BrickDimensions="[L w h]")
+    builder.set("Rigid Transform1", TranslationCartesianOffset="[L/2 0 0]")
+    signals, mechanism = pictures(builder)
+    assert any("A/2" in line for line in block_named(signals, "Sine Wave").caption)
+    assert block_named(mechanism, "Brick Solid1").caption[-1] == "[L w h]"
+    assert block_named(mechanism, "Rigid Transform1").caption[-1] == "[L/2 0 0]"
+
+
+def test_an_unknown_block_between_signals_and_bodies_is_drawn(pictures):
+    builder = ModelBuilder()
+    world = builder.add_library(WORLD, "World")
+    leg = builder.add_library("my_lib/Leg", "Leg")
+    scope = builder.add_block("Scope", "Scope")
+    builder.physical(f"{world}#rconn:1", f"{leg}#lconn:1")
+    builder.connect(f"{leg}#out:1", scope)
+    assert block_named(pictures(builder, part="signals")[0], "Leg").outputs
+
+
 def test_springs_and_dampers_of_a_joint_are_written_in_si(pictures):
     joint = {"SpringStiffness": "0.01", "EquilibriumPosition": "-30", "DampingCoefficient": "1"}
     _, mechanism = pictures(published_pendulum(joint))
