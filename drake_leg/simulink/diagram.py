@@ -124,6 +124,7 @@ class _Place:
     commented: bool = False
     prefix: str = ""  # of the SIDs of the file
     inside: str = ""  # path of the holding block in the file, with a slash behind
+    linked: str | None = None  # path in the file of a block to which another one refers
     links: tuple[tuple[Path, str], ...] = ()  # references through which it is reached
 
 
@@ -162,6 +163,8 @@ class _Walk:
             block, element, place = self._followed(block, element, place)
         systems = [self._resolve(inner, block, place) for inner in element if inner.tag == "System"]
         inside = f"{place.inside}{block.name.replace('/', '//')}"
+        if place.linked is not None:
+            inside = place.linked
         names = inside, block.name, _chart_tag(systems)
         if _is_unnamed_chart(block) and systems and place.file.charts.is_function(*names):
             block = replace(block, texts=block.texts | {"SFBlockType": MATLAB_FUNCTION})
@@ -182,7 +185,8 @@ class _Walk:
             path=f"{block.path}/",
             depth=place.depth + 1,
             commented=commented,
-            inside=f"{inside}/",
+            inside=f"{inside}/" if inside else "",
+            linked=None,
         )
         for system in systems if chart == "NONE" else ():
             self.read_system(system, within)
@@ -204,7 +208,7 @@ class _Walk:
                 place,
                 file=linked.file,
                 prefix=f"{block.sid}:",
-                inside=linked.path.rpartition("/")[0],
+                linked=linked.path,
                 links=(*place.links, link),
             )
             if linked.block is None:

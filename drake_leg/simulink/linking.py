@@ -16,6 +16,7 @@ OWN = "$bdroot"  # the file that refers
 MOST_FILES = 20_000  # that are looked through
 ENDINGS = (".slx", ".mdl")
 
+_NAME = re.compile(r"[A-Za-z]\w{0,62}")  # that Simulink allows for a model
 _STEP = re.compile(r"(?<!/)/(?!/)")  # two slashes are one in a name
 
 
@@ -85,9 +86,10 @@ class Libraries:
         InvalidValueError
             If there is none, or it is damaged.
         """
-        place = self._place(Path(name).stem)
+        stem = Path(name).stem
+        place = self._place(stem) if _NAME.fullmatch(stem) else None
         if place is None:
-            raise InvalidValueError(f"there is no file {Path(name).stem}.slx")
+            raise InvalidValueError(f"there is no file {stem[:63]}.slx")
         if place not in self._files:
             self._files[place] = SimulinkFile(place)
         return self._files[place]

@@ -5,6 +5,7 @@ from slx_writer import ModelBuilder, mask_text, read_understood
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.lacks import lacks_of
+from drake_leg.simulink.linking import Libraries
 from drake_leg.simulink.reader import read_model
 from drake_leg.simulink.wiring import flatten
 
@@ -101,6 +102,23 @@ def test_a_whole_file_is_a_subsystem(tmp_path, kind, texts):
     model = read_understood(user(kind, texts).write(tmp_path / "m.slx"))
     assert gains(model) == [4.0]
     assert len(flatten(model).wires) == 2
+
+
+def test_code_in_a_library_is_found_by_its_path_there(tmp_path):
+    builder = ModelBuilder()
+    for number, name in enumerate(("First", "Second"), start=1):
+        outer = builder.add_block("SubSystem", name)
+        builder.add_function("f", f"function y = f(u)\ny = {number}*u;\n", system=outer)
+    builder.write(tmp_path / "my_lib.slx")
+    path = user("Reference", source="my_lib/Second").write(tmp_path / "m.slx")
+    (function,) = read_understood(path).functions
+    assert "y = 2*u" in function.script
+
+
+@pytest.mark.parametrize("name", ["9" * 300, "..", "a/b", "a\0b", "~root"])
+def test_names_that_no_model_has_lead_nowhere(tmp_path, name):
+    with pytest.raises(InvalidValueError, match="there is no file"):
+        Libraries(tmp_path, [tmp_path]).file(name)
 
 
 def test_a_circle_of_libraries_is_said(tmp_path):
