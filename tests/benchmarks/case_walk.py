@@ -23,6 +23,8 @@ STEPS = {"walk, 5 ms": 0.005, "walk, 2 ms": 0.002}  # [s]
 
 def contests(short, crew):
     """The tripod gait at 0.1 m/s at each time step."""
+    if short:
+        return []
     return [_contest(name, step) for name, step in STEPS.items()]
 
 
