@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Collection, Iterator
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 from drake_leg.errors import InvalidValueError
@@ -277,6 +278,7 @@ def _argument(text: str, at: int) -> tuple[str, int]:
     raise InvalidValueError(r"\frac has a brace that is not closed; write \frac{above}{below}")
 
 
+@lru_cache(maxsize=4096)
 def plain(text: str) -> str:
     r"""Spell a printed formula in ASCII: ``50·\cos(θ_1)`` as ``50* cos(theta1)``.
 
