@@ -292,20 +292,20 @@ def why_unknown(block: DrawnBlock) -> str:
     if block.type == "ModelReference" or (block.unlinked and block.type != "Reference"):
         return (
             f"{block} is a diagram in a file of its own ({block.unlinked or 'it names none'}): put "
-            "the file beside the model, or give its folder with `paths`"
+            "the file beside the model, or give the folder where it lies"
         )
     if block.undecided:
         return (
-            f"{block} is a variant subsystem, and {block.undecided}: choose with "
-            f"`variants={{{block.name!r}: ...}}`"
+            f"{block} is a variant subsystem, and {block.undecided}: choose one of its variants by "
+            "name"
         )
     if known_parameters(block.type, block.source) is not None:
         return ""
     if block.type == "Reference":
         return (
             f"{block} comes from {block.source!r}, which is not a known block of {_LIBRARIES}, "
-            f"and {block.unlinked}: put its library beside the model, or give its folder with "
-            "`paths`"
+            f"and {block.unlinked}: put its library beside the model, or give the folder "
+            "where it lies"
         )
     return (
         f"{block} is of type {block.type!r}, which is not a known block of {_LIBRARIES}: "
