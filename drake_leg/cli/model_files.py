@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink import ENDINGS
 
 if TYPE_CHECKING:
     from drake_leg.simulink.model import Model
-
-
-ENDINGS = (".slx", ".mdl")
 
 
 def is_model(name: str | Path) -> bool:

@@ -184,6 +184,11 @@ def one_line(text: str) -> str:
     return " ".join(text.splitlines())
 
 
+def plain_name(text: str) -> str:
+    """Return a name with one space wherever it has some, line breaks included."""
+    return " ".join(text.split())
+
+
 def _content(path: Path) -> bytes:
     """Read the file, or explain why it is no model."""
     try:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
-from drake_leg.simulink.archive import one_line, parameters
+from drake_leg.simulink.archive import parameters, plain_name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,9 @@ def _charts(roots: list[Element]) -> list[_Chart]:
     for root in roots:
         for instance in root.iter("instance"):
             texts = parameters(instance)
-            instances.setdefault(texts.get("chart", ""), set()).add(_plain(texts.get("name", "")))
+            instances.setdefault(texts.get("chart", ""), set()).add(
+                plain_name(texts.get("name", ""))
+            )
     charts = []
     for root in roots:
         for chart in root.iter("chart"):
@@ -47,7 +49,7 @@ def _charts(roots: list[Element]) -> list[_Chart]:
                 (found for eml in chart.iter("eml") if (found := parameters(eml).get("script"))), ""
             )
             texts = parameters(chart)
-            names = {_plain(texts.get("name", "")), *instances.get(chart.get("id", ""), ())}
+            names = {plain_name(texts.get("name", "")), *instances.get(chart.get("id", ""), ())}
             charts.append(
                 _Chart(
                     number=texts.get("chartFileNumber", ""),
@@ -65,7 +67,7 @@ def _is_function(chart: Element, kind: str | None) -> bool:
 
 def _fitting(path: str, name: str, tag: str, charts: list[_Chart]) -> list[_Chart]:
     """Choose a block's chart: by its path, by the number that its machinery names, by its name."""
-    path, name = _plain(path), _plain(name.replace("/", "//"))
+    path, name = plain_name(path), plain_name(name.replace("/", "//"))
     number = tag.rpartition(" ")[2]
     for fits in (
         [chart for chart in charts if path in chart.names],
@@ -76,7 +78,3 @@ def _fitting(path: str, name: str, tag: str, charts: list[_Chart]) -> list[_Char
         if len({chart.script for chart in fits}) == 1:
             return fits
     return []
-
-
-def _plain(name: str) -> str:
-    return " ".join(one_line(name).split())

@@ -212,10 +212,9 @@ class _Walk:
                 links=(*place.links, link),
             )
             if linked.block is None:
-                texts = {"SFBlockType": "NONE"} | block.texts
                 element = Element("Block")
                 element.append(linked.file.top)
-                return replace(block, type="SubSystem", texts=texts), element, place
+                return replace(block, type="SubSystem"), element, place
             element = linked.block
             block = _put_in_place(block, _drawn_block(element, place))
         return block, element, place
@@ -240,8 +239,6 @@ class _Walk:
 
 def _reference(block: DrawnBlock) -> str | None:
     """Return what a block refers to in this file or others, None where it refers to nothing."""
-    if block.unlinked:
-        return None
     if block.type == "Reference":
         known = known_parameters(block.type, block.source) is not None
         return None if known or not block.source else block.source

@@ -5,16 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.archive import one_line
+from drake_leg.simulink import ENDINGS
+from drake_leg.simulink.archive import plain_name
 from drake_leg.simulink.file import SimulinkFile
 
 OWN = "$bdroot"  # the file that refers
 MOST_FILES = 20_000  # that are looked through
-ENDINGS = (".slx", ".mdl")
 
 _NAME = re.compile(r"[A-Za-z]\w{0,62}")  # that Simulink allows for a model
 _STEP = re.compile(r"(?<!/)/(?!/)")  # two slashes are one in a name
@@ -58,12 +59,13 @@ class Libraries:
         found: Element | None = None
         systems = [library.top]
         for step in steps:
+            wanted = plain_name(step.replace("//", "/"))
             found = next(
                 (
                     block
                     for system in systems
                     for block in system
-                    if block.tag == "Block" and _plain(block.get("Name", "")) == _plain(step)
+                    if block.tag == "Block" and plain_name(block.get("Name", "")) == wanted
                 ),
                 None,
             )
@@ -111,10 +113,5 @@ def files_in(folders: Sequence[Path], endings: Sequence[str]) -> list[Path]:
     found: list[Path] = []
     for folder in folders:
         inside = (path for path in folder.rglob("*") if path.suffix.lower() in endings)
-        listed = [path for path, _ in zip(inside, range(MOST_FILES), strict=False)]
-        found += sorted(listed, key=lambda path: (len(path.parts), path))
+        found += sorted(islice(inside, MOST_FILES), key=lambda path: (len(path.parts), path))
     return found
-
-
-def _plain(name: str) -> str:
-    return " ".join(one_line(name).replace("//", "/").split())

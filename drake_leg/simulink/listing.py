@@ -93,7 +93,7 @@ def _lacking(model: Model) -> list[str]:
         return ["everything is understood"]
     kinds: dict[str, list[str]] = {}
     names: dict[str, list[str]] = {}
-    others: list[tuple[str, str]] = []
+    others: list[str] = []
     for lack in lacks:
         at = f"{paths[lack.sid]!r}" if lack.sid else "the solver"
         if not lack.parameter:
@@ -102,7 +102,7 @@ def _lacking(model: Model) -> list[str]:
             for name in lack.names:
                 names.setdefault(name, []).append(f"{at} {lack.parameter}")
         else:
-            others.append((lack.reason, ""))
+            others.append(lack.reason)
     lines = [f"not understood: {len(lacks)}"]
     for title, found in (("kinds of blocks", kinds), ("names without a value", names)):
         if found:
@@ -110,7 +110,7 @@ def _lacking(model: Model) -> list[str]:
             lines += ["", f"{title} ({len(found)})", *_table(("  name", "used by"), rows)[1:]]
     if others:
         lines += ["", f"other values ({len(others)})"]
-        for reason, _ in others:
+        for reason in others:
             lines += _wrapped("  ", printable(reason), 4)
     return lines
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from drake_leg.errors import InvalidValueError, UnknownValueError, did_you_mean
 from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine
 from drake_leg.simulink.model import split_port
+from drake_leg.simulink.wiring import outer_ports
 
 Condition = Callable[[DrawnBlock, str], bool]  # block whose names a text uses, and the text
 
@@ -49,15 +50,15 @@ def choose_variants(
             continue
         within = inside.get(block.sid, [])
         choices = [choice for choice in within if choice.type not in _PORTS]
+        dropped.update(choice.sid for choice in choices)
         try:
             active = _active(block, choices, holds, left)
         except UnknownValueError as error:
-            active = None
             blocks[block.sid] = replace(block, undecided=error.problem)
-        dropped.update(choice.sid for choice in choices if choice is not active)
-        if active is not None:
-            ports = [port for port in within if port.type in _PORTS]
-            lines += _joined(ports, active, inside.get(active.sid, []))
+            continue
+        dropped.remove(active.sid)
+        ports = [port for port in within if port.type in _PORTS]
+        lines += _joined(ports, active, inside.get(active.sid, []))
     if left:
         name = next(iter(left))
         variants = [b.path for b in diagram.blocks.values() if b.texts.get("Variant") == "on"]
@@ -129,18 +130,17 @@ def _line(source: str, target: str) -> DrawnLine:
 
 def _numbers(within: list[DrawnBlock]) -> dict[str, str]:
     """Ports of a subsystem from outside, by the SIDs of the blocks inside: ``in:1``."""
-    sides: dict[str, list[DrawnBlock]] = {}
-    for block in within:
-        if block.type in ("Inport", "Outport"):
-            sides.setdefault("in" if block.type == "Inport" else "out", []).append(block)
-        elif block.type == "PMIOPort":
-            left = block.texts.get("Side", "Left").lower() == "left"
-            sides.setdefault("lconn" if left else "rconn", []).append(block)
-    return {
-        block.sid: f"{side}:{place}"
-        for side, blocks in sides.items()
-        for place, block in enumerate(sorted(blocks, key=_port_number), start=1)
+    kinds = {"Inport": "in", "Outport": "out"}
+    signals = {
+        block.sid: f"{kinds[block.type]}:{_port_number(block)}"
+        for block in within
+        if block.type in kinds
     }
+    return signals | outer_ports(
+        (block.sid, block.texts.get("Side", "Left"), _port_number(block))
+        for block in within
+        if block.type == "PMIOPort"
+    )
 
 
 def _port_number(block: DrawnBlock) -> int:

@@ -150,10 +150,14 @@ def _nodes(model: Model, blocks: dict[str, Block]) -> tuple[tuple[str, ...], ...
             labels.setdefault(label, []).extend(own)
     groups.extend(tuple(ports) for ports in labels.values())
     for system, connection_ports in inside.items():
+        sides = (
+            (block.sid, str(block.parameters.get("Side")), _count(block.parameters.get("Port")))
+            for block in connection_ports
+        )
         groups.extend(
-            (outer, port)
-            for outer, block in _outer_ports(system, connection_ports)
-            for port in ports_of.get(block.sid, ())
+            (f"{system}#{outer}", port)
+            for sid, outer in outer_ports(sides if system else ()).items()
+            for port in ports_of.get(sid, ())
         )
     kept = (
         tuple(port for port in node if _is_leaf(blocks[split_port(port)[0]]))
@@ -162,19 +166,16 @@ def _nodes(model: Model, blocks: dict[str, Block]) -> tuple[tuple[str, ...], ...
     return tuple(node for node in kept if len(node) > 1)
 
 
-def _outer_ports(system: str, connection_ports: Iterable[Block]) -> list[tuple[str, Block]]:
-    """Number the connection ports of a subsystem, each side by itself, in the order of `Port`."""
-    if not system:
-        return []
-    numbered = []
+def outer_ports(connection_ports: Iterable[tuple[str, str, int]]) -> dict[str, str]:
+    """Number the connection ports of a subsystem from outside: ``lconn:1``, by SID.
+
+    Each has its SID, its ``Side``, and its ``Port``, which orders those of one side.
+    """
+    ports = sorted(connection_ports, key=lambda port: port[2])
+    numbered: dict[str, str] = {}
     for side, kind in (("left", "lconn"), ("right", "rconn")):
-        here = [
-            block for block in connection_ports if str(block.parameters.get("Side")).lower() == side
-        ]
-        here.sort(key=lambda block: _count(block.parameters.get("Port")))
-        numbered += [
-            (f"{system}#{kind}:{place}", block) for place, block in enumerate(here, start=1)
-        ]
+        here = [sid for sid, its, _ in ports if its.lower() == side]
+        numbered |= {sid: f"{kind}:{place}" for place, sid in enumerate(here, start=1)}
     return numbered
 
 
