@@ -20,7 +20,7 @@ from drake_leg.simulation.run import Run
 
 SETTLED = 0.5  # [s]: until then a robot that was put on its feet sinks into its contacts
 OVERTURNED = np.radians(45.0)  # tilt of a robot that has fallen
-COLLAPSED = 0.5  # of its planned height: a robot that is lower has fallen
+COLLAPSED = 0.5  # of its planned height over the ground: a robot that is lower has fallen
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -172,9 +172,9 @@ class WalkRecord:
     def fell_at(self) -> float | None:
         """When the robot fell [s]; None if it did not."""
         upright = np.arccos(np.clip(self.body[:, 2, 2], -1.0, 1.0))
-        fallen = (upright > OVERTURNED) | (
-            self.body[:, 2, 3] < COLLAPSED * self.planned.value[:, 2, 3]
-        )
+        x, y, z = self.body[:, :3, 3].T
+        over_ground = z - self.config.ground.height(x, y)
+        fallen = (upright > OVERTURNED) | (over_ground < COLLAPSED * self.planned.value[:, 2, 3])
         return float(self.time[int(np.argmax(fallen))]) if fallen.any() else None
 
     @cached_property

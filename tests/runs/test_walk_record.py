@@ -6,7 +6,7 @@ from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
 from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.models.walker import add_walker
-from drake_leg.robot.ground import Ground
+from drake_leg.robot.ground import Ground, Steps
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.runs.walk_record import WalkRecord
 from drake_leg.simulation.run import simulate
@@ -83,3 +83,10 @@ def test_on_a_slope_everything_is_in_the_grounds_frame():
     force = sloped.forces[sloped.settled].sum(axis=1).mean(axis=0)
     expected = sloped.weight * np.array([np.sin(0.1), 0.0, np.cos(0.1)])
     np.testing.assert_allclose(force, expected, atol=0.03 * sloped.weight)
+
+
+def test_a_robot_on_lower_ground_has_not_fallen():
+    """Its body is lower than half of its planned height, but not over the ground below it."""
+    lower = recorded(0.4, ground=Ground(steps=Steps(height=-0.05, start=-1.0)))
+    assert lower.body[-1, 2, 3] == pytest.approx(lower.planned.value[-1, 2, 3] - 0.05, abs=2e-3)
+    assert lower.fell_at is None
