@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from types import FrameType
-from typing import Generic, Self, TextIO, TypeVar
+from typing import Generic, NoReturn, Self, TextIO, TypeVar
 
 from drake_leg.errors import TimeBudgetError
 
@@ -226,6 +226,7 @@ class Interrupts:
     """Which signals were received, and whether they may interrupt."""
 
     received: int | None = None  # the last one
+    raised: int = 0  # how often an interrupt was raised
     late: bool = False  # one was received while signals were held back
     held: int = 0  # how many parts of the program hold signals back
     once: bool = False  # after the first one, results are saved, and signals held back
@@ -235,11 +236,16 @@ class Interrupts:
         self.received = number
         if self.held:
             if self.late and self.once and self.held == 1:  # nothing is half done
-                raise KeyboardInterrupt
+                self.interrupt()
             self.late = True
             return
         if self.once:
             self.held += 1
+        self.interrupt()
+
+    def interrupt(self) -> NoReturn:
+        """Raise an interrupt, and count it."""
+        self.raised += 1
         raise KeyboardInterrupt
 
     def repeat(self) -> None:
@@ -254,7 +260,7 @@ class Interrupts:
         self.held = held
         if self.late and not held:
             self.late = False
-            raise KeyboardInterrupt
+            self.interrupt()
 
 
 _interrupts = Interrupts()
@@ -284,6 +290,22 @@ def interruptible() -> Iterator[Interrupts]:
         sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def interrupts_kept() -> Iterator[None]:
+    """Raise an interrupt as itself where compiled code turned it into another error.
+
+    Such code calls Python to convert an argument, for example, and takes an interrupt in that call
+    for an argument of a wrong type.
+    """
+    before = _interrupts.raised
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        if _interrupts.raised > before:
+            raise KeyboardInterrupt from error
+        raise
 
 
 @contextmanager

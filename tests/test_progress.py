@@ -7,10 +7,18 @@ import threading
 import time
 
 import pytest
+from pydrake.systems.framework import BasicVector
 
 from drake_leg import progress
 from drake_leg.errors import TimeBudgetError
-from drake_leg.progress import ProgressBar, TimeBudget, interruptible, saved, uncollected
+from drake_leg.progress import (
+    ProgressBar,
+    TimeBudget,
+    interruptible,
+    interrupts_kept,
+    saved,
+    uncollected,
+)
 
 # --- progress bar ----------------------------------------------------------------------------
 
@@ -250,6 +258,23 @@ def test_an_interrupt_that_comes_in_a_destructor_is_not_lost(work, capfd):
         work()
     assert interrupts.received == signal.SIGINT
     assert capfd.readouterr().err == ""
+
+
+class Interrupting:
+    """An argument during whose conversion to an array a signal comes."""
+
+    def __array__(self, *_, **__):
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_an_interrupt_that_compiled_code_takes_for_a_wrong_argument_is_one():
+    vector = BasicVector(1)
+    with interruptible(), pytest.raises(TypeError):
+        vector.SetFromVector(Interrupting())
+    with interruptible(), pytest.raises(KeyboardInterrupt), interrupts_kept():
+        vector.SetFromVector(Interrupting())
+    with interruptible(), pytest.raises(TypeError), interrupts_kept():
+        vector.SetFromVector("of another kind")
 
 
 # --- garbage ---------------------------------------------------------------------------------

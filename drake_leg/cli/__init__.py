@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, NoReturn, TextIO
 
-from drake_leg.progress import Interrupts, interruptible
+from drake_leg.progress import Interrupts, interruptible, interrupts_kept
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -33,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     with interruptible() as interrupts:
         try:
-            status = _result(arguments, interrupts)
+            status = _result(arguments)
         except KeyboardInterrupt:  # between the parts that answer it themselves
             status = _print_error("interrupted", INTERRUPTED)
         status = _of_signal(interrupts, status)
@@ -54,17 +54,16 @@ def _leave(status: int) -> NoReturn:
     os._exit(status)
 
 
-def _result(arguments: Sequence[str] | None, interrupts: Interrupts) -> int:
+def _result(arguments: Sequence[str] | None) -> int:
     with tolerant_streams():
         try:
-            from drake_leg.cli import entry
+            with interrupts_kept():
+                from drake_leg.cli import entry
 
-            return entry.main(arguments)
+                return entry.main(arguments)
         except KeyboardInterrupt:
             return _print_error("interrupted", INTERRUPTED)
         except Exception as error:
-            if interrupts.received is not None:  # a compiled module may turn Ctrl-C into an error
-                return _print_error("interrupted", INTERRUPTED)
             return _unexpected(error)
 
 

@@ -34,6 +34,7 @@ from drake_leg.errors import (
     did_you_mean,
 )
 from drake_leg.kinematics.khalil import Array
+from drake_leg.progress import interrupts_kept
 from drake_leg.robot.robot import html_table
 from drake_leg.simulation.guard import Guard
 from drake_leg.simulation.integrator import IntegratorSettings
@@ -275,11 +276,12 @@ def _advance(
     A run that is not checked after every step is checked at the end of each stage [s].
     """
     try:
-        if stages is None:
-            simulator.AdvanceTo(duration)
-        for end in stages or ():
-            simulator.AdvanceTo(end)
-            watch.see(simulator.get_context())
+        with interrupts_kept():
+            if stages is None:
+                simulator.AdvanceTo(duration)
+            for end in stages or ():
+                simulator.AdvanceTo(end)
+                watch.see(simulator.get_context())
     except KeyboardInterrupt:
         return INTERRUPTED, None
     except STOPS as error:

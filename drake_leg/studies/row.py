@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from drake_leg.errors import DrakeLegError, SingularConfigurationError, in_a_line
+from drake_leg.progress import interrupts_kept
 from drake_leg.runs.catalogue import RunKind
 from drake_leg.studies.lettered import LetteredFile
 
@@ -72,7 +73,8 @@ def row_of(
     if isinstance(kind, DrakeLegError):
         return failure(REFUSED, kind)
     try:
-        summary = kind.run(kind.options(**options)).summary
+        with interrupts_kept():
+            summary = kind.run(kind.options(**options)).summary
     except SingularConfigurationError as error:
         return failure(SINGULAR, error, error.time)
     except DrakeLegError as error:

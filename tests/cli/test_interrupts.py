@@ -12,6 +12,7 @@ import pytest
 from drake_leg import files
 from drake_leg.cli import main
 from drake_leg.files import LIST
+from drake_leg.kinematics.leg import MovableLeg
 from drake_leg.progress import ProgressBar
 from drake_leg.runs import figures, outcome
 from drake_leg.simulation.recording import Recording
@@ -62,6 +63,29 @@ def before_it(function, act):
         return function(*arguments, **keywords)
 
     return changed
+
+
+class Rates:
+    """Joint rates during whose conversion for Drake something happens."""
+
+    def __init__(self, act):
+        self.act = act
+
+    def __array__(self, *_, **__):
+        self.act()
+
+
+def test_a_signal_that_drake_takes_for_a_wrong_argument_ends_a_run(no_figures, monkeypatch, capsys):
+    act, rates = come(signal.SIGINT), MovableLeg.rates
+    asked = []
+
+    def sometimes(self, *arguments):
+        asked.append(arguments)
+        return rates(self, *arguments) if len(asked) != 50 else Rates(act)
+
+    monkeypatch.setattr(MovableLeg, "rates", sometimes)
+    assert main([*STEPPED, "--out", "out"]) == 130
+    assert summary_of("out")["stop_reason"] == "interrupted"
 
 
 @pytest.mark.parametrize("number", SIGNALS, ids=NAMES)
