@@ -1,4 +1,4 @@
-"""A small, safe interpreter of the MATLAB text in Simulink models: parsed, never run as Python."""
+"""A small, safe interpreter of the MATLAB text of Simulink models: parsed, never run as Python."""
 
 from drake_leg.simulink.matlab.program import Program, program, value
 

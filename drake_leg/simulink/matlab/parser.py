@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.syntax import JUMPS, REFUSED, Token
-from drake_leg.simulink.matlab.values import NESTING, MatlabError
+from drake_leg.simulink.matlab.numeric import NESTING, MatlabError
+from drake_leg.simulink.matlab.syntax import DECLARATIONS, JUMPS, REFUSED, Token
 
 _COLON = 6
 _LEVELS = {
@@ -23,7 +23,6 @@ _TRANSPOSES = ("'", ".'")
 
 
 _SEPARATORS = (";", ",", "\n")
-_LISTS = ("varargin", "varargout")
 
 
 class Parser:
@@ -68,8 +67,6 @@ class Parser:
             return MatlabError("it ends too early", line)
         if kind == "symbol" and text == "=":
             return MatlabError("'=' is not allowed in an expression; to compare, write '=='", line)
-        if kind == "symbol" and text == ".":
-            return MatlabError("structures (a.b) are not supported", line)
         return MatlabError(f"unexpected '{text}' {where}", line)
 
     def enter(self) -> None:
@@ -132,7 +129,7 @@ class Parser:
         while self.sees(*_POWERS, *_TRANSPOSES):
             symbol = self.take().text
             if symbol in _TRANSPOSES:
-                rest.append(("'", None))
+                rest.append((symbol, None))
                 continue
             signs, exponent = self._signs(), self._operand()
             if signs and self.sees(*_POWERS, *_TRANSPOSES):
@@ -146,62 +143,115 @@ class Parser:
         kind, text, _ = self.next
         if kind == "number":
             self.take()
-            return syntax.Number(value=float(text.lower().replace("d", "e")))
-        if kind == "text":
+            part = float(text.rstrip("ij").lower().replace("d", "e"))
+            return syntax.Number(value=complex(0.0, part) if text[-1] in "ij" else part)
+        if kind in ("text", "string"):
             self.take()
-            return syntax.Text(text=text)
+            return self._parts(syntax.Text(text=text, string=kind == "string"))
         if kind == "name":
             return self.named()
         if self.accept("("):
             inner = self.expression()
             self.expect(")")
-            return inner
+            return self._parts(inner)
         if self.accept("["):
-            return self._matrix()
+            return self._parts(syntax.Matrix(rows=self._rows("]")))
+        if self.accept("{"):
+            return self._parts(syntax.Cells(rows=self._rows("}")))
+        if self.accept("@"):
+            return self._handle()
         raise self.unexpected()
 
-    def named(self) -> syntax.Name | syntax.Apply | syntax.End:
+    def _handle(self) -> syntax.Handle | syntax.Anonymous:
+        if self.accept("("):
+            inputs = self._names(")")
+            return syntax.Anonymous(inputs=inputs, body=self.expression())
+        name = self._identifier()
+        while self.accept("."):
+            name += f".{self._identifier()}"
+        return syntax.Handle(name=name)
+
+    def _parts(self, base: syntax.Expression) -> syntax.Expression:
+        """Read the indices and fields that follow a value."""
+        deep = 0
+        while self._touches("(", "{", "."):
+            self.enter()
+            deep += 1
+            if self.accept("("):
+                base = syntax.Part(base=base, arguments=self._arguments(")"))
+            elif self.accept("{"):
+                base = syntax.Part(base=base, arguments=self._arguments("}"), braces=True)
+            else:
+                self.take()
+                if self.accept("("):
+                    base = syntax.Field(base=base, name=self.expression())
+                    self.expect(")")
+                else:
+                    base = syntax.Field(base=base, name=self._identifier())
+        for _ in range(deep):
+            self.leave()
+        return base
+
+    def _touches(self, *symbols: str) -> bool:
+        return self.sees(*symbols)
+
+    def _arguments(self, closing: str) -> tuple[syntax.Expression, ...]:
+        arguments: list[syntax.Expression] = []
+        while self.accept(";", "\n"):
+            pass
+        if not self.accept(closing):
+            arguments.append(self._argument())
+            while self.accept(","):
+                arguments.append(self._argument())
+            while self.accept(";"):
+                pass
+            self.expect(closing)
+        return tuple(arguments)
+
+    def named(self) -> syntax.Expression:
         """Read a name, and what it is applied to."""
         name = self.take().text
         if name == "end":
             return syntax.End()
-        if self.sees("."):
-            raise MatlabError(
-                f"'{name}.{self._tokens[self._at + 1].text}' is not supported: "
-                "no structures, no packages",
-                self.next.line,
-            )
         if not self.accept("("):
-            return syntax.Name(name=name)
-        arguments: list[syntax.Expression] = []
-        if not self.accept(")"):
-            arguments.append(self._argument())
-            while self.accept(","):
-                arguments.append(self._argument())
-            self.expect(")")
-        if self.sees("("):
-            raise MatlabError(f"'{name}(...)' cannot be indexed again", self.next.line)
-        return syntax.Apply(name=name, arguments=tuple(arguments))
+            return self._parts(syntax.Name(name=name))
+        return self._parts(syntax.Apply(name=name, arguments=self._arguments(")")))
 
     def _argument(self) -> syntax.Expression:
         after = self._tokens[min(self._at + 1, len(self._tokens) - 1)].text
-        if self.sees(":") and after in (",", ")"):
+        if self.sees(":") and after in (",", ")", "}"):
             self.take()
             return syntax.Colon()
         return self.expression()
 
-    def _matrix(self) -> syntax.Matrix:
+    def _rows(self, closing: str) -> tuple[tuple[syntax.Expression, ...], ...]:
         rows = []
-        while not self.accept("]"):
-            if self.accept(";"):
+        while not self.accept(closing):
+            if self.accept(";", ","):
                 continue
             row = [self.expression()]
-            while self.accept(",") and not self.sees(";", "]"):
+            while self.accept(",") and not self.sees(";", closing):
                 row.append(self.expression())
             rows.append(tuple(row))
-            if not self.sees(";", "]"):
+            if not self.sees(";", closing):
                 raise self.unexpected("between two elements")
-        return syntax.Matrix(rows=tuple(rows))
+        return tuple(rows)
+
+    def script(self) -> syntax.Script:
+        """Read a file of statements, of functions, or of both."""
+        statements: list[syntax.Statement] = []
+        functions: list[syntax.Function] = []
+        self._skip_separators()
+        while self.next.kind != "stop":
+            if self._sees_keyword("function"):
+                functions.append(self._function())
+                self._skip_separators()
+                continue
+            before = self._at
+            statements.extend(self._block("function", "end"))
+            if self._at == before:
+                raise self.unexpected("where a statement should be")
+        return syntax.Script(statements=tuple(statements), functions=tuple(functions))
 
     def functions(self) -> tuple[syntax.Function, ...]:
         """Read all functions; the first one is the block's."""
@@ -231,8 +281,6 @@ class Parser:
     def _identifier(self) -> str:
         if self.next.kind != "name" or self.next.text == "end":
             raise self.unexpected("where a name should be")
-        if self.next.text in _LISTS:
-            raise MatlabError(f"'{self.next.text}' is not supported", self.next.line)
         return self.take().text
 
     def _function(self) -> syntax.Function:
@@ -246,22 +294,61 @@ class Parser:
             name = self._identifier()
             if self.accept("="):
                 outputs, name = (name,), self._identifier()
+        while self.accept("."):
+            name += f".{self._identifier()}"
         self.name = name
         inputs = self._names(")") if self.accept("(") else ()
+        self._skip_separators()
+        arguments = self._validated()
         body = self._block("end", "function")
         if self._sees_keyword("end"):
             self.take()
         return syntax.Function(
-            line=line, name=name, inputs=inputs, outputs=outputs, body=body, nesting=self.deepest
+            line=line,
+            name=name,
+            inputs=inputs,
+            outputs=outputs,
+            body=body,
+            nesting=self.deepest,
+            arguments=arguments,
         )
+
+    def _validated(self) -> tuple[syntax.Validated, ...]:
+        """Read the ``arguments`` blocks of a function: names and defaults; checks are left out."""
+        found: list[syntax.Validated] = []
+        while self.next[:2] == ("name", "arguments") and self._tokens[self._at + 1].text in "\n(":
+            while not self.sees("\n"):
+                self.take()
+            self._skip_separators()
+            while not self._sees_keyword("end"):
+                found.append(self._entry())
+                self._skip_separators()
+            self.take()
+            self._skip_separators()
+        return tuple(found)
+
+    def _entry(self) -> syntax.Validated:
+        if self.next.kind == "command":
+            return syntax.Validated(name=self.take().text.split()[0], option="", default=None)
+        name, option = self._identifier(), ""
+        if self.accept("."):
+            option = self._identifier()
+        depth = 0
+        while depth or not self.sees("=", *_SEPARATORS):
+            if self.next.kind == "stop":
+                raise self.unexpected()
+            depth += self.sees("(", "{", "[") - self.sees(")", "}", "]")
+            self.take()
+        default = self.expression() if self.accept("=") else None
+        return syntax.Validated(name=name, option=option, default=default)
 
     def _names(self, closing: str) -> tuple[str, ...]:
         names: list[str] = []
         while not self.accept(closing):
             names.append("~" if closing == ")" and self.accept("~") else self._identifier())
-            if not self.sees(closing):
-                self.expect(",")
-        if len(set(names) - {"~"}) + names.count("~") < len(names):
+            if not self.sees(closing) and not self.accept(","):
+                raise self.unexpected("between two names")
+        if closing == ")" and len(set(names) - {"~"}) + names.count("~") < len(names):
             raise MatlabError("a name is used twice in a function's head", self.next.line)
         return tuple(names)
 
@@ -272,7 +359,8 @@ class Parser:
         self._skip_separators()
         while self.next.kind != "stop" and not self._sees_keyword(*ends):
             statements.append(self._statement())
-            if not (self.sees(*_SEPARATORS) or self.next.kind in ("stop", "keyword")):
+            ended = self.sees(*_SEPARATORS) or self.next.kind in ("stop", "keyword", "command")
+            if not ended and not isinstance(statements[-1], syntax.Command):
                 raise self.unexpected("where the statement should end")
             self._skip_separators()
         if self.next.kind == "stop" and "function" not in ends:
@@ -282,6 +370,9 @@ class Parser:
 
     def _statement(self) -> syntax.Statement:
         line, keyword = self.next.line, self.next.text
+        if self.next.kind == "command":
+            name, *words = "! ".join(self.take().text.split("!", 1)).split()
+            return syntax.Command(line=line, name=name, words=tuple(words))
         if self.next.kind != "keyword":
             return self._simple(line)
         if keyword in REFUSED:
@@ -291,8 +382,14 @@ class Parser:
             return syntax.Jump(line=line, keyword=keyword)
         if keyword == "if":
             return self._if(line)
-        if keyword == "for":
+        if keyword in ("for", "parfor"):
             return self._for(line)
+        if keyword == "switch":
+            return self._switch(line)
+        if keyword == "try":
+            return self._try(line)
+        if keyword in DECLARATIONS:
+            return self._declaration(line)
         if keyword == "while":
             self.take()
             condition, body = self.expression(), self._block("end")
@@ -315,6 +412,44 @@ class Parser:
                 break
         return syntax.If(line=line, branches=tuple(branches), otherwise=otherwise)
 
+    def _switch(self, line: int) -> syntax.Switch:
+        self.take()
+        on = self.expression()
+        self._skip_separators()
+        cases = []
+        otherwise: tuple[syntax.Statement, ...] = ()
+        while not self._sees_keyword("end"):
+            at = self.next.line
+            if self._sees_keyword("case"):
+                self.take()
+                value = self.expression()
+                cases.append((at, value, self._block("case", "otherwise", "end")))
+            elif self._sees_keyword("otherwise"):
+                self.take()
+                otherwise = self._block("case", "otherwise", "end")
+            else:
+                raise self.unexpected("where 'case' should be")
+        self.take()
+        return syntax.Switch(line=line, on=on, cases=tuple(cases), otherwise=otherwise)
+
+    def _try(self, line: int) -> syntax.Try:
+        self.take()
+        body, error = self._block("catch", "end"), ""
+        handler: tuple[syntax.Statement, ...] = ()
+        if self._sees_keyword("catch"):
+            at = self.take().line
+            if self.next.kind == "name" and self.next.line == at and not self.sees(*_SEPARATORS):
+                error = self._identifier()
+            handler = self._block("end")
+        self.take()
+        return syntax.Try(line=line, body=body, error=error, handler=handler)
+
+    def _declaration(self, line: int) -> syntax.Declare:
+        keyword, names = self.take().text, []
+        while self.next.kind == "name":
+            names.append(self._identifier())
+        return syntax.Declare(line=line, keyword=keyword, names=tuple(names))
+
     def _for(self, line: int) -> syntax.For:
         self.take()
         closed = self.accept("(")
@@ -322,6 +457,8 @@ class Parser:
         self.expect("=")
         over = self.expression()
         if closed:
+            if self.accept(","):  # the workers of a parfor
+                self.expression()
             self.expect(")")
         body = self._block("end")
         self.take()
@@ -346,9 +483,9 @@ class Parser:
             if not depth:
                 return self._tokens[at].text == "="
 
-    def _targets(self) -> tuple[syntax.Target, ...]:
+    def _targets(self) -> tuple[syntax.Target | syntax.Place, ...]:
         line = self.take().line
-        targets = []
+        targets: list[syntax.Target | syntax.Place] = []
         while not self.accept("]"):
             if self.accept("~"):
                 targets.append(syntax.Target(name="~"))
@@ -356,16 +493,21 @@ class Parser:
                 targets.append(_target(self.named(), line))
             else:
                 raise self.unexpected("where a variable should be")
-            if not self.sees("]"):
-                self.expect(",")
+            self.accept(",")
         if not targets:
             raise MatlabError("'[] =' names no variable", line)
         return tuple(targets)
 
 
-def _target(left: syntax.Expression, line: int) -> syntax.Target:
+def _target(left: syntax.Expression, line: int) -> syntax.Target | syntax.Place:
     if isinstance(left, syntax.Name):
         return syntax.Target(name=left.name)
     if isinstance(left, syntax.Apply):
         return syntax.Target(name=left.name, indices=left.arguments)
+    if isinstance(left, (syntax.Part, syntax.Field)):
+        base: syntax.Expression = left
+        while isinstance(base, (syntax.Part, syntax.Field)):
+            base = base.base
+        if isinstance(base, (syntax.Name, syntax.Apply)):
+            return syntax.Place(name=base.name, to=left)
     raise MatlabError("the left side of an assignment must be a variable", line)

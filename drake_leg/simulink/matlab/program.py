@@ -3,260 +3,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.evaluation import (
-    Compiled,
-    Frame,
-    Meanings,
-    Routine,
-    call_routine,
-    compile_indices,
-    compiled,
-    enter,
-    located,
-)
-from drake_leg.simulink.matlab.functions import SILENT
+from drake_leg.simulink.matlab.data import Allowance, Function, numbers_of, settled
+from drake_leg.simulink.matlab.frames import Alone, File, Frame
+from drake_leg.simulink.matlab.interpreter import Interpreter, assigned
+from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
+from drake_leg.simulink.matlab.names import names_in
+from drake_leg.simulink.matlab.numeric import ELEMENTS, SCRIPT_LENGTH, VALUE_LENGTH, MatlabError
 from drake_leg.simulink.matlab.parser import Parser
+from drake_leg.simulink.matlab.specials import COMMANDS, SPECIAL
 from drake_leg.simulink.matlab.syntax import tokenize
-from drake_leg.simulink.matlab.values import (
-    ELEMENTS,
-    SCRIPT_LENGTH,
-    VALUE_LENGTH,
-    Budget,
-    MatlabError,
-    Value,
-    grid,
-    numbers,
-    settle,
-    truth,
-    write,
-)
 
-_Step = Callable[[Frame], str | None]  # returns the jump that it makes, if it makes one
-_Store = Callable[[Frame, Value], None]
-
-
-def compile_function(
-    function: syntax.Function, routines: Mapping[str, Routine], own: frozenset[str]
-) -> Routine:
-    """Compile a function; `routines` will hold all functions of the script when it is called."""
-    variables = {*function.inputs, *function.outputs, *_assigned(function.body)} - {"~"}
-    meanings = Meanings(variables=frozenset(variables), routines=routines, own=own)
-    return Routine(
-        line=function.line,
-        name=function.name,
-        inputs=function.inputs,
-        outputs=function.outputs,
-        nesting=function.nesting,
-        body=_block(function.body, meanings, function.name),
-    )
-
-
-def _assigned(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:
-    for statement in statements:
-        match statement:
-            case syntax.Assign(targets=targets):
-                yield from (target.name for target in targets)
-            case syntax.If(branches=branches, otherwise=otherwise):
-                for _, _, body in branches:
-                    yield from _assigned(body)
-                yield from _assigned(otherwise)
-            case syntax.For(variable=variable, body=body):
-                yield variable
-                yield from _assigned(body)
-            case syntax.While(body=body):
-                yield from _assigned(body)
-
-
-def _block(statements: tuple[syntax.Statement, ...], meanings: Meanings, name: str) -> _Step:
-    steps = [
-        (statement.line, _compiled_step(statement, meanings, name)) for statement in statements
-    ]
-
-    def block(frame: Frame) -> str | None:
-        for line, step in steps:
-            try:
-                frame.budget.spend(1)
-                jump = step(frame)
-            except MatlabError as fault:
-                raise located(fault, name, line) from None
-            if jump is not None:
-                return jump
-        return None
-
-    return block
-
-
-def _compiled_step(statement: syntax.Statement, meanings: Meanings, name: str) -> _Step:
-    try:
-        return _step(statement, meanings, name)
-    except MatlabError as fault:
-        raise located(fault, name, statement.line) from None
-
-
-def _step(statement: syntax.Statement, meanings: Meanings, name: str) -> _Step:
-    match statement:
-        case syntax.Assign(targets=(target,), value=value):
-            return _assign(_store(target, meanings), compiled(value, meanings))
-        case syntax.Assign(targets=targets, value=value):
-            return _assign_several(
-                [_store(target, meanings) for target in targets], value, meanings
-            )
-        case syntax.Evaluate(value=value):
-            return _evaluate(value, meanings)
-        case syntax.If(branches=branches, otherwise=otherwise):
-            choices = [
-                (_condition(line, condition, meanings, name), _block(body, meanings, name))
-                for line, condition, body in branches
-            ]
-            return _if(choices, _block(otherwise, meanings, name))
-        case syntax.For(variable=variable, over=over, body=body):
-            return _for(variable, compiled(over, meanings), _block(body, meanings, name))
-        case syntax.While(line=line, condition=condition, body=body):
-            return _while(_condition(line, condition, meanings, name), _block(body, meanings, name))
-        case syntax.Jump(keyword=keyword):
-            return lambda frame: keyword
-
-
-def _store(target: syntax.Target, meanings: Meanings) -> _Store:
-    name = target.name
-    if name == "~":
-        return lambda frame, value: None
-    if target.indices is None:
-        return lambda frame, value: frame.values.__setitem__(name, value)
-    indices = compile_indices(name, target.indices, meanings)
-
-    def store(frame: Frame, value: Value) -> None:
-        new = write(frame.values.get(name), indices(frame), value, name)
-        frame.budget.spend(new.size if isinstance(new, np.ndarray) else 1)
-        frame.values[name] = new
-
-    return store
-
-
-def _assign(store: _Store, value: Compiled) -> _Step:
-    def assign(frame: Frame) -> None:
-        new = value(frame)
-        if isinstance(new, str):
-            raise MatlabError(f"the text '{new:.40}' is not a number")
-        store(frame, new)
-
-    return assign
-
-
-def _assign_several(stores: list[_Store], value: syntax.Expression, meanings: Meanings) -> _Step:
-    name, arguments = _call(value)
-    if name not in meanings.own or name in meanings.variables:
-        raise MatlabError("several values at once come only from a function of the same script")
-    given = [compiled(argument, meanings) for argument in arguments]
-
-    def assign(frame: Frame) -> None:
-        values = call_routine(meanings.routines[name], given, len(stores), frame)
-        for store, new in zip(stores, values, strict=True):
-            store(frame, new)
-
-    return assign
-
-
-def _call(value: syntax.Expression) -> tuple[str, tuple[syntax.Expression, ...]]:
-    match value:
-        case syntax.Name(name=name):
-            return name, ()
-        case syntax.Apply(name=name, arguments=arguments):
-            return name, arguments
-    return "", ()
-
-
-def _evaluate(value: syntax.Expression, meanings: Meanings) -> _Step:
-    """Evaluate for nothing but its errors; what only prints is left out."""
-    name, arguments = _call(value)
-    if name in SILENT and name not in meanings.own | meanings.variables:
-        return lambda frame: None
-    if name in meanings.own and name not in meanings.variables:
-        given = [compiled(argument, meanings) for argument in arguments]
-
-        def call(frame: Frame) -> None:
-            call_routine(meanings.routines[name], given, 0, frame)
-
-        return call
-    run = compiled(value, meanings)
-
-    def evaluate(frame: Frame) -> None:
-        run(frame)
-
-    return evaluate
-
-
-def _condition(
-    line: int, condition: syntax.Expression, meanings: Meanings, name: str
-) -> Callable[[Frame], bool]:
-    try:
-        value = compiled(condition, meanings)
-    except MatlabError as fault:
-        raise located(fault, name, line) from None
-
-    def holds(frame: Frame) -> bool:
-        frame.budget.spend(1)
-        try:
-            return truth(value(frame))
-        except MatlabError as fault:
-            raise located(fault, name, line) from None
-
-    return holds
-
-
-def _if(choices: list[tuple[Callable[[Frame], bool], _Step]], otherwise: _Step) -> _Step:
-    def choose(frame: Frame) -> str | None:
-        for holds, body in choices:
-            if holds(frame):
-                return body(frame)
-        return otherwise(frame)
-
-    return choose
-
-
-def _for(variable: str, over: Compiled, body: _Step) -> _Step:
-    def columns(frame: Frame) -> Iterator[None]:
-        array = grid(over(frame))
-        for k in range(array.shape[1]):
-            frame.budget.spend(len(array) + 1)
-            frame.values[variable] = settle(array[:, k : k + 1].copy())
-            yield
-
-    return _repeated(columns, body)
-
-
-def _while(holds: Callable[[Frame], bool], body: _Step) -> _Step:
-    def rounds(frame: Frame) -> Iterator[None]:
-        while holds(frame):
-            yield
-
-    return _repeated(rounds, body)
-
-
-def _repeated(rounds: Callable[[Frame], Iterator[None]], body: _Step) -> _Step:
-    def loop(frame: Frame) -> str | None:
-        for _ in rounds(frame):
-            jump = body(frame)
-            if jump == "return":
-                return jump
-            if jump == "break":
-                break
-        return None
-
-    return loop
-
-
-# --- text evaluated without a function -------------------------------------------------------
+STEPS = 1_000_000  # of one call of a function block
 
 Numbers = float | tuple[float, ...] | tuple[tuple[float, ...], ...]
+
+
+def small_budget() -> Allowance:
+    """What a parameter or one call of a function block may take."""
+    return Allowance(steps=STEPS, largest=ELEMENTS)
+
+
+def parsed_expression(text: str) -> syntax.Expression:
+    """Parse an expression."""
+    if len(text) > VALUE_LENGTH:
+        raise MatlabError(f"the text is longer than {VALUE_LENGTH} characters")
+    parser = Parser(tokenize(text.strip()))
+    if parser.next.kind == "stop":
+        raise MatlabError("the text is empty")
+    node = parser.expression()
+    if parser.next.kind != "stop":
+        raise parser.unexpected("where the text should end")
+    return node
 
 
 def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
@@ -282,26 +68,18 @@ def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
     """
     try:
         with np.errstate(all="ignore"):
-            return _plain(_evaluated(text, names or {}))
+            node = parsed_expression(text)
+            for name in names_in(node):
+                if name not in (names or {}) and not _means_something(name):
+                    raise MatlabError(f"'{name}' is not a known function or constant")
+            values = {name: variable(name, given) for name, given in (names or {}).items()}
+            frame = Frame(values=values, file=File(name="the text"))
+            return plain(Interpreter(Alone(), small_budget()).value(node, frame))
     except MatlabError as fault:
         raise InvalidValueError(str(fault)) from None
 
 
-def _evaluated(text: str, names: Mapping[str, ArrayLike]) -> Value:
-    if len(text) > VALUE_LENGTH:
-        raise MatlabError(f"the text is longer than {VALUE_LENGTH} characters")
-    parser = Parser(tokenize(text.strip()))
-    if parser.next.kind == "stop":
-        raise MatlabError("the text is empty")
-    node = parser.expression()
-    if parser.next.kind != "stop":
-        raise parser.unexpected("where the text should end")
-    variables = {name: variable(name, given) for name, given in names.items()}
-    run = compiled(node, Meanings(variables=frozenset(variables)))
-    return run(Frame(variables, Budget()))
-
-
-def variable(name: str, given: ArrayLike | float, *, column: bool = False) -> Value:
+def variable(name: str, given: ArrayLike | float, *, column: bool = False) -> Any:  # noqa: ANN401
     """Make a value of numbers from outside; a vector becomes a row, or a column."""
     if isinstance(given, float):
         return float(given)
@@ -317,17 +95,26 @@ def variable(name: str, given: ArrayLike | float, *, column: bool = False) -> Va
         )
     if array.ndim < 2:
         array = array.reshape((-1, 1) if column else (1, -1))
-    return settle(array)
+    return settled(array)
 
 
-def _plain(result: Value) -> Numbers:
+def plain(result: Any) -> Numbers:  # noqa: ANN401
+    """Take a value for numbers, as a parameter has them.
+
+    Raises
+    ------
+    MatlabError
+        If it is none.
+    """
     if isinstance(result, str):
-        raise MatlabError(f"'{result:.40}' is a text, not a number")
-    if not isinstance(result, np.ndarray):
-        if math.isnan(result):
+        raise MatlabError(f"'{result!s:.40}' is a text, not a number")
+    array = _real(result)
+    if array.ndim > 2:
+        raise MatlabError("it is an array of more than two dimensions")
+    if array.size == 1:
+        if math.isnan(array.item()):
             raise MatlabError("it is not a number (NaN)")
-        return float(result)
-    array = grid(result).astype(float)
+        return float(array.item())
     if not np.isfinite(array).all():
         raise MatlabError("one of its elements is not finite")
     if not array.size:
@@ -335,6 +122,22 @@ def _plain(result: Value) -> Numbers:
     if 1 in array.shape:
         return tuple(array.ravel().tolist())
     return tuple(tuple(row) for row in array.tolist())
+
+
+def _real(result: Any) -> NDArray[np.float64]:  # noqa: ANN401
+    if isinstance(result, Function):
+        raise MatlabError("it is a function, not a number")
+    array = numbers_of(result)
+    if np.iscomplexobj(array):
+        raise MatlabError("it is complex; only real numbers are supported")
+    return array
+
+
+def located(fault: MatlabError, name: str, line: int) -> InvalidValueError:
+    """Name the place of a fault: its own function and line, or those that are given."""
+    name = fault.function or name
+    what = f"MATLAB function {name}" if name else "MATLAB function"
+    return InvalidValueError(f"{what}, line {fault.line or line}: {fault}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -347,7 +150,7 @@ class Program:
     name: str
     inputs: tuple[str, ...]  # their names
     outputs: tuple[str, ...]
-    routine: Routine = field(repr=False)
+    functions: tuple[syntax.Function, ...] = field(repr=False)  # the block's own first
 
     def call(self, *arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
         """Run the function.
@@ -367,7 +170,7 @@ class Program:
         Raises
         ------
         InvalidValueError
-            With function and line, if the code fails or takes too many operations.
+            With function and line, if the code fails or takes too many steps.
         """
         wanted, given = len(self.inputs), len(arguments)
         if wanted != given:
@@ -375,16 +178,25 @@ class Program:
                 f"MATLAB function {self.name} has {wanted} inputs ({', '.join(self.inputs)}), "
                 f"but is given {given}"
             )
+        main = self.functions[0]
+        file = File(name=self.name, functions={one.name: one for one in self.functions})
         try:
             with np.errstate(all="ignore"):
                 values = [
                     variable(name, argument, column=True)
                     for name, argument in zip(self.inputs, arguments, strict=True)
                 ]
-                results = enter(self.routine, values, len(self.outputs), Budget())
+                interpreter = Interpreter(Alone(), small_budget())
+                results = interpreter.main(main, file, values, len(self.outputs))
+                return tuple(_signal(result).flatten(order="F") for result in results)
         except MatlabError as fault:
-            raise located(fault, self.name, self.routine.line) from None
-        return tuple(numbers(result).flatten(order="F") for result in results)
+            raise located(fault, self.name, main.line) from None
+
+
+def _signal(result: Any) -> NDArray[np.float64]:  # noqa: ANN401
+    if isinstance(result, str):
+        raise MatlabError(f"the text '{result!s:.40}' is not a number")
+    return _real(result)
 
 
 def program(script: str) -> Program:
@@ -408,17 +220,75 @@ def program(script: str) -> Program:
         functions = parser.functions()
     except MatlabError as fault:
         raise located(fault, parser.name if parser else _named(script), 1) from None
-    routines: dict[str, Routine] = {}
     own = frozenset(function.name for function in functions)
+    for name in ("varargin", "varargout"):
+        if name in (*functions[0].inputs, *functions[0].outputs):
+            refusal = MatlabError(f"'{name}' is not supported")
+            raise located(refusal, functions[0].name, functions[0].line)
     for function in functions:
-        routines[function.name] = compile_function(function, routines, own)
-    main = routines[functions[0].name]
+        _require_supported(function, own)
+    main = functions[0]
     return Program(
-        name=main.name,
-        inputs=main.inputs,
-        outputs=main.outputs,
-        routine=main,
+        name=main.name, inputs=main.inputs, outputs=main.outputs, functions=tuple(functions)
     )
+
+
+def _require_supported(function: syntax.Function, own: frozenset[str]) -> None:
+    """Refuse what keeps values between calls, and names that mean nothing."""
+    known = {*function.inputs, *function.outputs, *assigned(function.body), *own}
+    for statement, expressions in _walked(function.body):
+        if isinstance(statement, syntax.Declare):
+            fault = MatlabError(f"'{statement.keyword}' is not supported", statement.line)
+            raise located(fault, function.name, function.line)
+        for line, expression in expressions:
+            for name in names_in(expression):
+                if name not in known and not _means_something(name):
+                    fault = MatlabError(f"'{name}' is not a known function or constant", line)
+                    raise located(fault, function.name, function.line)
+
+
+def _means_something(name: str) -> bool:
+    tables = (KNOWN, CONSTANTS, SPECIAL, COMMANDS, NOT_RUN, QUIET)
+    return name == "coder" or any(name in table for table in tables)
+
+
+_Located = tuple[int, Any]  # line, and a node of the tree
+
+
+def _walked(
+    statements: tuple[syntax.Statement, ...],
+) -> Iterator[tuple[syntax.Statement, list[_Located]]]:
+    """All statements, each with the expressions that are its own."""
+    for statement in statements:
+        line = statement.line
+        match statement:
+            case syntax.Assign(targets=targets, value=value):
+                yield statement, [(line, targets), (line, value)]
+            case syntax.Evaluate(value=value):
+                yield statement, [(line, value)]
+            case syntax.If(branches=branches, otherwise=otherwise):
+                for at, condition, body in branches:
+                    yield statement, [(at, condition)]
+                    yield from _walked(body)
+                yield from _walked(otherwise)
+            case syntax.Switch(on=on, cases=cases, otherwise=otherwise):
+                yield statement, [(line, on)]
+                for at, case, body in cases:
+                    yield statement, [(at, case)]
+                    yield from _walked(body)
+                yield from _walked(otherwise)
+            case syntax.For(over=over, body=body):
+                yield statement, [(line, over)]
+                yield from _walked(body)
+            case syntax.While(condition=condition, body=body):
+                yield statement, [(line, condition)]
+                yield from _walked(body)
+            case syntax.Try(body=body, handler=handler):
+                yield statement, []
+                yield from _walked(body)
+                yield from _walked(handler)
+            case _:
+                yield statement, []
 
 
 def _named(script: str) -> str:

@@ -6,35 +6,66 @@ import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from drake_leg.simulink.matlab.values import MatlabError
+from drake_leg.simulink.matlab.numeric import MatlabError
 
-BLOCKS = ("function", "if", "elseif", "else", "end", "for", "while")
+BLOCKS = ("function", "if", "elseif", "else", "end", "for", "while", "parfor")
+CHOICES = ("switch", "case", "otherwise", "try", "catch")
 JUMPS = ("break", "continue", "return")
-REFUSED = ("persistent", "global", "switch", "case", "otherwise", "try", "catch", "parfor", "spmd")
-KEYWORDS = frozenset((*BLOCKS, *JUMPS, *REFUSED))
+DECLARATIONS = ("persistent", "global")
+REFUSED = ("spmd", "classdef")
+KEYWORDS = frozenset((*BLOCKS, *CHOICES, *JUMPS, *DECLARATIONS, *REFUSED))
+COMMANDS = frozenset(  # words whose rest of the line may be text, whatever sign it begins with
+    [
+        "addpath",
+        "axis",
+        "box",
+        "cd",
+        "clc",
+        "clear",
+        "clearvars",
+        "close",
+        "colormap",
+        "disp",
+        "format",
+        "grid",
+        "hold",
+        "load",
+        "more",
+        "open",
+        "pkg",
+        "rmpath",
+        "save",
+        "syms",
+        "warning",
+        "who",
+        "whos",
+    ]
+)
 
 _PATTERN = re.compile(
     r"""
-    (?P<blank>[ \t\f\v]+ | \.\.\.[^\n]*\n?)
+    (?P<blank>[ \t\f\v\u00a0]+ | \.\.\.[^\n]*\n?)
     | (?P<comment>%[^\n]*)
     | (?P<newline>\n)
-    | (?P<number>(?:\d+(?:\.(?![*/\\^']|\.\.)\d*)?|\.\d+)(?:[eEdD][+-]?\d+)?)
+    | (?P<number>(?:\d+(?:\.(?![*/\\^']|\.\.)\d*)?|\.\d+)(?:[eEdD][+-]?\d+)?(?:[ij](?!\w))?)
     | (?P<name>[A-Za-z]\w*)
-    | (?P<symbol>\.[*/\\^'] | [=~<>]= | && | \|\| | [-+*/\\^<>&|~=()\[\],;:'"{}@.])
+    | (?P<symbol>\.[*/\\^'] | [=~<>!]= | && | \|\| | [-+*/\\^<>&|~!=()\[\],;:'"{}@.])
     """,
     re.VERBOSE | re.ASCII,
 )
 _LETTERS = re.compile(r"\w+")
 _LOOSE = re.compile(r"[ \t\f\v\n]|\.\.\.|$")  # after a sign that joins two operands
 _TEXTS = {"'": re.compile(r"'((?:[^'\n]|'')*)'"), '"': re.compile(r'"((?:[^"\n]|"")*)"')}
-_OPENING = {")": "(", "]": "["}
-_UNKNOWN = {"{": "cells ({ })", "}": "cells ({ })", "@": "function handles (@)"}
+_OPENING = {")": "(", "]": "[", "}": "{"}
+_COMMAND = re.compile(r"(?P<name>[A-Za-z]\w*)[ \t]+(?P<rest>[^\n=;,%(][^\n;,%]*)", re.ASCII)
+_SHELL = re.compile(r"!(?P<rest>[^\n]*)")
 
 
 class Token(NamedTuple):
     """A piece of text that means something."""
 
-    kind: str  # "number", "name", "keyword", "text", "symbol"; "stop" after the last one
+    kind: str  # "number", "name", "keyword", "text", "string" (of double quotes), "symbol",
+    # "command" (a word and the text after it); "stop" after the last one
     text: str  # of a symbol at a line's end: "\n"; of a text: without its quotes
     line: int  # from 1
 
@@ -51,7 +82,7 @@ def tokenize(text: str) -> list[Token]:
 
 def _without_block_comments(text: str) -> str:
     lines, opened = [], 0
-    for line in text.replace("\r\n", "\n").replace("\r", "\n").split("\n"):
+    for line in text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n"):
         mark = line.strip()
         opened += mark == "%{"
         lines.append("" if opened else line)
@@ -65,6 +96,7 @@ class _Scanner:
         self._found: list[Token] = []
         self._open: list[Token] = []  # brackets
         self._gap = False  # whether spaces came before the next token
+        self._heads: set[int] = set()  # tokens that close the parameters of @(...)
 
     def scan(self) -> list[Token]:
         while self._at < len(self._text):
@@ -74,13 +106,18 @@ class _Scanner:
         return [*self._found, Token("stop", "", self._line)]
 
     def _take(self) -> None:
+        if command := self._command():
+            self._found.append(Token("command", command[0], self._line))
+            self._at = command.end()
+            return
         match = _PATTERN.match(self._text, self._at)
         if match is None:
             raise MatlabError(f"{self._text[self._at]!r} is not used in MATLAB", self._line)
         kind, text = str(match.lastgroup), match[0]
         if kind == "symbol" and text in _TEXTS and not self._is_transpose(text):
             match = self._quoted(text)
-            kind, text = "text", match[1].replace(text * 2, text)
+            kind = "text" if text == "'" else "string"
+            text = match[1].replace(text * 2, text)
         self._at = match.end()
         if kind == "blank":
             self._gap = True
@@ -92,10 +129,10 @@ class _Scanner:
     def _add(self, kind: str, text: str) -> None:
         if kind == "number" and (wrong := _LETTERS.match(self._text, self._at)):
             raise MatlabError(f"'{text}{wrong[0]}' is not a number", self._line)
-        if text in _UNKNOWN and kind == "symbol":
-            raise MatlabError(f"{_UNKNOWN[text]} are not supported", self._line)
+        if kind == "symbol" and text in ("!", "!="):
+            text = text.replace("!", "~")
         if kind == "name" and text in KEYWORDS and not (text == "end" and self._open):
-            kind = "keyword"
+            kind = "name" if self._after_dot() else "keyword"
         if self._in_matrix() and self._gap and self._ends_operand() and self._starts(kind, text):
             self._found.append(Token("symbol", ",", self._line))
         if kind == "newline":
@@ -108,29 +145,59 @@ class _Scanner:
             self._count(token)
 
     def _count(self, token: Token) -> None:
-        if token.text in ("(", "["):
-            self._open.append(token)
+        if token.text in ("(", "[", "{"):
+            handle = token.text == "(" and len(self._found) > 1 and self._found[-2].text == "@"
+            self._open.append(token._replace(kind="head") if handle else token)
             return
         opening = _OPENING.get(token.text)
-        if opening and (not self._open or self._open.pop().text != opening):
+        if not opening:
+            return
+        if not self._open or self._open[-1].text != opening:
             raise MatlabError(f"'{token.text}' closes nothing", token.line)
+        if self._open.pop().kind == "head":
+            self._heads.add(len(self._found) - 1)
+
+    def _command(self) -> re.Match[str] | None:
+        """Match a statement that is a word and text, such as ``hold on``, if one begins here."""
+        if self._open or not self._begins_statement():
+            return None
+        if shell := _SHELL.match(self._text, self._at):
+            return shell
+        found = _COMMAND.match(self._text, self._at)
+        if not found or found["name"] in KEYWORDS:
+            return None
+        first, after = found["rest"][0], self._text[found.end() : found.end() + 1]
+        if found["name"] in COMMANDS:
+            return found if not re.match(r"[-+*/^<>&|~]\s", found["rest"]) else None
+        plain = first.isalpha() and not re.match(r"\w+\s*[.(=]", found["rest"])
+        return found if plain and after != "(" and "=" not in found["rest"] else None
+
+    def _begins_statement(self) -> bool:
+        if not self._found:
+            return True
+        kind, text, _ = self._found[-1]
+        ends = kind == "symbol" and text in (";", ",", "\n")
+        return ends or kind == "command" or (kind == "keyword" and text in ("else", "try"))
+
+    def _after_dot(self) -> bool:
+        return bool(self._found) and self._found[-1][:2] == ("symbol", ".")
 
     def _in_matrix(self) -> bool:
-        return bool(self._open) and self._open[-1].text == "["
+        return bool(self._open) and self._open[-1].text in ("[", "{")
 
     def _ends_operand(self) -> bool:
-        if not self._found:
+        if not self._found or len(self._found) - 1 in self._heads:
             return False
         kind, text, _ = self._found[-1]
-        return kind in ("number", "name", "text") or (
-            kind == "symbol" and text in (")", "]", "'", ".'")
+        return kind in ("number", "name", "text", "string") or (
+            kind == "symbol" and text in (")", "]", "}", "'", ".'")
         )
 
     def _starts(self, kind: str, text: str) -> bool:
         """Tell whether a token after a space begins an element of a matrix."""
         if text in ("+", "-") and kind == "symbol":
             return not _LOOSE.match(self._text, self._at)
-        return kind in ("number", "name", "text") or text in ("(", "[", "~")
+        return kind in ("number", "name", "text", "string") or text in ("(", "[", "{", "~", "@")
 
     def _is_transpose(self, quote: str) -> bool:
         return quote == "'" and self._ends_operand() and not (self._gap and self._in_matrix())
@@ -146,14 +213,15 @@ class _Scanner:
 class Number:
     """A literal number."""
 
-    value: float
+    value: float | complex
 
 
 @dataclass(frozen=True, kw_only=True)
 class Text:
-    """A literal text: of use as an argument only."""
+    """A literal text."""
 
     text: str
+    string: bool = False  # in double quotes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,6 +257,45 @@ class Matrix:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Cells:
+    """Elements in braces."""
+
+    rows: tuple[tuple[Expression, ...], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """Elements of a value: in parentheses, or the contents of a cell in braces."""
+
+    base: Expression
+    arguments: tuple[Expression, ...]
+    braces: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """A field of a structure, by its name or by a text."""
+
+    base: Expression
+    name: str | Expression
+
+
+@dataclass(frozen=True, kw_only=True)
+class Handle:
+    """A named function as a value."""
+
+    name: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Anonymous:
+    """A function of one expression."""
+
+    inputs: tuple[str, ...]
+    body: Expression
+
+
+@dataclass(frozen=True, kw_only=True)
 class Signs:
     """``+``, ``-`` and ``~`` before an operand."""
 
@@ -219,7 +326,24 @@ class Range:
     parts: tuple[Expression, ...]
 
 
-Expression = Number | Text | Colon | End | Name | Apply | Matrix | Signs | Chain | Logic | Range
+Expression = (
+    Number
+    | Text
+    | Colon
+    | End
+    | Name
+    | Apply
+    | Matrix
+    | Cells
+    | Part
+    | Field
+    | Handle
+    | Anonymous
+    | Signs
+    | Chain
+    | Logic
+    | Range
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -231,11 +355,19 @@ class Target:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Place:
+    """What an assignment writes inside a variable: ``s.a(3).b``, ``c{2}``."""
+
+    name: str
+    to: Part | Field
+
+
+@dataclass(frozen=True, kw_only=True)
 class Assign:
     """``target = value``, or ``[target, target] = value``."""
 
     line: int
-    targets: tuple[Target, ...]
+    targets: tuple[Target | Place, ...]
     value: Expression
 
 
@@ -283,7 +415,54 @@ class Jump:
     keyword: str
 
 
-Statement = Assign | Evaluate | If | For | While | Jump
+@dataclass(frozen=True, kw_only=True)
+class Switch:
+    """``switch``, ``case`` and ``otherwise``."""
+
+    line: int
+    on: Expression
+    cases: tuple[tuple[int, Expression, tuple[Statement, ...]], ...]
+    otherwise: tuple[Statement, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Try:
+    """``try`` and ``catch``."""
+
+    line: int
+    body: tuple[Statement, ...]
+    error: str  # the variable that takes the error, or ""
+    handler: tuple[Statement, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Declare:
+    """``global`` or ``persistent``."""
+
+    line: int
+    keyword: str
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """A word and the text after it: ``hold on``."""
+
+    line: int
+    name: str  # "!" for the system's shell
+    words: tuple[str, ...]
+
+
+Statement = Assign | Evaluate | If | For | While | Jump | Switch | Try | Declare | Command
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validated:
+    """An entry of an ``arguments`` block: an input, or a named option of it."""
+
+    name: str
+    option: str  # "" for an input by its place
+    default: Expression | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -296,3 +475,12 @@ class Function:
     outputs: tuple[str, ...]
     body: tuple[Statement, ...]
     nesting: int  # the most expressions and blocks inside one another
+    arguments: tuple[Validated, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Script:
+    """Statements, and the functions in the same file."""
+
+    statements: tuple[Statement, ...]
+    functions: tuple[Function, ...]

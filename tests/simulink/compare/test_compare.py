@@ -909,7 +909,7 @@ def test_derivatives_of_a_leg_drawn_in_degrees(compared):
 
 
 UNREADABLE = [
-    (JACOB_INV.replace("J =", "persistent J =", 1), "'persistent' is not supported"),
+    (JACOB_INV.replace("J =", "persistent k\nJ =", 1), "'persistent' is not supported"),
     (JACOB_INV.replace("inv(J)", "schur(J)"), "'schur' is not a known function or constant"),
     (JACOB_INV.replace("u(6)", "u(9)"), "'u' is 6×1 and has no element 9"),
     ("", "it has no code in the file; save the model again in Simulink"),

@@ -1,0 +1,243 @@
+"""Linear algebra, polynomials and interpolation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from drake_leg.simulink.matlab import numeric
+from drake_leg.simulink.matlab.data import Allowance, LackError, numbers_of, settled
+from drake_leg.simulink.matlab.inputs import (
+    Known,
+    axis_of,
+    matrix,
+    of_matrix,
+    of_values,
+    scalar,
+    whole,
+)
+from drake_leg.simulink.matlab.numeric import MatlabError, measure
+from drake_leg.simulink.matlab.operators import combined
+
+# ruff: noqa: ANN401 - any value of a script
+
+
+def _norm(budget: Allowance, wanted: int, value: Any, order: Any = 2.0) -> Any:
+    array = matrix(value)
+    if not array.size:
+        return 0.0
+    if order == "fro":
+        return float(np.linalg.norm(array))
+    kind = math.inf if order in ("inf", "Inf") else scalar(order)
+    if 1 in array.shape:
+        return float(np.linalg.norm(array.ravel(), kind))
+    if kind not in (1.0, 2.0, math.inf):
+        raise MatlabError(f"norm of order {kind:g} is not supported: 1, 2, inf or 'fro'")
+    if kind == 2.0:
+        budget.work(10.0 * array.size * min(array.shape))
+        return float(numeric.singular(array, "norm")[1][0])
+    return float(np.linalg.norm(array, kind))
+
+
+def _eig(budget: Allowance, wanted: int, value: Any, other: Any = None) -> Any:
+    a = matrix(value)
+    numeric.require_square(a, "eig")
+    budget.work(25.0 * a.size * len(a))
+    if other is None and np.array_equal(a, a.conj().T):
+        found, vectors = np.linalg.eigh(a)
+    else:
+        found, vectors = scipy.linalg.eig(a, None if other is None else matrix(other))
+    if wanted < 2:
+        return settled(found[:, np.newaxis])
+    return settled(vectors), settled(np.diag(found))
+
+
+def _svd(budget: Allowance, wanted: int, value: Any, *rest: Any) -> Any:
+    a = matrix(value)
+    budget.work(25.0 * a.size * max(a.shape))
+    u, s, v = np.linalg.svd(a, full_matrices=not rest)
+    if wanted < 2:
+        return settled(s[:, np.newaxis])
+    wide = np.zeros((u.shape[1], v.shape[0]))
+    np.fill_diagonal(wide, s)
+    return settled(u), settled(wide), settled(v.conj().T)
+
+
+def _qr(budget: Allowance, wanted: int, value: Any, *rest: Any) -> Any:
+    a = matrix(value)
+    budget.work(5.0 * a.size * max(a.shape))
+    q, r = np.linalg.qr(a, mode="reduced" if rest else "complete")
+    return (settled(q), settled(r)) if wanted > 1 else settled(r)
+
+
+def _lu(budget: Allowance, wanted: int, value: Any) -> Any:
+    a = matrix(value)
+    budget.work(float(a.size) * max(a.shape))
+    p, low, up = scipy.linalg.lu(a)
+    if wanted < 3:
+        return settled(p @ low), settled(up)
+    return settled(low), settled(up), settled(p.T)
+
+
+def _det(array: Any) -> Any:
+    numeric.require_square(array, "det")
+    return np.linalg.det(array)
+
+
+def _rank(array: Any) -> float:
+    return float(np.linalg.matrix_rank(array))
+
+
+def _chol(array: Any) -> Any:
+    try:
+        return np.linalg.cholesky(array).conj().T
+    except np.linalg.LinAlgError:
+        raise MatlabError("chol needs a positive definite matrix") from None
+
+
+def _kron(budget: Allowance, wanted: int, left: Any, right: Any) -> Any:
+    a, b = matrix(left), matrix(right)
+    budget.room(float(a.size) * b.size)
+    return settled(np.kron(a, b))
+
+
+def _blocks(budget: Allowance, wanted: int, *given: Any) -> Any:
+    arrays = [matrix(value) for value in given]
+    budget.room(
+        float(sum(array.shape[0] for array in arrays)) * sum(array.shape[1] for array in arrays)
+    )
+    return settled(scipy.linalg.block_diag(*arrays))
+
+
+def _cross(left: Any, right: Any, *axis: Any) -> Any:
+    a, b = numbers_of(left), numbers_of(right)
+    if a.size == b.size == 3:
+        product = np.cross(a.ravel(), b.ravel())
+        return product.reshape(a.shape if a.shape == b.shape else (3, 1))
+    if a.shape != b.shape or 3 not in a.shape:
+        raise MatlabError(f"cross needs vectors of 3, not {measure(a)} and {measure(b)}")
+    along = whole(axis[0]) - 1 if axis else a.shape.index(3)
+    return settled(np.cross(a, b, axis=along))
+
+
+def _dot(left: Any, right: Any, *axis: Any) -> Any:
+    a, b = numbers_of(left), numbers_of(right)
+    if 1 in a.shape and 1 in b.shape and a.size == b.size and not axis:
+        return settled(np.asarray(np.vdot(a.ravel(), b.ravel())))
+    if a.shape != b.shape:
+        raise MatlabError(f"dot of {measure(a)} and {measure(b)} does not match in size")
+    along = axis_of(a, axis[0] if axis else None)
+    return settled(np.sum(np.conj(a) * b, axis=along, keepdims=True))
+
+
+def _product(symbol: str) -> Known:
+    return lambda budget, wanted, left, right: combined(symbol, left, right, budget)
+
+
+def _interp1(x: Any, y: Any, at: Any, *options: Any) -> Any:
+    a, b, q = numbers_of(x).ravel(), numbers_of(y), numbers_of(at)
+    kinds = [option for option in options if isinstance(option, str) and option != "extrap"]
+    if any(kind != "linear" for kind in kinds):
+        raise LackError(f"interp1 by '{kinds[0]}' is not known here")
+    if b.size != a.size:
+        raise LackError("interp1 of several columns is not known here")
+    if a.size < 2:
+        raise MatlabError("interp1 needs two points at least")
+    order = np.argsort(a, kind="stable")
+    a, b = a[order], b.ravel()[order]
+    found = np.interp(q, a, b, left=np.nan, right=np.nan)
+    low, high = q < a[0], q > a[-1]
+    if "extrap" in options:
+        found[low] = b[0] + (q[low] - a[0]) * (b[1] - b[0]) / (a[1] - a[0])
+        found[high] = b[-1] + (q[high] - a[-1]) * (b[-1] - b[-2]) / (a[-1] - a[-2])
+    return settled(found)
+
+
+def _trapz(x: Any, y: Any = None) -> Any:
+    b = numbers_of(x if y is None else y)
+    places = None if y is None else numbers_of(x).ravel()
+    return settled(np.trapezoid(b, places, axis=axis_of(b)))
+
+
+def _polyfit(budget: Allowance, wanted: int, x: Any, y: Any, degree: Any) -> Any:
+    a, b, n = numbers_of(x).ravel(), numbers_of(y).ravel(), whole(degree)
+    budget.room(float(a.size) * (n + 1))
+    budget.work(5.0 * a.size * (n + 1) ** 2)
+    q, r = np.linalg.qr(np.vander(a, n + 1))
+    return settled(np.linalg.solve(r, q.T @ b)[np.newaxis, :])
+
+
+def _polyval(budget: Allowance, wanted: int, p: Any, x: Any) -> Any:
+    coefficients, at = numbers_of(p).ravel(), numbers_of(x)
+    budget.work(float(coefficients.size) * at.size)
+    return settled(np.asarray(np.polyval(coefficients, at)))
+
+
+def _conv(budget: Allowance, wanted: int, left: Any, right: Any, *shape: Any) -> Any:
+    if shape:
+        raise LackError(f"conv by {shape[0]!r} is not known here")
+    a, b = numbers_of(left), numbers_of(right)
+    budget.work(float(a.size) * b.size)
+    tall = max((a, b), key=np.size).shape[1] == 1
+    return settled(np.convolve(a.ravel(), b.ravel()).reshape((-1, 1) if tall else (1, -1)))
+
+
+def _roots(budget: Allowance, wanted: int, value: Any) -> Any:
+    coefficients = numbers_of(value).ravel()
+    budget.work(25.0 * coefficients.size**3)
+    return settled(np.roots(coefficients)[:, np.newaxis])
+
+
+def _row(function: Callable[..., Any]) -> Known:
+    def applied(budget: Allowance, wanted: int, value: Any) -> Any:
+        array = numbers_of(value)
+        budget.work(float(array.size) ** 2)
+        return settled(np.atleast_2d(function(array.ravel())))
+
+    return applied
+
+
+ALGEBRA: dict[str, Known] = {
+    "norm": _norm,
+    "inv": of_matrix(numeric.inverse),
+    "pinv": of_matrix(numeric.pseudoinverse, 25.0),
+    "det": of_matrix(_det),
+    "trace": of_matrix(np.trace, 0.0),
+    "rank": of_matrix(_rank, 10.0),
+    "null": of_matrix(scipy.linalg.null_space, 25.0),
+    "orth": of_matrix(scipy.linalg.orth, 25.0),
+    "cond": of_matrix(np.linalg.cond, 10.0),
+    "chol": of_matrix(_chol),
+    "expm": of_matrix(scipy.linalg.expm, 20.0),
+    "logm": of_matrix(scipy.linalg.logm, 100.0),
+    "sqrtm": of_matrix(scipy.linalg.sqrtm, 50.0),
+    "triu": of_matrix(np.triu, 0.0),
+    "tril": of_matrix(np.tril, 0.0),
+    "transpose": of_matrix(np.transpose, 0.0),
+    "ctranspose": of_matrix(lambda array: np.conj(array.T), 0.0),
+    "eig": _eig,
+    "svd": _svd,
+    "qr": _qr,
+    "lu": _lu,
+    "kron": _kron,
+    "blkdiag": _blocks,
+    "cross": of_values(_cross),
+    "dot": of_values(_dot),
+    "mtimes": _product("*"),
+    "mrdivide": _product("/"),
+    "mldivide": _product("\\"),
+    "mpower": _product("^"),
+    "interp1": of_values(_interp1),
+    "trapz": of_values(_trapz),
+    "polyfit": _polyfit,
+    "polyval": _polyval,
+    "polyder": _row(np.polyder),
+    "polyint": _row(np.polyint),
+    "poly": _row(np.poly),
+    "conv": _conv,
+    "roots": _roots,
+}

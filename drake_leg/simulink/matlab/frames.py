@@ -1,0 +1,113 @@
+"""What a running script sees: the variables of a call, its file, and what is around it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.data import Struct
+
+Values = list[Any]
+
+
+@dataclass(kw_only=True, eq=False)
+class File:
+    """The functions of one file, and its name for messages."""
+
+    name: str
+    functions: dict[str, syntax.Function] = field(default_factory=dict)
+    folder: Path | None = None  # where its functions look first
+
+
+@dataclass(kw_only=True, eq=False)
+class Frame:
+    """The variables of one call."""
+
+    values: dict[str, Any]
+    file: File
+    function: syntax.Function | None = None  # None in a script
+    nesting: int = 0  # of all calls around it
+    shared: set[str] = field(default_factory=set)  # global variables  # global variables
+    kept: dict[str, Any] | None = None  # the persistent variables of the function
+    given: int = 0
+    wanted: int = 0
+    ends: list[tuple[Any, int, int]] = field(default_factory=list)
+    owned: set[str] = field(default_factory=set)  # variables whose array nothing else refers to
+    lenient: bool = False  # a statement that fails is left out, and the rest goes on
+    line: int = 0
+
+
+class Host(Protocol):
+    """What an interpreter asks for: other files, and where to note what is skipped."""
+
+    def function_file(self, name: str, file: File) -> File | None:
+        """Find the file of a function, seen from another one."""
+
+    def run_beside(self, name: str, frame: Frame) -> bool:
+        """Run the script of that name in a frame, if there is one."""
+
+    def mat_file(self, frame: Frame, words: Values) -> Struct:
+        """Variables of a .mat file."""
+
+    def add_paths(self, words: Values) -> None:
+        """Look for files in more folders."""
+
+    def has_file(self, name: str) -> bool:
+        """Whether there is such a file or folder."""
+
+    def base(self) -> dict[str, Any]:
+        """Variables of the workspace that all scripts share."""
+
+    def printed(self, text: str) -> None:
+        """Take what a script prints."""
+
+    def skip(self, what: str, frame: Frame, reason: str) -> None:
+        """Note what is not run."""
+
+    def stored(self, name: str, frame: Frame) -> None:
+        """Note which line gave a variable its value."""
+
+    def lost(self, names: Iterable[str], frame: Frame, reason: str) -> None:
+        """Note variables that have no value because of what is lacking."""
+
+
+class Alone:
+    """The host of code that stands alone: there are no other files, and nothing is noted."""
+
+    def function_file(self, name: str, file: File) -> File | None:
+        """No file."""
+        return None
+
+    def run_beside(self, name: str, frame: Frame) -> bool:
+        """No script."""
+        return False
+
+    def mat_file(self, frame: Frame, words: Values) -> Struct:
+        """No variables."""
+        return Struct()
+
+    def add_paths(self, words: Values) -> None:
+        """Nothing to be found there."""
+
+    def has_file(self, name: str) -> bool:
+        """No files."""
+        return False
+
+    def base(self) -> dict[str, Any]:
+        """No variables."""
+        return {}
+
+    def printed(self, text: str) -> None:
+        """Nobody reads it."""
+
+    def skip(self, what: str, frame: Frame, reason: str) -> None:
+        """Nobody asks."""
+
+    def stored(self, name: str, frame: Frame) -> None:
+        """Nobody asks."""
+
+    def lost(self, names: Iterable[str], frame: Frame, reason: str) -> None:
+        """Nobody asks."""

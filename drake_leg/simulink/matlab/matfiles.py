@@ -1,0 +1,91 @@
+"""Variables of .mat files, read by SciPy; nothing in them is carried out."""
+
+from __future__ import annotations
+
+import struct
+import warnings
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.io import loadmat
+
+from drake_leg.simulink.matlab.data import Cell, LackError, Struct, Structs, settled
+
+MAT_BYTES = 100_000_000  # of a file, and of what is packed in it
+_HEAD = 128
+_PACKED = 15  # kind of an element that is compressed
+
+
+def read_mat(path: Path) -> dict[str, Any]:
+    """Read the variables of a .mat file of versions 4 to 7.2.
+
+    Raises
+    ------
+    LackError
+        If it is none, is damaged, larger than the limits, or of version 7.3.
+    """
+    try:
+        if path.stat().st_size > MAT_BYTES:
+            raise LackError(f"{path.name} is larger than {MAT_BYTES:,} bytes")
+        content = path.read_bytes()
+    except OSError as error:
+        raise LackError(f"{path.name} cannot be read: {error.strerror}") from None
+    if content.startswith((b"MATLAB 7.3", b"\x89HDF\r\n\x1a\n")):
+        raise LackError(f"{path.name} is a .mat file of version 7.3: save it with '-v7'")
+    if content.startswith(b"MATLAB 5"):
+        _require_small(content, path.name)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = loadmat(path, struct_as_record=True, chars_as_strings=True)
+    except Exception as error:
+        raise LackError(f"{path.name} is no .mat file: {str(error)[:80]}") from None
+    made = {name: _value(value) for name, value in found.items() if not name.startswith("__")}
+    return {name: value for name, value in made.items() if value is not None}
+
+
+def _require_small(content: bytes, name: str) -> None:
+    """Refuse a file that unpacks to more than the limit."""
+    order = ">" if content[126:128] == b"MI" else "<"
+    at, total = _HEAD, 0
+    while at + 8 <= len(content):
+        kind, size = struct.unpack_from(f"{order}2I", content, at)
+        if kind == _PACKED:
+            total += _unpacked_size(content[at + 8 : at + 8 + size], MAT_BYTES - total)
+        if total >= MAT_BYTES:
+            raise LackError(f"{name} unpacks to more than {MAT_BYTES:,} bytes")
+        at += 8 + size
+
+
+def _unpacked_size(packed: bytes, most: int) -> int:
+    unpacker, total = zlib.decompressobj(), 0
+    while packed and total < most:
+        try:
+            total += len(unpacker.decompress(packed, 1 << 20))
+        except zlib.error:
+            break
+        packed = unpacker.unconsumed_tail
+    return total
+
+
+def _value(value: Any) -> Any:  # noqa: ANN401 - any value of a script
+    if not isinstance(value, np.ndarray):
+        return None
+    if value.dtype.names:
+        items = np.empty(value.shape, dtype=object)
+        for k in range(value.size):
+            one = value.flat[k]
+            items.flat[k] = Struct({name: _value(one[name]) for name in value.dtype.names})
+        return items.flat[0] if items.size == 1 else Structs(items, value.dtype.names)
+    if value.dtype == object:
+        items = np.empty(value.shape, dtype=object)
+        for k in range(value.size):
+            items.flat[k] = _value(value.flat[k])
+        return Cell(items)
+    if value.dtype.kind in "US":
+        return str(value.flat[0]) if value.size else ""
+    if value.dtype.kind in "biufc":
+        return settled(np.atleast_2d(value))
+    return None

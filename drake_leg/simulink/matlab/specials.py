@@ -1,0 +1,222 @@
+"""Functions and commands that see the variables of the frame, other files, or other functions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drake_leg.simulink.matlab import operators
+from drake_leg.simulink.matlab.data import (
+    Cell,
+    LackError,
+    StopError,
+    Struct,
+    extent,
+    items_of,
+    settled,
+)
+from drake_leg.simulink.matlab.library import KNOWN
+from drake_leg.simulink.matlab.numeric import MatlabError
+
+if TYPE_CHECKING:
+    from drake_leg.simulink.matlab.frames import Frame, Values
+    from drake_leg.simulink.matlab.interpreter import Interpreter
+
+# ruff: noqa: ANN401 - any value of a script
+Special = Callable[["Interpreter", "Values", int, "Frame"], "Values"]
+Command = Callable[["Interpreter", "Values", "Frame"], None]
+
+
+def _exist(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    name = str(arguments[0])
+    kind = str(arguments[1]) if len(arguments) > 1 else ""
+    if name in frame.values and kind in ("", "var"):
+        return [1.0]
+    if kind == "var":
+        return [0.0]
+    if kind in ("file", "dir"):
+        return [(7.0 if kind == "dir" else 2.0) if self.host.has_file(name) else 0.0]
+    return [2.0 if self.knows(name, frame) or self.host.has_file(name) else 0.0]
+
+
+def _is_file(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    return [self.host.has_file(str(arguments[0]))]
+
+
+def _feval(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    return self.apply(arguments[0], arguments[1:], wanted, frame)
+
+
+def _each(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``arrayfun``, ``cellfun`` and ``structfun``."""
+    function, *rest = arguments
+    texts = [k for k, value in enumerate(rest) if isinstance(value, str) and k]
+    options = rest[texts[0] :] if texts else []
+    rest = rest[: texts[0]] if texts else rest
+    if not rest:
+        raise MatlabError("it needs a function and values")
+    if any(str(option).lower() == "errorhandler" for option in options[::2]):
+        raise LackError("an ErrorHandler is not known here")
+    uniform = not (len(options) > 1 and not operators.truth(options[1]))
+    shape, flats = extent(rest[0]), [items_of(value).ravel(order="F") for value in rest]
+    if len({flat.size for flat in flats}) > 1:
+        raise MatlabError("the values differ in size")
+    count = max(1, wanted)
+    made: list[Values] = [[] for _ in range(count)]
+    for inputs in zip(*flats, strict=True):
+        self.budget.step()
+        plain = [settled(item) if isinstance(item, np.generic) else item for item in inputs]
+        found = self.apply(function, plain, wanted, frame)
+        for place, value in enumerate(found[:count]):
+            made[place].append(value)
+    if not wanted and not made[0]:
+        return []
+    if not uniform:
+        return [Cell(_folded(values, shape)) for values in made]
+    if any(not isinstance(value, (float, bool, complex)) for values in made for value in values):
+        raise MatlabError("a value is no number: ask for cells with 'UniformOutput', false")
+    return [settled(np.array(values).reshape(shape, order="F")) for values in made]
+
+
+def _structfun(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    function, value, *rest = arguments
+    if not isinstance(value, Struct):
+        raise MatlabError("'structfun' needs a structure")
+    items = Cell(_folded(list(value.values()), (len(value), 1)))
+    found = _each(self, [function, items, *rest], wanted, frame)
+    if found and isinstance(found[0], Cell):
+        return [Struct(zip(value, found[0].items.ravel(), strict=True))]
+    return found
+
+
+def _folded(values: Values, shape: tuple[int, ...]) -> Any:
+    items = np.empty(len(values), dtype=object)
+    for k, value in enumerate(values):
+        items[k] = value
+    return items.reshape(shape, order="F")
+
+
+def _assert(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    if not operators.truth(arguments[0]):
+        said = str(arguments[1]) if len(arguments) > 1 else "an assertion"
+        raise StopError(f"it stops with the error {said!r:.80}")
+    return []
+
+
+def _error(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``error``: a text, its numbers not put in, without the identifier before it."""
+    said = [str(text) for text in arguments if isinstance(text, str)]
+    if len(said) > 1 and re.fullmatch(r"[\w-]+(:[\w-]+)+", said[0]):
+        said = said[1:]
+    raise StopError(
+        f"it stops with the error {said[0]!r:.80}" if said else "it stops with an error",
+        said=said[0] if said else "",
+    )
+
+
+def _load(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    return [self.host.mat_file(frame, arguments)]
+
+
+def _print(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    if arguments and not isinstance(arguments[0], str):
+        arguments = arguments[1:]  # the screen's number
+    if arguments:
+        self.host.printed(str(KNOWN["sprintf"](self.budget, 1, *arguments)))
+    return []
+
+
+def _file_name(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``mfilename``: folders count from those that are searched."""
+    return [frame.file.name.removesuffix(".m")]
+
+
+def _here(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``pwd``: where files are looked for."""
+    return ["."]
+
+
+def _assign_in(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    where, name, value = arguments
+    if where != "base" or not re.fullmatch(r"[A-Za-z]\w{0,62}", str(name)):
+        raise LackError("'assignin' sets variables of the base workspace only")
+    self.host.base()[str(name)] = value
+    return []
+
+
+SPECIAL: Mapping[str, Special] = {
+    "nargin": lambda self, arguments, wanted, frame: [float(frame.given)],
+    "nargout": lambda self, arguments, wanted, frame: [float(frame.wanted)],
+    "exist": _exist,
+    "isfile": _is_file,
+    "isfolder": _is_file,
+    "isdir": _is_file,
+    "isvarname": lambda self, arguments, wanted, frame: [str(arguments[0]).isidentifier()],
+    "feval": _feval,
+    "arrayfun": _each,
+    "cellfun": _each,
+    "structfun": _structfun,
+    "assert": _assert,
+    "error": _error,
+    "load": _load,
+    "fprintf": _print,
+    "mfilename": _file_name,
+    "pwd": _here,
+    "genpath": lambda self, arguments, wanted, frame: [str(arguments[0])],
+    "assignin": _assign_in,
+}
+
+
+# --- commands ---------------------------------------------------------------------------------
+
+
+def _clear(self: Interpreter, words: Values, frame: Frame) -> None:
+    words = [str(word) for word in words]
+    at = words.index("-except") if "-except" in words else len(words)
+    kept, plain = words[at + 1 :], [w for w in words[:at] if w not in ("all", "-all", "variables")]
+    patterns = [re.compile(_pattern(word)) for word in plain]
+    for known in list(frame.values):
+        chosen = any(pattern.fullmatch(known) for pattern in patterns)
+        if (not plain and known not in kept) or chosen:
+            del frame.values[known]
+
+
+def _pattern(word: str) -> str:
+    return re.escape(word).replace(r"\*", r"\w*")
+
+
+def _load_into(self: Interpreter, words: Values, frame: Frame) -> None:
+    for key, value in self.host.mat_file(frame, words).items():
+        self.store(key, value, frame)
+
+
+def _add_path(self: Interpreter, words: Values, frame: Frame) -> None:
+    self.host.add_paths(words)
+
+
+def _run(self: Interpreter, words: Values, frame: Frame) -> None:
+    name = str(words[0]) if words else ""
+    stem = re.split(r"[\\/]", name)[-1].removesuffix(".m")
+    if not self.host.run_beside(stem, frame):
+        raise LackError(f"the script {name!r} is not in the given folders", names=(stem,))
+
+
+def _symbols(self: Interpreter, words: Values, frame: Frame) -> None:
+    for word in words:
+        frame.values.pop(str(word), None)
+    self.host.lost({str(word) for word in words}, frame, "symbols are not known here")
+    self.host.skip("syms", frame, "symbols are not known here")
+
+
+COMMANDS: Mapping[str, Command] = {
+    "clear": _clear,
+    "clearvars": _clear,
+    "load": _load_into,
+    "addpath": _add_path,
+    "cd": _add_path,
+    "run": _run,
+    "syms": _symbols,
+}

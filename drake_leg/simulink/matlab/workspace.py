@@ -1,0 +1,323 @@
+"""The variables that scripts, .mat files and options give, each with its source.
+
+A value is a float, bool or complex where it is one number, a NumPy array of two or more dimensions
+where it is more or none, a str, a `Struct` (or `Structs`), a `Cell` or a `Function`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.data import (
+    Allowance,
+    LackError,
+    SpentError,
+    StopError,
+    Struct,
+)
+from drake_leg.simulink.matlab.folders import Folders, parsed, text_of
+from drake_leg.simulink.matlab.frames import File, Frame, Values
+from drake_leg.simulink.matlab.interpreter import Interpreter
+from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN
+from drake_leg.simulink.matlab.matfiles import read_mat
+from drake_leg.simulink.matlab.names import names_in
+from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.matlab.program import parsed_expression
+from drake_leg.simulink.matlab.specials import SPECIAL
+
+MOST_KEPT = 1_000  # lines of output, and things that are skipped
+SHARE = 0.4  # of all steps, that one script may take
+
+
+class UnknownVariableError(UnknownValueError):
+    """An expression uses variables or functions that nothing gives; `names` are all of them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Skipped:
+    """Something that a script does and that is not done here."""
+
+    what: str  # a function, or the variables that have no value because of it
+    file: str
+    line: int
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.what} ({self.reason}), line {self.line} of {self.file}"
+
+
+class Workspace:
+    """Variables, and what runs scripts on them.
+
+    Parameters
+    ----------
+    near : iterable of Path, optional
+        Folders in which functions, scripts and .mat files are looked for first.
+    paths : iterable of Path, optional
+        Folders that are searched with all folders inside them; nothing outside of all these is
+        read.
+    budget : Allowance, optional
+        Steps and elements that all scripts together may take.
+    """
+
+    def __init__(
+        self,
+        near: Iterable[Path] = (),
+        paths: Iterable[Path] = (),
+        *,
+        budget: Allowance | None = None,
+    ) -> None:
+        self.variables: dict[str, Any] = {}
+        self.source: dict[str, str] = {}
+        self.fixed: set[str] = set()  # variables that scripts do not change
+        self.skipped: list[Skipped] = []
+        self.lacking: dict[str, str] = {}  # variables that a script would have set: why not
+        self.output: list[str] = []  # what scripts print
+        self.budget = budget or Allowance()
+        self.folders = Folders()
+        self._interpreter = Interpreter(self, self.budget)
+        self._running: list[str] = []
+        for path in near:
+            self.folders.add(path)
+        for path in paths:
+            self.folders.add(path, inside=True)
+
+    def set(self, name: str, value: Any, source: str, *, fixed: bool = False) -> None:  # noqa: ANN401
+        """Set a variable and say where it comes from; scripts do not change a `fixed` one."""
+        self.variables[name] = value
+        self.source[name] = source
+        self.lacking.pop(name, None)
+        if fixed:
+            self.fixed.add(name)
+
+    def run(
+        self,
+        text: str,
+        *,
+        name: str,
+        folder: Path | None = None,
+        local: dict[str, Any] | None = None,
+    ) -> None:
+        """Run a script; what is not done is listed in `skipped`, and the rest goes on.
+
+        Parameters
+        ----------
+        text : str
+            The script.
+        name : str
+            Its name in messages.
+        folder : Path, optional
+            Where it looks for files first.
+        local : dict, optional
+            The variables that it works on, instead of those of the workspace.
+
+        Raises
+        ------
+        InvalidValueError
+            If the text is not well formed, or takes more than the budget.
+        """
+        self._run(parsed(text, name), name, folder, local)
+
+    def run_file(self, path: Path) -> None:
+        """Run a script of a file.
+
+        Raises
+        ------
+        InvalidValueError
+            If it cannot be read, is not well formed, or takes more than the budget.
+        """
+        self._run(parsed(text_of(path), path.name), path.name, path.parent)
+
+    def _run(
+        self,
+        tree: syntax.Script,
+        name: str,
+        folder: Path | None,
+        local: dict[str, Any] | None = None,
+    ) -> None:
+        statements = tree.statements
+        if not statements and tree.functions and not tree.functions[0].inputs:
+            first = tree.functions[0]
+            call = syntax.Evaluate(line=first.line, value=syntax.Name(name=first.name))
+            statements = (call,)
+        file = File(
+            name=name,
+            functions={one.name: one for one in tree.functions},
+            folder=folder.resolve() if folder else None,
+        )
+        held = {name: self.variables[name] for name in self.fixed if name in self.variables}
+        values = self.variables if local is None else local
+        frame = Frame(values=values, file=file, lenient=True)
+        self.budget.share(SHARE)
+        self._running.append(name)
+        try:
+            with np.errstate(all="ignore"):
+                self._interpreter.block(statements, frame)
+        except SpentError as spent:
+            where = f"line {spent.line or frame.line} of {name}"
+            raise InvalidValueError(f"{where}: {spent}") from None
+        except MatlabError as fault:
+            frame.line = fault.line or frame.line
+            self.skip("the rest of the script", frame, str(fault))
+        except RecursionError:
+            where = f"line {frame.line} of {name}"
+            raise InvalidValueError(f"{where}: it is nested too deeply") from None
+        finally:
+            self._running.pop()
+            self.budget.until = 0
+            self.variables.update(held)
+            for one in held:
+                self.source[one] = self.source.get(one, "an option")
+
+    def evaluate(self, expression: str, *, local: Mapping[str, Any] | None = None) -> Any:  # noqa: ANN401
+        """Evaluate an expression with the variables, and with others before them.
+
+        Raises
+        ------
+        UnknownVariableError
+            If it uses names that nothing gives; `names` are all of them.
+        InvalidValueError
+            If it is not well formed, or cannot be evaluated.
+        """
+        values = {**self.variables, **(local or {})}
+        try:
+            node = parsed_expression(expression)
+            unknown = [name for name in names_in(node) if not self._has(name, values)]
+            if unknown:
+                raise UnknownVariableError(self._why(unknown), names=unknown)
+            frame = Frame(values=values, file=File(name="the expression"))
+            with np.errstate(all="ignore"):
+                return self._interpreter.value(node, frame)
+        except LackError as lack:
+            if lack.names:
+                raise UnknownVariableError(str(lack), names=lack.names) from None
+            raise InvalidValueError(str(lack)) from None
+        except MatlabError as fault:
+            raise InvalidValueError(str(fault)) from None
+        except RecursionError:
+            raise InvalidValueError("it is nested too deeply") from None
+
+    def _why(self, names: list[str]) -> str:
+        if len(names) > 1:
+            listed = ", ".join(f"'{name}'" for name in names)
+            return f"{listed} are not known variables or functions"
+        why = self.lacking.get(names[0])
+        because = f" ({why})" if why else ""
+        return f"'{names[0]}' is not a known variable or function{because}"
+
+    def _has(self, name: str, values: Mapping[str, Any]) -> bool:
+        tables = (values, KNOWN, CONSTANTS, SPECIAL, NOT_RUN)
+        return any(name in table for table in tables) or self._function(name, None) is not None
+
+    def load(self, path: Path) -> None:
+        """Read the variables of a .mat file.
+
+        Raises
+        ------
+        InvalidValueError
+            If it cannot be read.
+        """
+        try:
+            found = read_mat(path)
+        except MatlabError as fault:
+            raise InvalidValueError(f"{path.name}: {fault}") from None
+        for name, value in found.items():
+            if name not in self.fixed:
+                self.set(name, value, path.name)
+
+    # --- what the interpreter asks for ------------------------------------------------------
+
+    def _function(self, name: str, beside: Path | None) -> File | None:
+        known = name in KNOWN or name in CONSTANTS or name in SPECIAL
+        return self.folders.function(name, beside, known=known)
+
+    def function_file(self, name: str, file: File) -> File | None:
+        """Find the file of a function, seen from another one."""
+        return self._function(name, file.folder)
+
+    def run_beside(self, name: str, frame: Frame) -> bool:
+        """Run the script of that name in a frame, if there is one."""
+        path = self.folders.file(f"{name}.m", frame.file.folder)
+        if path is None:
+            return False
+        try:
+            tree = self.folders.script(path)
+        except InvalidValueError as error:
+            raise LackError(str(error)) from None
+        if not tree.statements:
+            return False
+        if path.name in self._running:
+            raise SpentError(f"it runs {path.name}, which runs itself")
+        functions = {one.name: one for one in tree.functions}
+        file = File(name=path.name, functions=functions, folder=path.parent)
+        inner = Frame(values=frame.values, file=file, lenient=True, nesting=frame.nesting + 3)
+        inner.shared = frame.shared
+        self._running.append(path.name)
+        try:
+            self._interpreter.block(tree.statements, inner)
+        except StopError as fault:
+            self.skip("the rest of the script", inner, str(fault))
+        finally:
+            self._running.pop()
+        return True
+
+    def mat_file(self, frame: Frame, words: Values) -> Struct:
+        """Variables of a .mat file in the folders."""
+        names = [str(word) for word in words if isinstance(word, str)]
+        if not names:
+            raise LackError("'load' names no file")
+        path = self.folders.within(names[0]) or self.folders.within(f"{names[0]}.mat")
+        if path is None or not path.is_file():
+            raise LackError(f"the file {names[0]!r} is not in the given folders")
+        if path.suffix.lower() != ".mat":
+            raise LackError(f"'load' reads only .mat files, not {path.name!r}")
+        found = read_mat(path)
+        wanted = [name for name in names[1:] if not name.startswith("-")]
+        return Struct({key: found[key] for key in found if not wanted or key in wanted})
+
+    def add_paths(self, words: Values) -> None:
+        """Look for files in more folders, if they are inside the given ones."""
+        for word in words:
+            path = self.folders.within(str(word)) if isinstance(word, str) else None
+            if path is not None and path.is_dir():
+                self.folders.add(path, inside=True)
+
+    def has_file(self, name: str) -> bool:
+        """Whether there is such a file or folder in the given ones."""
+        return any(self.folders.within(f"{name}{ending}") for ending in ("", ".m", ".mat"))
+
+    def base(self) -> dict[str, Any]:
+        """Return the variables that all scripts share."""
+        return self.variables
+
+    def printed(self, text: str) -> None:
+        """Keep what a script prints."""
+        if len(self.output) < MOST_KEPT:
+            self.output.append(text[:MOST_KEPT])
+
+    def skip(self, what: str, frame: Frame, reason: str) -> None:
+        """Note what is not run."""
+        one = Skipped(what=what, file=frame.file.name, line=frame.line, reason=reason)
+        if one not in self.skipped[-50:] and len(self.skipped) < MOST_KEPT:
+            self.skipped.append(one)
+
+    def stored(self, name: str, frame: Frame) -> None:
+        """Note which line gave a variable its value."""
+        if frame.values is self.variables:
+            self.source[name] = f"{frame.file.name}, line {frame.line}"
+            self.lacking.pop(name, None)
+
+    def lost(self, names: Iterable[str], frame: Frame, reason: str) -> None:
+        """Note variables that have no value because of what is lacking."""
+        if frame.values is not self.variables:
+            return
+        for name in names:
+            self.source.pop(name, None)
+            self.lacking[name] = f"line {frame.line} of {frame.file.name}: {reason}"
