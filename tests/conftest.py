@@ -6,6 +6,7 @@ import io
 import math
 import shutil
 import time
+from contextlib import contextmanager
 from functools import cache
 from threading import Event, Thread
 from types import SimpleNamespace
@@ -156,6 +157,10 @@ class Visit:
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.goto(url)
         self.page.wait_for_function("typeof viewer !== 'undefined' && !viewer.needs_render")
+        self.calm()
+
+    def calm(self):
+        """Wait until the picture is drawn."""
         self.page.evaluate(CALM)
 
     def wait_until(self, holds):
@@ -205,15 +210,33 @@ class Visit:
             ".map(r => [r.left, r.right, r.bottom])]"
         )
 
+    def resize(self, width, height):
+        self.page.set_viewport_size({"width": width, "height": height})
+        self.page.wait_for_function(f"innerWidth === {width} && innerHeight === {height}")
+        self.calm()
+
+    def put_back(self):
+        """Look as at first, with all that can be seen, a replay at its start."""
+        self.check()
+        for hidden in self.page.locator("#page-shown [aria-pressed=false]").all():
+            hidden.click()
+        self.click("3D")
+        self.page.evaluate("document.activeElement.blur()")
+        self.page.keyboard.press("Home")
+        self.calm()
+
     def close(self):
         self.page.close()
+        self.check()
+
+    def check(self):
+        """No error so far, and no request elsewhere."""
         assert self.errors == []
         assert [url for url in self.requests if not url.startswith((*LOCAL, self.url))] == []
 
 
-@pytest.fixture
-def open_page(browser):
-    """Open pages; they are closed at the end, without an error and without a request elsewhere."""
+@contextmanager
+def opening(browser):
     visits = []
 
     def visit(url, **settings):
@@ -226,8 +249,21 @@ def open_page(browser):
 
 
 @pytest.fixture
-def served():
-    """Carry out a session with a server of its own, interrupted when the test ends."""
+def open_page(browser):
+    """Open pages; they are closed at the end, without an error and without a request elsewhere."""
+    with opening(browser) as visit:
+        yield visit
+
+
+@pytest.fixture(scope="module")
+def keep_page(browser):
+    """Open pages, each once for all tests of a module, which put them back to their start."""
+    with opening(browser) as visit:
+        yield cache(visit)
+
+
+@contextmanager
+def serving():
     over, loops = Event(), []
 
     def pause(seconds):
@@ -249,3 +285,17 @@ def served():
     for loop in loops:
         loop.join(5.0)
         assert not loop.is_alive()
+
+
+@pytest.fixture
+def served():
+    """Carry out a session with a server of its own, interrupted when the test ends."""
+    with serving() as start:
+        yield start
+
+
+@pytest.fixture(scope="module")
+def kept_served():
+    """Carry out a session for all tests of a module."""
+    with serving() as start:
+        yield start

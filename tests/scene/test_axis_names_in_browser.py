@@ -34,11 +34,18 @@ def files(tmp_path_factory):
 
 
 @pytest.fixture
-def show(open_page, files):
-    def opened(name, **settings):
-        return open_page((files / f"{name}.html").as_uri(), **settings)
+def show(keep_page, files):
+    shown = []
 
-    return opened
+    def opened(name, size=(1000, 800)):
+        visit = keep_page((files / f"{name}.html").as_uri())
+        visit.resize(*size)
+        shown.append(visit)
+        return visit
+
+    yield opened
+    for visit in shown:
+        visit.put_back()
 
 
 def look(visit, view):
@@ -60,7 +67,7 @@ def names(visit):
     ],
 )
 def test_an_axis_seen_from_its_end_is_named_beside_its_origin(show, posture, view, expected):
-    visit = show(posture, size=(1000, 800))
+    visit = show(posture)
     look(visit, view)
     seen = names(visit)
     assert expected <= set(seen)
@@ -75,8 +82,8 @@ def test_an_axis_seen_from_its_end_is_named_beside_its_origin(show, posture, vie
         assert 10 < np.hypot(middle[0] - x, middle[1] - y) < 40
 
 
-@pytest.mark.parametrize("posture", POSTURES)
 @pytest.mark.parametrize("size", [(1000, 800), (390, 700)], ids=["desk", "phone"])
+@pytest.mark.parametrize("posture", POSTURES)
 def test_no_name_lies_on_another_and_none_is_cut(show, posture, size):
     visit = show(posture, size=size)
     canvas = visit.page.locator("#meshcat-pane canvas").bounding_box()
@@ -99,7 +106,7 @@ def test_no_name_lies_on_another_and_none_is_cut(show, posture, size):
 
 
 def test_a_name_that_would_lie_on_another_or_on_an_axis_moves_aside(show):
-    visit = show("leg B", size=(1000, 800))
+    visit = show("leg B")
     look(visit, "Right")
     seen = names(visit)
     assert {"z0", "z1", "x1", "y0"} <= set(seen)  # z1 ends in the middle of z0

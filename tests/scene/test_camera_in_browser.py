@@ -1,6 +1,7 @@
 """The camera of pages in 3D: where it may go, and that the views are as before wherever it was."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ pytestmark = pytest.mark.slow
 
 VIEWS = ("Right", "Top", "3D", "Front")
 TIMEOUT = 30_000
+QUICK = 20  # notches of the wheel in one event
 
 
 @pytest.fixture(scope="module")
@@ -22,8 +24,10 @@ def file(step, tmp_path_factory):
 
 
 @pytest.fixture
-def visit(open_page, file):
-    return open_page(file)
+def visit(keep_page, file):
+    visit = keep_page(file, size=(500, 400))
+    yield visit
+    visit.put_back()
 
 
 def wait_for(visit, condition):
@@ -51,8 +55,8 @@ def drag(visit, down, button="left"):
 def turn_the_wheel(visit, notches):
     box = visit.page.locator("#meshcat-pane canvas").bounding_box()
     visit.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    for _ in range(abs(notches)):
-        visit.page.mouse.wheel(0, 100 if notches > 0 else -100)
+    for turned in range(0, abs(notches), QUICK):
+        visit.page.mouse.wheel(0, math.copysign(100 * min(QUICK, abs(notches) - turned), notches))
 
 
 def test_the_camera_turns_down_to_the_horizon_and_no_further(visit):

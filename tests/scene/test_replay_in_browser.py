@@ -18,8 +18,10 @@ def file(step, tmp_path_factory):
 
 
 @pytest.fixture
-def visit(open_page, file):
-    return open_page(file)
+def visit(keep_page, file):
+    visit = keep_page(file)
+    yield visit
+    visit.put_back()
 
 
 def clock(visit):
@@ -82,28 +84,28 @@ def test_frames_can_be_hidden(visit):
     assert visit.page.get_by_role("button", name="Frames").get_attribute("aria-pressed") == "false"
 
 
-@pytest.mark.parametrize("width", [320, 390, 1280])
-def test_the_page_fits_its_window(open_page, file, width):
-    visit = open_page(file, size=(width, 700))
-    assert visit.overflow() == [0, 0]
-    canvas, panel, time = (
-        visit.page.evaluate(f"document.querySelector('{name}').getBoundingClientRect().toJSON()")
-        for name in ("#meshcat-pane canvas", "#page-panel", "#replay-clock")
-    )
-    assert canvas["width"] == pytest.approx(width, abs=1)
-    assert canvas["height"] > 340
-    assert panel["bottom"] <= 700.5
-    assert canvas["bottom"] <= panel["top"] + 1
-    assert time["right"] <= width
+def test_the_page_fits_its_window(open_page, file):
+    visit = open_page(file, size=(320, 700))
+    for width in (320, 1280, 390):
+        visit.resize(width, 700)
+        assert visit.overflow() == [0, 0]
+        canvas, panel, time = (
+            visit.page.locator(name).evaluate("e => e.getBoundingClientRect().toJSON()")
+            for name in ("#meshcat-pane canvas", "#page-panel", "#replay-clock")
+        )
+        assert canvas["width"] == pytest.approx(width, abs=1)
+        assert canvas["height"] > 340
+        assert panel["bottom"] <= 700.5
+        assert canvas["bottom"] <= panel["top"] + 1
+        assert time["right"] <= width
 
 
-def test_dark_pages_are_dark_and_the_black_foot_stands_out(open_page, file):
+def test_dark_pages_are_dark_and_the_black_foot_stands_out(visit, open_page, file):
     shades = {}
-    for scheme in ("light", "dark"):
-        visit = open_page(file, color_scheme=scheme)
-        picture = visit.picture()
+    for scheme, one in (("light", visit), ("dark", open_page(file, color_scheme="dark"))):
+        picture = one.picture()
         shades[scheme] = picture[5, 5].mean()
-        right, up = visit.seen(visit.frame(4))
+        right, up = one.seen(one.frame(4))
         row, column = (np.array([1 - up, 1 + right]) / 2 * picture.shape[:2]).astype(int)
         foot = picture[row - 6 : row + 7, column - 6 : column + 7].mean(axis=-1).min()
         assert shades[scheme] - foot > 30.0

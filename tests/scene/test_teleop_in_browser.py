@@ -12,18 +12,32 @@ from drake_leg.scene.teleop import drive_robot
 pytestmark = pytest.mark.slow
 
 Q = np.radians([90.0, -50.0, -90.0])
+START = [0.0, 0.0376743, -0.1408832]  # of the foot [m]
 SIZES = {"desk": (1280, 800), "tablet": (820, 1180), "phone": (390, 844)}
 
 
-@pytest.fixture
-def session(served, monkeypatch):
-    monkeypatch.setattr(teleop, "SILENCE", 4.0)  # a page on a busy machine falls silent for longer
-    return served(drive_robot, LEG_B, Q, say=str)
+@pytest.fixture(scope="module", autouse=True)
+def patient():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(teleop, "SILENCE", 4.0)  # a page on a busy machine falls silent for longer
+        yield
+
+
+@pytest.fixture(scope="module")
+def session(kept_served):
+    return kept_served(drive_robot, LEG_B, Q, say=str)
 
 
 @pytest.fixture
-def visit(session, open_page):
-    return opened(open_page, session)
+def visit(session, keep_page):
+    """The page with the foot at rest at the start, whatever the test before did."""
+    visit = opened(keep_page, session)
+    yield visit
+    visit.put_back()
+    visit.click("Halt (space)")
+    visit.click("To the start")
+    visit.wait_until(lambda: np.allclose(visit.frame(4), START, rtol=0.0, atol=1e-6))
+    comes_to_rest(visit)
 
 
 def opened(open_page, session, **settings):
@@ -89,8 +103,8 @@ def test_the_foot_halts_when_it_is_told_or_the_page_is_left(visit, end):
         visit.page.evaluate("window.dispatchEvent(new Event('blur'))")
     elif end == "hidden":
         visit.page.evaluate(
-            "(Object.defineProperty(document, 'hidden', {value: true}),"
-            " document.dispatchEvent(new Event('visibilitychange')))"
+            "(Object.defineProperty(document, 'hidden', {value: true, configurable: true}),"
+            " document.dispatchEvent(new Event('visibilitychange')), delete document.hidden)"
         )
     else:
         visit.page.context.set_offline(True)
@@ -150,22 +164,24 @@ def test_the_guard_speaks_at_the_boundary_and_after_a_halt(visit):
     assert visit.page.get_attribute("#guard", "data-state") == "stopped"
     visit.click("To the start")
     visit.wait_until(lambda: guard(visit)[0] == "Free")
-    np.testing.assert_allclose(visit.frame(4), [0.0, 0.0376743, -0.1408832], atol=1e-6)
+    np.testing.assert_allclose(visit.frame(4), START, atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("size", "scheme"), [("desk", "light"), ("tablet", "dark"), ("phone", "light")]
-)
-def test_nothing_is_cut_in_any_window_at_the_boundary(session, open_page, size, scheme):
-    visit = opened(open_page, session, size=SIZES[size], color_scheme=scheme)
-    assert visit.overflow() == [0, 0]
+def test_nothing_is_cut_in_any_window_at_the_boundary(session, open_page):
+    visit = opened(open_page, session, size=SIZES["tablet"], color_scheme="dark")
+    for size in SIZES:
+        visit.resize(*SIZES[size])
+        assert visit.overflow() == [0, 0]
     comes_to_the_boundary(visit)
-    assert visit.overflow() == [0, 0]
-    assert (visit.picture()[5, 5].mean() > 200.0) == (scheme == "light")
-    assert visit.page.locator("#meshcat-pane canvas").bounding_box()["height"] > 250
-    for view in ("Right", "Front", "Top", "3D"):
-        visit.click(view)
-        assert max(np.abs(visit.seen(visit.frame(4)))) < 0.95
+    for size, scheme in (("tablet", "dark"), ("phone", "light"), ("desk", "light")):
+        visit.page.emulate_media(color_scheme=scheme)
+        visit.resize(*SIZES[size])
+        assert visit.overflow() == [0, 0]
+        assert (visit.picture()[5, 5].mean() > 200.0) == (scheme == "light")
+        assert visit.page.locator("#meshcat-pane canvas").bounding_box()["height"] > 250
+        for view in ("Right", "Front", "Top", "3D"):
+            visit.click(view)
+            assert max(np.abs(visit.seen(visit.frame(4)))) < 0.95
 
 
 def test_a_pad_drives_while_a_finger_holds_it(session, open_page):
@@ -201,8 +217,8 @@ def test_the_keyboard_alone_reaches_and_holds_every_control(visit):
     comes_to_rest(visit)
 
 
-def test_one_tab_drives_and_the_other_may_halt_or_take_over(session, open_page):
-    one, other = opened(open_page, session), opened(open_page, session)
+def test_one_tab_drives_and_the_other_may_halt_or_take_over(visit, session, open_page):
+    one, other = visit, opened(open_page, session)
     one.page.keyboard.down("a")
     goes(one, 0, -5e-3)
     other.wait_until(lambda: "driven from another page" in guard(other)[1])
@@ -220,7 +236,8 @@ def test_one_tab_drives_and_the_other_may_halt_or_take_over(session, open_page):
     np.testing.assert_allclose(one.frame(4), other.frame(4), atol=1e-9)
 
 
-def test_the_page_says_that_the_session_has_ended(session, visit):
+def test_the_page_says_that_the_session_has_ended(served, open_page):
+    visit = opened(open_page, served(drive_robot, LEG_B, Q, say=str))
     visit.page.keyboard.press("Escape")
     visit.page.wait_for_selector("#page-over", state="visible")
     assert "The session has ended. This tab can be closed." in visit.page.inner_text("#page-over")

@@ -12,12 +12,16 @@ TIMEOUT = 30_000
 PANEL = "document.getElementById('page-panel')"
 
 
-@pytest.fixture
-def opened(served, open_page):
-    session = served(drive_robot, LEG_B, np.radians([90.0, -50.0, -90.0]), say=str)
+@pytest.fixture(scope="module")
+def session(kept_served):
+    return kept_served(drive_robot, LEG_B, np.radians([90.0, -50.0, -90.0]), say=str)
 
-    def visit(**settings):
-        visit = open_page(session.url, **settings)
+
+@pytest.fixture
+def opened(session, keep_page):
+    def visit(size=(320, 640), **settings):
+        visit = keep_page(session.url, **settings)
+        visit.resize(*size)
         visit.page.wait_for_function(
             "document.getElementById('page-tip').textContent !== ''", timeout=TIMEOUT
         )
@@ -27,7 +31,7 @@ def opened(served, open_page):
 
 
 def test_everything_is_in_sight_on_a_small_phone(opened):
-    visit = opened(size=(320, 640))
+    visit = opened()
     assert visit.overflow() == [0, 0]
     hidden = f"[{PANEL}.scrollHeight - {PANEL}.clientHeight, {PANEL}.scrollWidth - innerWidth]"
     assert visit.page.evaluate(hidden) == [0, 0]
@@ -53,6 +57,7 @@ def test_thin_lines_are_brighter_in_the_dark(opened):
         "viewer.scene_tree.find(['drake', 'region', 'outer', '<object>'])"
         ".object.material.color.getHSL({}).l"
     )
-    light = opened(color_scheme="light").page.evaluate(colour)
-    dark = opened(color_scheme="dark")
-    dark.wait_until(lambda: dark.page.evaluate(colour) > 2 * light)
+    visit = opened(color_scheme="dark")
+    dark = visit.page.evaluate(colour)
+    visit.page.emulate_media(color_scheme="light")
+    visit.wait_until(lambda: visit.page.evaluate(colour) < dark / 2)

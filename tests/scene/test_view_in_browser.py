@@ -13,14 +13,21 @@ Q = np.radians([90.0, -50.0, -90.0])
 SIZES = {"desk": (1280, 800), "tablet": (820, 1180), "phone": (390, 844)}
 
 
-@pytest.fixture
-def session(served):
-    return served(view_served, LEG_B, Q)
+@pytest.fixture(scope="module")
+def session(kept_served):
+    return kept_served(view_served, LEG_B, Q)
 
 
 @pytest.fixture
-def visit(session, open_page):
-    return opened(open_page, session)
+def visit(session, keep_page):
+    """The page at the start, without a trace, whatever the test before did."""
+    visit = opened(keep_page, session)
+    yield visit
+    visit.put_back()
+    visit.click("To the start")
+    comes_to(visit, [90, -50, -90])
+    visit.click("Clear trace")
+    visit.wait_until(lambda: pieces(visit) == 0)
 
 
 def opened(open_page, session, **settings):
@@ -114,14 +121,14 @@ def test_views_go_back_as_far_as_the_robot_needs(visit):
             assert max(np.abs(visit.seen(visit.frame(4)))) < 1.0
 
 
-@pytest.mark.parametrize(
-    ("size", "scheme"), [("desk", "light"), ("tablet", "dark"), ("phone", "light")]
-)
-def test_nothing_is_cut_in_any_window(session, open_page, size, scheme):
-    visit = opened(open_page, session, size=SIZES[size], color_scheme=scheme)
-    assert visit.overflow() == [0, 0]
-    assert (visit.picture()[5, 5].mean() > 200.0) == (scheme == "light")
-    assert visit.page.locator("#meshcat-pane canvas").bounding_box()["height"] > 300
+def test_nothing_is_cut_in_any_window(session, open_page):
+    visit = opened(open_page, session, size=SIZES["tablet"], color_scheme="dark")
+    for size, scheme in (("tablet", "dark"), ("phone", "light"), ("desk", "light")):
+        visit.page.emulate_media(color_scheme=scheme)
+        visit.resize(*SIZES[size])
+        assert visit.overflow() == [0, 0]
+        assert (visit.picture()[5, 5].mean() > 200.0) == (scheme == "light")
+        assert visit.page.locator("#meshcat-pane canvas").bounding_box()["height"] > 300
 
 
 def test_frames_are_named_and_colours_explained(visit):
@@ -131,7 +138,8 @@ def test_frames_are_named_and_colours_explained(visit):
     assert visit.page.inner_text("#page-tip") == "0.0, 37.7, −140.9"
 
 
-def test_two_tabs_show_the_same_and_both_hear_the_end(session, open_page):
+def test_two_tabs_show_the_same_and_both_hear_the_end(served, open_page):
+    session = served(view_served, LEG_B, Q)
     one, other = opened(open_page, session), opened(open_page, session)
     slide(one, "hip in deg", 30.0)
     comes_to(other, [30, -50, -90])
