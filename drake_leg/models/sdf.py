@@ -7,16 +7,25 @@ Every link's frame is the DH frame of its row. There are also the frames ``frame
 from __future__ import annotations
 
 import math
-import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.kinematics.euler import euler_angles, quaternions
-from drake_leg.kinematics.khalil import Array, row_transform
+from drake_leg.kinematics.khalil import row_transform
+from drake_leg.models.sdf_parts import (
+    CENTRED,
+    DRAKE,
+    add_inertial,
+    add_text,
+    comment,
+    document,
+    number,
+    numbers,
+    set_transform,
+)
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robot import (
     BASE_WELD,
@@ -30,12 +39,9 @@ from drake_leg.robot.robot import (
 )
 from drake_leg.robot.robots import LEG_B
 from drake_leg.robot.solids import Brick, Cylinder, Shape, mass_properties
-from drake_leg.units import LEAST
 
 PACKAGE = "drake_leg"
-CENTRED = (0.0, 0.0, 0.0)
 Vector = tuple[float, float, float]
-STEEP = 0.99  # sine of the pitch beyond which roll, pitch, yaw lose digits
 
 
 def sdf_text(robot: Robot, *, origin: str = "drake_leg.robot.robots") -> str:
@@ -81,25 +87,6 @@ def package_text() -> str:
     return document(package)
 
 
-def document(root: ET.Element) -> str:
-    """Write an XML document."""
-    ET.indent(root)
-    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
-
-
-def _number(value: float) -> str:
-    # Parsers fail on numbers that are smaller than any quantity of a robot.
-    return repr(0.0 if abs(value) < LEAST else float(value)).removesuffix(".0")
-
-
-def _quantity(value: float) -> str:
-    return f"{value:.15g}"
-
-
-def _numbers(values: Sequence[float]) -> str:
-    return " ".join(_number(value) for value in values)
-
-
 def _row_text(row: Row) -> str:
     sigma = "~" if row.sigma is None else row.sigma
     angles = f"alpha={math.degrees(row.alpha):g} deg, r={row.r:g} m"
@@ -109,14 +96,9 @@ def _row_text(row: Row) -> str:
     return f"sigma={sigma}, d={row.d:g} m, {angles}, theta={math.degrees(row.theta):g} deg{tree}"
 
 
-def comment(text: str) -> str:
-    """Text of an XML comment, in which two hyphens must not be adjacent."""
-    return f" {re.sub('-(?=-)', '- ', text)} "
-
-
 def set_pose(pose: ET.Element, row: Row) -> None:
     """Write the pose of a row's frame at joint position 0."""
-    _set_transform(
+    set_transform(
         pose,
         row_transform(row),
         lambda: (
@@ -126,34 +108,6 @@ def set_pose(pose: ET.Element, row: Row) -> None:
             math.cos(row.alpha / 2) * math.cos((row.theta + row.gamma) / 2),
         ),
     )
-
-
-def _set_transform(
-    pose: ET.Element, X_PC: Array, quaternion: Callable[[], tuple[float, ...]]
-) -> None:
-    """Write a pose: x, y, z [m] and its rotation.
-
-    The rotation is roll, pitch, yaw [rad], or a quaternion (x, y, z, w) where these lose digits:
-    near a pitch of 90 degrees.
-    """
-    position = [0.0 if abs(value) < 1e-15 else float(value) for value in X_PC[:3, 3]]
-    R_PC = np.where(np.abs(X_PC[:3, :3]) < 1e-15, 0.0, X_PC[:3, :3])
-    if abs(R_PC[2, 0]) < STEEP:
-        yaw_pitch_roll = euler_angles("ZYX", R_PC).tolist()
-        angles = [math.pi if angle == -math.pi else angle for angle in reversed(yaw_pitch_roll)]
-        pose.text = _numbers((*position, *angles))
-    else:
-        pose.set("rotation_format", "quat_xyzw")
-        pose.text = _numbers((*position, *quaternion()))
-
-
-def _xyzw(X: Array) -> tuple[float, ...]:
-    w, x, y, z = quaternions(X[:3, :3]).tolist()
-    return x, y, z, w
-
-
-def _add_text(parent: ET.Element, tag: str, text: str) -> None:
-    ET.SubElement(parent, tag).text = text
 
 
 def _add_frame(model: ET.Element, name: str, parent: str, row: Row | None = None) -> None:
@@ -166,7 +120,7 @@ def _add_frame(model: ET.Element, name: str, parent: str, row: Row | None = None
 def _add_place(model: ET.Element, link: str, place: str, position: Sequence[float]) -> None:
     frame = ET.SubElement(model, "frame", name=place_name(link, place), attached_to=link)
     if any(position):
-        _add_text(frame, "pose", _numbers((*position, 0.0, 0.0, 0.0)))
+        add_text(frame, "pose", numbers((*position, 0.0, 0.0, 0.0)))
 
 
 def _add_base(model: ET.Element, robot: Robot) -> None:
@@ -176,15 +130,15 @@ def _add_base(model: ET.Element, robot: Robot) -> None:
     link = ET.SubElement(model, "link", name=robot.base_name)
     if robot.base_pose is not None:
         X_W0 = np.array(robot.base_pose)
-        _set_transform(ET.SubElement(link, "pose"), X_W0, lambda: _xyzw(X_W0))
+        set_transform(ET.SubElement(link, "pose"), X_W0)
     if robot.base_link is None:
-        _add_inertial(link, CENTRED, 1.0, (1.0, 1.0, 1.0))
+        add_inertial(link, CENTRED, 1.0, (1.0, 1.0, 1.0))
     else:
         _add_body(link, robot.base_link)
     if not robot.floating:
         joint = ET.SubElement(model, "joint", name=BASE_WELD, type="fixed")
-        _add_text(joint, "parent", "world")
-        _add_text(joint, "child", robot.base_name)
+        add_text(joint, "parent", "world")
+        add_text(joint, "child", robot.base_name)
     _add_frame(model, frame_name(0), robot.base_name)
 
 
@@ -203,10 +157,10 @@ def _add_body(element: ET.Element, link: Link) -> None:
     solid = link.solid
     if solid is not None:
         visual = ET.SubElement(element, "visual", name=f"{link.name}_visual")
-        _add_text(visual, "pose", _numbers((*solid.centre, 0.0, 0.0, 0.0)))
+        add_text(visual, "pose", numbers((*solid.centre, 0.0, 0.0, 0.0)))
         _add_geometry(visual, solid.shape)
         material = ET.SubElement(visual, "material")
-        _add_text(material, "diffuse", _numbers((*solid.colour, 1.0)))
+        add_text(material, "diffuse", numbers((*solid.colour, 1.0)))
 
 
 def _add_mass(element: ET.Element, link: Link) -> None:
@@ -214,61 +168,36 @@ def _add_mass(element: ET.Element, link: Link) -> None:
     if body is not None and body.is_thin:
         # The parser computes principal moments with rounding, and refuses negative ones.
         R_LP, moments = body.along_principal_axes()
-        _add_inertial(element, body.centre, body.mass, moments, show=_number, R_LP=R_LP)
+        add_inertial(element, body.centre, body.mass, moments, show=number, R_LP=R_LP)
     elif body is not None:
-        _add_inertial(element, body.centre, body.mass, body.moments, body.products, show=_number)
+        add_inertial(element, body.centre, body.mass, body.moments, body.products, show=number)
     elif solid is not None:
         properties = mass_properties(solid)
-        _add_inertial(element, solid.centre, properties.mass, properties.moments)
+        add_inertial(element, solid.centre, properties.mass, properties.moments)
     else:
-        _add_inertial(element, CENTRED, 0.0, CENTRED)
-
-
-def _add_inertial(
-    link: ET.Element,
-    centre: Sequence[float],
-    mass: float,
-    moments: Sequence[float],
-    products: Sequence[float] = CENTRED,
-    *,
-    show: Callable[[float], str] = _quantity,
-    R_LP: Array | None = None,
-) -> None:
-    inertial = ET.SubElement(link, "inertial")
-    if R_LP is not None:
-        X_LP = np.eye(4)
-        X_LP[:3, :3], X_LP[:3, 3] = R_LP, centre
-        _set_transform(ET.SubElement(inertial, "pose"), X_LP, lambda: _xyzw(X_LP))
-    elif any(centre):
-        _add_text(inertial, "pose", _numbers((*centre, 0.0, 0.0, 0.0)))
-    _add_text(inertial, "mass", show(mass))
-    inertia = ET.SubElement(inertial, "inertia")
-    for tag, value in zip(("ixx", "iyy", "izz"), moments, strict=True):
-        _add_text(inertia, tag, show(value))
-    for tag, value in zip(("ixy", "ixz", "iyz"), products, strict=True):
-        _add_text(inertia, tag, show(value))
+        add_inertial(element, CENTRED, 0.0, CENTRED)
 
 
 def _add_geometry(visual: ET.Element, shape: Shape) -> None:
     geometry = ET.SubElement(visual, "geometry")
     if isinstance(shape, Brick):
         box = ET.SubElement(geometry, "box")
-        _add_text(box, "size", _numbers((shape.length, shape.width, shape.height)))
+        add_text(box, "size", numbers((shape.length, shape.width, shape.height)))
     elif isinstance(shape, Cylinder):
         cylinder = ET.SubElement(geometry, "cylinder")
-        _add_text(cylinder, "radius", _number(shape.radius))
-        _add_text(cylinder, "length", _number(shape.length))
+        add_text(cylinder, "radius", number(shape.radius))
+        add_text(cylinder, "length", number(shape.length))
     else:
         sphere = ET.SubElement(geometry, "sphere")
-        _add_text(sphere, "radius", _number(shape.radius))
+        add_text(sphere, "radius", number(shape.radius))
 
 
 def _add_joint(model: ET.Element, segment: Segment, parent: str) -> None:
     if segment.joint is None or segment.link is None:
         return
     joint = ET.SubElement(model, "joint", name=segment.joint, type=segment.row.joint)
-    _add_text(joint, "parent", parent)
-    _add_text(joint, "child", segment.link.name)
+    add_text(joint, "parent", parent)
+    add_text(joint, "child", segment.link.name)
     if segment.row.joint != "fixed":
         _add_axis(joint, segment.mechanics)
         _add_rotor(joint, segment.mechanics)
@@ -276,21 +205,21 @@ def _add_joint(model: ET.Element, segment: Segment, parent: str) -> None:
 
 def _add_axis(joint: ET.Element, mechanics: JointMechanics) -> None:
     axis = ET.SubElement(joint, "axis")
-    _add_text(axis, "xyz", "0 0 1")
+    add_text(axis, "xyz", "0 0 1")
     _add_limits(axis, mechanics)
     dynamics = ET.SubElement(axis, "dynamics")
-    _add_text(dynamics, "damping", _number(mechanics.damping))
+    add_text(dynamics, "damping", number(mechanics.damping))
     if mechanics.spring_stiffness:
-        _add_text(dynamics, "spring_reference", _number(mechanics.equilibrium_position))
-        _add_text(dynamics, "spring_stiffness", _number(mechanics.spring_stiffness))
+        add_text(dynamics, "spring_reference", number(mechanics.equilibrium_position))
+        add_text(dynamics, "spring_stiffness", number(mechanics.spring_stiffness))
 
 
 def _add_rotor(joint: ET.Element, mechanics: JointMechanics) -> None:
     """Add the inertia of the rotor, seen at the joint, and say what a joint of Drake has not."""
     if mechanics.rotor_inertia:
-        ET.register_namespace("drake", _DRAKE)
-        _add_text(joint, f"{{{_DRAKE}}}rotor_inertia", _number(mechanics.rotor_inertia))
-        _add_text(joint, f"{{{_DRAKE}}}gear_ratio", "1")
+        ET.register_namespace("drake", DRAKE)
+        add_text(joint, f"{{{DRAKE}}}rotor_inertia", number(mechanics.rotor_inertia))
+        add_text(joint, f"{{{DRAKE}}}gear_ratio", "1")
     if mechanics.dry_friction:
         said = f"Dry friction {mechanics.dry_friction:g} N*m or N is left out: Drake has none."
         joint.append(ET.Comment(comment(said)))
@@ -309,7 +238,7 @@ def _add_limits(axis: ET.Element, mechanics: JointMechanics) -> None:
     limit = ET.SubElement(axis, "limit")
     for tag, value in limits.items():
         if value is not None:
-            _add_text(limit, tag, _number(value))
+            add_text(limit, tag, number(value))
 
 
 # --- the thigh subsystem of report B, figure 5 -----------------------------------------------
@@ -320,7 +249,6 @@ LEG_FILE = "hexabot_leg_of_thighs.sdf"
 NOWHERE = "0 0 0 0 0 0"
 
 _ORIGINAL = "femur"  # of leg B: the thigh without any setting
-_DRAKE = "drake.mit.edu"
 _EXPERIMENTAL = "http://sdformat.org/schemas/experimental"
 
 
@@ -431,7 +359,7 @@ def _thigh_settings(
     if inertial.find("pose") is None:
         inertial.insert(0, _pose(NOWHERE))
     visual = _child(model, f"link[@name='{name}']/visual")
-    cog, end, solid = map(_numbers, offsets)
+    cog, end, solid = map(numbers, offsets)
     turn = " ".join((end_turn.text or NOWHERE).split()[3:])
     written = {key: end_turn.attrib[key] for key in ("rotation_format",) if key in end_turn.attrib}
     return (

@@ -10,13 +10,13 @@ import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.models.sdf import PACKAGE, comment, document, robot_model, set_pose
+from drake_leg.models.sdf import PACKAGE, robot_model, set_pose
+from drake_leg.models.sdf_parts import DRAKE, comment, document
 from drake_leg.models.walker import POINT_FEET, Contact
 from drake_leg.robot.ground import FLAT
 from drake_leg.robot.robot import BASE, BASE_WELD, Link, Robot, Row, Segment
 from drake_leg.robot.servos import IDEAL, Servo
 
-_DRAKE = "drake.mit.edu"  # the namespace of Drake's own elements
 POINT = 1e-12  # [m], radius of a point: SDF's parser takes a radius of 0 for 1 m
 
 
@@ -74,7 +74,7 @@ def leg_text(
             "with `add_walker`"
         )
     leg = _one_leg(robot, servo)
-    ET.register_namespace("drake", _DRAKE)
+    ET.register_namespace("drake", DRAKE)
     sdf = ET.Element("sdf", version="1.9")
     about = f"A leg of {robot.title} ({robot.source}), with the servo {servo.name}."
     sdf.append(ET.Comment(comment(f"{about} Generated from drake_leg.robot.hexapods.")))
@@ -94,7 +94,7 @@ def leg_text(
 
 
 def _own(tag: str) -> str:
-    return f"{{{_DRAKE}}}{tag}"
+    return f"{{{DRAKE}}}{tag}"
 
 
 def _touching(contact: Contact, friction: float) -> ET.Element:

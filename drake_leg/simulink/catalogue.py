@@ -149,11 +149,22 @@ BALL = (
         PositionTargetRotationStandardAxis="+Z",
         PositionTargetRotationSequence="XYZ",
         PositionTargetRotationSequenceAxes="FollowerAxes",
+        PositionTargetFollAlignAxisA="+Z",
+        PositionTargetBaseAlignAxisA="+Z",
+        PositionTargetFollAlignAxisB="+X",
+        PositionTargetBaseAlignAxisB="+X",
     )
     + quantities(
         "deg", PositionTargetRotationAngle="0", PositionTargetRotationSequenceAngles="[0 0 0]"
     )
-    + numbers(PositionTargetRotationArbitraryAxis="[0 0 1]")
+    + numbers(
+        PositionTargetRotationArbitraryAxis="[0 0 1]",
+        PositionTargetRotationMatrix="[1 0 0; 0 1 0; 0 0 1]",
+    )
+    + also_named(
+        numbers(PositionTargetRotationQuaternion="[1 0 0 0]"),
+        PositionTargetRotationQuaternion="PositionTargetQuaternion",
+    )
     + quantities("deg/s", VelocityTargetValue="[0 0 0]")
     + quantities("N*m/deg", SpringStiffness="0")
     + quantities("N*m/(deg/s)", DampingCoefficient="0")
@@ -161,7 +172,7 @@ BALL = (
 
 _KINDS = {"P": SLIDING, "R": TURNING, "S": BALL}
 
-_PRIMITIVES = {
+PRIMITIVES = {
     "6-DOF Joint": "Px Py Pz Sph",
     "Bearing Joint": "Pz Rx Ry Rz",
     "Bushing Joint": "Px Py Pz Rx Ry Rz",
@@ -190,7 +201,7 @@ def _prefixed(prefix: str) -> Parameters:
 
 JOINTS: dict[str, Parameters] = {
     name: sum((_prefixed(prefix) for prefix in primitives.split()), ())
-    for name, primitives in _PRIMITIVES.items()
+    for name, primitives in PRIMITIVES.items()
 } | {
     "Revolute Joint": TURNING,
     "Prismatic Joint": SLIDING,

@@ -48,7 +48,7 @@ def about(axis: str, angle: float) -> Array:
 
 def rigid_transform(block: Block) -> Array:
     """Pose X_BF of the follower frame F in the base frame B of a Rigid Transform block in SI."""
-    return pose(_rotation(block), _translation(block))
+    return pose(rotation_of(block), _translation(block))
 
 
 def rotation_text(R: Array) -> str:
@@ -80,59 +80,69 @@ def _translation(block: Block) -> Array:
     raise _unknown(block, "TranslationMethod", method)
 
 
-def _rotation(block: Block) -> Array:
-    method = block.parameters.get("RotationMethod", "None")
+def rotation_of(block: Block, prefix: str = "") -> Array:
+    """Rotation R_BF by a block's parameters ``RotationMethod`` and so on, after a prefix."""
+    method = block.parameters.get(prefix + "RotationMethod", "None")
     if method == "None":
         return np.eye(3)
     if method == "StandardAxis":
-        return _about(_axis(block, "RotationStandardAxis"), _number(block, "RotationAngle"))
+        return _about(
+            _axis(block, prefix + "RotationStandardAxis"), _number(block, prefix + "RotationAngle")
+        )
     if method == "ArbitraryAxis":
-        axis = _vector(block, "RotationArbitraryAxis", 3)
+        axis = _vector(block, prefix + "RotationArbitraryAxis", 3)
         length = np.linalg.norm(axis)
         if length == 0.0:
-            raise invalid_parameter(block, "RotationArbitraryAxis", "it must not be zero")
-        return _about(axis / length, _number(block, "RotationAngle"))
+            raise invalid_parameter(block, prefix + "RotationArbitraryAxis", "it must not be zero")
+        return _about(axis / length, _number(block, prefix + "RotationAngle"))
     if method == "AlignedAxes":
-        return _aligned(block)
+        return _aligned(block, prefix)
     if method == "RotationSequence":
-        sequence = str(block.parameters.get("RotationSequence", "XYZ"))
-        if block.parameters.get("RotationSequenceAxes", "FollowerAxes") == "BaseAxes":
+        sequence = str(block.parameters.get(prefix + "RotationSequence", "XYZ"))
+        if block.parameters.get(prefix + "RotationSequenceAxes", "FollowerAxes") == "BaseAxes":
             sequence = sequence.lower()
-        angles = _vector(block, "RotationSequenceAngles", 3)
+        angles = _vector(block, prefix + "RotationSequenceAngles", 3)
         try:
             return _clean(Rotation.from_euler(sequence, angles).as_matrix())
         except ValueError:
-            raise _unknown(block, "RotationSequence", sequence) from None
+            raise _unknown(block, prefix + "RotationSequence", sequence) from None
     if method == "RotationMatrix":
-        return _proper(block)
+        return _proper(block, prefix)
     if method == "Quaternion":
-        quaternion = _vector(block, "RotationQuaternion", 4)
+        quaternion = _vector(block, prefix + "RotationQuaternion", 4)
         if not np.any(quaternion):
-            raise invalid_parameter(block, "RotationQuaternion", "it must not be zero")
+            raise invalid_parameter(block, prefix + "RotationQuaternion", "it must not be zero")
         return _clean(Rotation.from_quat(np.roll(quaternion, -1)).as_matrix())
-    raise _unknown(block, "RotationMethod", method)
+    raise _unknown(block, prefix + "RotationMethod", method)
 
 
-def _aligned(block: Block) -> Array:
+def _aligned(block: Block, prefix: str) -> Array:
     """Two axes of the follower along two axes of the base; the third follows."""
     pairs = [
-        (_axis(block, f"FollAlignAxis{letter}"), _axis(block, f"BaseAlignAxis{letter}"))
+        (
+            _axis(block, f"{prefix}FollAlignAxis{letter}"),
+            _axis(block, f"{prefix}BaseAlignAxis{letter}"),
+        )
         for letter in "AB"
     ]
     (f1, b1), (f2, b2) = pairs
     if abs(f1 @ f2) > 0.5 or abs(b1 @ b2) > 0.5:
-        raise invalid_parameter(block, "BaseAlignAxisB", "the two axes must be at a right angle")
+        raise invalid_parameter(
+            block, prefix + "BaseAlignAxisB", "the two axes must be at a right angle"
+        )
     base = np.column_stack([b1, b2, np.cross(b1, b2)])
     follower = np.column_stack([f1, f2, np.cross(f1, f2)])
     R: Array = base @ follower.T
     return R
 
 
-def _proper(block: Block) -> Array:
-    rows = block.parameters.get("RotationMatrix")
+def _proper(block: Block, prefix: str) -> Array:
+    rows = block.parameters.get(prefix + "RotationMatrix")
     R = np.array(rows, dtype=float) if isinstance(rows, tuple) else np.zeros(0)
     if R.shape != (3, 3) or not np.allclose(R @ R.T, np.eye(3), atol=1e-6) or np.linalg.det(R) < 0:
-        raise invalid_parameter(block, "RotationMatrix", "it must be a proper rotation, 3 x 3")
+        raise invalid_parameter(
+            block, prefix + "RotationMatrix", "it must be a proper rotation, 3 x 3"
+        )
     return R
 
 
@@ -285,7 +295,8 @@ class PhysicalNetwork:
     """The physical connections of a flattened model, and the blocks at them.
 
     A connection carries a signal where one of its ends is a converter, a block of physical
-    signals, or a port of a joint or a sensor beyond its two frames. All others are frames.
+    signals, or a port of a joint or a sensor beyond its two frames, and a geometry at a contact.
+    All others are frames.
     """
 
     blocks: Mapping[str, Block]  # all blocks of the model, by SID
@@ -293,6 +304,7 @@ class PhysicalNetwork:
     frames: Mapping[str, int]  # port at a frame -> number of its node
     ports: Mapping[str, tuple[str, ...]]  # SID -> the block's ports at frames, by side and number
     signals: tuple[Node, ...]  # the port that puts the signal out comes first
+    geometries: tuple[Node, ...]  # shapes that touch
     physical: frozenset[str]  # SIDs of Simscape's blocks
     mechanical: frozenset[str]  # those of them that are more than signals
     sensed: frozenset[str]  # mechanical blocks that signals reach or leave
@@ -309,11 +321,16 @@ class PhysicalNetwork:
 def network_of(model: Model) -> PhysicalNetwork:
     """Sort the physical connections of a flattened model."""
     blocks = {block.sid: block for block in model.blocks}
-    carries = [any(_has_signal(port, blocks) for port in node) for node in model.nodes]
-    signals = [node for node, signal in zip(model.nodes, carries, strict=True) if signal]
-    frames = {
-        port: index for index, node in enumerate(model.nodes) if not carries[index] for port in node
-    }
+    signals: list[Node] = []
+    geometries: list[Node] = []
+    frames: dict[str, int] = {}
+    for index, node in enumerate(model.nodes):
+        if any(_has_signal(port, blocks) for port in node):
+            signals.append(node)
+        elif any(_has_geometry(port, blocks) for port in node):
+            geometries.append(node)
+        else:
+            frames |= dict.fromkeys(node, index)
     ends = {split_port(port)[0] for node in model.nodes for port in node}
     physical = {sid for sid, block in blocks.items() if _is_of_simscape(block)} | ends
     mechanical = {sid for sid in physical if not _is_signal(blocks[sid])}
@@ -326,6 +343,7 @@ def network_of(model: Model) -> PhysicalNetwork:
         signals=tuple(
             tuple(sorted(node, key=lambda port: not _puts_out(port, blocks))) for node in signals
         ),
+        geometries=tuple(geometries),
         physical=frozenset(physical),
         mechanical=frozenset(mechanical),
         sensed=frozenset(mechanical & reached),
@@ -353,6 +371,21 @@ def _has_signal(port: str, blocks: Mapping[str, Block]) -> bool:
     block = blocks[sid]
     two_frames = block.kind.endswith("Joint") or block.kind == "Transform Sensor"
     return _is_signal(block) or (two_frames and number > 1)
+
+
+_GEOMETRY = {  # kinds of blocks, and their ports at geometries
+    "Spatial Contact Force": (BASE, FOLLOWER),
+    "Point on Curve Constraint": (BASE,),
+    **dict.fromkeys(
+        ("Infinite Plane", "Point Cloud", "Spline", "Grid Surface", "Point", "Disk", "Convex Hull"),
+        (FOLLOWER,),
+    ),
+}
+
+
+def _has_geometry(port: str, blocks: Mapping[str, Block]) -> bool:
+    sid, side, number = split_port(port)
+    return f"{side}:{number}" in _GEOMETRY.get(blocks[sid].kind, ())
 
 
 def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:

@@ -37,6 +37,13 @@ def flatten(model: Model) -> Model:
     )
 
 
+def physical_part(model: Model) -> Model:
+    """Take away every boundary of the physical connections, and all signals."""
+    blocks = {block.sid: block for block in model.blocks}
+    leaves = tuple(block for block in model.blocks if _is_leaf(block))
+    return replace(model, blocks=leaves, wires=(), nodes=_nodes(model, blocks))
+
+
 def _is_open(block: Block) -> bool:
     """Whether it is a subsystem that one can look into."""
     return block.type == "SubSystem" and block.parameters.get("SFBlockType") == "NONE"

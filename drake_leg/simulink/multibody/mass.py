@@ -114,6 +114,22 @@ def of_mass(properties: MassProperties, mass: float) -> MassProperties:
     return MassProperties(mass=mass, center=properties.center, inertia=properties.inertia * scale)
 
 
+def composed(parts: Sequence[tuple[MassProperties, Array]]) -> MassProperties:
+    """Return the properties, in B, of solids with poses X_BR, (4, 4) [m]."""
+    mass = sum(part.mass for part, _ in parts)
+    if mass == 0.0:
+        return MassProperties(mass=0.0, center=np.zeros(3), inertia=np.zeros((3, 3)))
+    centers = [X[:3, :3] @ part.center + X[:3, 3] for part, X in parts]
+    weights = np.array([part.mass for part, _ in parts]) / mass
+    center = weights @ np.array(centers)
+    inertia = np.zeros((3, 3))
+    for (part, X), at in zip(parts, centers, strict=True):
+        arm = at - center
+        moved = (arm @ arm) * np.eye(3) - np.outer(arm, arm)
+        inertia += X[:3, :3] @ part.inertia @ X[:3, :3].T + part.mass * moved
+    return MassProperties(mass=float(mass), center=center, inertia=inertia)
+
+
 def _centered(mass: float, squares: Array) -> MassProperties:
     return _of_second_moments(mass, np.zeros(3), np.diag(squares))
 

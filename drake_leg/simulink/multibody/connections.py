@@ -1,0 +1,226 @@
+"""How the blocks of a Simulink model connect frames: rigidly, or by joints.
+
+All that is missing for a mechanism is collected, and raised at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.catalogue import JOINTS
+from drake_leg.simulink.mechanism import Frame, PhysicalNetwork, network_of, rigid_transform
+from drake_leg.simulink.model import Block, Model, vector
+from drake_leg.simulink.multibody.joints import Primitive, primitives_of
+from drake_leg.simulink.multibody.mass import Array, MassProperties
+from drake_leg.simulink.multibody.solids import GEOMETRIES, NO_MASS, REFERENCE, Solid
+from drake_leg.simulink.wiring import physical_part
+
+T = TypeVar("T")
+
+WORLD = "world"
+SOLIDS = (
+    "Brick Solid", "Cylindrical Solid", "Spherical Solid", "Ellipsoidal Solid", "Extruded Solid",
+    "Revolved Solid", "File Solid", "Solid", "Inertia", "Graphic",
+)  # fmt: skip
+PLACES = (
+    "Reference Frame", "World Frame", "Mechanism Configuration", "Transform Sensor",
+    "Infinite Plane", "Point Cloud", "Spline", "Grid Surface", "Point", "Disk", "Convex Hull",
+    "Connection Frame", "Joint Mode Configuration", "Inertia Sensor", "Rigid Transform",
+)  # fmt: skip
+FORCES = (
+    "Spatial Contact Force", "External Force and Torque", "Internal Force",
+    "Inverse Square Law Force", "Gravitational Field", "Spring and Damper Force",
+    "Magic Formula Tire Force and Torque",
+)  # fmt: skip
+CONSTRAINTS = (
+    "Point on Curve Constraint", "Angle Constraint", "Distance Constraint",
+    "Point on Surface Constraint", "Rack and Pinion Constraint", "Common Gear Constraint",
+    "Bevel Gear Constraint", "Worm and Gear Constraint",
+)  # fmt: skip
+KNOWN = frozenset((*SOLIDS, *PLACES, *FORCES, *CONSTRAINTS, *JOINTS))
+STANDARD_GRAVITY: tuple[float, ...] = (0.0, 0.0, -9.80665)  # [m/s^2]
+SHOWN = 20  # in an error
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rigid:
+    """Two frames that do not move with respect to each other."""
+
+    base: Frame
+    follower: Frame
+    X_BF: Array  # (4, 4) [m]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Jointed:
+    """Two frames that a joint connects."""
+
+    block: Block
+    primitives: tuple[Primitive, ...]  # from base to follower
+    base: Frame
+    follower: Frame
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Connections:
+    """All that connects the frames of a model."""
+
+    rigid: tuple[Rigid, ...]
+    joints: tuple[Jointed, ...]
+    solids: tuple[tuple[Frame, Solid], ...]  # with their reference frames
+    gravity: tuple[float, ...]  # [m/s^2]
+    left_out: Mapping[str, tuple[str, ...]]  # forces and constraints: kind of block -> names
+
+
+def connections_of(model: Model) -> Connections:
+    """Read what connects the frames of a model.
+
+    Raises
+    ------
+    InvalidValueError
+        That lists all that is missing: values, kinds of blocks.
+    """
+    reading = _Reading(model)
+    connections = reading.connections()
+    refuse(reading.problems)
+    return connections
+
+
+def refuse(problems: Sequence[str]) -> None:
+    """Raise all problems in one error, if there are any."""
+    if len(problems) == 1:
+        raise InvalidValueError(problems[0])
+    if problems:
+        shown = list(problems[:SHOWN])
+        if len(problems) > SHOWN:
+            shown.append(f"and {len(problems) - SHOWN} more")
+        raise InvalidValueError(
+            "\n  ".join((f"{len(problems)} things are missing for a mechanism", *shown))
+        )
+
+
+class _Reading:
+    def __init__(self, model: Model) -> None:
+        self._blocks = physical_part(model).blocks
+        self._network: PhysicalNetwork = network_of(physical_part(model))
+        self._problems: dict[str, None] = {}
+        self._mechanical = [block for block in self._blocks if block.sid in self._network.ports]
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What is wrong, each once."""
+        return tuple(self._problems)
+
+    def connections(self) -> Connections:
+        """Read all blocks; what is wrong is collected."""
+        rigid: list[Rigid] = []
+        joints: list[Jointed] = []
+        solids: list[tuple[Frame, Solid]] = []
+        for block in self._mechanical:
+            self._notice_unknown(block)
+            if block.kind == "World Frame":
+                rigid += self._at_world(block)
+            elif block.kind in ("Rigid Transform", "Weld Joint"):
+                rigid.append(self._rigid(block))
+            elif block.kind in JOINTS:
+                joints.append(self._joint(block))
+            elif block.kind in SOLIDS:
+                solid = Solid(block=block)
+                self._attempt(NO_MASS, _properties, solid)
+                solids.append((_own(block), solid))
+                rigid += self._at_solid(solid)
+        return Connections(
+            rigid=tuple(rigid),
+            joints=tuple(joints),
+            solids=tuple(solids),
+            gravity=self._gravity(),
+            left_out=self._left_out(),
+        )
+
+    def _attempt(self, otherwise: T, work: Callable[..., T], *arguments: object) -> T:
+        """Do a piece of work; collect its complaint."""
+        try:
+            return work(*arguments)
+        except InvalidValueError as error:
+            self._problems[str(error)] = None
+            return otherwise
+
+    def _notice_unknown(self, block: Block) -> None:
+        if block.unknown:
+            self._problems[block.unknown] = None
+        elif block.source.startswith("sm_lib") and block.kind not in KNOWN:
+            self._problems[
+                f"the block {block.name!r} (SID {block.sid}) is a {block.kind}, which is not "
+                "built: replace it by blocks that are"
+            ] = None
+
+    def _at_world(self, block: Block) -> list[Rigid]:
+        ports = self._network.ports[block.sid]
+        frames = (self._network.frame(port) for port in ports)
+        return [Rigid(base=WORLD, follower=frame, X_BF=np.eye(4)) for frame in frames]
+
+    def _rigid(self, block: Block) -> Rigid:
+        base, follower = self._network.ends(block)
+        X_BF = np.eye(4)
+        if block.kind == "Rigid Transform":
+            X_BF = self._attempt(X_BF, rigid_transform, block)
+        return Rigid(base=base, follower=follower, X_BF=X_BF)
+
+    def _joint(self, block: Block) -> Jointed:
+        base, follower = self._network.ends(block)
+        none: tuple[Primitive, ...] = ()
+        primitives = self._attempt(none, primitives_of, block)
+        return Jointed(block=block, primitives=primitives, base=base, follower=follower)
+
+    def _at_solid(self, solid: Solid) -> list[Rigid]:
+        """Connect the frames at a solid's ports with its reference frame."""
+        block, found = solid.block, []
+        ports = self._network.ports[block.sid]
+        for port in ports:
+            place = port.removeprefix(f"{block.sid}#")
+            # A solid whose only line is at R may be drawn with R on the other side.
+            name = solid.ports.get(place, REFERENCE if len(ports) == 1 else None)
+            if name is None:
+                self._problems[
+                    f"the block {block.name!r} (SID {block.sid}) has a line at its port {place}, "
+                    "where it has no frame: save the model again in Simulink"
+                ] = None
+            elif name not in GEOMETRIES:
+                X_RF = self._attempt(np.eye(4), solid.frame, name)
+                found.append(Rigid(base=_own(block), follower=self._network.frame(port), X_BF=X_RF))
+        return found
+
+    def _gravity(self) -> tuple[float, ...]:
+        """Return the gravity of the first configuration that is connected; none without one."""
+        for block in self._mechanical:
+            if block.kind == "Mechanism Configuration":
+                if block.parameters.get("UniformGravity", "Constant") != "Constant":
+                    break
+                given = self._attempt(STANDARD_GRAVITY, _gravity_vector, block)
+                return given if len(given) == 3 else STANDARD_GRAVITY
+        return (0.0, 0.0, 0.0)
+
+    def _left_out(self) -> dict[str, tuple[str, ...]]:
+        found: dict[str, list[str]] = {}
+        for block in self._blocks:
+            if block.kind in (*FORCES, *CONSTRAINTS) and block.source.startswith("sm_lib"):
+                found.setdefault(block.kind, []).append(block.name)
+        return {kind: tuple(names) for kind, names in found.items()}
+
+
+def _own(block: Block) -> Frame:
+    """Name the reference frame of a solid, whether it has a port there or not."""
+    return f"{block.sid}#{REFERENCE}"
+
+
+def _properties(solid: Solid) -> MassProperties:
+    return solid.properties
+
+
+def _gravity_vector(block: Block) -> tuple[float, ...]:
+    return vector(block.parameters.get("GravityVector"))
