@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
-from drake_leg.cli.model_files import add_model_options, is_model, opened
+from drake_leg.cli.model_files import add_model_options, is_model, opened, refuse_model_options
 from drake_leg.cli.terminal import option_of, picture, refuse_ignored
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError, require_matplotlib
@@ -78,10 +78,7 @@ def _diagram(chosen: argparse.Namespace) -> int:
 def _picture(chosen: argparse.Namespace) -> str:
     if is_model(chosen.name):
         return _model(chosen)
-    refuse_ignored(
-        {"--path": bool(chosen.path), "--variant": bool(chosen.variant)},
-        "is for Simulink models and means nothing to a run",
-    )
+    refuse_model_options(chosen)
     return _frames(chosen) if chosen.part == "frames" else _blocks(chosen)
 
 

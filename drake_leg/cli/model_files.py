@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drake_leg.cli.terminal import refuse_ignored
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink import ENDINGS
 
@@ -53,3 +54,11 @@ def opened(path: Path, chosen: argparse.Namespace) -> Model:
             )
         variants[block] = choice
     return read_model(path, paths=chosen.path, variants=variants)
+
+
+def refuse_model_options(chosen: argparse.Namespace) -> None:
+    """Refuse these options where no Simulink model is named."""
+    refuse_ignored(
+        {"--path": bool(chosen.path), "--variant": bool(chosen.variant)},
+        "is for Simulink models and means nothing here",
+    )

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.inputs import ParSource, RobotSource, add_robot_source, robot_source
+from drake_leg.cli.model_files import add_model_options, is_model, refuse_model_options
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -41,9 +42,11 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Print a robot's SDF for Drake or Gazebo, or write it to a file. With --toml, "
         "write the robot as TOML instead, to start one of your own; with --par, as a file of "
-        "SYMORO."
+        "SYMORO. Of a Simulink model, write the mechanism, proved to be that of its blocks: "
+        "masses, inertias and frames."
     )
     add_robot_source(parser)
+    add_model_options(parser)
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument("--toml", action="store_true", help="write TOML instead of SDF")
     instead.add_argument(
@@ -62,6 +65,11 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
 def _sdf(chosen: argparse.Namespace) -> int:
     if chosen.out is None:
         refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --out")
+    if is_model(chosen.robot):
+        from drake_leg.cli.mechanisms import write_mechanism
+
+        return write_mechanism(chosen)
+    refuse_model_options(chosen)
     source = robot_source(chosen.robot, chosen.numbers)
     robot = source.robot()
     for finding in (*_slips(source), *_doubts(source)):

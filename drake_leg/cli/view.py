@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +16,7 @@ from drake_leg.cli.inputs import (
     posture,
     robot_source,
 )
+from drake_leg.cli.model_files import add_model_options, is_model, refuse_model_options
 from drake_leg.cli.terminal import (
     add_view,
     numbers,
@@ -30,7 +33,9 @@ from drake_leg.runs.options import TASK
 
 if TYPE_CHECKING:
     from drake_leg.scene.driven_foot import Step
+    from drake_leg.scene.scene import View
     from drake_leg.scene.server import Server
+    from drake_leg.scene.shown_plant import Showable
 
 HOST = "localhost"
 LEAVING = (
@@ -57,11 +62,13 @@ def configure_view(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Open a robot in the browser, in Meshcat: the frames of its table (x red, y "
         "green, z blue), a slider and a box for every joint, the trace of its tip, and the "
-        "reports' views. Or write one picture, without a browser, with --still."
+        "reports' views. Or write one picture, without a browser, with --still. A Simulink model "
+        "stands as it starts, at the state targets of its joints, its loops closed."
     )
     parser.epilog = LEAVING
     add_robot_source(parser)
     add_posture(parser)
+    add_model_options(parser)
     _add_server(parser)
     parser.add_argument(
         "--still", type=Path, metavar="FILE.png", help="write one picture instead, and end"
@@ -79,9 +86,12 @@ def _view(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.scene import as_view
     from drake_leg.scene.viewer import view_served
 
+    view = as_view(chosen.view)
+    if is_model(chosen.robot):
+        return _view_model(chosen, view)
+    refuse_model_options(chosen)
     robot = robot_source(chosen.robot, chosen.numbers).robot()
     q = posture(chosen.robot, robot, chosen.q)
-    view = as_view(chosen.view)
     try:
         with _start_server(chosen, robot.title) as server:
             left_at = view_served(robot, q, server, view=view, once=chosen.once)
@@ -91,23 +101,58 @@ def _view(chosen: argparse.Namespace) -> int:
     return 0
 
 
+def _view_model(chosen: argparse.Namespace, view: View) -> int:
+    """Show the mechanism of a Simulink model, as it starts."""
+    from drake_leg.cli.mechanisms import shown_mechanism
+    from drake_leg.scene.viewer import view_served
+
+    _refuse_posture(chosen)
+    path = Path(chosen.robot)
+    with (
+        suppress(KeyboardInterrupt),
+        shown_mechanism(path, chosen) as shown,
+        _start_server(chosen, path.stem) as server,
+    ):
+        view_served(shown, None, server, view=view, once=chosen.once)
+    return 0
+
+
+def _refuse_posture(chosen: argparse.Namespace) -> None:
+    why = "is for robots: a Simulink model is shown at its state targets"
+    refuse_ignored({"--q": chosen.q is not None, "--set": bool(chosen.numbers)}, why)
+
+
 def _still(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.media import still
     from drake_leg.scene.scene import as_view
 
-    robot = robot_source(chosen.robot, chosen.numbers).robot()
-    q = posture(chosen.robot, robot, chosen.q)
     view = as_view(chosen.view)
     require_pillow()
     with (
+        _seen(chosen) as (what, q),
         picture(f"the still {chosen.still}"),
         place_given_by("--still"),
         whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch,
     ):
-        scratch.write_bytes(still(robot, q, view=view).png)
+        scratch.write_bytes(still(what, q, view=view).png)
     print(f"wrote {chosen.still}")
     remark_if_sketched()
     return 0
+
+
+@contextmanager
+def _seen(chosen: argparse.Namespace) -> Iterator[tuple[Showable, list[float] | None]]:
+    """Yield what the picture shows, and its posture."""
+    if is_model(chosen.robot):
+        from drake_leg.cli.mechanisms import shown_mechanism
+
+        _refuse_posture(chosen)
+        with shown_mechanism(Path(chosen.robot), chosen) as shown:
+            yield shown, None
+        return
+    refuse_model_options(chosen)
+    robot = robot_source(chosen.robot, chosen.numbers).robot()
+    yield robot, posture(chosen.robot, robot, chosen.q)
 
 
 # --- a robot driven --------------------------------------------------------------------------

@@ -272,7 +272,7 @@ _OTHERS: dict[str, Parameters] = {
     "Spherical Solid": _SPHERE + _SOLID,
     "Ellipsoidal Solid": _ELLIPSOID + _SOLID,
     "File Solid": choices(ExtGeomFileName="", ExtGeomFileUnits="m") + _SOLID,
-    "Extruded Solid": _SOLID,
+    "Extruded Solid": choices(ExtrusionType="General") + numbers(PolygonNumSides="3") + _SOLID,
     "Revolved Solid": _SOLID,
     "Solid": choices(GeometryShape="Brick") + _BRICK + _CYLINDER + _SPHERE + _ELLIPSOID + _SOLID,
     "Inertia": choices(InertiaType="PointMass") + _INERTIA,

@@ -7,20 +7,24 @@ Drake's at random postures; so is the inertia of all solids.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import BallRpyJoint
-from pydrake.systems.framework import Context
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.mechanism import Frame, inverse
+from drake_leg.simulink.multibody.assembly import Assembly
 from drake_leg.simulink.multibody.bodies import Joint, Mechanism
 from drake_leg.simulink.multibody.connections import WORLD
 from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.meshes import write_meshes
 from drake_leg.simulink.multibody.sdf import floats, joint_names, link_names, mechanism_sdf, outward
 
 TOLERANCE = 1e-12  # of 1, of the greatest distance [m], of the greatest inertia
@@ -43,6 +47,21 @@ class MechanismProof:
         """Whether all differences are rounding."""
         return max(self.pose, self.mass, self.inertia) <= TOLERANCE
 
+    def sentence(self, mechanism: Mechanism) -> str:
+        """Say what the mechanism is, and how well its plant agrees with the blocks."""
+        mass = sum(body.properties.mass for body in mechanism.bodies)
+        worst = max(self.pose, self.mass, self.inertia)
+        return (
+            f"{_counted(len(mechanism.bodies) - 1, 'body', 'bodies')}, "
+            f"{_counted(len(mechanism.joints), 'joint', 'joints')}, {mass:.6g} kg; "
+            f"{_counted(self.frames, 'frame', 'frames')} and the inertia of "
+            f"{_counted(self.solids, 'solid', 'solids')} agree with the blocks to {worst:.0e}"
+        )
+
+
+def _counted(number: int, one: str, more: str) -> str:
+    return f"{number} {one if number == 1 else more}"
+
 
 def mechanism_plant(mechanism: Mechanism, text: str | None = None) -> MultibodyPlant:
     """Parse a mechanism's SDF into a continuous, finalized plant with the model's gravity.
@@ -53,14 +72,41 @@ def mechanism_plant(mechanism: Mechanism, text: str | None = None) -> MultibodyP
         If Drake refuses the model.
     """
     plant = MultibodyPlant(time_step=0.0)
+    _fill(plant, mechanism, text or mechanism_sdf(mechanism))
+    return plant
+
+
+def _fill(plant: MultibodyPlant, mechanism: Mechanism, text: str) -> None:
+    """Parse a mechanism into a plant, whose default positions are the mechanism's start."""
     try:
-        Parser(plant).AddModelsFromString(text or mechanism_sdf(mechanism), "sdf")
+        Parser(plant).AddModelsFromString(text, "sdf")
         plant.mutable_gravity_field().set_gravity_vector(list(mechanism.connections.gravity))
         plant.Finalize()
     except RuntimeError as error:
         reason = " ".join(str(error).split())
         raise InvalidValueError(f"Drake refuses the mechanism: {reason}") from None
-    return plant
+    context = plant.CreateDefaultContext()
+    start, _ = Assembly(mechanism).closed()
+    set_posture(plant, context, mechanism, start)
+    plant.SetDefaultPositions(plant.GetPositions(context))
+
+
+def mechanism_scene(mechanism: Mechanism, folder: Path) -> Diagram:
+    """Build a diagram of a mechanism's plant and what is seen of it.
+
+    Meshes of shapes are written to a folder, which must stay as long as the diagram is used.
+
+    Raises
+    ------
+    InvalidValueError
+        If Drake refuses the model.
+    """
+    builder = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
+    plant.set_name(mechanism.name)
+    meshes = write_meshes(mechanism, folder)
+    _fill(plant, mechanism, mechanism_sdf(mechanism, meshes=meshes))
+    return builder.Build()
 
 
 def set_posture(plant: MultibodyPlant, context: Context, mechanism: Mechanism, q: Array) -> None:
@@ -86,12 +132,10 @@ def _set_joint(
         plant.SetFreeBodyPose(context, plant.GetBodyByName(links[_child(joint)]), X_WB)
         return
     places = np.cumsum([0, *(each.positions for each in joint.primitives)])
-    parts = [q[a:b] for a, b in zip(places, places[1:], strict=False)]
+    parts = [q[a:b] for a, b in pairwise(places)]
     if joint.reversed:
         parts.reverse()
-    for name, (primitive, sign), part in zip(
-        joint_names(joint), outward(joint), parts, strict=True
-    ):
+    for name, (_, sign), part in zip(joint_names(joint), outward(joint), parts, strict=True):
         simple = plant.GetJointByName(name)
         if isinstance(simple, BallRpyJoint):
             R = Rotation.from_rotvec(sign * part).as_matrix()
@@ -200,7 +244,7 @@ def _inertias_apart(
             solid.properties.mass, solid.properties.center, solid.properties.inertia, X_WF[frame]
         )
     theirs = np.zeros((4, 4))
-    for body, link in zip(mechanism.bodies, link_names(mechanism), strict=True):
+    for link in link_names(mechanism):
         if link == WORLD:
             continue
         M = plant.GetBodyByName(link).default_spatial_inertia()
