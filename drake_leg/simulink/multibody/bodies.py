@@ -29,6 +29,7 @@ from drake_leg.simulink.multibody.solids import Solid
 
 CLOSED = 1e-6  # [m, -], of a rigid loop
 FREE = "6-DOF Joint"
+SHOWN = 5  # solids in an error
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -118,7 +119,19 @@ def mechanism_of(model: Model) -> Mechanism:
         raise InvalidValueError(
             f"the model {model.name!r} holds no mechanism: it has no solid and no joint"
         )
-    return _Tree(connections, Names(model)).mechanism(model.name)
+    mechanism = _Tree(connections, Names(model)).mechanism(model.name)
+    refuse([_impossible(body) for body in mechanism.bodies if not body.properties.is_possible])
+    return mechanism
+
+
+def _impossible(body: Body) -> str:
+    moments, _ = body.properties.principal()
+    solids = ", ".join(repr(solid.block.name) for solid, _ in body.solids[:SHOWN])
+    return (
+        f"nothing can have the principal moments of inertia of {body.name!r}, "
+        f"{', '.join(f'{moment:.4g}' for moment in moments)} kg*m^2, of which none may be "
+        f"negative or more than the sum of the others: correct the inertia of {solids}"
+    )
 
 
 @dataclass(kw_only=True)

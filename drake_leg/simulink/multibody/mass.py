@@ -20,6 +20,9 @@ from drake_leg.errors import InvalidValueError
 Array: TypeAlias = NDArray[np.float64]
 
 
+ROUNDING = 1e-9  # of the greatest moment of inertia
+
+
 @dataclass(frozen=True, kw_only=True)
 class MassProperties:
     """Mass properties of a solid S."""
@@ -27,6 +30,27 @@ class MassProperties:
     mass: float  # [kg]
     center: Array  # (3,) p_RScm [m]
     inertia: Array  # (3, 3) I_SScm_R about the center of mass [kg*m^2]
+
+    def principal(self) -> tuple[Array, Array]:
+        """Return the principal moments, ascending [kg*m^2], and their axes, the columns of R_SP.
+
+        Where the greatest moment exceeds the sum of the others by rounding, as of a thin plate, it
+        is that sum.
+        """
+        moments, axes = np.linalg.eigh(self.inertia)
+        excess = moments[2] - moments[0] - moments[1]
+        if 0.0 < excess <= ROUNDING * moments[2]:
+            moments[2] = moments[0] + moments[1]
+        if np.linalg.det(axes) < 0.0:
+            axes[:, 2] *= -1.0
+        return moments, axes
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether a body can have it: no moment is negative, or more than the two others."""
+        moments, _ = self.principal()
+        least = -ROUNDING * abs(moments[2])
+        return bool(moments[0] >= least and moments[2] - moments[0] - moments[1] <= 0.0)
 
 
 def brick(edges: Sequence[float], density: float) -> MassProperties:

@@ -24,7 +24,7 @@ def write_meshes(mechanism: Mechanism, folder: Path) -> dict[Solid, str]:
         if isinstance(solid.shape, Extrusion | Revolution) and solid.is_drawn:
             path = folder / f"{number}.obj"
             path.write_text(obj(*mesh(solid.shape)), encoding="utf-8")
-            found[solid] = str(path)
+            found[solid] = path.as_uri()
     return found
 
 
@@ -67,8 +67,8 @@ def _revolved(shape: Revolution) -> tuple[Array, list[Triangle]]:
         for here in range(count):
             after = (here + 1) % count
             triangles += [
-                (near + here, near + after, far + after),
-                (near + here, far + after, far + here),
+                (near + here, far + after, near + after),
+                (near + here, far + here, far + after),
             ]
     if shape.angle < math.tau:
         last = steps * count

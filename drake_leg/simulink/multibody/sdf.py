@@ -24,13 +24,12 @@ from drake_leg.models.sdf_parts import (
 from drake_leg.simulink.multibody.bodies import FREE, Body, Joint, Mechanism
 from drake_leg.simulink.multibody.connections import WORLD
 from drake_leg.simulink.multibody.joints import Primitive
-from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.mass import ROUNDING, Array
 from drake_leg.simulink.multibody.naming import word
 from drake_leg.simulink.multibody.solids import Brick, Cylinder, Ellipsoid, Shape, Solid
 
 GROUND = "ground"  # the link of what is fixed on the world
 _TYPES = {"turn": "revolute", "slide": "prismatic", "ball": "ball"}
-_NEAR = 1e-9  # of the greatest moment of inertia
 
 
 def mechanism_sdf(mechanism: Mechanism, *, meshes: Mapping[Solid, str] | None = None) -> str:
@@ -70,8 +69,9 @@ def floats(mechanism: Mechanism, joint: Joint) -> bool:
 
 def link_names(mechanism: Mechanism) -> tuple[str, ...]:
     """Name the links of a mechanism's bodies; what is fixed on the world has a link of its own."""
-    ground, *others = (body.name for body in mechanism.bodies)
-    return (GROUND if mechanism.bodies[0].solids else ground, *others)
+    world, *others = (body.name for body in mechanism.bodies)
+    carries = any(0 in (joint.base, joint.follower) for joint in mechanism.loops)
+    return (GROUND if carries or mechanism.bodies[0].solids else world, *others)
 
 
 class _Writer:
@@ -84,7 +84,7 @@ class _Writer:
     def write(self) -> None:
         """Write the links from the world on, then joints that are cut."""
         mechanism = self._mechanism
-        if mechanism.bodies[0].solids:
+        if self._links[0] == GROUND:
             self._add_link(GROUND, mechanism.bodies[0])
             self._add_joint_between(f"{GROUND}_weld", "fixed", WORLD, GROUND)
         for body in mechanism.floating:
@@ -184,22 +184,14 @@ def _add_mass(link: ET.Element, body: Body | None) -> None:
         return
     properties = body.properties
     center, inertia = properties.center.tolist(), properties.inertia
-    moments, R_LP = np.linalg.eigh(inertia)
-    if moments[2] - moments[0] - moments[1] < -_NEAR * moments[2]:
+    moments, R_LP = properties.principal()
+    if moments[2] < (1.0 - ROUNDING) * (moments[0] + moments[1]):
         products = (inertia[0, 1], inertia[0, 2], inertia[1, 2])
         diagonal = np.diag(inertia).tolist()
         add_inertial(link, center, properties.mass, diagonal, products, show=number)
-        return
-    # Of a thin body: parsers would compute principal moments with rounding, and refuse them.
-    if np.linalg.det(R_LP) < 0.0:
-        R_LP[:, 2] *= -1.0
-    moments[2] = min(moments[2], moments[0] + moments[1]) if _is_thin(moments) else moments[2]
-    add_inertial(link, center, properties.mass, moments.tolist(), show=number, R_LP=R_LP)
-
-
-def _is_thin(moments: Array) -> bool:
-    """Whether the triangle inequality fails by no more than rounding."""
-    return bool(moments[2] - moments[0] - moments[1] <= _NEAR * moments[2])
+    else:  # thin: parsers would compute principal moments with rounding, and refuse them
+        least = np.clip(moments, 0.0, None).tolist()
+        add_inertial(link, center, properties.mass, least, show=number, R_LP=R_LP)
 
 
 def _geometry(shape: Shape | None, mesh: str) -> ET.Element | None:

@@ -1,0 +1,80 @@
+"""``drake-leg sdf`` and ``view`` of Simulink models."""
+
+import pytest
+from mechanism_models import four_bar, pendulum
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+
+from drake_leg.cli import main
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(capsys, *words):
+    status = main([*map(str, words)])
+    return (status, *capsys.readouterr())
+
+
+def test_a_mechanism_is_written_and_drake_reads_it(here, capsys):
+    pendulum().write(here / "m.slx")
+    status, out, err = run(capsys, "sdf", "m.slx", "--out", "m.sdf")
+    assert (status, err) == (0, "")
+    assert out.startswith("wrote m.sdf: 1 body, 1 joint, 0.4 kg; 6 frames and the inertia of 1 ")
+    plant = MultibodyPlant(0.0)
+    Parser(plant).AddModels("m.sdf")
+    assert run(capsys, "sdf", "m.slx")[1] == (here / "m.sdf").read_text(encoding="utf-8")
+
+
+def test_what_is_not_in_the_sdf_is_said(here, capsys):
+    built = four_bar()
+    built.add_library("sm_lib/Forces and Torques/External Force and Torque", "Push")
+    built.body("Spherical Solid", "Ball", SphereRadius="1")
+    built.transform("Beside")
+    built.meet("Ball", "Beside lconn:1")
+    built.write(here / "m.slx")
+    status, _, err = run(capsys, "sdf", "m.slx", "--out", "m.sdf")
+    assert status == 0
+    assert "left out, as SDF has no such element: External Force and Torque (1)" in err
+    assert "the tree that is cut at D, with the two frames" in err
+    assert "so they float: Ball" in err
+
+
+def test_all_that_is_missing_is_said_with_the_file(here, capsys):
+    pendulum(SpringStiffness="stiff").set("Rod", Density="heavy").write(here / "m.slx")
+    for words in (("sdf", "m.slx", "--out", "m.sdf"), ("view", "m.slx", "--still", "m.png")):
+        status, out, err = run(capsys, *words)
+        assert (status, out) == (2, "")
+        assert err.startswith("drake-leg: m.slx: 2 things are missing for a mechanism\n")
+        assert "'stiff'" in err
+        assert "'heavy'" in err
+    assert [path.name for path in here.iterdir()] == ["m.slx"]
+
+
+def test_a_mechanism_stands_at_its_targets(here, capsys):
+    pendulum(PositionTargetSpecify="on", PositionTargetValue="30").write(here / "m.slx")
+    assert run(capsys, "view", "m.slx", "--still", "m.png") == (0, "wrote m.png\n", "")
+    assert (here / "m.png").stat().st_size > 5000
+    status, out, _ = run(capsys, "view", "m.slx", "--once")
+    assert status == 0
+    assert out.startswith("m: http://localhost:")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("sdf", "m.slx", "--toml"),
+        ("sdf", "m.slx", "--par"),
+        ("view", "m.slx", "--q", "0"),
+        ("sdf", "leg-b", "--path", "."),
+        ("view", "leg-b", "--variant", "A=B"),
+    ],
+)
+def test_options_of_the_other_kind_are_refused(here, capsys, words):
+    pendulum().write(here / "m.slx")
+    status, out, err = run(capsys, *words)
+    assert (status, out) == (2, "")
+    assert err.startswith(f"drake-leg: {words[2]} ")

@@ -1,0 +1,52 @@
+"""Loops closed near the state targets, compared with the closed form of a four-bar."""
+
+import math
+
+import numpy as np
+import pytest
+from mechanism_models import four_bar, pendulum
+
+from drake_leg.simulink.multibody.assembly import Assembly
+
+GROUND, CRANK, COUPLER, ROCKER = 0.4, 0.1, 0.35, 0.25
+
+
+def closed_form(crank):
+    """Angles of coupler and rocker from the triangle that the diagonal makes [rad]."""
+    x, y = CRANK * math.cos(crank), CRANK * math.sin(crank)
+    diagonal, along = math.hypot(GROUND - x, y), math.atan2(-y, GROUND - x)
+    at_coupler = math.acos((COUPLER**2 + diagonal**2 - ROCKER**2) / (2.0 * COUPLER * diagonal))
+    return along, at_coupler
+
+
+@pytest.mark.parametrize("degrees", [20, 60, 100, 170])
+def test_a_four_bar_closes_where_its_triangles_do(tmp_path, degrees):
+    texts = {"PositionTargetSpecify": "on", "PositionTargetValue": str(degrees)}
+    built = four_bar(GROUND, CRANK, COUPLER, ROCKER, **texts)
+    q, gap = Assembly(built.mechanism(tmp_path)).closed()
+    assert gap < 1e-10
+    crank = math.radians(degrees)
+    assert q[0] == pytest.approx(crank, abs=1e-12)  # its target has high priority
+    along, at_coupler = closed_form(crank)
+    coupler = (q[0] + q[1] - along + math.pi) % math.tau - math.pi
+    assert abs(coupler) == pytest.approx(at_coupler, abs=1e-9)
+
+
+def test_targets_give_way_where_they_contradict_each_other(tmp_path):
+    texts = {"PositionTargetSpecify": "on", "PositionTargetValue": "40"}
+    built = four_bar(**texts).set("B", **texts).set("C", **texts)
+    assembly = Assembly(built.mechanism(tmp_path))
+    q, gap = assembly.closed()
+    assert gap < 1e-10
+    assert np.abs(q - assembly.targets[:3]).max() > 1e-3
+
+
+def test_what_cannot_close_says_how_far_it_is_apart(tmp_path):
+    _, gap = Assembly(four_bar(ground=2.0).mechanism(tmp_path)).closed()
+    assert gap > 0.5
+
+
+def test_a_tree_stays_at_its_targets(tmp_path):
+    texts = {"PositionTargetSpecify": "on", "PositionTargetValue": "40"}
+    q, gap = Assembly(pendulum(**texts).mechanism(tmp_path)).closed()
+    assert (q.tolist(), gap) == ([pytest.approx(math.radians(40))], 0.0)
