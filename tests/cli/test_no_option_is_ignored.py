@@ -93,6 +93,11 @@ MEANINGLESS = [
             ("diagram", " --out a.svg"),
         )
     ),
+    *(
+        (command, f"leg-b {option}", "is for Simulink models and means nothing here")
+        for command in ("sdf", "view")
+        for option in ("--path .", "--variant A=B")
+    ),
     ("replay", "somewhere --set D3=1 --out a.html", "means nothing without --robot"),
     *(("run", words, said) for words, said in OF_RUNS_MEANINGLESS),
     ("run", "leg-b --accuracy 1e-6 --integrator explicit_euler", "means nothing to it"),
