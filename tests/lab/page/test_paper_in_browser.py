@@ -24,23 +24,24 @@ PLACE = re.compile(rb"/(\w+) \[(\d+) 0 R /XYZ [\d.]+ ([\d.]+) 0\]")
 @pytest.fixture(scope="module")
 def visited(browser, folder):
     """The page at a width, its pictures loaded."""
-    pages = []
+    page = browser.new_page(viewport={"width": 360, "height": 844})
+    page.goto((folder / "report.html").as_uri())
 
-    def visit(width, **settings):
-        page = browser.new_page(viewport={"width": width, "height": 844}, **settings)
-        pages.append(page)
-        page.goto((folder / "report.html").as_uri())
+    def visit(width, color_scheme="light", media="screen"):
+        page.emulate_media(color_scheme=color_scheme, media=media)
+        page.set_viewport_size({"width": width, "height": 844})
+        page.wait_for_function(f"innerWidth === {width}")
         page.wait_for_function("[...document.images].every(i => i.complete && i.naturalWidth)")
         return page
 
     yield visit
-    for page in pages:
-        page.close()
+    page.close()
 
 
 @pytest.fixture(scope="module")
 def paper(visited):
-    pdf = visited(1440).pdf(format="A4", print_background=True, prefer_css_page_size=True)
+    page = visited(1440, media="print")
+    pdf = page.pdf(format="A4", print_background=True, prefer_css_page_size=True)
     sizes = {int(found[1]): BOX.search(found[2]) for found in PAGE.finditer(pdf)}
     pages = {number: (float(box[1]), float(box[2])) for number, box in sizes.items()}
     places = {name.decode(): (int(page), float(y)) for name, page, y in PLACE.findall(pdf)}
@@ -78,8 +79,8 @@ def test_wide_screens_show_what_is_drawn_for_them(visited, width, scheme):
 
 
 def test_paper_is_light_and_its_figures_are_narrow_unless_that_makes_them_tall(visited):
-    page = visited(680, color_scheme="dark")  # the width of A4 between margins of 15 mm
-    page.emulate_media(media="print", color_scheme="dark")
+    # The width of A4 between margins of 15 mm.
+    page = visited(680, color_scheme="dark", media="print")
     assert {shown(page, item)[0][0] for item in IN_3D} == {"light"}
     tall = "found => found.filter(i => i.getClientRects().length && i.height > 450).length"
     assert page.locator("section:not(.blocks) img").evaluate_all(tall) == 0
