@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from shutil import copy
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.model_files import opened
 from drake_leg.cli.terminal import fail, refuse_ignored, remark
-from drake_leg.files import check_file, write_text
+from drake_leg.files import ResultsFolder, check_file, write_text
 
 if TYPE_CHECKING:
     from drake_leg.simulink.multibody.bodies import Mechanism
+    from drake_leg.simulink.multibody.meshes import Meshes
 
 DISAGREES = 1
+SHOWN = 5  # names in a sentence
 
 
 def write_mechanism(chosen: argparse.Namespace) -> int:
     """Write the mechanism of a model as SDF, once the plant of it is proved."""
     from drake_leg.simulink.multibody.plant import mechanism_plant, prove_mechanism
-    from drake_leg.simulink.multibody.sdf import mechanism_sdf
 
     refuse_ignored(
         {"--toml": chosen.toml, "--par": chosen.par}, "is for robots, and a Simulink model is none"
@@ -30,8 +32,7 @@ def write_mechanism(chosen: argparse.Namespace) -> int:
     if chosen.out is not None:
         check_file(chosen.out, endings=(".sdf",), overwrite=chosen.overwrite)
     mechanism = read_mechanism(Path(chosen.robot), chosen)
-    text = mechanism_sdf(mechanism)
-    proof = prove_mechanism(mechanism, mechanism_plant(mechanism, text))
+    proof = prove_mechanism(mechanism, mechanism_plant(mechanism))
     if not proof.holds:
         return fail(
             f"the plant of {chosen.robot} differs from its blocks, by {proof.pose:.1e} in poses, "
@@ -39,13 +40,58 @@ def write_mechanism(chosen: argparse.Namespace) -> int:
             DISAGREES,
         )
     if chosen.out is None:
-        print(text, end="")
+        from drake_leg.simulink.multibody.sdf import mechanism_sdf
+
+        print(mechanism_sdf(mechanism), end="")
     else:
-        write_text(chosen.out, text, ending=".sdf", overwrite=chosen.overwrite)
+        made = _write(mechanism, chosen)
         print(f"wrote {chosen.out}: {proof.sentence(mechanism)}")
+        if made is not None:
+            print(f"wrote {made}")
     for sentence in remarks(mechanism):
         remark(sentence)
     return 0
+
+
+def _write(mechanism: Mechanism, chosen: argparse.Namespace) -> Path | None:
+    """Write the SDF, and a folder of meshes beside it where there are any."""
+    from drake_leg.simulink.multibody.meshes import write_meshes
+    from drake_leg.simulink.multibody.sdf import mechanism_sdf
+
+    place = chosen.out.with_name(f"{chosen.out.stem}_meshes")
+    with TemporaryDirectory() as scratch:
+        meshes = write_meshes(mechanism, Path(scratch), _places(chosen))
+        if meshes.names:
+            folder = ResultsFolder(place, overwrite=chosen.overwrite)
+            with folder.begun() as inside:
+                for name in meshes.names.values():
+                    copy(Path(scratch) / name, inside / name)
+    _remark_hidden(meshes)
+    addresses = {solid: f"{place.name}/{name}" for solid, name in meshes.names.items()}
+    text = mechanism_sdf(mechanism, meshes=addresses)
+    write_text(chosen.out, text, ending=".sdf", overwrite=chosen.overwrite)
+    return place if meshes.names else None
+
+
+def _places(chosen: argparse.Namespace) -> tuple[Path, ...]:
+    """List the folders where files of geometry may lie."""
+    return (Path(chosen.robot).absolute().parent, *chosen.path)
+
+
+def _remark_hidden(meshes: Meshes) -> None:
+    if meshes.missing:
+        remark(
+            f"not shown, as {_some(meshes.missing)} lies neither beside the model nor in a folder "
+            "that --path names"
+        )
+    if meshes.unread:
+        reasons = set(meshes.unread.values())
+        remark(f"not shown: {_some(list(meshes.unread))} ({'; '.join(sorted(reasons))})")
+
+
+def _some(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:SHOWN])
+    return shown if len(names) <= SHOWN else f"{shown} and {len(names) - SHOWN} more"
 
 
 def read_mechanism(path: Path, chosen: argparse.Namespace) -> Mechanism:
@@ -83,10 +129,14 @@ def remarks(mechanism: Mechanism) -> Iterator[str]:
 @contextmanager
 def shown_mechanism(path: Path, chosen: argparse.Namespace) -> Iterator[object]:
     """Yield a model's mechanism as something to be shown, at its state targets."""
+    from drake_leg.simulink.multibody.meshes import write_meshes
     from drake_leg.simulink.multibody.plant import mechanism_scene
 
     mechanism = read_mechanism(path, chosen)
     for sentence in remarks(mechanism):
         remark(sentence)
     with TemporaryDirectory() as folder:
-        yield mechanism_scene(mechanism, Path(folder))
+        meshes = write_meshes(mechanism, Path(folder), _places(chosen))
+        _remark_hidden(meshes)
+        paths = {solid: Path(folder) / name for solid, name in meshes.names.items()}
+        yield mechanism_scene(mechanism, paths)

@@ -391,6 +391,7 @@ BUILT_IN: dict[str, Parameters] = {
     "Inport": numbers(Port="1"),
     "Outport": numbers(Port="1"),
     "PMIOPort": choices(Side="Left") + numbers(Port="1"),
+    "SimscapeBus": choices(HierarchyStrings="connection1;connection2"),
     "SubSystem": choices(SFBlockType="NONE"),
     "Scope": numbers(NumInputPorts="1"),
     "ToWorkspace": choices(VariableName="simout"),

@@ -13,14 +13,16 @@ _GATES = {"enable": "EnablePort", "trigger": "TriggerPort", "ifaction": "ActionP
 _ROUTING = ("Goto", "From", "GotoTagVisibility")
 _LABELS = ("Connection Label", "ConnectionLabel")
 _CONNECTION_PORTS = ("PMIOPort", "Connection Port")
+_BUS = "SimscapeBus"
 
 
 def flatten(model: Model) -> Model:
     """Take away every boundary, so that wires and nodes lead from leaf block to leaf block.
 
     Subsystems, virtual or atomic, go with their Inport, Outport and Connection Port blocks, and so
-    do Goto, From and Connection Labels. Inport and Outport blocks of the top stay. Wires have the
-    name that is nearest to their target. `Block.system` still tells where a block was.
+    do Goto, From, Connection Labels and Simscape Buses. Inport and Outport blocks of the top stay.
+    Wires have the name that is nearest to their target. `Block.system` still tells where a block
+    was.
 
     Raises
     ------
@@ -52,6 +54,8 @@ def _is_open(block: Block) -> bool:
 def _is_leaf(block: Block) -> bool:
     if block.type in ("Inport", "Outport") or block.kind in _CONNECTION_PORTS:
         return not block.system
+    if block.type == _BUS:
+        return False
     return not (_is_open(block) or block.type in _ROUTING or block.kind in _LABELS)
 
 
@@ -168,9 +172,43 @@ def _nodes(model: Model, blocks: dict[str, Block]) -> tuple[tuple[str, ...], ...
         )
     kept = (
         tuple(port for port in node if _is_leaf(blocks[split_port(port)[0]]))
-        for node in join(groups)
+        for node in _through_buses(groups, blocks)
     )
     return tuple(node for node in kept if len(node) > 1)
+
+
+def _through_buses(
+    groups: list[tuple[str, ...]], blocks: Mapping[str, Block]
+) -> tuple[tuple[str, ...], ...]:
+    """Unite groups, and what meets through Simscape Buses whose buses meet.
+
+    The bus is at the right; its elements, named in order, are at the left.
+    """
+    while True:
+        nodes = join(groups)
+        found = [
+            elements
+            for node in nodes
+            for elements in _elements(node, blocks).values()
+            if len(elements) > 1
+        ]
+        united = {port: place for place, node in enumerate(nodes) for port in node}
+        new = [each for each in found if len({united.get(port, port) for port in each}) > 1]
+        if not new:
+            return nodes
+        groups = [*groups, *(tuple(each) for each in new)]
+
+
+def _elements(node: Iterable[str], blocks: Mapping[str, Block]) -> dict[str, list[str]]:
+    """Group the ports at the elements of a bus by their names."""
+    found: dict[str, list[str]] = {}
+    for port in node:
+        sid, side, _ = split_port(port)
+        if blocks[sid].type == _BUS and side == "rconn":
+            names = str(blocks[sid].parameters.get("HierarchyStrings", "")).split(";")
+            for place, name in enumerate(names, start=1):
+                found.setdefault(name.strip(), []).append(f"{sid}#lconn:{place}")
+    return found
 
 
 def outer_ports(connection_ports: Iterable[tuple[str, str, int]]) -> dict[str, str]:

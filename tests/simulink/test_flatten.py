@@ -189,3 +189,24 @@ def test_an_enabled_subsystem_keeps_its_enable_port(flat):
     enable = builder.add_block("EnablePort", "Enable", system=system)
     (wire,) = flat(builder).wires
     assert (wire.source, wire.target) == (f"{clock}#out:1", f"{enable}#in:1")
+
+
+@pytest.mark.parametrize("order", ["a;b", "b;a"])
+def test_frames_meet_through_the_elements_of_a_bus_by_their_names(flat, order):
+    builder = ModelBuilder()
+    ends, buses = {}, []
+    for place, names in (("near", "a;b"), ("far", order)):
+        system = builder.add_block("SubSystem", place)
+        bus = builder.add_block("SimscapeBus", "Bus", {"HierarchyStrings": names}, system=system)
+        exit_ = builder.add_block("PMIOPort", "Out", {"Side": "Right"}, system=system)
+        builder.physical(f"{bus}#rconn:1", f"{exit_}#rconn:1")
+        for number, name in enumerate(names.split(";"), 1):
+            ends[place, name] = builder.add_library(RIGID_TRANSFORM, name, system=system)
+            builder.physical(f"{bus}#lconn:{number}", f"{ends[place, name]}#lconn:1")
+        buses.append(system)
+    builder.physical(*(f"{system}#rconn:1" for system in buses))
+    nodes = {frozenset(node) for node in flat(builder).nodes}
+    assert nodes == {
+        frozenset({f"{ends['near', name]}#lconn:1", f"{ends['far', name]}#lconn:1"})
+        for name in "ab"
+    }

@@ -252,7 +252,10 @@ class _Tree:
         return kept
 
     def _walk(self) -> tuple[list[int], dict[int, int]]:
-        """Order the pieces from the world on, and find the joint that leads to each."""
+        """Order the pieces from the world on, and find the joint that leads to each.
+
+        A tree without the world begins with a piece that is no joint's follower.
+        """
         at: dict[int, list[int]] = {}
         for index in sorted(self._kept):
             for end in self._ends[index]:
@@ -260,8 +263,9 @@ class _Tree:
         order: list[int] = []
         inbound: dict[int, int] = {}
         seen: set[int] = set()
-        for root, piece in enumerate(self._pieces):
-            if root in seen or (root and not (piece.solids or root in at)):
+        led_to = {self._ends[index][1] for index in self._kept}
+        for root in sorted(range(len(self._pieces)), key=lambda piece: piece in led_to - {0}):
+            if root in seen or (root and not (self._pieces[root].solids or root in at)):
                 continue
             seen.add(root)
             line = [root]

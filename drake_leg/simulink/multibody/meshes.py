@@ -1,31 +1,99 @@
-"""Meshes of extruded and revolved solids, which SDF has no element for, as OBJ files."""
+"""Meshes of solids that SDF has no element for, as OBJ files.
+
+Extruded and revolved solids are cut into triangles here; files of CAD programs are read by trimesh.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import dataclass, field
+from pathlib import Path, PureWindowsPath
 
 import numpy as np
 
+from drake_leg.simulink.linking import files_in
 from drake_leg.simulink.multibody.bodies import Mechanism
 from drake_leg.simulink.multibody.mass import Array
-from drake_leg.simulink.multibody.solids import Extrusion, Revolution, Solid
+from drake_leg.simulink.multibody.naming import Once, word
+from drake_leg.simulink.multibody.solids import Extrusion, FileShape, Revolution, Solid
 
 ARC = math.tau / 48  # [rad], of a facet of a revolution
+STEP = (".step", ".stp")  # in meters once they are read
+ENDINGS = (".stl", ".obj", ".ply", *STEP)
 
 Triangle = tuple[int, int, int]
 
 
-def write_meshes(mechanism: Mechanism, folder: Path) -> dict[Solid, str]:
-    """Write a mesh of each solid that needs one, and return their paths."""
-    found = {}
-    for number, (_, solid) in enumerate(mechanism.connections.solids):
-        if isinstance(solid.shape, Extrusion | Revolution) and solid.is_drawn:
-            path = folder / f"{number}.obj"
-            path.write_text(obj(*mesh(solid.shape)), encoding="utf-8")
-            found[solid] = path.as_uri()
+@dataclass
+class Meshes:
+    """The meshes of a mechanism, and the files that are not shown."""
+
+    names: dict[Solid, str] = field(default_factory=dict)  # of the files written
+    missing: list[str] = field(default_factory=list)  # files that lie nowhere
+    unread: dict[str, str] = field(default_factory=dict)  # files that were not read, and why
+
+
+def write_meshes(mechanism: Mechanism, folder: Path, where: Sequence[Path] = ()) -> Meshes:
+    """Write a mesh of each solid that is drawn and needs one, into a folder.
+
+    Files of CAD programs are looked for by their names in other folders, with all folders inside.
+    """
+    found, once = Meshes(), Once()
+    files = _Files(where)
+    for _, solid in mechanism.connections.solids:
+        if not solid.is_drawn:
+            continue
+        text = None
+        if isinstance(solid.shape, Extrusion | Revolution):
+            text = obj(*mesh(solid.shape))
+        elif isinstance(solid.shape, FileShape):
+            text = files.text(solid.shape, found)
+        if text is not None:
+            name = f"{once.name(word(solid.block.name))}.obj"
+            (folder / name).write_text(text, encoding="utf-8")
+            found.names[solid] = name
     return found
+
+
+class _Files:
+    """Reads files of geometry, each once, as OBJ in meters."""
+
+    def __init__(self, where: Sequence[Path]) -> None:
+        self._where = where
+        self._places: dict[str, Path] | None = None
+        self._texts: dict[tuple[Path, float], str | None] = {}
+
+    def text(self, shape: FileShape, found: Meshes) -> str | None:
+        """Read a shape, or note why it is not shown."""
+        name = PureWindowsPath(shape.file).name
+        if self._places is None:
+            self._places = {}
+            for path in files_in(self._where, ENDINGS):
+                self._places.setdefault(path.name.lower(), path)
+        place = self._places.get(name.lower())
+        if place is None:
+            found.missing += [name] if name not in found.missing else []
+            return None
+        key = place, shape.unit
+        if key not in self._texts:
+            self._texts[key] = _read(place, shape.unit, found)
+        return self._texts[key]
+
+
+def _read(path: Path, unit: float, found: Meshes) -> str | None:
+    try:
+        import trimesh
+    except ImportError:
+        found.unread[path.name] = "pip install 'drake-leg[meshes]'"
+        return None
+    try:
+        loaded = trimesh.load_mesh(path)
+        scale = 1.0 if path.suffix.lower() in STEP else unit
+        return obj(scale * np.asarray(loaded.vertices), loaded.faces.tolist())
+    except Exception as error:  # a damaged file may raise anything
+        found.unread[path.name] = " ".join(str(error).split())[:100]
+        return None
 
 
 def mesh(shape: Extrusion | Revolution) -> tuple[Array, list[Triangle]]:
@@ -34,9 +102,18 @@ def mesh(shape: Extrusion | Revolution) -> tuple[Array, list[Triangle]]:
 
 
 def obj(corners: Array, triangles: Sequence[Triangle]) -> str:
-    """Write a mesh as Wavefront OBJ."""
+    """Write a mesh of flat facets as Wavefront OBJ; those without area are left out."""
+    faces = np.asarray(triangles, dtype=int).reshape(-1, 3)
+    a, b, c = (corners[column] for column in faces.T)
+    across = np.cross(b - a, c - a)
+    areas = np.linalg.norm(across, axis=1)
+    faces, normals = faces[areas > 0.0], across[areas > 0.0] / areas[areas > 0.0, None]
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in corners.tolist()]
-    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles]
+    lines += [f"vn {x:.6f} {y:.6f} {z:.6f}" for x, y, z in normals.tolist()]
+    lines += [
+        f"f {a}//{number} {b}//{number} {c}//{number}"
+        for number, (a, b, c) in enumerate((faces + 1).tolist(), start=1)
+    ]
     return "\n".join(lines) + "\n"
 
 

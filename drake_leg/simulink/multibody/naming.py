@@ -18,12 +18,28 @@ class _OfBlock(Protocol):
     def block(self) -> Block: ...
 
 
+class Once:
+    """Gives out names, each once: later ones are numbered."""
+
+    def __init__(self, taken: Sequence[str] = ()) -> None:
+        self._given = Counter(taken)
+
+    def name(self, wanted: str) -> str:
+        """Return a name, or the next one that is free."""
+        name = wanted or "part"
+        self._given[name] += 1
+        while self._given[name] > 1:
+            name = f"{name}_{self._given[name]}"
+            self._given[name] += 1
+        return name
+
+
 class Names:
     """Gives out names, each once: a block's own, with its subsystems' where others share it."""
 
     def __init__(self, model: Model) -> None:
         self._blocks = {block.sid: block for block in model.blocks}
-        self._given: Counter[str] = Counter(RESERVED)
+        self._once = Once(RESERVED)
         self._used = Counter(word(block.name) for block in model.blocks)
 
     def of(self, block: Block) -> str:
@@ -32,12 +48,12 @@ class Names:
         name = path[-1]
         if self._used[name] > 1 and len(path) > 1:
             name = f"{path[-2]}_{name}"
-        return self._once(name)
+        return self._once.name(name)
 
     def of_body(self, solids: Sequence[_OfBlock]) -> str:
         """Name a body by the subsystem that holds all its solids, or by its first solid."""
         if not solids:
-            return self._once("frame")
+            return self._once.name("frame")
         systems = {solid.block.system for solid in solids}
         (system,) = systems if len(systems) == 1 else ("",)
         return self.of(self._blocks[system] if system else solids[0].block)
@@ -48,14 +64,6 @@ class Names:
             block = self._blocks[block.system]
             names.insert(0, word(block.name))
         return names
-
-    def _once(self, name: str) -> str:
-        name = name or "part"
-        self._given[name] += 1
-        while self._given[name] > 1:
-            name = f"{name}_{self._given[name]}"
-            self._given[name] += 1
-        return name
 
 
 def word(name: str) -> str:

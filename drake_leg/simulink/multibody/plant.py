@@ -6,6 +6,7 @@ Drake's at random postures; so is the inertia of all solids.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -24,8 +25,8 @@ from drake_leg.simulink.multibody.assembly import Assembly
 from drake_leg.simulink.multibody.bodies import Joint, Mechanism
 from drake_leg.simulink.multibody.connections import WORLD
 from drake_leg.simulink.multibody.mass import Array
-from drake_leg.simulink.multibody.meshes import write_meshes
 from drake_leg.simulink.multibody.sdf import floats, joint_names, link_names, mechanism_sdf, outward
+from drake_leg.simulink.multibody.solids import Solid
 
 TOLERANCE = 1e-12  # of 1, of the greatest distance [m], of the greatest inertia
 POSTURES, SEED = 8, 0
@@ -91,10 +92,8 @@ def _fill(plant: MultibodyPlant, mechanism: Mechanism, text: str) -> None:
     plant.SetDefaultPositions(plant.GetPositions(context))
 
 
-def mechanism_scene(mechanism: Mechanism, folder: Path) -> Diagram:
-    """Build a diagram of a mechanism's plant and what is seen of it.
-
-    Meshes of shapes are written to a folder, which must stay as long as the diagram is used.
+def mechanism_scene(mechanism: Mechanism, meshes: Mapping[Solid, Path]) -> Diagram:
+    """Build a diagram of a mechanism's plant and what is seen of it, with files of its meshes.
 
     Raises
     ------
@@ -104,8 +103,8 @@ def mechanism_scene(mechanism: Mechanism, folder: Path) -> Diagram:
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     plant.set_name(mechanism.name)
-    meshes = write_meshes(mechanism, folder)
-    _fill(plant, mechanism, mechanism_sdf(mechanism, meshes=meshes))
+    addresses = {solid: path.absolute().as_uri() for solid, path in meshes.items()}
+    _fill(plant, mechanism, mechanism_sdf(mechanism, meshes=addresses))
     return builder.Build()
 
 

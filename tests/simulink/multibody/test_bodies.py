@@ -64,6 +64,13 @@ def test_what_no_joint_holds_floats(tmp_path):
     assert [found.bodies[number].name for number in found.floating] == ["Ball"]
 
 
+def test_a_chain_that_floats_begins_at_its_base(tmp_path):
+    found = pendulum().remove("World").mechanism(tmp_path)
+    (joint,) = found.joints
+    assert not joint.reversed
+    assert found.floating == (joint.base,)
+
+
 def test_a_weld_makes_one_body_of_two(tmp_path):
     built = MechanismBuilder()
     built.body("Brick Solid", "Rod", BrickDimensions="[1 1 1]")

@@ -55,5 +55,6 @@ def test_triangles_fill_a_polygon():
     assert areas.sum() == pytest.approx(whole)
 
 
-def test_an_obj_file_counts_from_one():
-    assert obj(np.eye(3), [(0, 1, 2)]).splitlines()[-1] == "f 1 2 3"
+def test_an_obj_file_has_facets_with_normals_and_counts_from_one():
+    lines = obj(np.eye(3), [(0, 1, 2), (0, 0, 1)]).splitlines()
+    assert lines[-2:] == ["vn 0.577350 0.577350 0.577350", "f 1//1 2//1 3//1"]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mechanism_models import MechanismBuilder, four_bar, pendulum
 
+from drake_leg.simulink.multibody.meshes import write_meshes
 from drake_leg.simulink.multibody.plant import (
     mechanism_plant,
     mechanism_scene,
@@ -139,6 +140,9 @@ def test_a_scene_shows_every_shape(tmp_path):
         built.body(f"{kind} Solid", kind, **texts)
     built.meet("Down", *shapes)
     built.lines.pop(-2)
-    scene = mechanism_scene(built.mechanism(tmp_path), tmp_path)
+    mechanism = built.mechanism(tmp_path)
+    meshes = write_meshes(mechanism, tmp_path)
+    paths = {solid: tmp_path / name for solid, name in meshes.names.items()}
+    scene = mechanism_scene(mechanism, paths)
     (graph,) = [s for s in scene.GetSystems() if s.get_name() == "scene_graph"]
     assert graph.model_inspector().num_geometries() == len(shapes)
