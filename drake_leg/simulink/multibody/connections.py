@@ -109,7 +109,7 @@ class _Reading:
         self._blocks = physical_part(model).blocks
         self._network: PhysicalNetwork = network_of(physical_part(model))
         self._problems: dict[str, None] = {}
-        self._mechanical = [block for block in self._blocks if block.sid in self._network.ports]
+        self._mechanical = self._at_frames()
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -142,6 +142,18 @@ class _Reading:
             left_out=self._left_out(),
         )
 
+    def _at_frames(self) -> list[Block]:
+        """List the blocks of Simscape Multibody at frames, and unknown blocks that meet them."""
+        ports, frame = self._network.ports, self._network.frame
+        ours = [block for block in self._blocks if block.sid in ports and _is_multibody(block)]
+        frames = {frame(port) for block in ours for port in ports[block.sid]}
+        others = [
+            block
+            for block in self._blocks
+            if block.unknown and any(frame(port) in frames for port in ports.get(block.sid, ()))
+        ]
+        return [*ours, *others]
+
     def _attempt(self, otherwise: T, work: Callable[..., T], *arguments: object) -> T:
         """Do a piece of work; collect its complaint."""
         try:
@@ -153,7 +165,7 @@ class _Reading:
     def _notice_unknown(self, block: Block) -> None:
         if block.unknown:
             self._problems[block.unknown] = None
-        elif block.source.startswith("sm_lib") and block.kind not in KNOWN:
+        elif block.kind not in KNOWN:
             self._problems[
                 f"the block {block.name!r} (SID {block.sid}) is a {block.kind}, which is not "
                 "built: replace it by blocks that are"
@@ -208,9 +220,13 @@ class _Reading:
     def _left_out(self) -> dict[str, tuple[str, ...]]:
         found: dict[str, list[str]] = {}
         for block in self._blocks:
-            if block.kind in (*FORCES, *CONSTRAINTS) and block.source.startswith("sm_lib"):
+            if block.kind in (*FORCES, *CONSTRAINTS) and _is_multibody(block):
                 found.setdefault(block.kind, []).append(block.name)
         return {kind: tuple(names) for kind, names in found.items()}
+
+
+def _is_multibody(block: Block) -> bool:
+    return block.source.startswith("sm_lib/")
 
 
 def _own(block: Block) -> Frame:

@@ -138,6 +138,23 @@ def test_blocks_that_are_not_built_are_named(tmp_path):
         built.mechanism(tmp_path)
 
 
+def test_an_inertia_of_another_domain_is_no_body(tmp_path):
+    built = pendulum()
+    for name in ("Fly", "Wheel"):
+        built.add_library("fl_lib/Mechanical/Rotational Elements/Inertia", name, {"inertia": "x"})
+    built.meet("Fly lconn:1", "Wheel lconn:1")
+    assert len(built.mechanism(tmp_path).bodies) == 2
+
+
+def test_a_block_of_a_library_that_is_not_there_is_named_where_it_meets_frames(tmp_path):
+    built = pendulum()
+    leg = built.add_library("my_lib/Leg", "Leg")
+    built.add_library("my_lib/Controller", "Controller")
+    built.physical(f"{leg}#lconn:1", f"{built.sid('Down')}#lconn:1")
+    with pytest.raises(InvalidValueError, match=r"'Leg' \(SID \d+\) comes from 'my_lib/Leg'"):
+        built.mechanism(tmp_path)
+
+
 def test_transforms_that_contradict_each_other_are_refused(tmp_path):
     built = pendulum()
     built.transform("Other", offset="[0 0.6 0]")
