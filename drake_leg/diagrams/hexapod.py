@@ -2,11 +2,14 @@
 
 The signal blocks, left to right::
 
-    Body Command -> [Body Feedback] -> Gait -> Demux -> 6 x (inverseJacobian -> Integrator)
+    Body Command -> [Body Feedback or Level] -> Gait -> Demux -> 6 x (inverseJacobian -> Integrator)
                                         ^                                        |
                                         +--------------- joint angles -----------+-> servos
                                                                                        |
                                           Feed-Forward ------------------> robot with its contacts
+
+With touch-down detection, a Foot Sensor and a Touch-Down block tell the Gait where the feet stand,
+and the Body Command how high the ground is.
 
 The servos are the plant's own: position controllers with the torque-speed line of their motors. The
 joints are driven by torques alone, and so the robot can fall.
@@ -42,6 +45,8 @@ from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import planned_torques
 from drake_leg.kinematics.walking.plan import Plan, WalkPlan, walk_of
+from drake_leg.kinematics.walking.touch_down import SEARCH_DEPTH, TOUCHES, Search
+from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.models.walker import POINT_FEET, TIME_STEP, Contact, Walker, add_walker
 from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.hexapods import HEXABOT
@@ -49,13 +54,17 @@ from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import IDEAL, Servo
 from drake_leg.systems.body_command import BodyCommand
 from drake_leg.systems.body_feedback import BodyFeedback
+from drake_leg.systems.body_level import BodyLevel
 from drake_leg.systems.feed_forward import FeedForward
+from drake_leg.systems.foot_sensor import FootSensor
 from drake_leg.systems.gait import GaitBlock
 from drake_leg.systems.inverse_jacobian import InverseJacobian
 from drake_leg.systems.servo_command import ServoCommand
+from drake_leg.systems.touch_down import TouchDown
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 CONTACT = "contact forces"  # scope of the generalized ones, of base and joints
+TOUCH_DOWNS = "touch-downs"  # scope of the states of the feet
 FULL, GRAVITY, NONE = "full", "gravity", "none"  # feed-forward
 FEED_FORWARDS = (FULL, GRAVITY, NONE)
 
@@ -76,6 +85,13 @@ class HexapodConfig:
         What the servos are told of the planned load: weight and inertia, weight alone, or nothing.
     feedback : float, optional
         Rate at which an error of the body's pose decays [1/s]; by default nothing is fed back.
+    level : float, optional
+        Rate at which roll and pitch of the body, against gravity, decay to the planned ones [1/s];
+        by default they are not sensed.
+    touch_down : bool
+        Whether feet sense the ground: a swing ends where a foot touches, early or late.
+    search_depth : float
+        How far a foot goes down that finds no ground [m].
     ground : Ground
         Its slope, friction, and what lies on it.
     contact : Contact
@@ -100,6 +116,9 @@ class HexapodConfig:
     servo: Servo = IDEAL
     feed_forward: str = FULL
     feedback: float | None = None  # [1/s]
+    level: float | None = None  # [1/s]
+    touch_down: bool = False
+    search_depth: float = SEARCH_DEPTH  # [m]
     ground: Ground = FLAT
     contact: Contact = POINT_FEET
     payload: float = 0.0  # [kg]
@@ -113,6 +132,17 @@ class HexapodConfig:
         require_non_negative("gravity", self.gravity, "m/s^2")
         if self.feedback is not None:
             require_positive("the rate of the body's feedback", self.feedback, "1/s")
+        if self.level is not None:
+            require_positive("the rate of the body's levelling", self.level, "1/s")
+        if self.feedback is not None and self.level is not None:
+            raise InvalidValueError(
+                f"`feedback` is {self.feedback:g} and `level` is {self.level:g}; feedback of the "
+                "pose levels the body, too",
+                advice="leave one of them out",
+            )
+        require_positive("the depth of a foot's search", self.search_depth, "m")
+        if self.touch_down and not self.gravity:
+            raise InvalidValueError("without gravity, no foot can feel the ground")
         if self.feed_forward not in FEED_FORWARDS:
             raise InvalidValueError(
                 f"the feed-forward is {self.feed_forward!r}; it must be one of "
@@ -149,6 +179,12 @@ class HexapodConfig:
         """The walk, and the torques that its load takes, at the time steps."""
         torques = None if self.feed_forward == NONE else self._torques
         return WalkPlan(self.walk, step=self.time_step, torques=torques)
+
+    @property
+    def search(self) -> Search:
+        """How a foot feels and searches the ground."""
+        weight = total_mass(self.robot) * self.gravity
+        return Search(threshold=TOUCHES * weight, depth=self.search_depth)
 
     def _torques(self, times: Array) -> Array:
         return planned_torques(
@@ -205,17 +241,33 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
     sensed = builder.AddNamedSystem("Body Sensor", Demultiplexer([7, 3 * n, 6, 3 * n]))
 
     # Wires: the body's twist to the gait. Feedback adds a block to them.
-    twist = command.GetOutputPort("twist")
-    if config.feedback is not None:
-        feedback = builder.AddNamedSystem(
-            "Body Feedback", BodyFeedback(config.X_WG, config.feedback, config.time_step)
-        )
-        builder.Connect(twist, feedback.GetInputPort("command"))
-        builder.Connect(command.GetOutputPort("pose"), feedback.GetInputPort("pose"))
-        builder.Connect(sensed.get_output_port(0), feedback.GetInputPort("sensed"))
-        builder.Connect(feedback.GetOutputPort("levelling"), gait.GetInputPort("levelling"))
-        twist = feedback.GetOutputPort("twist")
+    twist, levels = command.GetOutputPort("twist"), _levels(config, builder)
+    if levels is not None:
+        builder.Connect(twist, levels.GetInputPort("command"))
+        builder.Connect(command.GetOutputPort("pose"), levels.GetInputPort("pose"))
+        builder.Connect(sensed.get_output_port(0), levels.GetInputPort("sensed"))
+        builder.Connect(levels.GetOutputPort("levelling"), gait.GetInputPort("levelling"))
+        twist = levels.GetOutputPort("twist")
     builder.Connect(twist, gait.GetInputPort("twist"))
+
+    # Wires: what the feet feel of the ground.
+    if config.touch_down:
+        feel = builder.AddNamedSystem("Foot Sensor", FootSensor(config.legs, config.X_WG))
+        touch = builder.AddNamedSystem("Touch-Down", TouchDown(plan, config.search, config.X_WG))
+        contact = plant.get_generalized_contact_forces_output_port(walker.instance)
+        builder.Connect(sensed.get_output_port(1), feel.GetInputPort("q"))
+        builder.Connect(contact, feel.GetInputPort("contact"))
+        builder.Connect(sensed.get_output_port(0), feel.GetInputPort("body"))
+        builder.Connect(feel.GetOutputPort("force"), touch.GetInputPort("force"))
+        builder.Connect(feel.GetOutputPort("feet"), touch.GetInputPort("felt"))
+        if levels is not None:
+            builder.Connect(levels.GetOutputPort("levelling"), touch.GetInputPort("levelling"))
+        if config.feedback is not None:
+            builder.Connect(sensed.get_output_port(0), touch.GetInputPort("body"))
+        for name in ("feet", "swing", "rests"):
+            builder.Connect(touch.GetOutputPort(name), gait.GetInputPort(name))
+        builder.Connect(touch.GetOutputPort("ground"), command.GetInputPort("ground"))
+        add_scope(builder, TOUCH_DOWNS, touch.GetOutputPort("states"))
 
     # Wires: the feet's velocities through inverse Jacobians and integrators to the servos.
     builder.Connect(gait.GetOutputPort("v"), demux.get_input_port())
@@ -239,6 +291,16 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
 
     _add_scopes(builder, walker, sensed, desired)
     return built(builder)
+
+
+def _levels(config: HexapodConfig, builder: DiagramBuilder) -> BodyFeedback | BodyLevel | None:
+    """Add the block that brings the body back to its plan, if any."""
+    if config.feedback is not None:
+        feedback = BodyFeedback(config.X_WG, config.feedback, config.time_step)
+        return builder.AddNamedSystem("Body Feedback", feedback)
+    if config.level is not None:
+        return builder.AddNamedSystem("Body Level", BodyLevel(config.level, config.time_step))
+    return None
 
 
 def _add_scopes(

@@ -20,6 +20,7 @@ from drake_leg.kinematics.walking.power import (
     mechanical_power,
     work,
 )
+from drake_leg.kinematics.walking.touch_down import EARLY, LATE, MISSED, ON_TIME, SEARCH_DEPTH
 from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.outcome import Outcome
@@ -91,6 +92,9 @@ def config_of(robot: Robot, options: WalkOptions) -> HexapodConfig:
         servo=options.the_servo,
         feed_forward=options.feed_forward,
         feedback=options.feedback,
+        level=options.level,
+        touch_down=options.touch_down,
+        search_depth=SEARCH_DEPTH if options.search_depth is None else options.search_depth,
         ground=options.the_ground,
         contact=Contact(stiffness=options.foot_stiffness, foot_radius=options.foot_radius),
         payload=options.payload,
@@ -170,6 +174,7 @@ def findings(record: WalkRecord) -> dict[str, Any]:
         **_course(record),
         **_steadiness(record),
         **_support(record),
+        **_touch_downs(record),
         **_effort(record),
         "fell": record.fell_at is not None,
         "fell_at_s": record.fell_at,
@@ -230,6 +235,17 @@ def _support(record: WalkRecord) -> dict[str, Any]:
         "greatest_contact_force_n": dict(zip(legs, vertical.max(axis=0).tolist(), strict=True)),
         "mean_contact_force_n": dict(zip(legs, vertical.mean(axis=0).tolist(), strict=True)),
         "body_touched_ground": bool(carried),
+    }
+
+
+def _touch_downs(record: WalkRecord) -> dict[str, Any]:
+    """How many feet found the ground as planned, early, late, or not at all; None if not felt."""
+    counts = record.touch_downs
+    return {
+        "touch_downs_on_time": None if counts is None else counts[ON_TIME],
+        "touch_downs_early": None if counts is None else counts[EARLY],
+        "touch_downs_late": None if counts is None else counts[LATE],
+        "touch_downs_not_found": None if counts is None else counts[MISSED],
     }
 
 

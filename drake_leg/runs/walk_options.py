@@ -34,6 +34,7 @@ STAIRS, STEP_RUN = 3, 0.20  # how many, and from one to the next [m]
 BESIDE = {  # options that mean nothing without another
     "push_at": "push_speed",
     "push_direction": "push_speed",
+    "search_depth": "touch_down",
     "step_count": "steps",
     "step_run": "steps",
     "block_seed": "blocks",
@@ -94,6 +95,18 @@ class WalkOptions(RunOptions):
         "1/s",
         shown="none, open loop",
     )
+    level: float | None = option(
+        None,
+        "rate at which the body is levelled by sensed roll and pitch, against gravity",
+        "1/s",
+        shown="none",
+    )
+    touch_down: bool = option(
+        False, "let the feet sense the ground: they stop where they touch it, or search it"
+    )
+    search_depth: float | None = option(
+        None, "how far a foot goes down to find the ground", "m", shown="0.03"
+    )
     dynamic: bool = option(False, "let fewer than three feet be down: the robot may fall")
     force: bool = option(False, "walk, though the foresight says that it will fail")
     payload: float = option(0.0, "on the body, of which the plan does not know", "kg")
@@ -123,7 +136,7 @@ class WalkOptions(RunOptions):
     def __post_init__(self) -> None:
         RunOptions.__post_init__(self)
         for name, other in BESIDE.items():
-            if getattr(self, name) is not None and getattr(self, other) is None:
+            if getattr(self, name) is not None and getattr(self, other) in (None, False):
                 raise InvalidValueError(
                     f"`{name}` means nothing without `{other}`",
                     advice=f"give `{other}`, too, or leave it out",

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from drake_leg.diagrams.hexapod import HexapodConfig, contact_rows
+from drake_leg.diagrams.hexapod import TOUCH_DOWNS, HexapodConfig, contact_rows
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.gaits import Motion
 from drake_leg.kinematics.walking.margins import on_ground, support_margin, supporting
 from drake_leg.kinematics.walking.power import gear_friction, motor_torque
+from drake_leg.kinematics.walking.touch_down import SWINGS
 from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
 from drake_leg.simulation.recording import intervals
 from drake_leg.simulation.run import Run
@@ -201,6 +202,15 @@ class WalkRecord:
                     heights = self.feet[first:last, foot, 2]
                     found.append(heights.max() - heights[0])
         return np.array(found)
+
+    @cached_property
+    def touch_downs(self) -> dict[int, int] | None:
+        """How often feet came to each state of a ``TouchDown``; None where they feel nothing."""
+        if TOUCH_DOWNS not in self.run.scopes:
+            return None
+        states = self.run.scopes[TOUCH_DOWNS]
+        entered = states[1:][states[1:] != states[:-1]]
+        return {state: int((entered == state).sum()) for state in range(SWINGS)}
 
     @cached_property
     def _contact(self) -> Array:

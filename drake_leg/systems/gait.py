@@ -21,6 +21,7 @@ class GaitBlock(LeafSystem):
     does not; a foot that swings has the velocity of its swing, too. Each foot is drawn to its
     planned place in the body's frame, against the drift of the integrators. Where the body's pose
     is fed back, a foot is drawn only while it swings, to where it lands under a levelled body.
+    Where the feet sense the ground, their places come from a ``TouchDown`` block, not from the plan.
 
     ============== ==== ==== ============ ====================================================
     port           kind size unit         meaning
@@ -28,6 +29,9 @@ class GaitBlock(LeafSystem):
     ``twist``      in   6    rad/s, m/s   of the body B, in B; rotation first
     ``q``          in   3 n  rad          joint positions, as integrated, leg by leg
     ``levelling``  in   3    rad, rad, m  roll, pitch and height that were added (optional)
+    ``feet``       in   3 n  m            feet in B (optional, with the next two)
+    ``swing``      in   3 n  m/s          velocities of the feet in the ground's frame, in B
+    ``rests``      in   n    -            1 where a foot is at rest on the ground
     ``v``          out  3 n  m/s          velocities of the feet in B, leg by leg
     ============== ==== ==== ============ ====================================================
 
@@ -46,6 +50,9 @@ class GaitBlock(LeafSystem):
         self._twist = self.DeclareVectorInputPort("twist", 6)
         self._q = self.DeclareVectorInputPort("q", 3 * len(self._legs))
         self._levelling = self.DeclareVectorInputPort("levelling", 3)
+        self._feet = self.DeclareVectorInputPort("feet", 3 * len(self._legs))
+        self._swing = self.DeclareVectorInputPort("swing", 3 * len(self._legs))
+        self._rests = self.DeclareVectorInputPort("rests", len(self._legs))
         self.DeclareVectorOutputPort("v", 3 * len(self._legs), self._calc_v)
 
     def _calc_v(self, context: Context, v: BasicVector) -> None:
@@ -53,13 +60,12 @@ class GaitBlock(LeafSystem):
         q = self._q.Eval(context).tolist()
         is_fed_back = self._levelling.HasValue(context)
         roll, pitch, up = self._levelling.Eval(context).tolist() if is_fed_back else (0.0, 0.0, 0.0)
-        row = self._plan.at(context.get_time())
         found: list[float] = []
-        for number, (leg, planned, swing, down) in enumerate(
-            zip(self._legs, row.feet.tolist(), row.swing.tolist(), row.down.tolist(), strict=True)
+        for number, (leg, planned, swing, rests) in enumerate(
+            zip(self._legs, *self._planned(context), strict=True)
         ):
             x, y, z = leg.task_position(q[3 * number : 3 * number + 3], _FUNCTIONS)
-            pull = 0.0 if is_fed_back and down else self._pull
+            pull = 0.0 if is_fed_back and rests else self._pull
             found += (
                 swing[0] - (vx + wy * z - wz * y) + pull * (planned[0] - pitch * z - x),
                 swing[1] - (vy + wz * x - wx * z) + pull * (planned[1] + roll * z - y),
@@ -68,3 +74,13 @@ class GaitBlock(LeafSystem):
                 + pull * (planned[2] - up - roll * y + pitch * x - z),
             )
         v.SetFromVector(found)
+
+    def _planned(self, context: Context) -> tuple[list[list[float]], list[list[float]], list[bool]]:
+        """Planned feet and their velocities, (n, 3), and whether each is at rest, (n,)."""
+        if not self._feet.HasValue(context):
+            row = self._plan.at(context.get_time())
+            return row.feet.tolist(), row.swing.tolist(), row.down.tolist()
+        feet, swing = (
+            port.Eval(context).reshape(-1, 3).tolist() for port in (self._feet, self._swing)
+        )
+        return feet, swing, (self._rests.Eval(context) > 0.5).tolist()

@@ -200,7 +200,7 @@ class Walk:
         way = there - here
         part, rate, bend = smoothstep(u)
         moves = (way != 0.0).any(axis=-1)
-        rise, climb, arch = (self.lift * moves * one for one in _bump(u))
+        rise, climb, arch = (self.lift * moves * one for one in bump(u))
         per = 1.0 / (self.period * (1.0 - self.gait.duty))
 
         def along(share: Array, height: Array) -> Array:
@@ -228,6 +228,10 @@ class Walk:
         there = self._foothold(self._cycle(time)[0] + 1.0)
         found: NDArray[np.bool_] = np.logical_not(swings) | (here == there).all(axis=-1)
         return found
+
+    def swung(self, time: ArrayLike) -> Array:
+        """How much of its swing each foot has done, (..., n), 0 to 1; 0 in its stance."""
+        return self._swing(time)[1]
 
     def firmness(self, time: ArrayLike, fading: float) -> Array:
         """How firmly each foot stands, (..., n): 0 in the air, 1 on the ground, smooth in time.
@@ -285,7 +289,7 @@ def _ramped(u: Array) -> Motion:
     return Motion(x**4 * (2.5 + x * (x - 3.0)) + np.maximum(u - 1.0, 0.0), share, bend)
 
 
-def _bump(u: Array) -> Motion:
+def bump(u: Array) -> Motion:
     """``64 u^3 (1 - u)^3``, 1 in the middle, and its derivatives by u."""
     w = u * (1.0 - u)
     slope = 1.0 - 2.0 * u

@@ -169,6 +169,9 @@ class LiveWalk:
             swing=swing,
             down=now.down,
             torques=np.zeros(3 * len(now.feet)),
+            swung=np.stack(
+                [now.swung, np.where(now.down, 0.0, np.where(then.down, 1.0, then.swung))]
+            ),
         )
 
     def _after(self, now: Moment) -> Moment:

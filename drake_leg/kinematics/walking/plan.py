@@ -85,6 +85,7 @@ class PlanRow(NamedTuple):
     swing: Array  # (n, 3), velocity of the feet in G, expressed in B [m/s]
     down: NDArray[np.bool_]  # (n,)
     torques: Array  # (3 n,), feed-forward of the joints [N*m]
+    swung: Array  # (2, n), how much of its swing a foot has done, and has at the end of the step
 
 
 Torques = Callable[[Array], Array]  # times (rows,) to the joints' torques (rows, 3 n)
@@ -145,8 +146,22 @@ class WalkPlan:
         else:
             torques = self._torques(times)
         down = self.walk.down(times)
-        parts = (X, _means(np.hstack([w, v])), feet, _means(swing), down, torques[1:])
+        parts = (
+            X,
+            _means(np.hstack([w, v])),
+            feet,
+            _means(swing),
+            down,
+            torques[1:],
+            self._swung(times, down),
+        )
         return [PlanRow(*row) for row in zip(*parts, strict=False)]
+
+    def _swung(self, times: Array, down: NDArray[np.bool_]) -> Array:
+        """How much of its swing each foot has done, (rows, 2, n); 0 where it stands."""
+        done = np.where(down, 0.0, self.walk.swung(times))
+        end = np.where(down[:-1], 0.0, np.where(down[1:], 1.0, done[1:]))
+        return np.stack([done[:-1], end], axis=1)
 
 
 def _means(rows: Array) -> Array:
@@ -165,3 +180,14 @@ def difference(X_GB: Array, R_GS: Array, p_GS: Array) -> list[float]:
     angle = math.atan2(sine, (float(R[0, 0] + R[1, 1] + R[2, 2]) - 1.0) / 2.0)
     scale = angle / sine if sine > 1e-12 else 1.0
     return [*(scale * axis).tolist(), *(R_GS.T @ (X_GB[:3, 3] - p_GS)).tolist()]
+
+
+def levelling_twist(planned: Array, sensed: Array) -> Array:
+    """Rotation vector (3,) [rad] that turns a body until up is where it is planned.
+
+    Both are unit vectors upwards, (3,), in the frame of the body. It has the least angle.
+    """
+    axis = np.cross(planned, sensed)
+    sine = math.sqrt(float(axis @ axis))
+    angle = math.atan2(sine, float(planned @ sensed))
+    return axis * (angle / sine if sine > 1e-12 else 1.0)
