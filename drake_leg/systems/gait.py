@@ -21,7 +21,7 @@ class GaitBlock(LeafSystem):
     does not; a foot that swings has the velocity of its swing, too. Each foot is drawn to its
     planned place in the body's frame, against the drift of the integrators. Where the body's pose
     is fed back, a foot is drawn only while it swings, to where it lands under a levelled body.
-    Where the feet sense the ground, their places come from a ``TouchDown`` block, not from the plan.
+    Where the feet sense the ground, their places come from a ``TouchDown`` block.
 
     ============== ==== ==== ============ ====================================================
     port           kind size unit         meaning
