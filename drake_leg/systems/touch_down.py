@@ -21,7 +21,7 @@ class TouchDown(LeafSystem):
     ============= ==== ==== ============ ===================================================
     port          kind size unit         meaning
     ============= ==== ==== ============ ===================================================
-    ``force``     in   n    N            on each foot, along the ground's normal
+    ``force``     in   3 n  N            of the ground on the feet, in its frame, leg by leg
     ``felt``      in   3 n  m            sensed feet in the body's frame, leg by leg
     ``levelling`` in   3    rad, rad, m  roll, pitch and height that were added (optional)
     ``body``      in   7    -, m         sensed pose, where its place is fed back (optional)
@@ -50,7 +50,7 @@ class TouchDown(LeafSystem):
         self._normal, self._origin = X_WG[:3, 2].copy(), X_WG[:3, 3].copy()
         row = plan.at(0.0)
         n = len(row.feet)
-        self._force = self.DeclareVectorInputPort("force", n)
+        self._force = self.DeclareVectorInputPort("force", 3 * n)
         self._felt = self.DeclareVectorInputPort("felt", 3 * n)
         self._levelling = self.DeclareVectorInputPort("levelling", 3)
         self._body = self.DeclareVectorInputPort("body", 7)
@@ -99,7 +99,7 @@ class TouchDown(LeafSystem):
         then = after(
             now,
             row,
-            self._force.Eval(context),
+            self._force.Eval(context).reshape(-1, 3),
             felt,
             search=self._search,
             step=self._plan.step,

@@ -27,6 +27,9 @@ TOUCHES = 0.05  # of the robot's weight: a foot that carries more has touched th
 NEAR = 1e-3  # [m], over where it is to land: a foot that touches there lands as planned
 SEARCH_SPEED = 0.2  # [m/s], downwards
 SEARCH_DEPTH = 0.03  # [m]
+CLIMB_SPEED = 0.3  # [m/s], of a foot that met a face
+CLEARS = 0.010  # [m], for which it rises before it goes on
+BACK = 0.002  # [m], for which it draws back
 SPEEDING = 4.0  # [m/s^2], of a search that begins
 FOLLOWS = 5.0  # [rad/s], of the body's height, critically damped
 SETTLES = 4  # time steps in which a foot is drawn to where it was felt
@@ -54,12 +57,14 @@ class Search:
         require_positive("the depth of a foot's search", self.depth, "m")
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Footholds:
     """Where feet stand, for n feet; G is the frame of the ground, as the plan believes it to be."""
 
     places: Array  # (n, 3), where each foot stands or last stood, in G [m]
     left: Array  # (n, 3), where it was planned to stand then, in G [m]
+    pushed: Array  # (n, 3), how far faces pushed each foot off its swing, in G [m]
+    rise: Array  # (n,), for which a foot that met a face still rises [m]
     aims: Array  # (n,), heights over the plan at which swings end [m]
     found: Array  # (n,), heights of the ground where the feet stand or last stood [m]
     speeds: Array  # (n,), of searches, downwards [m/s]
@@ -76,6 +81,8 @@ class Footholds:
         return cls(
             places=feet,
             left=feet,
+            pushed=np.zeros_like(feet),
+            rise=still,
             aims=still,
             found=still,
             speeds=still,
@@ -86,27 +93,14 @@ class Footholds:
 
     @classmethod
     def of(cls, values: Array) -> Footholds:
-        """Read the numbers of ``values``, (12 n + 2,)."""
-        n = (len(values) - 2) // 12
-        places, left, single = np.split(values[:-2], [3 * n, 6 * n])
-        rest = single.reshape(6, n)
-        height, climb = values[-2:].tolist()
-        return cls(
-            places=places.reshape(n, 3),
-            left=left.reshape(n, 3),
-            aims=rest[0],
-            found=rest[1],
-            speeds=rest[2],
-            sought=rest[3],
-            since=rest[4],
-            states=rest[5],
-            height=height,
-            climb=climb,
-        )
+        """Read the numbers of ``values``, (16 n + 2,)."""
+        n = (len(values) - 2) // 16
+        vectors, numbers = values[: 9 * n].reshape(3, n, 3), values[9 * n : -2].reshape(7, n)
+        return cls(*vectors, *numbers, *values[-2:].tolist())
 
     @property
     def values(self) -> Array:
-        """All numbers, (12 n + 2,)."""
+        """All numbers, (16 n + 2,)."""
         return np.concatenate([np.ravel(one) for one in astuple(self)])
 
 
@@ -128,10 +122,12 @@ def footing(now: Footholds, row: PlanRow, step: float) -> Footing:
     before, after = _off_plan(now, begin), _off_plan(now, end)
     arrives = row.down & (now.states >= SWINGS)
     feet = now.places.copy()
-    feet[flies] = (planned + before)[flies]
-    feet[arrives] = _landing(now, planned)[arrives]
+    feet[flies] = (planned + before + now.pushed)[flies]
+    feet[arrives] = (_landing(now, planned) + now.pushed)[arrives]
     swing = np.zeros_like(feet)
     swing[flies] = row.swing[flies] + ((after - before) / step)[flies] @ R
+    climbs = flies & (now.rise > 0.0)
+    swing[climbs] = _climbing(swing @ R.T)[climbs] @ R
     searches = now.states == SEARCHES
     swing[searches & row.down] = -now.speeds[searches & row.down, np.newaxis] * R[2]
     under_body = p + np.array([0.0, 0.0, now.height])
@@ -143,7 +139,7 @@ def footing(now: Footholds, row: PlanRow, step: float) -> Footing:
 def after(
     now: Footholds,
     row: PlanRow,
-    loads: Array,
+    forces: Array,
     felt: Array,
     *,
     search: Search,
@@ -154,8 +150,8 @@ def after(
 
     Parameters
     ----------
-    loads : (n,) ndarray
-        Forces of the ground on the feet along its normal [N].
+    forces : (n, 3) ndarray
+        Of the ground on the feet, in G [N].
     felt : (n, 3) ndarray
         Feet p_BF as sensed, in the body's planned frame [m].
     offset : float
@@ -165,10 +161,12 @@ def after(
     R, p = row.X_GB[:3, :3], row.X_GB[:3, 3]
     planned = row.feet @ R.T + p
     felt = felt @ R.T + p + np.array([0.0, 0.0, now.height])
-    feels, states, down = loads > search.threshold, now.states, row.down
+    feels, meets = _felt(forces, search.threshold)
+    states, down = now.states, row.down
     flies = _flies(now, row)
     over = (planned + _off_plan(now, row.swung[0][:, np.newaxis]) - _landing(now, planned))[:, 2]
     touches = flies & feels & (row.swung[0] > 0.5) & (states != LANDS)
+    pushed, rise = _pushed(now, row, forces, felt, flies & meets & (states == SWINGS), search, step)
     early = touches & (over > NEAR)
     arrives = down & (states >= SWINGS)
     searched = down & (states == SEARCHES)
@@ -179,7 +177,7 @@ def after(
     states = np.where(touches, np.where(early, EARLY, LANDS), states)
     states = np.where(arrives, np.where(on_time, ON_TIME, SEARCHES), states)
     states = np.where(late, LATE, states)
-    places = np.where(arrives[:, np.newaxis], _landing(now, planned), now.places)
+    places = np.where(arrives[:, np.newaxis], _landing(now, planned) + now.pushed, now.places)
     places = np.where((early | late)[:, np.newaxis], felt, places)
 
     goes_on = searched & ~feels
@@ -199,6 +197,8 @@ def after(
         now,
         places=places,
         left=left,
+        pushed=pushed,
+        rise=rise,
         aims=np.where(down, ground - offset, now.aims),
         found=found,
         speeds=speeds,
@@ -208,6 +208,51 @@ def after(
         height=now.height + step * now.climb,
         climb=now.climb + step * bend,
     )
+
+
+def _pushed(
+    now: Footholds,
+    row: PlanRow,
+    forces: Array,
+    felt: Array,
+    meets: NDArray[np.bool_],
+    search: Search,
+    step: float,
+) -> tuple[Array, Array]:
+    """How far faces push feet off their swings, (n, 3) [m], and for what they then rise, (n,) [m].
+
+    A foot that meets a face draws back from it and rises, and then goes on with its swing.
+    """
+    R, p = row.X_GB[:3, :3], row.X_GB[:3, 3]
+    begin, end = row.swung[:, :, np.newaxis]
+    before, after = _off_plan(now, begin), _off_plan(now, end)
+    way = step * row.swing @ R.T + after - before
+    climbs = now.rise > 0.0
+    pushed = now.pushed + np.where(climbs[:, np.newaxis], step * _climbing(way / step) - way, 0.0)
+    if meets.any():
+        back = forces[meets, :2] / np.linalg.norm(forces[meets, :2], axis=1, keepdims=True)
+        planned = row.feet @ R.T + p
+        pushed[meets, :2] = felt[meets, :2] + BACK * back - (planned + before + way)[meets, :2]
+    rise = np.where(meets, CLEARS, np.maximum(now.rise - step * CLIMB_SPEED, 0.0))
+    rise = np.where(pushed[:, 2] < search.depth, rise, 0.0)
+    return np.where(row.down[:, np.newaxis], 0.0, pushed), np.where(row.down, 0.0, rise)
+
+
+def _climbing(velocities: Array) -> Array:
+    """Velocities (n, 3) of feet that rise before a face, by those of their swings [m/s]."""
+    found = np.zeros_like(velocities)
+    found[:, 2] = CLIMB_SPEED + np.maximum(velocities[:, 2], 0.0)
+    return found
+
+
+def _felt(forces: Array, threshold: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which feet are on the ground, and which press against a face that is steeper than 45 deg.
+
+    A force within 45 deg of the normal is that of a floor: on a face, friction bears less than the
+    face's own force, where its coefficient is below 1.
+    """
+    along, up = np.hypot(forces[:, 0], forces[:, 1]), forces[:, 2]
+    return (up > threshold) & (up > along), (along > threshold) & (up <= along)
 
 
 def _flies(now: Footholds, row: PlanRow) -> NDArray[np.bool_]:
