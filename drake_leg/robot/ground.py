@@ -28,6 +28,7 @@ DEPTH = 1.0  # [m], of the ground below its lowest step
 # where it is more, feet that touch down at steps of 5 ms bounce and slip.
 FOOT_STIFFNESS = 1e5
 STEEPEST = math.radians(60.0)
+UNDER = 0.005  # [m], how far a block reaches under a higher neighbor
 MOST_PARTS = 1000  # steps or blocks; Drake takes seconds to add more to a plant
 
 
@@ -189,33 +190,58 @@ class Ground:
         return found
 
     def slabs(self) -> tuple[Slab, ...]:
-        """The boxes that it consists of: the plane, the treads of the stairs, the blocks."""
+        """The boxes that it consists of: the plane, the treads of the stairs, the blocks.
+
+        What is lower reaches under what is higher beside it. Else there would be a crack between
+        two boxes, into which a foot sinks that is pressed against the higher one.
+        """
         steps = self.steps
         if steps is None:
-            edges, tops = [-EDGE, EDGE], [0.0]
+            treads = [(-EDGE, EDGE, 0.0)]
         else:
-            places = (steps.start + number * steps.run for number in range(steps.count))
-            edges = [-EDGE, *places, EDGE]
-            tops = [number * steps.height for number in range(steps.count + 1)]
-        bottom = min(tops) - DEPTH
-        found = [
-            Slab((begin, -EDGE, bottom), (end, EDGE, top))
-            for begin, end, top in zip(edges[:-1], edges[1:], tops, strict=True)
-        ]
+            up = steps.height > 0.0
+            places = [steps.start + number * steps.run for number in range(steps.count)]
+            edges = [(begin, EDGE) for begin in [-EDGE, *places]]
+            if not up:
+                edges = [(-EDGE, end) for end in [*places, EDGE]]
+            treads = [(*edge, number * steps.height) for number, edge in enumerate(edges)]
+        bottom = min(top for _, _, top in treads) - DEPTH
+        found = [Slab((begin, -EDGE, bottom), (end, EDGE, top)) for begin, end, top in treads]
         return (*found, *self._block_slabs(bottom))
 
     def _block_slabs(self, bottom: float) -> list[Slab]:
         blocks = self.blocks
         if blocks is None:
             return []
-        cell = blocks.cell
+        cell, under = blocks.cell, min(UNDER, blocks.cell)
         found = []
         for row, heights in enumerate(blocks.heights.tolist()):
             x = blocks.start + row * cell
             for column, top in enumerate(heights):
                 y = (column - blocks.columns / 2) * cell
-                found.append(Slab((x, y, bottom), (x + cell, y + cell, top)))
+                (rear, front), (right, left) = _reach(blocks.heights, row, column)
+                low = (x - under * rear, y - under * right, bottom)
+                found.append(Slab(low, (x + cell + under * front, y + cell + under * left, top)))
         return found
+
+
+def _reach(heights: NDArray[Any], row: int, column: int) -> tuple[tuple[bool, bool], tuple[bool, bool]]:
+    """Whether a block reaches under its neighbors: rear and front, right and left.
+
+    It does under higher ones, but not to the side where it would rise out of a lower one's corner.
+    """
+
+    def is_higher(x: int, y: int) -> bool:
+        inside = 0 <= x < heights.shape[0] and 0 <= y < heights.shape[1]
+        return inside and bool(heights[x, y] > heights[row, column])
+
+    along = {side: is_higher(row + side, column) for side in (-1, 1)}
+    across = {
+        side: is_higher(row, column + side)
+        and all(is_higher(row + way, column + side) for way in (-1, 1) if along[way])
+        for side in (-1, 1)
+    }
+    return (along[-1], along[1]), (across[-1], across[1])
 
 
 def _require_count(what: str, value: int) -> None:

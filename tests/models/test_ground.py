@@ -75,6 +75,34 @@ def test_a_foot_slides_down_a_slope_that_is_steeper_than_its_friction(slope, sli
     assert (speeds[1] - speeds[0]) / 0.2 == pytest.approx(pull if slides else 0.0, abs=1e-4)
 
 
+FIELD = Blocks(height=0.03, rows=8, columns=9, start=-0.2)
+
+
+@pytest.mark.parametrize(
+    ("ground", "begin", "push"),
+    [
+        (Ground(friction=0.1, steps=Steps(height=0.03, start=0.1)), 0.01, (3.0, 0.0)),
+        (Ground(friction=0.1, steps=Steps(height=-0.03, start=-0.1)), 0.01, (-3.0, 0.0)),
+        (Ground(friction=0.1, blocks=FIELD), 0.01, (3.0, 0.0)),
+        (Ground(friction=0.1, blocks=FIELD), -0.15, (0.0, 3.0)),
+    ],
+    ids=("stairs up", "stairs down", "blocks along x", "blocks along y"),
+)
+def test_a_foot_that_is_pressed_against_a_face_stays_on_the_ground(ground, begin, push):
+    diagram, plant, _ = on(ground, mass=3.0)
+    plant.mutable_gravity_field().set_gravity_vector(np.array([*push, -9.81]))
+    simulator = Simulator(diagram)
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    foot, begins = plant.GetBodyByName("foot"), (begin, 0.02)
+    plant.SetFreeBodyPose(context, foot, RigidTransform([*begins, ground.height(*begins)]))
+    simulator.AdvanceTo(0.6)
+    x, y, z = foot.EvalPoseInWorld(context).translation()
+    ahead = np.sign(push)
+    low, high = (ground.height(x + s * ahead[0], y + s * ahead[1]) for s in (-1e-3, 1e-3))
+    assert high > low  # it is at a face
+    assert z == pytest.approx(low, abs=1e-3)
+
+
 def test_it_is_drawn_near_its_origin_and_carries_far():
     for ground in GROUNDS.values():
         _, _, scene = on(ground)
