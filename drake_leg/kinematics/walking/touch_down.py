@@ -30,6 +30,7 @@ SEARCH_DEPTH = 0.03  # [m]
 CLIMB_SPEED = 0.3  # [m/s], of a foot that met a face
 CLEARS = 0.010  # [m], for which it rises before it goes on
 BACK = 0.002  # [m], for which it draws back
+SLACK = 0.010  # [m]: a climbing foot that is so far behind waits
 SPEEDING = 4.0  # [m/s^2], of a search that begins
 FOLLOWS = 5.0  # [rad/s], of the body's height, critically damped
 SETTLES = 4  # time steps in which a foot is drawn to where it was felt
@@ -127,7 +128,7 @@ def footing(now: Footholds, row: PlanRow, step: float) -> Footing:
     swing = np.zeros_like(feet)
     swing[flies] = row.swing[flies] + ((after - before) / step)[flies] @ R
     climbs = flies & (now.rise > 0.0)
-    swing[climbs] = _climbing(swing @ R.T)[climbs] @ R
+    swing[climbs] = 0.0
     searches = now.states == SEARCHES
     swing[searches & row.down] = -now.speeds[searches & row.down, np.newaxis] * R[2]
     under_body = p + np.array([0.0, 0.0, now.height])
@@ -227,22 +228,18 @@ def _pushed(
     begin, end = row.swung[:, :, np.newaxis]
     before, after = _off_plan(now, begin), _off_plan(now, end)
     way = step * row.swing @ R.T + after - before
+    commanded = row.feet @ R.T + p + before + now.pushed
     climbs = now.rise > 0.0
-    pushed = now.pushed + np.where(climbs[:, np.newaxis], step * _climbing(way / step) - way, 0.0)
+    follows = climbs & (commanded[:, 2] - felt[:, 2] < SLACK)
+    pushed = now.pushed - np.where(climbs[:, np.newaxis], way, 0.0)
+    up = np.where(follows, step * CLIMB_SPEED, 0.0)
+    pushed[:, 2] += up + np.where(follows, np.maximum(way[:, 2], 0.0), 0.0)
     if meets.any():
         back = forces[meets, :2] / np.linalg.norm(forces[meets, :2], axis=1, keepdims=True)
-        planned = row.feet @ R.T + p
-        pushed[meets, :2] = felt[meets, :2] + BACK * back - (planned + before + way)[meets, :2]
+        pushed[meets, :2] += felt[meets, :2] + BACK * back - commanded[meets, :2]
+        pushed[meets, :2] -= np.where(climbs[:, np.newaxis], 0.0, way)[meets, :2]
     rise = np.where(meets, CLEARS, np.maximum(now.rise - step * CLIMB_SPEED, 0.0))
-    rise = np.where(pushed[:, 2] < search.depth, rise, 0.0)
     return np.where(row.down[:, np.newaxis], 0.0, pushed), np.where(row.down, 0.0, rise)
-
-
-def _climbing(velocities: Array) -> Array:
-    """Velocities (n, 3) of feet that rise before a face, by those of their swings [m/s]."""
-    found = np.zeros_like(velocities)
-    found[:, 2] = CLIMB_SPEED + np.maximum(velocities[:, 2], 0.0)
-    return found
 
 
 def _felt(forces: Array, threshold: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
