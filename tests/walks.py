@@ -32,6 +32,7 @@ STEADY = dict.fromkeys(TILT, 0.04) | {"greatest_slip_m": 1.2e-4, "height_ripple_
 STRAIGHT = {DISTANCE: 0.3, HEADING: 0.03, **STEADY}
 SLOPE = {"duration": 8.0, "slope": 10.0}
 P800 = {"servo": "xl430", "gain": 800.0, "feed_forward": "none"}
+FEELS = {"lift": 0.05, "feedback": 2.0, "touch_down": True, "duration": 12.0}
 SEED, PUSHES, CONDITIONS = 15, 20, 40
 PUSHED = "greatest_distance_from_plan_m"
 
@@ -155,6 +156,13 @@ WALKS = {
         {"steps": 0.02, "step_count": 1.0, "lift": 0.05, "feedback": 2.0, "duration": 12.0},
         {DISTANCE: 0.5},
     ),
+    "step of 30 mm, feedback, touch-down": Walk(
+        FEELS | {"steps": 0.03, "step_count": 1.0}, {DISTANCE: 0.5}
+    ),
+    "step of 20 mm down, feedback, touch-down": Walk(
+        FEELS | {"steps": -0.02, "step_count": 1.0}, {DISTANCE: 0.5}
+    ),
+    "blocks of 20 mm, feedback, touch-down": Walk(FEELS | {"blocks": 0.02}, {DISTANCE: 0.5}),
     "friction 0.05": Walk({"friction": 0.05}, {DISTANCE: 0.5}),
     "20 pushes of 0.5 m/s": Pushed(0.5, {PUSHED: 0.010}),
     "20 pushes of 1 m/s": Pushed(1.0, {PUSHED: 0.060}),

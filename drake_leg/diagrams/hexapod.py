@@ -91,7 +91,7 @@ class HexapodConfig:
     touch_down : bool
         Whether feet sense the ground: a swing ends where a foot touches, early or late.
     search_depth : float
-        How far a foot goes down that finds no ground [m].
+        How far a foot goes down, at most, that finds no ground [m].
     ground : Ground
         Its slope, friction, and what lies on it.
     contact : Contact
@@ -297,9 +297,12 @@ def _levels(config: HexapodConfig, builder: DiagramBuilder) -> BodyFeedback | Bo
     """Add the block that brings the body back to its plan, if any."""
     if config.feedback is not None:
         feedback = BodyFeedback(config.X_WG, config.feedback, config.time_step)
-        return builder.AddNamedSystem("Body Feedback", feedback)
+        builder.AddNamedSystem("Body Feedback", feedback)
+        return feedback
     if config.level is not None:
-        return builder.AddNamedSystem("Body Level", BodyLevel(config.level, config.time_step))
+        level = BodyLevel(config.level, config.time_step)
+        builder.AddNamedSystem("Body Level", level)
+        return level
     return None
 
 

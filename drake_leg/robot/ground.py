@@ -225,7 +225,9 @@ class Ground:
         return found
 
 
-def _reach(heights: NDArray[Any], row: int, column: int) -> tuple[tuple[bool, bool], tuple[bool, bool]]:
+def _reach(
+    heights: NDArray[Any], row: int, column: int
+) -> tuple[tuple[bool, bool], tuple[bool, bool]]:
     """Whether a block reaches under its neighbors: rear and front, right and left.
 
     It does under higher ones, but not to the side where it would rise out of a lower one's corner.

@@ -30,7 +30,7 @@ OF_RUNS = {
     "--robot", "--gait", "--phases", "--duty", "--period", "--speed", "--sideways", "--turn",
     "--distance", "--angle", "--height", "--roll", "--pitch", "--shift", "--servo", "--effort",
     "--feed-forward", "--payload", "--push-speed", "--time-step", "--foot-radius",
-    "--foot-stiffness", "--friction",
+    "--foot-stiffness", "--friction", "--level", "--touch-down",
     "--slope", "--across", "--steps", "--blocks", "--dynamic", "--force",
 }  # fmt: skip
 
@@ -68,6 +68,7 @@ OF_RUNS_MEANINGLESS = [
     ("pendulum-spring --limit-width 0.1", NO_LIMIT),
     ("pendulum-spring --target 30 --spring-stiffness 0", "nothing pulls there"),
     ("hexapod --push-direction 90", "means nothing without --push-speed"),
+    ("hexapod --search-depth 0.02", "means nothing without --touch-down"),
     ("hexapod --step-count 2", "means nothing without --steps"),
     ("hexapod --step-run 0.1", "means nothing without --steps"),
     ("hexapod --block-seed 1", "means nothing without --blocks"),

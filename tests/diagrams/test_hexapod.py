@@ -1,12 +1,14 @@
 import numpy as np
 import pytest
 
-from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
+from drake_leg.diagrams.hexapod import TOUCH_DOWNS, HexapodConfig, build, start_walking
 from drake_leg.diagrams.wiring import wires
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.walking.gait import GAITS
 from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.plan import walk_of
+from drake_leg.kinematics.walking.touch_down import EARLY, MISSED
+from drake_leg.robot.ground import Ground
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.simulation.run import simulate
 
@@ -81,11 +83,34 @@ def test_feedback_brings_the_body_back_to_its_course():
     assert lifted < 0.2 * sunk
 
 
+def test_on_the_flat_feet_that_feel_the_ground_walk_as_planned(three_seconds):
+    _, blind = three_seconds
+    _, run = walked(2.0, touch_down=True)
+    rows = len(run.time)
+    place, expected = run.scopes["body pose"][:, 4:], blind.scopes["body pose"][:rows, 4:]
+    np.testing.assert_allclose(place, expected, atol=1e-4)
+    assert not np.isin(run.scopes[TOUCH_DOWNS], (EARLY, MISSED)).any()
+
+
+def test_a_body_that_is_levelled_by_gravity_is_level_on_a_slope_across():
+    """The ground leans to the right by 0.05 rad, and so would a body that is not levelled."""
+    ground, settings = Ground(across=0.05), {"time_step": 0.005}
+    _, run = walked(1.6, ground=ground, level=4.0, **settings)
+    w, x, y, z = run.scopes["body pose"][-1, :4]
+    assert 2.0 * (w * x + y * z) == pytest.approx(0.0, abs=2e-3)
+    _, leaning = walked(0.3, ground=ground, **settings)
+    assert abs(2.0 * leaning.scopes["body pose"][-1, 1]) == pytest.approx(0.05, abs=2e-3)
+
+
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
         ({"time_step": 0.0}, "the time step is 0"),
         ({"feedback": -1.0}, "the rate of the body's feedback is -1"),
+        ({"level": 0.0}, "the rate of the body's levelling is 0"),
+        ({"level": 2.0, "feedback": 2.0}, "`feedback` is 2 and `level` is 2; feedback of the pose"),
+        ({"touch_down": True, "gravity": 0.0}, "without gravity, no foot can feel the ground"),
+        ({"search_depth": 0.0}, "the depth of a foot's search is 0"),
         ({"feed_forward": "all"}, "the feed-forward is 'all'; it must be one of full, gravity"),
         ({"walk": walk_of(HEXABOT, height=0.25)}, "left_front is out of its reach at the start"),
     ],

@@ -56,7 +56,8 @@ def test_the_height_is_the_top_of_the_highest_slab(rng):
     tops = [high[inside, 2].max() for inside in above]
     np.testing.assert_allclose(ground.height(x, y), tops, atol=1e-15)
     assert len(low) == 5 + 9 * 16
-    assert (low[:2, 0] == [-EDGE, 0.3]).all() and (high[:5, :2] == EDGE).all()
+    assert (low[:2, 0] == [-EDGE, 0.3]).all()
+    assert (high[:5, :2] == EDGE).all()
 
 
 @pytest.mark.parametrize(

@@ -83,6 +83,25 @@ def test_a_robot_that_is_too_weak_falls_and_the_summary_says_when():
     assert 0.0 < summary["fell_at_s"] < 1.5
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["hexabot", "phantomx"])
+def test_feet_that_feel_the_ground_climb_a_step_of_30_mm(robot):
+    ground = {"steps": 0.03, "step_count": 1.0, "lift": 0.05, "feedback": 2.0}
+    summary = run("hexapod", robot=robot, duration=9.0, touch_down=True, force=True, **ground)
+    summary = summary.summary
+    assert abs(summary["distance_error_percent"]) < 0.5
+    assert not summary["fell"]
+    assert summary["touch_downs_early"] > 5
+    assert summary["touch_downs_not_found"] == 0
+
+
+def test_a_summary_counts_touch_downs_where_feet_feel_the_ground(forward):
+    counted = run("hexapod", duration=1.7, touch_down=True).summary
+    kinds = ("on_time", "early", "late", "not_found")
+    assert sum(counted[f"touch_downs_{kind}"] for kind in kinds) == 6
+    assert all(forward.summary[f"touch_downs_{kind}"] is None for kind in kinds)
+
+
 def test_a_robot_that_stands_has_no_cost_of_transport():
     summary = run("hexapod", duration=0.7, speed=0.0).summary
     assert summary["commanded_distance_m"] == 0.0
@@ -95,6 +114,9 @@ def test_options_reach_the_config():
     options = WalkOptions(
         servo="xl430", feedback=2.0, friction=0.4, foot_stiffness=1e5, payload=0.5, time_step=0.002
     )
+    feeling = WalkOptions(touch_down=True, search_depth=0.02, level=3.0)
+    found = config_of(feeling.the_robot, feeling)
+    assert (found.touch_down, found.search_depth, found.level) == (True, 0.02, 3.0)
     config = config_of(options.the_robot, options)
     assert (config.servo.name, config.feedback, config.time_step) == ("xl430", 2.0, 0.002)
     assert (config.ground.friction, config.contact.stiffness, config.payload) == (0.4, 1e5, 0.5)

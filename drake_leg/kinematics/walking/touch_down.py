@@ -5,13 +5,17 @@ half of its swing stands where it is; one that is not loaded at its planned touc
 downwards. The next swing starts where the foot stands, and its distance from the plan vanishes
 during the swing by a quintic, which adds no velocity and no acceleration at either end.
 
+Only a floor ends a swing. A foot that meets a face, as that of a step, draws back from it, rises
+and tries again; its swing ends so much beside its plan.
+
 The height of the ground under the body is the mean height of the feet that stand, smoothed. The
 body follows it, and swings aim at the mean.
 """
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +31,11 @@ TOUCHES = 0.05  # of the robot's weight: a foot that carries more has touched th
 NEAR = 1e-3  # [m], over where it is to land: a foot that touches there lands as planned
 SEARCH_SPEED = 0.2  # [m/s], downwards
 SEARCH_DEPTH = 0.03  # [m]
-CLIMB_SPEED = 0.3  # [m/s], of a foot that met a face
-CLEARS = 0.010  # [m], for which it rises before it goes on
-BACK = 0.002  # [m], for which it draws back
-SLACK = 0.010  # [m]: a climbing foot that is so far behind waits
 SPEEDING = 4.0  # [m/s^2], of a search that begins
+BACK = 0.002  # [m], by which a foot draws back from a face
+CLIMB_SPEED = 0.3  # [m/s], at which it then rises
+CLIMB = 0.010  # [m], by which it rises before it tries again
+BEHIND = 0.010  # [m], below its command: a foot that is so late is not to rise
 FOLLOWS = 5.0  # [rad/s], of the body's height, critically damped
 SETTLES = 4  # time steps in which a foot is drawn to where it was felt
 
@@ -102,7 +106,7 @@ class Footholds:
     @property
     def values(self) -> Array:
         """All numbers, (16 n + 2,)."""
-        return np.concatenate([np.ravel(one) for one in astuple(self)])
+        return np.concatenate([np.ravel(getattr(self, one.name)) for one in fields(self)])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,24 +121,20 @@ class Footing:
 def footing(now: Footholds, row: PlanRow, step: float) -> Footing:
     """Where feet are to be in a time step [s]."""
     R, p = row.X_GB[:3, :3], row.X_GB[:3, 3]
-    planned = row.feet @ R.T + p
-    begin, end = row.swung[:, :, np.newaxis]
-    flies = _flies(now, row)
-    before, after = _off_plan(now, begin), _off_plan(now, end)
+    swings, flies = _swings(now, row, step), _flies(now, row)
     arrives = row.down & (now.states >= SWINGS)
+    searches = row.down & (now.states == SEARCHES)
     feet = now.places.copy()
-    feet[flies] = (planned + before + now.pushed)[flies]
-    feet[arrives] = (_landing(now, planned) + now.pushed)[arrives]
-    swing = np.zeros_like(feet)
-    swing[flies] = row.swing[flies] + ((after - before) / step)[flies] @ R
-    climbs = flies & (now.rise > 0.0)
-    swing[climbs] = 0.0
-    searches = now.states == SEARCHES
-    swing[searches & row.down] = -now.speeds[searches & row.down, np.newaxis] * R[2]
+    feet[flies] = swings.begin[flies]
+    feet[arrives] = _landing(now, row)[arrives]
+    velocities = np.zeros_like(feet)
+    goes = flies & (now.rise == 0.0)
+    velocities[goes] = swings.way[goes] @ R / step
+    velocities[searches] = -now.speeds[searches, np.newaxis] * R[2]
     under_body = p + np.array([0.0, 0.0, now.height])
-    settles = (now.since < SETTLES) | searches
+    settles = (now.since < SETTLES) | (now.states == SEARCHES)
     rests = (row.down | ~flies) & ~settles
-    return Footing(feet=(feet - under_body) @ R, swing=swing, rests=rests)
+    return Footing(feet=(feet - under_body) @ R, swing=velocities, rests=rests)
 
 
 def after(
@@ -159,29 +159,27 @@ def after(
         What is to be added to a height to have it in the true G [m]: the body may be higher than
         commanded.
     """
-    R, p = row.X_GB[:3, :3], row.X_GB[:3, 3]
-    planned = row.feet @ R.T + p
-    felt = felt @ R.T + p + np.array([0.0, 0.0, now.height])
-    feels, meets = _felt(forces, search.threshold)
-    states, down = now.states, row.down
-    flies = _flies(now, row)
-    over = (planned + _off_plan(now, row.swung[0][:, np.newaxis]) - _landing(now, planned))[:, 2]
-    touches = flies & feels & (row.swung[0] > 0.5) & (states != LANDS)
-    pushed, rise = _pushed(now, row, forces, felt, flies & meets & (states == SWINGS), search, step)
-    early = touches & (over > NEAR)
+    planned = _in_ground(row.feet, row)
+    felt = _in_ground(felt, row) + np.array([0.0, 0.0, now.height])
+    on_floor, on_face = _felt(forces, search.threshold)
+    states, down, flies = now.states, row.down, _flies(now, row)
+    landing, swings = _landing(now, row), _swings(now, row, step)
+    touches = flies & on_floor & (row.swung[0] > 0.5) & (states != LANDS)
+    early = touches & (swings.begin[:, 2] - landing[:, 2] > NEAR)
     arrives = down & (states >= SWINGS)
     searched = down & (states == SEARCHES)
-    late = searched & feels
-    on_time = arrives & (feels | (states == LANDS))
+    late = searched & on_floor
+    on_time = arrives & (on_floor | (states == LANDS))
+    meets = flies & on_face & (states == SWINGS)
 
     states = np.where(flies & (states != LANDS), SWINGS, states)
     states = np.where(touches, np.where(early, EARLY, LANDS), states)
     states = np.where(arrives, np.where(on_time, ON_TIME, SEARCHES), states)
     states = np.where(late, LATE, states)
-    places = np.where(arrives[:, np.newaxis], _landing(now, planned) + now.pushed, now.places)
+    places = np.where(arrives[:, np.newaxis], landing, now.places)
     places = np.where((early | late)[:, np.newaxis], felt, places)
 
-    goes_on = searched & ~feels
+    goes_on = searched & ~on_floor
     way = np.where(goes_on, np.minimum(step * now.speeds, search.depth - now.sought), 0.0)
     places[:, 2] -= way
     sought = np.where(arrives, 0.0, now.sought + way)
@@ -194,12 +192,14 @@ def after(
     stands = np.isin(states, (ON_TIME, EARLY, LATE))
     ground = float(found[stands].mean()) if stands.any() else now.height
     bend = FOLLOWS**2 * (ground - now.height) - 2.0 * FOLLOWS * now.climb
+    pushed = _pushed(now, swings, forces, felt, meets, step)
+    rise = np.where(meets, CLIMB, np.maximum(now.rise - step * CLIMB_SPEED, 0.0))
     return replace(
         now,
         places=places,
         left=left,
-        pushed=pushed,
-        rise=rise,
+        pushed=np.where(down[:, np.newaxis], 0.0, pushed),
+        rise=np.where(down, 0.0, rise),
         aims=np.where(down, ground - offset, now.aims),
         found=found,
         speeds=speeds,
@@ -209,37 +209,6 @@ def after(
         height=now.height + step * now.climb,
         climb=now.climb + step * bend,
     )
-
-
-def _pushed(
-    now: Footholds,
-    row: PlanRow,
-    forces: Array,
-    felt: Array,
-    meets: NDArray[np.bool_],
-    search: Search,
-    step: float,
-) -> tuple[Array, Array]:
-    """How far faces push feet off their swings, (n, 3) [m], and for what they then rise, (n,) [m].
-
-    A foot that meets a face draws back from it and rises, and then goes on with its swing.
-    """
-    R, p = row.X_GB[:3, :3], row.X_GB[:3, 3]
-    begin, end = row.swung[:, :, np.newaxis]
-    before, after = _off_plan(now, begin), _off_plan(now, end)
-    way = step * row.swing @ R.T + after - before
-    commanded = row.feet @ R.T + p + before + now.pushed
-    climbs = now.rise > 0.0
-    follows = climbs & (commanded[:, 2] - felt[:, 2] < SLACK)
-    pushed = now.pushed - np.where(climbs[:, np.newaxis], way, 0.0)
-    up = np.where(follows, step * CLIMB_SPEED, 0.0)
-    pushed[:, 2] += up + np.where(follows, np.maximum(way[:, 2], 0.0), 0.0)
-    if meets.any():
-        back = forces[meets, :2] / np.linalg.norm(forces[meets, :2], axis=1, keepdims=True)
-        pushed[meets, :2] += felt[meets, :2] + BACK * back - commanded[meets, :2]
-        pushed[meets, :2] -= np.where(climbs[:, np.newaxis], 0.0, way)[meets, :2]
-    rise = np.where(meets, CLEARS, np.maximum(now.rise - step * CLIMB_SPEED, 0.0))
-    return np.where(row.down[:, np.newaxis], 0.0, pushed), np.where(row.down, 0.0, rise)
 
 
 def _felt(forces: Array, threshold: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -252,9 +221,51 @@ def _felt(forces: Array, threshold: float) -> tuple[NDArray[np.bool_], NDArray[n
     return (up > threshold) & (up > along), (along > threshold) & (up <= along)
 
 
+class _Swings(NamedTuple):
+    """Of all feet, as if each were in the air; G is the frame of the ground."""
+
+    begin: Array  # (n, 3), where they are to be at the beginning of a time step, in G [m]
+    way: Array  # (n, 3), on which they go in it, in G [m]
+
+
+def _swings(now: Footholds, row: PlanRow, step: float) -> _Swings:
+    begin, end = row.swung[:, :, np.newaxis]
+    before, after = _off_plan(now, begin), _off_plan(now, end)
+    way = step * row.swing @ row.X_GB[:3, :3].T + after - before
+    return _Swings(_in_ground(row.feet, row) + before + now.pushed, way)
+
+
+def _pushed(
+    now: Footholds,
+    swings: _Swings,
+    forces: Array,
+    felt: Array,
+    meets: NDArray[np.bool_],
+    step: float,
+) -> Array:
+    """How far faces push feet off their swings a time step later, (n, 3) [m]."""
+    climbs = now.rise > 0.0
+    follows = climbs & (swings.begin[:, 2] - felt[:, 2] < BEHIND)
+    stays = meets | climbs
+    pushed = now.pushed.copy()
+    pushed[stays, :2] -= swings.way[stays, :2]
+    pushed[climbs, 2] -= swings.way[climbs, 2]
+    pushed[follows, 2] += step * CLIMB_SPEED + np.maximum(swings.way[follows, 2], 0.0)
+    along = forces[meets, :2]
+    back = BACK * along / np.linalg.norm(along, axis=1, keepdims=True)
+    pushed[meets, :2] += felt[meets, :2] + back - swings.begin[meets, :2]
+    return pushed
+
+
+def _in_ground(feet: Array, row: PlanRow) -> Array:
+    """Feet (n, 3), given in B, in G [m]."""
+    return np.asarray(feet @ row.X_GB[:3, :3].T + row.X_GB[:3, 3])
+
+
 def _flies(now: Footholds, row: PlanRow) -> NDArray[np.bool_]:
     """Which feet are in the air by plan, and have not touched the ground too early."""
-    return ~row.down & ~((now.states == EARLY) & (row.swung[0] > 0.5))
+    stands: NDArray[np.bool_] = row.down | ((now.states == EARLY) & (row.swung[0] > 0.5))
+    return ~stands
 
 
 def _off_plan(now: Footholds, u: Array) -> Array:
@@ -268,8 +279,8 @@ def _off_plan(now: Footholds, u: Array) -> Array:
     return found
 
 
-def _landing(now: Footholds, planned: Array) -> Array:
-    """Where feet land that find the ground as expected, beside their plan, (n, 3) [m]."""
-    found = planned.copy()
+def _landing(now: Footholds, row: PlanRow) -> Array:
+    """Where feet land that find the ground as expected, in G, (n, 3) [m]."""
+    found = _in_ground(row.feet, row)
     found[:, 2] = now.left[:, 2] + now.aims
-    return found
+    return found + now.pushed
