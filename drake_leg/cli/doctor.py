@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import (
+    WALKERS,
     add_robot_source,
     add_tip,
     joint_positions,
     robot_source,
     searched_start,
+    walks,
 )
 from drake_leg.cli.terminal import (
     BAD_INPUT,
@@ -26,6 +28,7 @@ from drake_leg.cli.terminal import (
     numbers,
     refuse_ignored,
 )
+from drake_leg.cli.walk_doctor import add_walk, examine_walk, refuse_walk
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.robot.robot import Robot
@@ -44,11 +47,12 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
         "stroke along a direction to the first singularity or joint limit, and the greatest "
         "amplitude that stays inside. With --foot: the joint positions that put the foot there. "
         "Of a robot with closed loops: its freedoms, its assemblies, the passive joints' rates, "
-        "and the singular assemblies."
+        "and the singular assemblies. Of a robot with legs, such as hexapod or phantomx, unless "
+        "--tip is given: what a walk will meet, and the greatest speed, lift and height that work."
     )
     parser.epilog = (
-        "Exit status: 0 all well, 1 no posture within the joints' limits puts the foot there or a "
-        "map could not be drawn, 2 bad input."
+        "Exit status: 0 all well, 1 no posture within the joints' limits puts the foot there, the "
+        "robot cannot walk so, or a map could not be drawn, 2 bad input."
     )
     add_robot_source(parser)
     add_tip(parser)
@@ -71,6 +75,7 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="with --foot: the yaw of a SCARA's tool [deg] (default: that of --q)",
     )
+    add_walk(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
         "--out",
@@ -92,7 +97,10 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
-    whole = robot_source(chosen.robot, chosen.numbers).robot()
+    whole = robot_source(WALKERS.get(chosen.robot, chosen.robot), chosen.numbers).robot()
+    if chosen.tip is None and walks(whole):
+        return examine_walk(chosen, whole)
+    refuse_walk(chosen, whole)
     if whole.loops:
         return _closed_loops(chosen, whole)
     robot, place = whole.at_tip(chosen.tip), _place(chosen)

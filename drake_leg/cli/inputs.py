@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from drake_leg.symbolic.table import SymbolicTable
 
 FILE = "FILE.toml|FILE.par"  # of a robot
+WALKERS = {"hexapod": "hexabot"}  # names of runs that are no robots'
 
 # The package's robots by their modules, and by their names on the command line.
 _MODULES = {"robots": ROBOTS, "hexapods": HEXAPODS, "linkages": NAMED_LINKAGES}
@@ -117,6 +118,17 @@ class ParSource:
 
 
 RobotSource = TomlSource | ParSource
+
+
+def walks(robot: Robot) -> bool:
+    """Tell whether a robot has legs to walk on, and a gait for as many."""
+    from drake_leg.kinematics.walking.gait import LEGS
+    from drake_leg.kinematics.walking.legs import Legs
+
+    try:
+        return Legs.of(robot).count == len(LEGS)
+    except InvalidValueError:
+        return False
 
 
 def add_robot_source(parser: argparse.ArgumentParser) -> None:

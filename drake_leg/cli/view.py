@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.inputs import (
+    WALKERS,
     add_posture,
     add_robot_source,
     add_tip,
     as_typed,
     posture,
     robot_source,
+    walks,
 )
 from drake_leg.cli.model_files import add_model_options, is_model, refuse_model_options
 from drake_leg.cli.terminal import (
@@ -50,7 +52,6 @@ WALK_KEYS = (
     "keys in the page, held: W S forward and back, A D to the left and right, Q E turn left and "
     "right; space halts, 1 to 4 are the views, Escape quits"
 )
-WALKERS = {"hexapod": "hexabot"}  # names of runs that are no robots'
 IDLE = "the guard is idle"
 
 
@@ -188,7 +189,7 @@ def _teleop(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.teleop import drive_robot
 
     robot = robot_source(WALKERS.get(chosen.robot, chosen.robot), chosen.numbers).robot()
-    if chosen.tip is None and _walks(robot):
+    if chosen.tip is None and walks(robot):
         return _walk(chosen, robot)
     robot = robot.at_tip(chosen.tip)
     q = posture(chosen.robot, robot, chosen.q)
@@ -201,17 +202,6 @@ def _teleop(chosen: argparse.Namespace) -> int:
         return 0
     print(f"the robot was left at --q {as_typed(robot, step.q.tolist())}")
     return 0
-
-
-def _walks(robot: Robot) -> bool:
-    """Tell whether a robot has legs to walk on, and a gait for as many."""
-    from drake_leg.kinematics.walking.gait import LEGS
-    from drake_leg.kinematics.walking.legs import Legs
-
-    try:
-        return Legs.of(robot).count == len(LEGS)
-    except InvalidValueError:
-        return False
 
 
 def _walk(chosen: argparse.Namespace, robot: Robot) -> int:
