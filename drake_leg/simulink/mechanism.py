@@ -91,10 +91,12 @@ def rotation_of(block: Block, prefix: str = "") -> Array:
         )
     if method == "ArbitraryAxis":
         axis = _vector(block, prefix + "RotationArbitraryAxis", 3)
-        length = np.linalg.norm(axis)
+        angle, length = _number(block, prefix + "RotationAngle"), np.linalg.norm(axis)
+        if angle == 0.0:  # as CAD programs export a transform without rotation, without an axis
+            return np.eye(3)
         if length == 0.0:
             raise invalid_parameter(block, prefix + "RotationArbitraryAxis", "it must not be zero")
-        return _about(axis / length, _number(block, prefix + "RotationAngle"))
+        return _about(axis / length, angle)
     if method == "AlignedAxes":
         return _aligned(block, prefix)
     if method == "RotationSequence":

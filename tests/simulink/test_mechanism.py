@@ -153,7 +153,11 @@ def test_rotation_text():
         {"RotationMethod": "Telepathy"},
         {"TranslationMethod": "Telepathy"},
         {"RotationMethod": "StandardAxis", "RotationStandardAxis": "+W"},
-        {"RotationMethod": "ArbitraryAxis", "RotationArbitraryAxis": (0.0, 0.0, 0.0)},
+        {
+            "RotationMethod": "ArbitraryAxis",
+            "RotationArbitraryAxis": (0.0, 0.0, 0.0),
+            "RotationAngle": 0.1,
+        },
         {"RotationMethod": "Quaternion", "RotationQuaternion": (0.0, 0.0, 0.0, 0.0)},
         {"RotationMethod": "RotationMatrix", "RotationMatrix": ((1.0, 0.0), (0.0, 1.0))},
         {"RotationMethod": "RotationSequence", "RotationSequence": "XQZ"},
@@ -172,6 +176,11 @@ def test_what_makes_no_rotation_is_refused_by_name(parameters):
         parameters = parameters | {"RotationSequenceAngles": (0.1, 0.2, 0.3)}
     with pytest.raises(InvalidValueError, match=r"'Rigid Transform' \(SID 1\)"):
         transform(**parameters)
+
+
+def test_no_rotation_needs_no_axis():
+    nothing = {"RotationMethod": "ArbitraryAxis", "RotationArbitraryAxis": (0.0, 0.0, 0.0)}
+    np.testing.assert_array_equal(transform(**nothing, RotationAngle=0.0), np.eye(4))
 
 
 LIBRARY = "sm_lib/Body Elements"
