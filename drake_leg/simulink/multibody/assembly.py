@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -11,10 +11,11 @@ from drake_leg.simulink.mechanism import inverse
 from drake_leg.simulink.multibody.bodies import Joint, Mechanism
 from drake_leg.simulink.multibody.mass import Array
 
-STEPS = 100
+STEPS = 60
 CLOSED = 1e-10  # [m, rad]
-DIFFERENCE = 1e-6  # [rad or m], of a derivative
 LONGEST = 0.3  # [rad or m], of a step
+PATIENCE = 8  # steps without a smaller gap
+SMALL = 1e-4  # [rad], below which a series is as exact
 
 
 class Assembly:
@@ -23,12 +24,14 @@ class Assembly:
     def __init__(self, mechanism: Mechanism) -> None:
         self._mechanism = mechanism
         self._joints = (*mechanism.joints, *mechanism.loops)
+        self._ends = np.cumsum([0, *(joint.positions for joint in self._joints)])
 
     @property
     def targets(self) -> Array:
         """Return the positions at the state targets, or 0."""
         return np.concatenate([np.zeros(0), *(joint.start for joint in self._joints)])
 
+    @property
     def firm(self) -> Array:
         """Tell which positions have a target of high priority."""
         return np.array(
@@ -43,18 +46,7 @@ class Assembly:
 
     def gaps(self, q: Array) -> Array:
         """Compute how far loops are from being closed, (6 per loop,) [rad, m]."""
-        if not self._mechanism.loops:
-            return np.zeros(0)
-        parts = self._split(q)
-        X_WB = self._poses(parts)
-        found = []
-        for joint, part in zip(
-            self._mechanism.loops, parts[len(self._mechanism.joints) :], strict=True
-        ):
-            X_WBase = X_WB[joint.base] @ joint.X_PB @ joint.pose(part)
-            apart = inverse(X_WBase) @ X_WB[joint.follower] @ joint.X_CF
-            found += [Rotation.from_matrix(apart[:3, :3]).as_rotvec(), apart[:3, 3]]
-        return np.concatenate(found)
+        return self._linearized(q)[0]
 
     def closed(self) -> tuple[Array, float]:
         """Return the tree's positions with loops closed, and the gap that is left [rad or m].
@@ -63,54 +55,106 @@ class Assembly:
         the shortest that closes the linearized loops.
         """
         size = sum(joint.positions for joint in self._mechanism.joints)
-        q = self.targets
-        for may_move in (np.logical_not(self.firm()), np.ones(len(q), dtype=bool)):
-            moved = self._solved(self.targets, may_move)
-            if self._gap(moved) < self._gap(q):
-                q = moved
-            if self._gap(q) <= CLOSED:
+        q, gap = self.targets, _greatest(self.gaps(self.targets))
+        for may_move in (np.logical_not(self.firm), np.ones(len(q), dtype=bool)):
+            if gap <= CLOSED:
                 break
-        return q[:size], self._gap(q)
+            moved, left = self._solved(self.targets, may_move)
+            if left < gap:
+                q, gap = moved, left
+        return q[:size], gap
 
-    def _solved(self, q: Array, may_move: Array) -> Array:
+    def _solved(self, q: Array, may_move: Array) -> tuple[Array, float]:
+        """Return the best positions of a search, and their gap."""
+        best, least, waited = q, math.inf, 0
         for _ in range(STEPS):
-            gaps = self.gaps(q)
-            if np.abs(gaps).max(initial=0.0) <= CLOSED or not may_move.any():
+            gaps, J = self._linearized(q)
+            if _greatest(gaps) < least:
+                best, least, waited = q, _greatest(gaps), 0
+            waited += 1
+            if least <= CLOSED or waited > PATIENCE or not may_move.any():
                 break
-            J = self._jacobian(q, np.flatnonzero(may_move))
-            step = np.linalg.lstsq(J, -gaps, rcond=1e-10)[0]
+            step = np.linalg.lstsq(J[:, may_move], -gaps, rcond=1e-10)[0]
             step *= min(1.0, LONGEST / max(float(np.abs(step).max()), LONGEST))
             q = q.copy()
             q[may_move] += step
-        return q
+        return best, least
 
-    def _jacobian(self, q: Array, columns: Iterable[int]) -> Array:
-        found = []
-        for column in columns:
-            step = np.zeros(len(q))
-            step[column] = DIFFERENCE
-            found.append((self.gaps(q + step) - self.gaps(q - step)) / (2.0 * DIFFERENCE))
-        return np.column_stack(found)
+    def _linearized(self, q: Array) -> tuple[Array, Array]:
+        """Return the gaps, and their derivatives by all positions (6 per loop, n)."""
+        X_WB, V_WB = self._moved(q)
+        gaps: list[Array] = [np.zeros(0)]
+        rows: list[Array] = [np.zeros((0, len(q)))]
+        first = len(self._mechanism.joints)
+        for number, joint in enumerate(self._mechanism.loops, start=first):
+            columns = slice(self._ends[number], self._ends[number + 1])
+            X_WE, own = _along(joint, X_WB[joint.base] @ joint.X_PB, q[columns])
+            apart = inverse(X_WE) @ X_WB[joint.follower] @ joint.X_CF
+            turn = Rotation.from_matrix(apart[:3, :3]).as_rotvec()
+            V = V_WB[joint.follower] - V_WB[joint.base]
+            V[:, columns] -= own
+            # What the follower does with respect to E, seen from E.
+            R_EW, o = X_WE[:3, :3].T, X_WE[:3, 3]
+            w, v = R_EW @ V[:3], R_EW @ (V[3:] + np.cross(V[:3], o, axis=0))
+            gaps += [turn, apart[:3, 3]]
+            rows += [np.linalg.solve(_left_jacobian(turn), w)]
+            rows += [v + np.cross(w, apart[:3, 3], axis=0)]
+        return np.concatenate(gaps), np.vstack(rows)
 
-    def _gap(self, q: Array) -> float:
-        return float(np.abs(self.gaps(q)).max(initial=0.0))
+    def _moved(self, q: Array) -> tuple[list[Array], list[Array]]:
+        """Compute the poses X_WB of all bodies, and their twists (6, n) per rate, at W.
 
-    def _split(self, q: Array) -> list[Array]:
-        ends = np.cumsum([joint.positions for joint in self._joints])
-        return np.split(q, ends[:-1])
-
-    def _poses(self, parts: list[Array]) -> list[Array]:
-        """Compute the poses X_WB of all bodies; those that float stay at the origin."""
+        A twist has an angular velocity, then the velocity of the point that is at the world's
+        origin. Bodies that float stay where they are.
+        """
         X_WB = [np.eye(4) for _ in self._mechanism.bodies]
-        for joint, part in zip(self._mechanism.joints, parts, strict=False):
-            parent, child, X_PC = _step(joint, part)
-            X_WB[child] = X_WB[parent] @ X_PC
-        return X_WB
+        V_WB = [np.zeros((6, len(q))) for _ in self._mechanism.bodies]
+        for number, joint in enumerate(self._mechanism.joints):
+            columns = slice(self._ends[number], self._ends[number + 1])
+            part = q[columns]
+            if joint.reversed:
+                parent, child = joint.follower, joint.base
+                X_WF = X_WB[parent] @ joint.X_CF
+                X_WBase = X_WF @ inverse(joint.pose(part))
+                _, own = _along(joint, X_WBase, part)
+                X_WB[child], own = X_WBase @ inverse(joint.X_PB), -own
+            else:
+                parent, child = joint.base, joint.follower
+                X_WF, own = _along(joint, X_WB[parent] @ joint.X_PB, part)
+                X_WB[child] = X_WF @ inverse(joint.X_CF)
+            V_WB[child] = V_WB[parent].copy()
+            V_WB[child][:, columns] += own
+        return X_WB, V_WB
 
 
-def _step(joint: Joint, q: Array) -> tuple[int, int, Array]:
-    """Return a joint's parent and child in the tree, and the pose of the child."""
-    X = joint.X_PB @ joint.pose(q) @ inverse(joint.X_CF)
-    if joint.reversed:
-        return joint.follower, joint.base, inverse(X)
-    return joint.base, joint.follower, X
+def _along(joint: Joint, X_WB: Array, q: Array) -> tuple[Array, Array]:
+    """Return the pose of a joint's follower, and its twists (6, n) from the base's, at W."""
+    twists, first = [np.zeros((6, 0))], 0
+    for primitive in joint.primitives:
+        last = first + primitive.positions
+        part, R = q[first:last], X_WB[:3, :3]
+        axes = R @ _left_jacobian(part) if primitive.kind == "ball" else R[:, [primitive.axis]]
+        if primitive.kind == "slide":
+            twists.append(np.vstack([np.zeros_like(axes), axes]))
+        else:
+            twists.append(np.vstack([axes, -np.cross(axes, X_WB[:3, 3], axis=0)]))
+        X_WB, first = X_WB @ primitive.pose(part), last
+    return X_WB, np.hstack(twists)
+
+
+def _left_jacobian(turn: Array) -> Array:
+    """Return the angular velocity per rate of a rotation vector, (3, 3)."""
+    angle = float(np.linalg.norm(turn))
+    x, y, z = turn
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    if angle < SMALL:
+        half, sixth = 0.5, 1.0 / 6.0
+    else:
+        half = (1.0 - math.cos(angle)) / angle**2
+        sixth = (angle - math.sin(angle)) / angle**3
+    J: Array = np.eye(3) + half * K + sixth * K @ K
+    return J
+
+
+def _greatest(gaps: Array) -> float:
+    return float(np.abs(gaps).max(initial=0.0))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from mechanism_models import four_bar, pendulum
+from mechanism_models import MechanismBuilder, four_bar, pendulum
 
 from drake_leg.simulink.multibody.assembly import Assembly
 
@@ -50,3 +50,30 @@ def test_a_tree_stays_at_its_targets(tmp_path):
     texts = {"PositionTargetSpecify": "on", "PositionTargetValue": "40"}
     q, gap = Assembly(pendulum(**texts).mechanism(tmp_path)).closed()
     assert (q.tolist(), gap) == ([pytest.approx(math.radians(40))], 0.0)
+
+
+def random_joints(kind, *, reverse):
+    """Two bodies in a loop of joints of a kind, each out of line, the first one reversed."""
+    built = MechanismBuilder()
+    ends = ("rconn:1", "lconn:1") if reverse else ("lconn:1", "rconn:1")
+    before = "World"
+    for number in (1, 2, 3):
+        built.joint(kind, f"J{number}")
+        built.transform(f"T{number}", offset=f"[0.3 -0.{number} 0.5]", axis="+X", angle="35")
+        built.meet(before, f"J{number} {ends[0]}")
+        built.meet(f"J{number} {ends[1]}", f"T{number} lconn:1")
+        before = f"T{number}"
+        ends = ("lconn:1", "rconn:1")
+    built.lines[0].ports.append(f"{built.sid('T3')}#rconn:1")
+    return built
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("kind", ["Revolute", "Prismatic", "Spherical", "Planar", "Bushing"])
+def test_derivatives_of_the_gaps_are_exact(tmp_path, kind, reverse, derivative, rng):
+    assembly = Assembly(random_joints(kind, reverse=reverse).mechanism(tmp_path))
+    q = rng.uniform(-1.0, 1.0, len(assembly.targets))
+    _, J = assembly._linearized(q)
+    for column, step in enumerate(np.eye(len(q))):
+        expected = derivative(lambda t, step=step: assembly.gaps(q + t * step))
+        np.testing.assert_allclose(J[:, column], expected, atol=1e-9)
