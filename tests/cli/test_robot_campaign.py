@@ -28,7 +28,7 @@ from drake_leg.simulation.recording import Recording
 UNRAISABLE = "ignore::pytest.PytestUnraisableExceptionWarning"
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings(UNRAISABLE)]
 
-ROBOTS = cases(40)
+ROBOTS = cases(24)
 MODEL = str(Path(__file__).parents[2] / "notebooks" / "leg.slx")
 
 
