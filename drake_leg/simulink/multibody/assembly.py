@@ -90,7 +90,7 @@ class Assembly:
             columns = slice(self._ends[number], self._ends[number + 1])
             X_WE, own = _along(joint, X_WB[joint.base] @ joint.X_PB, q[columns])
             apart = inverse(X_WE) @ X_WB[joint.follower] @ joint.X_CF
-            turn = Rotation.from_matrix(apart[:3, :3]).as_rotvec()
+            turn: Array = Rotation.from_matrix(apart[:3, :3]).as_rotvec()
             V = V_WB[joint.follower] - V_WB[joint.base]
             V[:, columns] -= own
             # What the follower does with respect to E, seen from E.
