@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 
@@ -249,6 +250,25 @@ _TRANSFORM = (
     + quantities("m", TranslationCylindricalRadius="0", TranslationCylindricalZOffset="0")
     + quantities("deg", TranslationCylindricalTheta="0")
 )
+
+_CYLINDRICAL = {
+    "TranslationROffset": "TranslationCylindricalRadius",
+    "TranslationZOffset": "TranslationCylindricalZOffset",
+    "TranslationThetaOffset": "TranslationCylindricalTheta",
+}
+OLD_NAMES = {  # of parameters of Simscape Multibody in files until about R2018, and today's
+    "TranslationLengthUnit": ("TranslationStandardOffsetUnits", "TranslationCartesianOffsetUnits"),
+    "BrickDimensionUnits": ("BrickDimensionsUnits",),
+    "GravityUnits": ("GravityVectorUnits",),
+    **{old + end: (new + end,) for old, new in _CYLINDRICAL.items() for end in ("", "Units")},
+}
+
+
+def under_todays_names(texts: Mapping[str, str]) -> dict[str, str]:
+    """Give parameters of a block today's names, which those that it has already keep."""
+    renamed = {new: texts[old] for old, names in OLD_NAMES.items() if old in texts for new in names}
+    return renamed | {name: text for name, text in texts.items() if name not in OLD_NAMES}
+
 
 _AXES = ("X", "Y", "Z")
 _SENSED = switches(

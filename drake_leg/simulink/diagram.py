@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import one_line, parameters
-from drake_leg.simulink.catalogue import known_parameters
+from drake_leg.simulink.catalogue import known_parameters, under_todays_names
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries, Linked
 from drake_leg.simulink.masks import Mask, read_mask
@@ -287,7 +287,7 @@ def _drawn_block(element: Element, place: _Place) -> DrawnBlock:
         type="Inport" if kind == "InportShadow" else kind,  # the same port, drawn again
         source=source,
         system=place.sid,
-        texts={key: text for key, text in texts.items() if key not in _DRAWING},
+        texts=under_todays_names({key: text for key, text in texts.items() if key not in _DRAWING}),
         ports=ports,
         mask=read_mask(element, texts),
     )

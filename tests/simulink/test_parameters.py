@@ -5,8 +5,9 @@ from slx_models import published_leg
 from slx_writer import ModelBuilder, read_understood
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.catalogue import BUILT_IN, LIBRARIES, WITHOUT_PARAMETERS
+from drake_leg.simulink.catalogue import BUILT_IN, LIBRARIES, OLD_NAMES, WITHOUT_PARAMETERS
 from drake_leg.simulink.parameters import default_values
+from drake_leg.simulink.reader import read_model
 from drake_leg.units import parse_unit
 
 
@@ -280,3 +281,57 @@ def test_units_of_the_table_are_known():
         for parameter in (parameter for row in blocks.values() for parameter in row):
             if parameter.unit:
                 assert "^-" not in parse_unit(parameter.unit).si
+
+
+@pytest.mark.parametrize(
+    ("texts", "name", "value"),
+    [
+        (
+            {"TranslationLengthUnit": "mm", "TranslationCartesianOffset": "[1 2 3]"},
+            "TranslationCartesianOffset",
+            (0.001, 0.002, 0.003),
+        ),
+        (
+            {"TranslationLengthUnit": "in", "TranslationStandardOffset": "10"},
+            "TranslationStandardOffset",
+            0.254,
+        ),
+        (
+            {"TranslationROffset": "5", "TranslationROffsetUnits": "cm"},
+            "TranslationCylindricalRadius",
+            0.05,
+        ),
+        (
+            {
+                "TranslationLengthUnit": "mm",
+                "TranslationCartesianOffset": "[1 2 3]",
+                "TranslationCartesianOffsetUnits": "m",
+            },
+            "TranslationCartesianOffset",
+            (1.0, 2.0, 3.0),
+        ),
+    ],
+)
+def test_units_and_parameters_of_older_files_have_other_names(tmp_path, texts, name, value):
+    built = ModelBuilder()
+    built.add_library("sm_lib/Frames and Transforms/Rigid Transform", "T", texts)
+    (block,) = read_model(built.write(tmp_path / "m.slx")).blocks
+    assert block.parameters[name] == pytest.approx(value)
+    assert not any(old in block.parameters for old in OLD_NAMES)
+
+
+def test_a_bricks_edges_and_gravity_in_older_files_have_their_units(tmp_path):
+    built = ModelBuilder()
+    built.add_library(
+        "sm_lib/Body Elements/Solid",
+        "S",
+        {"GeometryShape": "Brick", "BrickDimensions": "[1 2 3]", "BrickDimensionUnits": "cm"},
+    )
+    built.add_library(
+        "sm_lib/Utilities/Mechanism Configuration",
+        "M",
+        {"GravityVector": "[0 0 -981]", "GravityUnits": "cm/s^2"},
+    )
+    solid, configuration = read_model(built.write(tmp_path / "m.slx")).blocks
+    assert solid.parameters["BrickDimensions"] == pytest.approx((0.01, 0.02, 0.03))
+    assert configuration.parameters["GravityVector"] == pytest.approx((0.0, 0.0, -9.81))

@@ -97,8 +97,8 @@ class Assembly:
             R_EW, o = X_WE[:3, :3].T, X_WE[:3, 3]
             w, v = R_EW @ V[:3], R_EW @ (V[3:] + np.cross(V[:3], o, axis=0))
             gaps += [turn, apart[:3, 3]]
-            rows += [np.linalg.solve(_left_jacobian(turn), w)]
-            rows += [v + np.cross(w, apart[:3, 3], axis=0)]
+            turning = np.asarray(np.linalg.solve(_left_jacobian(turn), w), dtype=float)
+            rows += [turning, v + np.cross(w, apart[:3, 3], axis=0)]
         return np.concatenate(gaps), np.vstack(rows)
 
     def _moved(self, q: Array) -> tuple[list[Array], list[Array]]:

@@ -20,6 +20,7 @@ from drake_leg.simulink.multibody.features import (
 )
 from drake_leg.simulink.multibody.frames import read_frames
 from drake_leg.simulink.multibody.mass import Array, MassProperties
+from drake_leg.units import parse_unit
 
 GREY = (0.5, 0.5, 0.5, 1.0)
 NO_MASS = MassProperties(mass=0.0, center=np.zeros(3), inertia=np.zeros((3, 3)))
@@ -310,8 +311,9 @@ def _shape(block: Block) -> Shape | None:
         angle = math.tau if full else positive("RevolutionAngle")
         return Revolution(section=_section(block, "Revolution"), angle=min(angle, math.tau))
     if kind == "FromFile":
-        unit = vector(block.parameters.get("ExtGeomFileUnits")) or (1.0,)
-        return FileShape(file=str(block.parameters.get("ExtGeomFileName", "")), unit=unit[0])
+        unit = parse_unit(str(block.parameters.get("ExtGeomFileUnits") or "m"))
+        file = str(block.parameters.get("ExtGeomFileName", ""))
+        return FileShape(file=file, unit=float(unit.factor))
     raise InvalidValueError(
         f"the block {block.name!r} (SID {block.sid}) is a {block.kind} {kind}, which is not built: "
         "replace it by a solid of another shape"
