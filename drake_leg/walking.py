@@ -21,6 +21,7 @@ from drake_leg.kinematics.walking.loads import planned_forces, planned_torques
 from drake_leg.kinematics.walking.margins import support_margin
 from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.kinematics.walking.power import cost_of_transport, electrical_power, work
+from drake_leg.kinematics.walking.sequence import WalkSequence, following
 from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.models.walker import Contact
 from drake_leg.robot.ground import FLAT, Blocks, Ground, Steps
@@ -50,9 +51,11 @@ __all__ = [
     "Servo",
     "Steps",
     "Walk",
+    "WalkSequence",
     "build_hexapod",
     "cost_of_transport",
     "electrical_power",
+    "following",
     "foresee_walk",
     "hexapod",
     "load_servo",

@@ -36,7 +36,8 @@ KEYS = {
         "mean_slip_m", "least_static_margin_m", "least_dynamic_margin_m", "peak_torque_n_m",
         "rms_torque_n_m", "mechanical_cost_of_transport", "electrical_cost_of_transport",
         "clearance_m", "greatest_contact_force_n", "touch_downs_on_time", "touch_downs_early",
-        "touch_downs_late", "touch_downs_not_found", "fell", "fell_at_s",
+        "touch_downs_late", "touch_downs_not_found", "changes", "fell",
+        "fell_at_s",
     },
 }  # fmt: skip
 DURATIONS = {"pendulum": 2.5, "pendulum-damped": 2.0, "pendulum-spring": 2.0}

@@ -213,6 +213,8 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         takes: dict[str, Any] = (
             {"action": "store_true"} if type_of(first) is bool else {"metavar": _metavar(first)}
         )
+        if first.metadata["joined"]:
+            takes["action"] = "append"
         group.add_argument(
             option_of(option),
             default=argparse.SUPPRESS,
@@ -309,8 +311,11 @@ def _metavar(field: dataclasses.Field[Any]) -> str:
     return "X,Y,Z" if kind is list else "TEXT" if kind is str else "X"
 
 
-def _value(field: dataclasses.Field[Any], text: str) -> object:
+def _value(field: dataclasses.Field[Any], text: str | list[str]) -> object:
     """Read numbers; the options check them, as they do for Python."""
+    if isinstance(text, list):
+        joined: str = field.metadata["joined"]
+        return joined.join(text)
     kind = type_of(field)
     if kind not in (list, float):
         return text

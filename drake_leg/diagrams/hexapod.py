@@ -45,6 +45,7 @@ from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import planned_torques
 from drake_leg.kinematics.walking.plan import Plan, WalkPlan, walk_of
+from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.kinematics.walking.touch_down import SEARCH_DEPTH, TOUCHES, Search
 from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.models.walker import POINT_FEET, TIME_STEP, Contact, Walker, add_walker
@@ -77,7 +78,7 @@ class HexapodConfig:
     ----------
     robot : Robot
         Legs of three joints on a floating body.
-    walk : Walk, optional
+    walk : Walk or WalkSequence, optional
         Of its body and feet; by default it stands.
     servo : Servo
         At every joint.
@@ -112,7 +113,7 @@ class HexapodConfig:
     """
 
     robot: Robot = HEXABOT
-    walk: Walk = field(default_factory=lambda: walk_of(HEXABOT))
+    walk: Walk | WalkSequence = field(default_factory=lambda: walk_of(HEXABOT))
     servo: Servo = IDEAL
     feed_forward: str = FULL
     feedback: float | None = None  # [1/s]

@@ -91,13 +91,21 @@ def option(
     *,
     shown: str = "",
     takes: Numbers | None = None,
+    joined: str = "",
 ) -> Any:  # noqa: ANN401
     """Declare an option: a dataclass field with the text of its help.
 
     ``shown`` is the default in the help, where the value does not say it; ``takes`` is how many
-    numbers a list must have, unless that depends on the robot.
+    numbers a list must have, unless that depends on the robot. A text with ``joined`` may be given
+    several times on the command line; its parts are joined by that.
     """
-    metadata = {"help": help_text, "unit": unit, "shown": shown, "takes": takes}
+    metadata = {
+        "help": help_text,
+        "unit": unit,
+        "shown": shown,
+        "takes": takes,
+        "joined": joined,
+    }
     if isinstance(default, list):
         return field(default_factory=lambda: list(default), metadata=metadata)
     return field(default=default, metadata=metadata)

@@ -20,6 +20,7 @@ from drake_leg.kinematics.walking.power import (
     mechanical_power,
     work,
 )
+from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.kinematics.walking.touch_down import EARLY, LATE, MISSED, ON_TIME, SEARCH_DEPTH
 from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.robot.robot import Robot
@@ -47,7 +48,8 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
     config = config_of(robot, options)
     foreseen = _foreseen(config, options)
     if not options.force:
-        foreseen.require_walkable()
+        for part in foreseen:
+            part.require_walkable()
     done = simulate(
         build(config),
         options.duration,
@@ -71,7 +73,12 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
         robot=robot,
         recording=Recording(_columns(record)),
         exact={name: record.planned.value[:, row, 3] for row, name in enumerate(("x", "y", "z"))},
-        summary={**common, **findings(record), **_of_foresight(foreseen)},
+        summary={
+            **common,
+            **findings(record),
+            **_of_changes(options),
+            **_of_foresight(foreseen),
+        },
         subject="walk",
     )
 
@@ -104,25 +111,52 @@ def config_of(robot: Robot, options: WalkOptions) -> HexapodConfig:
     )
 
 
-def _foreseen(config: HexapodConfig, options: WalkOptions) -> WalkForesight:
-    return foresee_walk(
-        config.robot,
-        config.walk,
-        config.servo,
-        ground=config.ground,
-        gravity=config.gravity,
-        dynamic=options.dynamic,
-        duration=options.duration or WALKING,
-        foot_height=config.contact.foot_radius,
+def _foreseen(config: HexapodConfig, options: WalkOptions) -> tuple[WalkForesight, ...]:
+    """Foresee each part of the walk."""
+    walk, duration = config.walk, options.duration or WALKING
+    parts = walk.parts if isinstance(walk, WalkSequence) else (walk,)
+    ends = [*(part.begins for part in parts[1:]), duration]
+    return tuple(
+        foresee_walk(
+            config.robot,
+            part,
+            config.servo,
+            ground=config.ground,
+            gravity=config.gravity,
+            dynamic=options.dynamic,
+            duration=min(end, duration),
+            foot_height=config.contact.foot_radius,
+        )
+        for part, end in zip(parts, ends, strict=True)
+        if part.begins < duration
     )
 
 
-def _of_foresight(foreseen: WalkForesight) -> dict[str, Any]:
-    """What was known before: what fails, and the planned margin."""
-    margin = foreseen.demand("static margin")
+def _of_foresight(foreseen: tuple[WalkForesight, ...]) -> dict[str, Any]:
+    """What was known before: what fails, and the least planned margin."""
+    margins = [part.demand("static margin") for part in foreseen]
+    known = [margin.value for margin in margins if margin is not None]
     return {
-        "foreseen": foreseen.refusal,
-        "planned_static_margin_m": None if margin is None else margin.value,
+        "foreseen": next((part.refusal for part in foreseen if part.refusal), None),
+        "planned_static_margin_m": min(known) if len(known) == len(margins) else None,
+    }
+
+
+def _of_changes(options: WalkOptions) -> dict[str, Any]:
+    """How the robot walks after each change that was asked for."""
+    return {
+        "changes": [
+            {
+                "at_s": pace.at,
+                "gait": pace.gait.name,
+                "period_s": pace.period,
+                "forward_m_s": pace.forward,
+                "sideways_m_s": pace.sideways,
+                "turning_deg_s": pace.turn,
+            }
+            for pace in options.the_paces[1:]
+        ]
+        or None
     }
 
 

@@ -17,17 +17,20 @@ from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import SERVOS, Servo
 from drake_leg.runs.options import RunOptions, option
+from drake_leg.runs.walk_changes import Pace, changed_walk, paces
 from drake_leg.units import require_positive
 
 if TYPE_CHECKING:
     from drake_leg.kinematics.motions import Push
     from drake_leg.kinematics.walking.gaits import Walk
+    from drake_leg.kinematics.walking.sequence import WalkSequence
 
 ROBOTS = {robot.name.replace("_", "-"): robot for robot in HEXAPODS}
 STANDS = 0.5  # [s], for which the robot stands first
 RAMP = 1.0  # [s], in which it gets its speed, and stops
 AFTER = 1.0  # [s], for which it stands at the end
 WALKING = 10.0  # [s], by default
+AFTER_CHANGE = 5.0  # [s], for which it walks at least after its last change
 AHEAD = 0.30  # [m], from where the body starts to stairs or blocks
 PUSH_LASTS, PUSH_AT, TO_THE_LEFT = 0.050, 3.0, 90.0  # [s], [s], [deg]
 STAIRS, STEP_RUN = 3, 0.20  # how many, and from one to the next [m]
@@ -46,7 +49,10 @@ class WalkOptions(RunOptions):
     """A robot with legs walks."""
 
     duration: float | None = option(  # type: ignore[assignment]
-        None, "simulated time", "s", shown="10, or until `distance` or `angle` is walked"
+        None,
+        "simulated time",
+        "s",
+        shown="10, or until `distance` or `angle` is walked, or 5 after the last change",
     )
     robot: str = option(
         "hexabot", f"that walks: {', '.join(ROBOTS)}, or a TOML or .par file of one's own"
@@ -69,6 +75,13 @@ class WalkOptions(RunOptions):
     )
     angle: float | None = option(
         None, "by which the body turns before it stops", "deg", shown="none, it does not stop"
+    )
+    then: str | None = option(
+        None,
+        "changes of gait and velocity, each with its time [s], as 'gait=wave speed=0.03 at=5; "
+        "sideways=0.1 at=20'; they take gait, period, duty, lift, speed, sideways, turn",
+        shown="none",
+        joined="; ",
     )
     height: float | None = option(
         None, "of the body over the ground", "m", shown="that of the robot's starting posture"
@@ -143,8 +156,15 @@ class WalkOptions(RunOptions):
                 )
         if self.speed is None:
             self.speed = 0.0 if self.sideways or self.turn else 0.1
+        if self.then is not None and self.ends is not None:
+            raise InvalidValueError(
+                "`then` means nothing with a `distance` or an `angle`, after which the robot stops",
+                advice="let it stop by `speed=0 at=...`",
+            )
         if self.duration is None:
-            self.duration = WALKING if self.ends is None else self.ends + RAMP + AFTER
+            changes = self.the_paces[1:] if self.then is not None else ()
+            last = max((pace.at + AFTER_CHANGE for pace in changes), default=0.0)
+            self.duration = max(WALKING, last) if self.ends is None else self.ends + RAMP + AFTER
 
     @cached_property
     def the_robot(self) -> Robot:
@@ -281,7 +301,21 @@ class WalkOptions(RunOptions):
             return self.starts + way / rate
         return None
 
-    def the_walk(self) -> "Walk":
+    @cached_property
+    def the_paces(self) -> tuple[Pace, ...]:
+        """How the robot walks: at first, and after each change."""
+        first = Pace(
+            gait=self.the_gait,
+            period=self.the_period,
+            lift=self.lift,
+            forward=self.speed or 0.0,
+            sideways=self.sideways,
+            turn=self.turn,
+            at=self.starts,
+        )
+        return paces(first, self.then)
+
+    def the_walk(self) -> "Walk | WalkSequence":
         """Plan the walk.
 
         Raises
@@ -289,18 +323,10 @@ class WalkOptions(RunOptions):
         InvalidValueError
             If an option makes no sense.
         """
-        from drake_leg.kinematics.walking.gaits import Attitude, Command
+        from drake_leg.kinematics.walking.gaits import Attitude
         from drake_leg.kinematics.walking.plan import walk_of
 
         ends = self.ends
-        command = Command(
-            forward=self.speed or 0.0,
-            sideways=self.sideways,
-            turning=math.radians(self.turn),
-            start=self.starts,
-            end=math.inf if ends is None else ends,
-            ramp=RAMP,
-        )
         shift = [0.0, 0.0] if self.shift is None else self.shift
         if len(shift) != 2:
             raise InvalidValueError(
@@ -316,16 +342,16 @@ class WalkOptions(RunOptions):
                     lasting=STANDS,
                 )
             )
-        return walk_of(
+        standing = walk_of(
             self.the_robot,
             self.the_gait,
             period=self.the_period,
             lift=self.lift,
-            commands=(command,) if command.twist.any() else (),
             attitudes=attitudes,
             height=self.height,
             foot_height=self.foot_radius,
         )
+        return changed_walk(standing, self.the_paces, RAMP, math.inf if ends is None else ends)
 
 
 def _whole(name: str, value: float | None, otherwise: int) -> int:

@@ -68,6 +68,7 @@ OF_RUNS_MEANINGLESS = [
     ("pendulum-spring --limit-width 0.1", NO_LIMIT),
     ("pendulum-spring --target 30 --spring-stiffness 0", "nothing pulls there"),
     ("hexapod --push-direction 90", "means nothing without --push-speed"),
+    ("hexapod --then speed=0,at=5 --distance 1", "--then means nothing with a --distance"),
     ("hexapod --search-depth 0.02", "means nothing without --touch-down"),
     ("hexapod --step-count 2", "means nothing without --steps"),
     ("hexapod --step-run 0.1", "means nothing without --steps"),

@@ -17,7 +17,7 @@ JUST = 1e-9  # of a period: how near to a touch-down or a lift-off it is looked 
 def times_of(walk: Walk, duration: float) -> Array:
     """Times at which a walk is looked at: all of its changes, and steady cycles between them."""
     period = walk.period
-    windows = [(0.0, period)]
+    windows = [(walk.begins, walk.begins + period)]
     for command in walk.commands:
         windows.append((command.start - period, command.start + command.ramp + 3.0 * period))
         if math.isfinite(command.end):
@@ -25,9 +25,9 @@ def times_of(walk: Walk, duration: float) -> Array:
     windows += [
         (one.start, one.start + one.lasting + period)
         for one in walk.attitudes
-        if one.start + one.lasting > 0.0
+        if one.start + one.lasting > walk.begins
     ]
-    inside = [(max(begin, 0.0), min(end, duration)) for begin, end in windows]
+    inside = [(max(begin, walk.begins), min(end, duration)) for begin, end in windows]
     return times_within([(begin, end) for begin, end in inside if begin < end], walk)
 
 
@@ -36,7 +36,7 @@ def times_within(windows: Iterable[tuple[float, float]], walk: Walk) -> Array:
 
     Cycles have the same times, so that overlapping windows add none twice.
     """
-    gait, period = walk.gait, walk.period
+    gait, period, first = walk.gait, walk.period, walk.begins
     count = math.ceil(PER_SWING / (1.0 - gait.duty))
     events = [(phase + part) % 1.0 for phase in gait.phases for part in (0.0, gait.duty)]
     beside = [event + side * JUST for event in events for side in (-1.0, 1.0)]
@@ -45,8 +45,9 @@ def times_within(windows: Iterable[tuple[float, float]], walk: Walk) -> Array:
     cycle = np.unique([*even[apart > JUST], *beside])
     found = []
     for begin, end in windows:
-        numbers = np.arange(math.floor(begin / period) - 1, math.ceil(end / period) + 1)
-        times = period * (numbers[:, np.newaxis] + cycle).ravel()
+        low, high = (begin - first) / period, (end - first) / period
+        numbers = np.arange(math.floor(low) - 1, math.ceil(high) + 1)
+        times = first + period * (numbers[:, np.newaxis] + cycle).ravel()
         found.append(times[(times >= begin) & (times <= end)])
     return np.unique(np.concatenate(found))
 

@@ -269,7 +269,7 @@ def _demand(
 ) -> Demand:  # fmt: skip
     """Make a demand of the row of a plan, the time put into its sentence."""
     time = float(plan.times[row])
-    part = time / plan.walk.period % 1.0
+    part = (time - plan.walk.begins) / plan.walk.period % 1.0
     return Demand(
         what=what,
         where=where,

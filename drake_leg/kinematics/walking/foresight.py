@@ -404,7 +404,8 @@ def foresee_walk(
         raise InvalidValueError(f"the duration is {duration!r} s; it must be positive")
     abilities = Abilities(robot=robot, servo=servo, ground=ground, gravity=gravity, dynamic=dynamic)
     require_gait(robot, walk.gait, abilities.legs.count, dynamic=dynamic)
-    _require_ground(abilities, walk, foot_height)
+    if walk.begins == 0.0:
+        _require_ground(abilities, walk, foot_height)
     plan = abilities.plan(walk, times_of(walk, duration))
     return WalkForesight(
         abilities=abilities, walk=walk, required=tuple(abilities.demands(plan)), _plan=plan

@@ -28,6 +28,8 @@ from drake_leg.units import (
     require_three,
 )
 
+ON_TIME = 1e-9  # of a period: a foot that is to stand is this early or late by rounding
+
 
 class Motion(NamedTuple):
     """Values at times, and their first and second derivatives, alike in shape."""
@@ -75,6 +77,9 @@ class Command:
         else:
             falling = _ramped((time - self.end) / self.ramp)
             part, share, bend = (up - down for up, down in zip(rising, falling, strict=True))
+            # Without rounding afterwards, so that feet stay below a body that rests.
+            over = time >= self.end + self.ramp
+            part = np.where(over, (self.end - self.start) / self.ramp, part)
         return Motion(self.ramp * part, share, bend / self.ramp)
 
 
@@ -138,6 +143,10 @@ class Walk:
         Changes of height, roll, pitch, yaw and place of the body over its feet.
     lift : float
         Height of a swing [m].
+    begins : float
+        When the gait's first period begins [s]; until then the feet stand.
+    place : (4, 4) array_like, optional
+        Pose of the body's level frame in the world until then; by default they are the same.
 
     Raises
     ------
@@ -152,6 +161,8 @@ class Walk:
     commands: Sequence[Command] = ()
     attitudes: Sequence[Attitude] = ()
     lift: float = 0.03
+    begins: float = 0.0
+    place: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         require_kind("the gait", self.gait, Gait)
@@ -171,22 +182,46 @@ class Walk:
                 f"{self.gait.name!r} has {len(self.gait.phases)} legs"
             )
         object.__setattr__(self, "neutral", feet)
+        require_finite("when the walk begins", self.begins)
+        if self.place is not None:
+            place = finite_vectors("the place of the walk", self.place, 4)
+            if place.shape != (4, 4):
+                raise InvalidValueError(
+                    f"the place of the walk has shape {place.shape}; it must be a pose, (4, 4)"
+                )
+            object.__setattr__(self, "place", place)
         least = self.earliest_start
         for command in self.commands:
             if command.start < least:
                 raise InvalidValueError(
                     f"a command starts at {command.start:g} s, when a leg would already swing at "
-                    f"time 0; start it at {least:.6g} s at the earliest"
+                    f"time {self.begins:g}; start it at {least:.6g} s at the earliest"
                 )
 
     @property
     def earliest_start(self) -> float:
-        """When a command may start [s]: all feet stand at time 0, whatever their phases."""
-        return self.period * (1.0 - self.gait.duty / 2.0)
+        """When a command may start [s]: all feet stand at the beginning, whatever their phases."""
+        return self.begins + self.period * (1.0 - self.gait.duty / 2.0)
+
+    @property
+    def stands_from(self) -> float:
+        """From when on body and feet rest [s]; infinite if they never do."""
+        rest = max([self.begins, *(command.end + command.ramp for command in self.commands)])
+        if math.isinf(rest):
+            return rest
+        middle = self.gait.duty / 2.0
+        periods = [
+            math.ceil((rest - self.begins) / self.period - phase - middle - ON_TIME) + phase
+            for phase in self.gait.phases
+        ]
+        return max(rest, self.begins + self.period * max(periods))
 
     def level(self, time: ArrayLike) -> Motion:
         """Pose of the body's level frame in the world, (..., 4, 4) [-, m], with derivatives."""
-        return _screws(self.commands, real_numbers("the time", time))
+        X = _screws(self.commands, real_numbers("the time", time))
+        if self.place is None:
+            return X
+        return Motion(*(np.asarray(self.place) @ part for part in X))
 
     def body(self, time: ArrayLike) -> Motion:
         """Pose X_WB of the body, (..., 4, 4) [-, m], with derivatives."""
@@ -251,7 +286,7 @@ class Walk:
     def _cycle(self, time: ArrayLike) -> tuple[Array, Array]:
         """Number of each leg's cycle, and how much of it is done, (..., n)."""
         times = real_numbers("the time", time)[..., np.newaxis]
-        s = times / self.period - np.array(self.gait.phases)
+        s = (times - self.begins) / self.period - np.array(self.gait.phases)
         number = np.floor(s)
         return number, s - number
 
@@ -265,7 +300,7 @@ class Walk:
         """Where each foot stands in a cycle, (..., n, 3) [m]."""
         cycles, which = np.unique(number, return_inverse=True)  # few, in many times
         begun = cycles[:, np.newaxis] + np.array(self.gait.phases)
-        X = self.level(self.period * (begun + self.gait.duty / 2.0)).value
+        X = self.level(self.begins + self.period * (begun + self.gait.duty / 2.0)).value
         feet = np.asarray(self.neutral)
         places: Array = np.einsum("...nij,nj->...ni", X[..., :3, :3], feet) + X[..., :3, 3]
         return places[which.reshape(number.shape), np.arange(len(feet))]

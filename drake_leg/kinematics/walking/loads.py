@@ -19,6 +19,7 @@ from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.power import gear_friction
+from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.kinematics.walking.weights import wrenches_of_links
 from drake_leg.robot.robot import Robot, require_robot
 from drake_leg.robot.servos import Servo
@@ -42,7 +43,7 @@ class Loads(NamedTuple):
 
 def planned_torques(
     robot: Robot,
-    walk: Walk,
+    walk: Walk | WalkSequence,
     times: ArrayLike,
     servo: Servo,
     *,
@@ -74,7 +75,7 @@ def planned_torques(
 
 def planned_forces(
     robot: Robot,
-    walk: Walk,
+    walk: Walk | WalkSequence,
     times: ArrayLike,
     *,
     gravity: float | ArrayLike = STANDARD_GRAVITY,
@@ -178,9 +179,11 @@ def _legs(robot: Robot) -> Legs:
     return Legs.of(robot)
 
 
-def _plan(robot: Robot, walk: Walk, times: ArrayLike, gravity: float | ArrayLike) -> PlannedWalk:
+def _plan(
+    robot: Robot, walk: Walk | WalkSequence, times: ArrayLike, gravity: float | ArrayLike
+) -> PlannedWalk:
     require_robot(robot)
-    require_kind("the walk", walk, Walk)
+    require_kind("the walk", walk, Walk, WalkSequence)
     vector = real_numbers("gravity", gravity)
     if vector.ndim == 0:
         vector = np.array([0.0, 0.0, -float(vector)])

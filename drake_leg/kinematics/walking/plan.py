@@ -13,6 +13,7 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.gait import GAITS, Gait
 from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
 from drake_leg.kinematics.walking.legs import Legs
+from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot
 
@@ -106,7 +107,7 @@ class WalkPlan:
 
     Parameters
     ----------
-    walk : Walk
+    walk : Walk or WalkSequence
         A function of time.
     step : float
         Between two rows [s].
@@ -114,7 +115,9 @@ class WalkPlan:
         The feed-forward, times (rows,) [s] to (rows, 3 n) [N*m]; by default none.
     """
 
-    def __init__(self, walk: Walk, *, step: float, torques: Torques | None = None) -> None:
+    def __init__(
+        self, walk: Walk | WalkSequence, *, step: float, torques: Torques | None = None
+    ) -> None:
         self.walk, self.step = walk, step
         self._torques = torques
         self._first, self._rows = 0, list[PlanRow]()

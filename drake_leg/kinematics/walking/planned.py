@@ -13,6 +13,7 @@ from drake_leg.kinematics.walking.clearance import capsules_of, gaps_between_leg
 from drake_leg.kinematics.walking.gaits import Motion, Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.margins import on_ground, support_margin, zero_moment_point
+from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.kinematics.walking.weights import (
     centres_of_mass,
     inertia_wrench,
@@ -34,7 +35,7 @@ class PlannedWalk:
 
     robot: Robot
     legs: Legs
-    walk: Walk
+    walk: Walk | WalkSequence
     times: Array  # (rows,) [s]
     gravity: tuple[float, float, float] = DOWNWARDS  # [m/s^2], in G
 
