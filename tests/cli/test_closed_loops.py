@@ -67,6 +67,7 @@ def test_a_linkage_of_ones_own_runs(tmp_path, capsys):
     assert "has no option --amplitude" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_where_loops_do_not_close_at_the_start_a_closed_posture_is_searched(tmp_path, capsys):
     """Both cranks point outwards, and the rods are too short to meet."""
     targets = {"left": math.pi, "right": 0.0}

@@ -129,6 +129,7 @@ def test_an_unknown_name_is_refused(name, advice, capsys):
     assert printed.err == f"drake-leg: there is no robot {name!r}: {advice}\n"
 
 
+@pytest.mark.slow
 def test_what_shows_no_formula_does_not_import_sympy(tmp_path):
     posture, run = "doctor leg-b --q 90,-50,-90", "run pendulum --duration 0.1 --out here"
     done = subprocess.run(

@@ -11,6 +11,7 @@ LEG = ["doctor", "leg-b", "--q", "90,-50,-90"]
 MAPS = ("determinant", "sigma_min", "singular_feet", "singular_postures")
 
 
+@pytest.mark.slow
 def test_a_scaras_map_is_left_in_a_folder(tmp_path, capsys):
     target = tmp_path / "maps"
     scara = ["doctor", "scara", "--q", "30,90,-120", "--json", "--out", str(target)]

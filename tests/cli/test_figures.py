@@ -89,6 +89,7 @@ def test_another_word_is_refused_in_a_sentence_before_the_run(word, advice, monk
     assert not Path("out").exists()
 
 
+@pytest.mark.slow
 def test_without_figures_nothing_that_draws_is_imported():
     code = (
         "import sys; from drake_leg.cli import main; "

@@ -42,6 +42,7 @@ def refused(capsys, here, *words):
 # --- disturbances ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_disturbed_run_says_in_its_line_what_it_cost(no_figures, here, capsys):
     words = ("leg-b", "--out", "out", "--duration", "3", "--push", "0,0,-0.1", "--push-at", "1.5")
     status, out, err = run(capsys, *words, "--push-for", "0.2", "--torque-limit", "0.0075")
@@ -228,6 +229,7 @@ def on_a_small_disk(most, figures):
     )
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_sentence_and_leaves_nothing(here):
     done = on_a_small_disk(1000, "none")
     assert done.returncode == 2
@@ -237,6 +239,7 @@ def test_a_full_disk_is_one_sentence_and_leaves_nothing(here):
     assert list(here.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_disk_that_is_full_at_the_figures_costs_these_alone(here):
     done = on_a_small_disk(40_000, "png")
     assert done.returncode == 1

@@ -202,6 +202,7 @@ def test_a_missing_browser_is_said_and_the_robot_is_shown_all_the_same(monkeypat
     assert err.startswith("drake-leg: no browser was found; open http://localhost:")
 
 
+@pytest.mark.slow
 def test_a_still_is_written_once(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(media, "rendering_fault", lambda: "to be quick")
@@ -226,6 +227,7 @@ def test_a_rendered_still_needs_no_words(tmp_path, monkeypatch, capsys):
     assert run(capsys, "view", "leg-b", "--still", "leg.png") == (0, "wrote leg.png\n", "")
 
 
+@pytest.mark.slow
 def test_a_robot_with_legs_walks(capsys):
     assert main(["teleop", "hexapod", "--once"]) == 0
     said = capsys.readouterr().out

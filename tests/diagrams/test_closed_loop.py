@@ -36,6 +36,7 @@ def test_the_arm_keeps_its_parallelogram():
     assert result.scopes["active torques"].shape == (len(result.time), 6)
 
 
+@pytest.mark.slow
 def test_a_released_linkage_keeps_its_energy():
     settings = IntegratorSettings(accuracy=1e-6)
     result = simulate(build(ClosedLoopConfig(robot=FOUR_BAR)), duration=0.5, settings=settings)

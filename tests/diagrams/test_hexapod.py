@@ -55,6 +55,7 @@ def test_the_ground_carries_the_weight(three_seconds):
     assert upwards.mean() == pytest.approx(2.1616 * 9.80665, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_two_runs_are_equal_bit_by_bit():
     (_, first), (_, second) = walked(1.0), walked(1.0)
     for name, rows in first.scopes.items():
@@ -72,6 +73,7 @@ def test_six_inverse_jacobians_are_wired_alike():
         assert (f"Integrator {leg}", "y", f"inverseJacobian {leg}", "q") in found
 
 
+@pytest.mark.slow
 def test_feedback_brings_the_body_back_to_its_course():
     """Soft servos without feed-forward sink, and feedback lifts the body again."""
     soft = {"feed_forward": "none", "time_step": 0.005}
@@ -120,6 +122,7 @@ def test_what_cannot_walk_is_refused(settings, said):
         HexapodConfig(**settings)
 
 
+@pytest.mark.slow
 def test_another_gait_walks():
     gait = GAITS["ripple"]
     start = walk_of(HEXABOT, gait, period=1.5).earliest_start

@@ -34,7 +34,11 @@ def test_a_turn_within_the_limits_is_chosen():
 
 
 @pytest.mark.parametrize(
-    "limits", [[FREE] * 4, [(-0.5, 0.5), (-2.0, 2.0), (0.1, 2.0), (-1.0, 1.0)]]
+    "limits",
+    [
+        pytest.param([FREE] * 4, marks=pytest.mark.slow),
+        [(-0.5, 0.5), (-2.0, 2.0), (0.1, 2.0), (-1.0, 1.0)],
+    ],
 )
 def test_of_infinitely_many_some_are_given_within_the_limits(limits):
     rows = [Row(joint="revolute", alpha=a, d=0.1, r=0.05) for a in (0.0, 1.0, -1.2, 0.7)]

@@ -50,6 +50,7 @@ def test_closed_forms_put_the_foot_there(robot, rng):
                 )
 
 
+@pytest.mark.slow
 def test_six_joints_without_an_orientation_have_infinitely_many():
     robot = load_robot(ROBOTS / "rx90.toml")
     found = feet(robot, [0.3, 0.3, 0.5])

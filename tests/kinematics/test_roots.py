@@ -50,6 +50,7 @@ def test_a_root_at_an_end_is_that_end():
     assert sign_change(lambda x: x - 2.0, 0.0, 2.0) == 2.0
 
 
+@pytest.mark.slow
 def test_a_posture_is_examined_and_a_leg_is_built_without_scipy():
     """SciPy takes longer to load than the doctor takes to answer."""
     code = (

@@ -21,7 +21,14 @@ def of_torques(robot):
     return found
 
 
-@pytest.mark.parametrize("robot", ROBOTS, ids=Robot.__repr__)
+@pytest.mark.parametrize(
+    "robot",
+    [
+        pytest.param(robot, marks=pytest.mark.slow) if robot.name == "hexapod" else robot
+        for robot in ROBOTS
+    ],
+    ids=Robot.__repr__,
+)
 def test_torques_agree(robot):
     assert of_torques(robot).difference < 1e-14
 

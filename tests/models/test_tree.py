@@ -30,7 +30,9 @@ def crossed():
 
 
 @pytest.mark.parametrize(
-    "robot", [two_fingers(), hexapod(), parallelogram(), crossed()], ids=lambda robot: robot.name
+    "robot",
+    [two_fingers(), pytest.param(hexapod(), marks=pytest.mark.slow), parallelogram(), crossed()],
+    ids=lambda robot: robot.name,
 )
 def test_a_tree_is_proved_at_every_leaf(robot):
     proof = prove(robot, samples=4)

@@ -85,7 +85,10 @@ def test_what_was_asked_for_is_no_inaccuracy(options):
     [
         ("pendulum", {"q0": [-90.0]}),
         pytest.param("pendulum", {"q0": [-89.9999]}, marks=pytest.mark.slow),
-        ("pendulum", {"q0": [0.0], "velocity_target": 491.3373}),  # on the separatrix
+        # On the separatrix.
+        pytest.param(
+            "pendulum", {"q0": [0.0], "velocity_target": 491.3373}, marks=pytest.mark.slow
+        ),
         ("pendulum-damped", {"q0": [-90.0], "duration": 10.0}),
         pytest.param(
             "pendulum-spring",

@@ -107,6 +107,7 @@ def test_a_correction_brings_a_disturbed_foot_back(disturbed):
     assert brought_back["disturbance"]["greatest_joint_lag"] > 1e-3
 
 
+@pytest.mark.slow
 def test_a_pushed_foot_says_what_it_cost():
     summary = straight(push=UP, correction=5.0).summary
     cost = summary["disturbance"]
@@ -119,6 +120,7 @@ def test_a_pushed_foot_says_what_it_cost():
     assert straight(duration=0.1).summary["disturbance"] is None
 
 
+@pytest.mark.slow
 def test_the_works_of_joints_and_push_become_the_legs_energy():
     outcome = straight(duration=0.6, **EARLY, max_step=0.001)
     plant = build_plant(LEG_B)
@@ -155,6 +157,7 @@ def test_enough_torque_changes_nothing():
     assert summary["disturbance"]["time_at_torque_limit_s"] == 0.0
 
 
+@pytest.mark.slow
 def test_a_leg_kicked_out_of_its_workspace_is_stopped_with_its_family():
     summary = straight(duration=1.0, push=[5.0, 0.0, 0.1], push_at=0.5).summary
     assert 0.5 < summary["stopped_at_s"] < 0.6

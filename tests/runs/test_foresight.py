@@ -70,6 +70,7 @@ def test_a_forced_scara_meets_what_was_foreseen():
     assert summary["foreseen"]["foot_m"][2] == pytest.approx(0.390)
 
 
+@pytest.mark.slow
 def test_a_robot_from_a_file_foresees_numerically():
     robot = with_knee(row=replace(LEG_B.segments[1].row, r=0.02))
     options = StraightOptions(q0=[90.0, -50.0, -90.0], amplitude=0.1, duration=4.0)
@@ -80,6 +81,7 @@ def test_a_robot_from_a_file_foresees_numerically():
     assert summary["singularity"]["family"] is None
 
 
+@pytest.mark.slow
 def test_a_wrong_start_shifts_what_is_foreseen():
     wrong = {"amplitude": 0.1, "q0_error": [0.0, 0.0, 10.0]}
     for correction in (0.0, 2.0):
@@ -140,6 +142,7 @@ def test_other_inverses_are_exact_inside(method, amplitude):
     assert summary["time_off_command_s"] == 0.0
 
 
+@pytest.mark.slow
 def test_a_rate_limit_is_kept():
     options = LegBOptions(duration=1.2, amplitude=0.07, inverse="limited", rate_limit=40.0)
     recording = run_leg(options).recording

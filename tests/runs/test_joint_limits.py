@@ -24,6 +24,7 @@ def with_knee(**mechanics):
     return replace(LEG_B, segments=(hip, made, *rest))
 
 
+@pytest.mark.slow
 def test_a_falling_pendulum_is_caught_by_simscapes_stop_and_rests_in_it():
     summary = run_pendulum(FreePendulumOptions(duration=1.0, upper_limit=60.0)).summary
     assert summary["stop_reason"] is None
@@ -36,6 +37,7 @@ def test_a_falling_pendulum_is_caught_by_simscapes_stop_and_rests_in_it():
     assert summary["exact_rest_angle_rad"] == pytest.approx(summary["rest_angle_rad"], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_soft_limit_lets_the_pendulum_bounce():
     options = FreePendulumOptions(
         duration=1.5, upper_limit=60.0, limit_stiffness=0.5, limit_damping=0.0, limit_width=0.5

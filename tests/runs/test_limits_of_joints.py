@@ -107,6 +107,7 @@ def test_a_rate_limit_means_nothing_where_no_joint_turns():
         run_robot(gantry, options)
 
 
+@pytest.mark.slow
 def test_three_sliding_joints_step_stop_and_brake_in_metres():
     gantry = read_robot(SLIDING, "gantry.toml")
     outwards = jacobian(gantry.rows, [0.0, 0.0, 0.0])[3:] @ np.ones(3)  # every joint goes up

@@ -109,6 +109,7 @@ def test_input_filters_make_the_foot_drift_as_in_the_published_model():
     assert summary["max_torque_error_n_m"] <= 1e-12
 
 
+@pytest.mark.slow
 def test_the_drift_is_that_of_two_lags_in_the_kinematic_loop():
     start = foot_pose(LEG_B.rows, Q0)[:3, 3]
     drift = (loop_of_lags(LAG, DURATION) - start)[1:]

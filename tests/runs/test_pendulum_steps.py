@@ -51,6 +51,7 @@ def test_a_strong_damper_is_right_with_few_steps(damping):
     assert steps[1] <= steps.max() <= 0.002 * 1.001
 
 
+@pytest.mark.slow
 def test_a_damper_too_strong_for_explicit_steps_names_the_integrator_that_works():
     with pytest.raises(InvalidValueError, match="integrator='radau3'") as refused:
         run_pendulum(DampedPendulumOptions(damping=1e3))

@@ -74,6 +74,7 @@ def test_slips_and_swings_are_counted_by_stances(record):
     np.testing.assert_allclose(record.swing_heights, 0.03, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_on_a_slope_everything_is_in_the_grounds_frame():
     sloped = recorded(1.5, ground=Ground(slope=0.1))
     np.testing.assert_allclose(sloped.offsets[-1], 0.0, atol=2e-3)

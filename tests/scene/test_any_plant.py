@@ -155,6 +155,7 @@ EVERY_SHAPE = """<sdf version="1.7"><model name="toys"><link name="body">
 </link></model></sdf>"""
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rendering")
 def test_meshes_and_all_other_shapes_are_shown(tmp_path, monkeypatch):
     (tmp_path / "wedge.obj").write_text(MESH)
@@ -234,7 +235,7 @@ def test_a_diagram_without_a_plant_is_refused():
         shown(builder.Build())
 
 
-@pytest.mark.parametrize("view", ["3d", "top"])
+@pytest.mark.parametrize("view", ["3d", pytest.param("top", marks=pytest.mark.slow)])
 @pytest.mark.usefixtures("rendering")
 def test_both_can_be_stilled(walker, view):
     for picture in (still(walker[0], view=view), still(PENDULUM, [0.5], view=view)):

@@ -58,6 +58,7 @@ def test_nothing_is_lost_where_the_renderer_leaves_out_the_edges(view, monkeypat
     assert (np.abs(part - whole).max(axis=-1) > 64.0).sum() <= 2  # edges are smoothed otherwise
 
 
+@pytest.mark.slow
 def test_a_renderer_that_ends_its_process_ends_in_a_sentence(monkeypatch, capsys):
     """The process is that of the trial."""
     if artists.rendering_fault() is not None or sys.platform != "linux":

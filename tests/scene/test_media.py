@@ -31,6 +31,7 @@ def test_a_rendered_still_has_its_size_and_shows_something():
     assert np.ptp(image) > 150.0
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_rendered_matplotlib_draws(monkeypatch, step):
     monkeypatch.setattr(media, "rendering_fault", lambda: "no light")
     stills = [still(step.shown, step.q[0], view=view, motion=step) for view in VIEWS]
@@ -39,6 +40,7 @@ def test_where_nothing_can_be_rendered_matplotlib_draws(monkeypatch, step):
     assert np.abs(pictures[0] - pictures[1]).max() > 100.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rendering")
 def test_a_still_can_be_dark():
     light, dark = (picture(still(PENDULUM, [0.5], paper=paper).png) for paper in (LIGHT, DARK))
@@ -59,6 +61,7 @@ def test_the_whole_floor_is_in_the_picture(view):
         assert (pixels < [960.0, 720.0]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rendering")
 def test_a_gif_has_its_frames_and_its_pace(step, tmp_path):
     seen = []

@@ -87,6 +87,7 @@ def test_the_guard_says_once_what_it_does_and_shows_it():
     np.testing.assert_allclose(shown["tip"], 1e3 * step.foot, atol=0.01)
 
 
+@pytest.mark.slow
 def test_the_guard_says_when_it_lets_go_and_when_nothing_is_near():
     driver = Driver(go(60.0), *[idle] * 150, go(-60.0), *[idle] * 10, do("halt"), *[idle] * 2)
     driver.drive()

@@ -79,6 +79,7 @@ def test_a_picture_has_an_arrow_at_each_loaded_foot_and_a_mark_below_the_center(
         assert not ((at(foot)[:, 0] > 180) & (at(foot)[:, 2] < 60)).any()
 
 
+@pytest.mark.slow
 def test_a_still_of_a_walk_is_made_at_a_time(motion):
     assert walking_still(motion, 0.4).png[1:4] == b"PNG"
     assert motion.at(0.9).time[0] == 1.0

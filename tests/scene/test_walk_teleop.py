@@ -51,6 +51,7 @@ def test_speeds_are_limited_to_what_foresight_allows(drive):
     assert step.share == pytest.approx(1.0 / 1.2)
 
 
+@pytest.mark.slow
 def test_a_gait_comes_when_its_speeds_are_known(drive):
     drive.wish("wave", 0.095)
     drive._search.join()
@@ -63,6 +64,7 @@ def test_a_gait_comes_when_its_speeds_are_known(drive):
         drive.wish("wav", 0.1)
 
 
+@pytest.mark.slow
 def test_a_robot_that_has_fallen_says_so_and_stands_again(drive):
     plant, root = drive._plant, drive._root
     context = plant.GetMyMutableContextFromRoot(root)

@@ -205,6 +205,7 @@ def test_only_a_torque_limit_can_be_without_effect(disturbance):
     assert follow_below_limit(config, DURATION, stepping()) is None
 
 
+@pytest.mark.slow
 def test_steps_are_short_while_joints_return_from_a_push():
     push = Push(force=(0.0, 0.0, 0.2), at=0.5, lasting=0.1)
     config = HexabotLegConfig(disturbance=Disturbance(push=push))

@@ -84,6 +84,7 @@ def test_a_leg_pushed_against_its_boundary_comes_to_rest_before_it():
     assert np.abs(damped.rates(q.tolist(), (0.1 * along).tolist())).max() < 1e-2
 
 
+@pytest.mark.slow
 def test_limited_rates_are_the_least_squares_in_the_box(rng):
     most = 2.0
     box = RateBox([-math.inf] * 3, [math.inf] * 3, [most] * 3, 0.1)
@@ -105,6 +106,7 @@ def test_limited_rates_are_the_least_squares_in_the_box(rng):
     assert bound > 10
 
 
+@pytest.mark.slow
 def test_a_limited_joint_comes_to_its_limit_and_does_not_cross_it():
     box = RateBox([-math.inf, -1.0, -math.inf], [math.inf] * 3, [3.0] * 3, 0.1)
     limited = Damped(EXACT, BELOW, box)

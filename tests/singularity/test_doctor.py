@@ -226,6 +226,7 @@ def test_a_planar_arm_is_not_called_singular(tmp_path, capsys):
     assert "none: the foot cannot go straight along it" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_foot_that_no_joint_moves_is_told_as_such(tmp_path, capsys):
     path = tmp_path / "spindle.toml"
     row = "[[row]]\nsigma = {}\nd = 0\nalpha = 0\nr = 0.1\ntheta = 0\n"

@@ -78,6 +78,7 @@ def test_a_bennett_linkage_has_no_singular_assembly():
     assert "perhaps not all" in dict(found.entries)["assemblies"]
 
 
+@pytest.mark.slow
 def test_a_posture_is_closed_first():
     given = [1.0, -0.5, 1.6]
     found = examine_loops(FOUR_BAR, given)

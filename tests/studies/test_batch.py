@@ -27,7 +27,7 @@ def planned(name="leg-b", vary=None, fields=EVERY, simulated=False, **options):
     return sweeps._plan(name, vary, None, None, None, None, fields, simulated, options)
 
 
-@pytest.mark.parametrize("name", ["leg-a", "leg-b"])
+@pytest.mark.parametrize("name", [pytest.param("leg-a", marks=pytest.mark.slow), "leg-b"])
 def test_the_answers_are_those_of_the_simulated_runs(name):
     """Rows 4 ms apart miss less than 1e-6 of what is greatest between them."""
     knee = "20:70" if name == "leg-a" else "-70:-20"
@@ -72,6 +72,7 @@ def random_steps(rng, count=300):
     return values | {name: rng.uniform(0.04, 0.14, count) for name in ("l1", "l2", "l3")}
 
 
+@pytest.mark.slow
 def test_what_is_greatest_is_that_of_the_inverse_kinematics_on_fine_samples(rng):
     values = random_steps(rng)
     found = answers(LegSteps.of(**values), {name: (name,) for name in QUANTITIES})

@@ -127,6 +127,7 @@ def test_the_stroke_of_the_motion_is_twice_the_amplitude_over_the_frequency():
     assert np.abs(slopes["q0"]).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_several_periods_tie_without_harm():
     slopes = gradient("leg-b", of="stroke_m", by="frequency", extremes="motion", duration=10.0)
     assert slopes["frequency"] == pytest.approx(-2.0 * 0.07, rel=1e-6)
@@ -176,7 +177,11 @@ def test_torques_grow_with_the_density():
     assert slopes["density"] * 2700.0 == pytest.approx(slopes.value, rel=1e-12)
 
 
-@pytest.mark.parametrize("robot", [PUMA, SEVEN], ids=["six joints", "redundant"])
+@pytest.mark.parametrize(
+    "robot",
+    [PUMA, pytest.param(SEVEN, marks=pytest.mark.slow)],
+    ids=["six joints", "redundant"],
+)
 def test_a_robot_of_ones_own_has_a_gradient(robot):
     q0 = [20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0][: len(robot.moving)]
     options = {"q0": q0, "duration": 0.4, "amplitude": 0.01}

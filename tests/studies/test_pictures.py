@@ -111,6 +111,7 @@ def test_what_cannot_be_plotted_is_refused(legs):
         legs.pareto("sigma_min_m", "min:max_static_torque_n_m")
 
 
+@pytest.mark.slow
 def test_the_page_stands_alone_and_is_drawn_anew(legs):
     fronts = [("max:sigma_min_m", "min:max_static_torque_n_m")]
     files = legs.write_pictures(["sigma_min_m"], fronts=fronts)

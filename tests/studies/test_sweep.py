@@ -430,6 +430,7 @@ def test_what_goes_to_a_worker_and_comes_back_can_be_pickled():
     assert [*pickle.loads(pickle.dumps(carried_out(again))).rows] == [0, 1]
 
 
+@pytest.mark.slow
 def test_a_worker_draws_nothing():
     """It does not even load what draws."""
     script = (

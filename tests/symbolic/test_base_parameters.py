@@ -40,7 +40,9 @@ def tables(rng):
 
 
 NAMES = [
-    pytest.param(name, marks=pytest.mark.slow) if name in ("odd", "tilted", "scara") else name
+    pytest.param(name, marks=pytest.mark.slow)
+    if name in ("odd", "tilted", "scara", "floating")
+    else name
     for name in tables(np.random.default_rng(0))
 ]
 

@@ -37,7 +37,9 @@ def robots(rng):
 
 
 NAMES = [
-    pytest.param(name, marks=pytest.mark.slow) if name in ("scara", "fork") else name
+    pytest.param(name, marks=pytest.mark.slow)
+    if name in ("scara", "fork", "rx_90", "floating")
+    else name
     for name in robots(np.random.default_rng(0))
 ]
 
@@ -176,6 +178,7 @@ def test_a_planar_arm_has_the_textbooks_torques(rng):
     np.testing.assert_allclose(tau, A @ a + C + G + dry + exerted, rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_models_of_the_size_of_an_rx_90_are_quick(rng):
     robot = robot_of(RX_90, rng)
     start = time.process_time()

@@ -111,6 +111,7 @@ def test_models_of_closed_loops_are_those_of_drakes_cut_tree_through_w(robot, rn
     near(derive_model(robot, "gravity")(q)["Q_motor"], W.T @ weight)
 
 
+@pytest.mark.slow
 def test_the_direct_model_inverts_the_inverse_one_where_a_floating_base_has_loops(rng):
     base = LinkParameters(M=sp.Integer(2), XX=sp.Integer(1), YY=sp.Integer(1), ZZ=sp.Integer(1))
     table = replace(table_of_robot(FOUR_BAR), floating=True, base=base)

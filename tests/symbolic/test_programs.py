@@ -105,6 +105,7 @@ def inputs_of(program, rng, *shape):
     return [rng.uniform(-1.0, 1.0, (*shape, len(one.symbols))) for one in program.inputs]
 
 
+@pytest.mark.slow
 def test_printed_numpy_computes_the_same(rng, programs):
     for program in programs:
         names = {}
@@ -117,6 +118,7 @@ def test_printed_numpy_computes_the_same(rng, programs):
             np.testing.assert_allclose(value, right, rtol=1e-13, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc on this machine")
 def test_printed_c_compiles_without_a_warning_and_computes_the_same(rng, programs, tmp_path):
     for program in programs:
@@ -138,6 +140,7 @@ def test_printed_c_compiles_without_a_warning_and_computes_the_same(rng, program
             np.testing.assert_allclose(value, right, rtol=1e-12, atol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("octave") is None, reason="no Octave on this machine")
 def test_printed_matlab_computes_the_same_in_octave(rng, programs, tmp_path):
     """In one process for all, which prints what they return in 17 digits."""

@@ -31,7 +31,7 @@ def zeros_on_a_grid(function, count=2000):
     return int((signs[1:] != signs[:-1]).sum())
 
 
-@pytest.mark.parametrize("name", LEGS)
+@pytest.mark.parametrize("name", [pytest.param("leg-a", marks=pytest.mark.slow), "leg-b"])
 def test_the_leg_has_two_families(derived, name):
     stretch, hip_axis = derived(name).families
     assert stretch.factor == sp.sin(Q3)

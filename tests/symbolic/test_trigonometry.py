@@ -36,6 +36,7 @@ def test_an_identity_has_the_normal_form_zero(identity):
     assert normal_form(identity + L2) == L2
 
 
+@pytest.mark.slow
 @given(POLYNOMIALS, ANGLES, ANGLES)
 def test_rewriting_changes_no_value(polynomial, a, b):
     numbers = {A: a, B: b, L1: 0.7}
@@ -45,6 +46,7 @@ def test_rewriting_changes_no_value(polynomial, a, b):
         assert math.isclose(written, right, rel_tol=1e-9, abs_tol=1e-12)
 
 
+@pytest.mark.slow
 @settings(max_examples=12)
 @given(POLYNOMIALS, POLYNOMIALS)
 def test_the_normal_form_does_not_depend_on_how_a_thing_is_written(first, second):

@@ -41,6 +41,7 @@ def swing(mechanics, duration=1.5, accuracy=1e-9):
     return PendulumModel.from_robot(robot), run.scopes["q"][:, 0], run.scopes["w"][:, 0], run.scopes
 
 
+@pytest.mark.slow
 def test_a_pendulum_bounces_between_its_limits_by_the_equation_of_motion():
     model, q, w, scopes = swing(LIMITS)
     assert (q[0], w[0]) == (0.1, -6.0)
@@ -59,6 +60,7 @@ def test_energy_with_that_of_the_stops_never_grows():
     assert recorded[-1] < recorded[0] - 0.01
 
 
+@pytest.mark.slow
 def test_stops_without_damper_keep_the_energy():
     elastic = HardStop(stiffness=20.0, damping=0.0, transition_width=0.02)
     limits = JointMechanics(

@@ -278,6 +278,7 @@ def test_a_wrist_whose_axes_line_up_has_infinitely_many_postures():
     assert min(abs(principal(q[5] - 0.7)) for q in aligned) < 1e-12
 
 
+@pytest.mark.slow
 def test_a_wrist_above_the_first_axis_leaves_the_first_joint_free():
     reach = RX90.rows[2].d / RX90.rows[3].r
     q = [0.3, 0.5, 0.0, 0.2, 0.5, 0.1]

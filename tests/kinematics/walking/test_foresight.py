@@ -71,6 +71,7 @@ def test_every_gait_is_supported_through_its_whole_cycle(gait):
     assert found.demand("static margin").value > 0.074
 
 
+@pytest.mark.slow
 def test_the_greatest_speed_works_and_a_little_more_does_not(forward):
     found = forward
     assert found.greatest_stride == found.greatest_speed
@@ -170,6 +171,7 @@ def test_a_lift_that_fails_at_every_speed_is_refused_with_the_greatest_lift(forw
     assert forward.greatest_lift > lift
 
 
+@pytest.mark.slow
 def test_heights_that_work_are_those_of_workspace_and_ground(forward):
     found = forward
     least, most = found.heights
@@ -291,6 +293,7 @@ def test_a_joint_at_its_limit_is_within_it():
         assert (foresee_walk(robot, walk_of()).refusal is None) == works
 
 
+@pytest.mark.slow
 def test_the_greatest_speed_is_that_of_the_body_as_it_is_held_in_the_end():
     low = Attitude(shift=(0.0, 0.0, 0.06), start=9.0)
     raised = foresee_walk(HEXABOT, walk_of(FORWARD, attitudes=[low]), IDEAL)

@@ -38,7 +38,10 @@ def drive(*velocity):
     return lambda walk: setattr(walk, "command", np.array(velocity))
 
 
-@pytest.mark.parametrize("gait", list(GAITS))
+@pytest.mark.parametrize(
+    "gait",
+    [gait if gait == "tripod" else pytest.param(gait, marks=pytest.mark.slow) for gait in GAITS],
+)
 def test_with_a_constant_command_it_walks_as_the_planned_walk_does(gait):
     period = 3.0 if gait == "wave" else 1.0
     velocity = (0.04, 0.01, 0.1)
@@ -77,6 +80,7 @@ def moments():
     return walked(live(), ORDERS, 9.0)[0]
 
 
+@pytest.mark.slow
 def test_feet_that_stand_do_not_move(moments):
     feet = np.array([one.feet for one in moments])
     both = np.array([one.down for one in moments])
@@ -93,6 +97,7 @@ def test_swings_begin_and_end_at_rest_and_their_velocities_have_no_jumps(moments
     assert feet[..., 2].min() == 0.0
 
 
+@pytest.mark.slow
 def test_the_body_moves_smoothly_and_not_faster_than_it_may(moments):
     velocity = np.array([one.velocity for one in moments])
     assert (np.abs(np.diff(velocity, axis=0)) <= GREATEST * STEP * (1 + 1e-9)).all()
@@ -101,6 +106,7 @@ def test_the_body_moves_smoothly_and_not_faster_than_it_may(moments):
     assert heights[-1] == pytest.approx(0.1, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_gait_changes_where_all_feet_stand(moments):
     walk = live()
     changed = None
@@ -116,6 +122,7 @@ def test_a_gait_changes_where_all_feet_stand(moments):
     assert sum(one < 3 for one in [walk.now.down.sum()]) == 0
 
 
+@pytest.mark.slow
 def test_at_rest_all_feet_come_back_to_their_neutral_places(moments):
     last = moments[-1]
     np.testing.assert_allclose(last.velocity, 0.0, atol=1e-4)

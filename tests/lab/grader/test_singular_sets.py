@@ -66,6 +66,7 @@ def test_report_bs_claim_of_every_joint_is_wrong_for_all_but_one():
     assert finding.remedy == "leave them out; the determinant is zero where q2 = kπ"
 
 
+@pytest.mark.slow
 def test_half_a_family_is_not_all_of_it():
     numbers = graded("q3 = kπ", settings={"lengths": "mm"})
     assert {f.remedy for f in numbers} == {"add 100*cos(q2) + 100*cos(q2 + q3) + 50 = 0"}

@@ -233,6 +233,7 @@ CELLS = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(*[CELLS | st.text(max_size=5)] * 5), max_size=4), st.booleans())
 def test_any_table_is_read_and_what_is_repaired_is_no_worse(rows, units):
     columns = COLUMNS["khalil"]

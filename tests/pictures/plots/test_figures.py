@@ -261,6 +261,7 @@ def test_a_pendulum_that_is_still_on_its_way_is_not_said_to_be_near_its_rest(sec
     assert not any("within" in text for text in said)
 
 
+@pytest.mark.slow
 def test_a_run_that_came_to_rest_shows_where():
     outcome = outcome_of("pendulum-spring", **AT_REST)
     rest = outcome.summary["exact_rest_angle_rad"]
@@ -312,6 +313,7 @@ def test_the_energys_axis_hides_rounding_noise():
     assert high - low > 1e6 * np.ptp(outcome.recording["energy"])
 
 
+@pytest.mark.slow
 def test_a_rest_line_far_from_a_flat_curve_can_be_drawn(tmp_path):
     recording = Recording({"time[s]": np.array([0.0, 1.0]), "q[rad]": 0.5 + np.array([0.0, 1e-11])})
     figure = pendulum_figures.angle(recording, "title", rest=np.pi / 2)
@@ -329,6 +331,7 @@ def marks(axes):
     return [line for line in axes.lines if line.get_linestyle() == "None"]
 
 
+@pytest.mark.slow
 def test_motion_that_ends_early_is_magnified_and_marked_there():
     figure = figures_of("pendulum-damped", **AT_REST)["angle_and_rate"]()
     top, bottom = insets(figure)
@@ -376,12 +379,12 @@ def test_the_stroboscope_has_the_same_ticks_on_all_its_axes():
 
 
 def dying():
-    """List motions by their rest, start and rate; two rests, once each, with the fast tests."""
+    """List motions by their rest, start and rate; one with the fast tests."""
     ways = list(product([-1.0, 0.1, 1.5, 3.0], [0.5, 3.0]))
     for number, rest in enumerate([0.2, 1.2, np.pi / 2, 2.9, -0.4]):
         for turn in range(3):
             way = ways[3 * (number + turn) % len(ways)]
-            fast = turn == 0 and number in (0, 3)
+            fast = turn == number == 0
             yield pytest.param(rest, *way, marks=() if fast else pytest.mark.slow)
 
 
@@ -433,7 +436,7 @@ def test_curves_differ_in_colour_and_in_dashes():
     [
         ("pendulum", 1e-9),
         pytest.param("pendulum", 1e-3, marks=pytest.mark.slow),
-        ("leg-b", 1e-9),
+        pytest.param("leg-b", 1e-9, marks=pytest.mark.slow),
         pytest.param("leg-b", 1e-3, marks=pytest.mark.slow),
     ],
 )
@@ -448,6 +451,7 @@ def test_runs_of_hardly_any_time_can_be_drawn(name, duration):
             assert all(low <= value <= high for value in curve)
 
 
+@pytest.mark.slow
 def test_a_figure_is_saved_with_the_same_bytes_every_time_whatever_other_formats_are(tmp_path):
     paths = save(figures_of("leg-b")["step"](), tmp_path, "step")
     names = {ending: path.name for ending, path in paths.items()}
@@ -485,6 +489,7 @@ def test_drawing_leaves_matplotlibs_settings_alone(tmp_path):
     assert {key: mpl.rcParams[key] for key in STYLE} == before
 
 
+@pytest.mark.slow
 def test_figures_need_neither_drake_nor_a_window():
     code = (
         "import sys, drake_leg.pictures.plots.of_runs; "
@@ -548,7 +553,9 @@ def test_joints_that_slide_have_figures_of_their_own():
     assert named["joint_forces"]().axes[0].get_ylabel() == "computed force [N]"
 
 
-@pytest.mark.parametrize("moving", [1, pytest.param(5, marks=pytest.mark.slow), 30])
+@pytest.mark.parametrize(
+    "moving", [1, *(pytest.param(moving, marks=pytest.mark.slow) for moving in (5, 30))]
+)
 def test_a_motion_that_ends_early_is_magnified_if_there_is_any_whatever_is_known_of_rest(moving):
     time = np.linspace(0.0, 1.0, 101)
     q = np.where(np.arange(101) < moving, 0.3, 0.0)

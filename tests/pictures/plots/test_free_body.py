@@ -186,6 +186,7 @@ def test_every_frame_joint_and_weight_of_a_chain_is_named(name):
     assert {str(index + 1) for index in range(len(robot.rows))} < rows
 
 
+@pytest.mark.slow
 def test_backgrounds_are_as_wanted_and_the_picture_fits_its_place():
     figure = free_body(LEG_B)
     auto, white, none = (svg_text(figure, background=b) for b in ("auto", "white", "none"))
@@ -198,6 +199,7 @@ def test_backgrounds_are_as_wanted_and_the_picture_fits_its_place():
     assert all("max-width:100%" in svg for svg in (auto, white, none))
 
 
+@pytest.mark.slow
 def test_the_svg_is_the_same_every_time():
     first, second = (svg_text(free_body(LEG_B)) for _ in range(2))
     assert first == second

@@ -59,7 +59,7 @@ def of_postures():
         yield f"scara {kind}", draw
 
 
-FAST = ("pendulum", "scara")  # and shorter, with the fast tests
+FAST = ("pendulum",)  # and shorter, with the fast tests
 # Every figure there is, in groups of functions that draw them, by name.
 DRAWN = [
     *(partial(of_run, name, 7.0) for name in FAST),

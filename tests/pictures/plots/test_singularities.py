@@ -45,7 +45,8 @@ def test_a_curve_that_leaves_the_map_leaves_a_gap():
 @pytest.mark.parametrize(
     ("robot", "q", "names"),
     [
-        (LEG_A, -START, ["determinant", "singular_postures", "singular_feet", "sigma_min"]),
+        pytest.param(LEG_A, -START, ["determinant", "singular_postures", "singular_feet",
+                     "sigma_min"], marks=pytest.mark.slow),
         pytest.param(hexabot_leg("B", l1=0.3), START, ["determinant", "singular_postures",
                      "singular_feet", "sigma_min"], marks=pytest.mark.slow),
         pytest.param(hexabot_leg("B", l3=0.06), START, ["determinant", "singular_postures",

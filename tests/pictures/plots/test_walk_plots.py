@@ -83,7 +83,7 @@ def test_a_bouncing_contact_is_one_bar():
     assert len(walk_plots.bars_of(time, flags, 0.04)) == 2
 
 
-@pytest.mark.parametrize(("panel", "up"), [(0, 2), (1, 1)])
+@pytest.mark.parametrize(("panel", "up"), [(0, 2), pytest.param(1, 1, marks=pytest.mark.slow)])
 def test_paths_of_the_feet_are_those_of_the_joints(walk, figures, panel, up):
     recording, axes = walk.recording, figures["foot_paths"].axes[panel]
     q = recording.stack(*(f"q{number}" for number in range(1, 19)))

@@ -346,6 +346,7 @@ def trees(draw):
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(robot=trees())
 def test_a_robot_that_a_file_can_hold_is_read_back_to_the_last_bit(robot):

@@ -265,6 +265,7 @@ def robots(draw):
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(robot=robots())
 def test_any_robot_is_read_back_as_it_was_and_its_linter_finds_no_error(robot):
