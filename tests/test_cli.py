@@ -35,6 +35,7 @@ KEYS = {
         "greatest_roll_error_deg", "greatest_pitch_error_deg", "height_ripple_m", "greatest_slip_m",
         "mean_slip_m", "least_static_margin_m", "least_dynamic_margin_m", "peak_torque_n_m",
         "rms_torque_n_m", "mechanical_cost_of_transport", "electrical_cost_of_transport",
+        "moving_mechanical_cost_of_transport", "moving_electrical_cost_of_transport",
         "clearance_m", "greatest_contact_force_n", "touch_downs_on_time", "touch_downs_early",
         "touch_downs_late", "touch_downs_not_found", "changes", "fell",
         "fell_at_s",

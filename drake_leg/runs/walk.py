@@ -302,19 +302,25 @@ def _effort(record: WalkRecord) -> dict[str, Any]:
         "mean_electrical_power_w": None,
         "mechanical_cost_of_transport": None,
         "electrical_cost_of_transport": None,
+        "moving_mechanical_cost_of_transport": None,
+        "moving_electrical_cost_of_transport": None,
     }
     powers = {"mechanical": mechanical}
     if servo.is_electrical:
         powers["electrical"] = electrical_power(servo, drive, rates).sum(axis=(1, 2))
         found["mean_electrical_power_w"] = float(powers["electrical"].mean())
-    way = np.linalg.norm(np.diff(record.body[settled, :2, 3], axis=0), axis=1).sum()
     speed = np.linalg.norm(record.planned.rate[settled, :3, 3], axis=1)
     if config.gravity > 0.0 and float(np.trapezoid(speed, time)) > AT_REST:
         mass = total_mass(config.robot) + config.payload
-        for kind, power in powers.items():
-            found[f"{kind}_cost_of_transport"] = cost_of_transport(
-                work(time, power), mass, float(way), config.gravity
-            )
+        ways = np.linalg.norm(np.diff(record.body[settled, :2, 3], axis=0), axis=1)
+        moves = speed > AT_REST
+        moved = float(ways[moves[1:] & moves[:-1]].sum())
+        for kind, power in powers.items() if moved else ():
+            spent, moving = work(time, power), work(time, np.where(moves, power, 0.0))
+            for name, energy, way in (("", spent, float(ways.sum())), ("moving_", moving, moved)):
+                found[f"{name}{kind}_cost_of_transport"] = cost_of_transport(
+                    energy, mass, way, config.gravity
+                )
     return found
 
 

@@ -77,6 +77,32 @@ def test_power_is_torque_times_rate_and_costs_add_up(forward):
     assert summary["electrical_cost_of_transport"] > mechanical > 0.0
 
 
+def test_what_standing_costs_is_told_apart(forward):
+    """Of the whole energy, by the mean power, standing takes what the moving time does not."""
+    summary, recording = forward.summary, forward.recording
+    settled = recording["time"] >= summary["settled_at_s"]
+    time, way = recording["time"][settled], recording.stack("x", "y")[settled]
+    # The body moves from 1.225 s on; before that all feet stand.
+    stands = time < 1.225
+    length = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    weight = 2.1616 * 9.80665
+    for kind in ("mechanical", "electrical"):
+        whole = summary[f"{kind}_cost_of_transport"] * weight * length.sum()
+        moving = summary[f"moving_{kind}_cost_of_transport"] * weight * length[~stands[1:]].sum()
+        assert whole == pytest.approx(
+            summary[f"mean_{kind}_power_w"] * (time[-1] - time[0]), rel=0.01
+        )
+        assert moving < whole
+    torques = np.stack([recording[f"tau{n}"] for n in range(1, 19)])[:, settled]
+    rates = np.stack([recording[f"qdot{n}"] for n in range(1, 19)])[:, settled]
+    spent = np.maximum(torques * rates, 0.0).sum(axis=0)
+    told = summary["moving_mechanical_cost_of_transport"]
+    expected = np.trapezoid(np.where(stands, 0.0, spent), time) / (
+        weight * length[~stands[1:]].sum()
+    )
+    assert told == pytest.approx(expected, rel=0.02)
+
+
 def test_a_robot_that_is_too_weak_falls_and_the_summary_says_when():
     summary = run("hexapod", duration=1.5, effort=0.05, feed_forward="none", force=True).summary
     assert summary["fell"]
