@@ -219,6 +219,7 @@ SAMPLES = {
     "tuple[float, float]": (-1.0, 1.0),
     "Mapping[str, str]": {"D3": "d of row 3"},
     "Iterable[str]": ("L1",),
+    "tuple[str, ...]": ("L1",),
 }
 
 

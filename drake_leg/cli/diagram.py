@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, get_args
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.model_files import add_model_options, is_model, opened, refuse_model_options
-from drake_leg.cli.terminal import option_of, picture, refuse_ignored
+from drake_leg.cli.terminal import option_of, picture
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.robot.robot import Robot
@@ -89,7 +89,6 @@ def _model(chosen: argparse.Namespace) -> str:
     from drake_leg.simulink.listing import printable
 
     _refuse_signal_options(chosen, "is for runs and means nothing to a Simulink model")
-    refuse_ignored({"--set": bool(chosen.numbers)}, "means nothing to a Simulink model")
     model = opened(Path(chosen.name), chosen)
     try:
         pictures = model_pictures(model, title=printable(model.name), part=chosen.part)

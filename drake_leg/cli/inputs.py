@@ -156,7 +156,8 @@ def add_numbers(parser: argparse.ArgumentParser) -> None:
         action="append",
         dest="numbers",
         metavar="D3=0.45,RL4=0.45",
-        help="numbers for letters of a .par file [m, rad, kg]; may be repeated",
+        help="numbers for letters of a .par file [m, rad, kg], or values of variables of a "
+        "Simulink model, as L1=0.05; may be repeated",
     )
 
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import re
+import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +15,10 @@ from drake_leg.simulink import ENDINGS
 
 if TYPE_CHECKING:
     from drake_leg.simulink.model import Model
+
+
+_SHOWN = 8  # names that a script sets
+_NEXT = re.compile(r",(?=\s*[A-Za-z]\w*\s*=(?!=))")  # between two settings
 
 
 def is_model(name: str | Path) -> bool:
@@ -27,7 +34,16 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         type=Path,
         default=[],
         metavar="DIR",
-        help="folder with the model's libraries, searched with all folders inside; repeatable",
+        help="folder with the model's libraries, scripts and data, searched with all folders "
+        "inside; repeatable",
+    )
+    parser.add_argument(
+        "--init",
+        action="append",
+        type=Path,
+        default=[],
+        metavar="FILE",
+        help="script (.m) or .mat file that gives values to the model's variables; repeatable",
     )
     parser.add_argument(
         "--variant",
@@ -53,12 +69,60 @@ def opened(path: Path, chosen: argparse.Namespace) -> Model:
                 f"--variant {text} names no choice: write BLOCK=CHOICE, as in 'Contact=Planar'"
             )
         variants[block] = choice
-    return read_model(path, paths=chosen.path, variants=variants)
+    return read_model(
+        path,
+        paths=chosen.path,
+        variants=variants,
+        init=chosen.init,
+        values=variables_in(getattr(chosen, "numbers", None) or ()),
+    )
+
+
+def asked_for(model: Model) -> list[str]:
+    """Say how to give the values that a model lacks, and which file gives them."""
+    from drake_leg.simulink.lacks import lacks_of
+    from drake_leg.simulink.listing import printable
+    from drake_leg.simulink.suggestions import suggested_init
+
+    lacks = lacks_of(model)
+    names = dict.fromkeys(name for lack in lacks for name in lack.names)
+    if not names:
+        return []
+    first = printable(next(iter(names))).partition(".")[0]
+    hint = suggested_init(model, lacks)
+    if hint is None:
+        return [
+            "",
+            f"give each name a value: --set {first}=1, or --init FILE with a script that does",
+        ]
+    sets = ", ".join(map(printable, hint.names[:_SHOWN]))
+    more = f" and {len(hint.names) - _SHOWN} more" if len(hint.names) > _SHOWN else ""
+    return [
+        "",
+        f"perhaps --init {shlex.quote(printable(str(hint.path)))}",
+        f"  which sets {sets}{more}; or give each name a value: --set {first}=1",
+    ]
+
+
+def variables_in(settings: Sequence[str]) -> dict[str, str]:
+    """Read ``--set`` as MATLAB has it: ``L1=0.05``, ``v=[1,2,3]``, or several: ``a=1,b=2``."""
+    found = {}
+    for setting in settings:
+        for text in _NEXT.split(setting):
+            name, equals, value = text.partition("=")
+            if not (equals and name.strip() and value.strip()):
+                raise InvalidValueError(f"--set {setting} gives no value: write it as L1=0.05")
+            found[name.strip()] = value.strip()
+    return found
 
 
 def refuse_model_options(chosen: argparse.Namespace) -> None:
     """Refuse these options where no Simulink model is named."""
     refuse_ignored(
-        {"--path": bool(chosen.path), "--variant": bool(chosen.variant)},
+        {
+            "--path": bool(chosen.path),
+            "--init": bool(chosen.init),
+            "--variant": bool(chosen.variant),
+        },
         "is for Simulink models and means nothing here",
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
-from drake_leg.cli.model_files import add_model_options, is_model, opened
+from drake_leg.cli.model_files import add_model_options, asked_for, is_model, opened
 from drake_leg.cli.run import add_run_options, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
@@ -40,6 +40,7 @@ def configure_inspect(parser: argparse.ArgumentParser) -> None:
     )
     form.add_argument("--json", action="store_true", help="print all of it as JSON")
     add_model_options(parser)
+    add_numbers(parser)
     parser.set_defaults(command=_inspect)
 
 
@@ -51,7 +52,7 @@ def _inspect(chosen: argparse.Namespace) -> int:
         print(json.dumps(as_json(model), indent=2, allow_nan=False), flush=True)
     else:
         lines = as_lines(model) if chosen.blocks else as_summary(model)
-        print("\n".join(lines), flush=True)
+        print("\n".join([*lines, *asked_for(model)]), flush=True)
     return 0
 
 
@@ -92,7 +93,8 @@ def _compare(chosen: argparse.Namespace) -> int:
         raise InvalidValueError(
             "the model comes first", advice=f"drake-leg compare {chosen.name} {chosen.model}"
         )
-    kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
+    letters = None if chosen.name in RUNS else chosen.numbers
+    kind = run_kind(named_or_robot(chosen.name, letters))
     options = options_of(kind, chosen)
     _refuse_options_of_runs(kind, options, chosen)
     from drake_leg.simulink.compare.compare import LiveModel, compare

@@ -120,7 +120,7 @@ def _view_model(chosen: argparse.Namespace, view: View) -> int:
 
 def _refuse_posture(chosen: argparse.Namespace) -> None:
     why = "is for robots: a Simulink model is shown at its state targets"
-    refuse_ignored({"--q": chosen.q is not None, "--set": bool(chosen.numbers)}, why)
+    refuse_ignored({"--q": chosen.q is not None}, why)
 
 
 def _still(chosen: argparse.Namespace) -> int:

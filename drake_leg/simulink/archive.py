@@ -52,6 +52,10 @@ class Parts(Protocol):
         """Return a part as a tree; None where the file has no such part."""
         ...
 
+    def read(self, name: str) -> bytes | None:
+        """Return a part as it is; None where the file has no such part."""
+        ...
+
 
 def parts_of(path: Path) -> Parts:
     """Open a file, .slx or .mdl.
@@ -81,6 +85,10 @@ class _TextParts:
     def tree(self, name: str) -> Element | None:
         part = self._parts.get(name)
         return parse_markup(part, name) if isinstance(part, bytes) else part
+
+    def read(self, name: str) -> bytes | None:
+        part = self._parts.get(name)
+        return part if isinstance(part, bytes) else None
 
 
 class Archive:

@@ -8,11 +8,12 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.archive import WHOLE, parts_of
+from drake_leg.simulink.archive import WHOLE, parameters, parts_of
 from drake_leg.simulink.charts import Charts
 
 _ROOT = "simulink/systems/system_root.xml"
 _CONFIGURATION = "simulink/configSet0.xml"
+_WORKSPACE = "simulink/modelWorkspace.mxarray"
 _STATEFLOW = re.compile(r"simulink/stateflow(\.xml|/(machine|chart_\w+)\.xml)")
 _SYSTEM = re.compile(r"\w{1,80}")
 _HOLDERS = ("Model", "Library", "Subsystem")
@@ -65,6 +66,31 @@ class SimulinkFile:
         """What holds the settings of the solver; None where the file has none."""
         own = self._tree(_CONFIGURATION)
         return self._tree(WHOLE) if own is None else own
+
+    @cached_property
+    def callbacks(self) -> dict[str, str]:
+        """Code that MATLAB runs when the model is opened or started, by the callback's name."""
+        texts = parameters(self._holder) if self._holder is not None else {}
+        return {name: text for name, text in texts.items() if name.endswith("Fcn")}
+
+    @cached_property
+    def workspace(self) -> dict[str, str]:
+        """Where the model workspace comes from: ``WSDataSource`` and what belongs to it."""
+        found = self._holder.find("ModelWorkspace") if self._holder is not None else None
+        return {} if found is None else parameters(found)
+
+    @cached_property
+    def workspace_content(self) -> bytes | None:
+        """The model workspace that the file itself keeps, packed."""
+        return self._parts.read(_WORKSPACE)
+
+    @cached_property
+    def _holder(self) -> Element | None:
+        """The element of the model, library or subsystem as a whole."""
+        whole = self._tree(WHOLE)
+        if whole is None:
+            return None
+        return next((found for name in _HOLDERS if (found := whole.find(name)) is not None), None)
 
     @property
     def _whole(self) -> Element:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
@@ -12,6 +13,7 @@ from drake_leg.errors import UnknownValueError
 from drake_leg.simulink.lacks import lacks_of
 from drake_leg.simulink.model import Block, Model, Value, split_port
 from drake_leg.simulink.parameters import default_values
+from drake_leg.simulink.suggestions import suggested_init
 
 _WIDTH = 100
 _LONGEST_TEXT = 60
@@ -26,6 +28,7 @@ def as_json(model: Model) -> dict[str, Any]:
     """
     lacks = lacks_of(model)
     absent = {(lack.sid, lack.parameter) for lack in lacks}
+    hint = suggested_init(model, lacks)
     return {
         "blocks": [
             {
@@ -47,6 +50,9 @@ def as_json(model: Model) -> dict[str, Any]:
             for function in model.functions
         ],
         "solver": _plain_values("", model.solver, absent),
+        "variables": _variables(model),
+        "skipped": [] if model.variables is None else _skipped(model),
+        "init": None if hint is None else {"file": str(hint.path), "names": list(hint.names)},
         "lacks": [
             {
                 "sid": lack.sid,
@@ -58,6 +64,17 @@ def as_json(model: Model) -> dict[str, Any]:
             for lack in lacks
         ],
     }
+
+
+def _variables(model: Model) -> dict[str, str]:
+    """Variables that the model uses, each with its source."""
+    return dict(model.variables.used) if model.variables else {}
+
+
+def _skipped(model: Model) -> list[str]:
+    """What scripts do that is not done here."""
+    skipped = model.variables.workspace.skipped if model.variables else []
+    return [str(one) for one in skipped]
 
 
 def _plain_values(
@@ -77,8 +94,21 @@ def as_summary(model: Model) -> list[str]:
     )
     lines = [f"{printable(model.name)}: {', '.join(_counted(*count) for count in counts)}", ""]
     shown = [f"{kind} {number}" if number > 1 else kind for kind, number in kinds.most_common()]
-    lines += [*_wrapped("kinds   ", ", ".join(shown), 8), *_solver(model), ""]
-    return lines + _lacking(model)
+    lines += [*_wrapped("kinds   ", ", ".join(shown), 8), *_solver(model)]
+    lacking = _lacking(model)  # evaluates all values, so that all that is used is known
+    return [*lines, *_sources(model), "", *lacking]
+
+
+def _sources(model: Model) -> list[str]:
+    """Say where the variables come from that the model uses, and what scripts leave out."""
+    counts = Counter(re.sub(r", line \d+$", "", one) for one in _variables(model).values())
+    shown = [f"{printable(source)} ({count})" for source, count in counts.most_common()]
+    lines = _wrapped("values  ", ", ".join(shown), 8) if shown else []
+    skipped = _skipped(model)
+    if skipped:
+        more = f" and {len(skipped) - _PLACES} more" if len(skipped) > _PLACES else ""
+        lines += _wrapped("skipped ", printable("; ".join(skipped[:_PLACES]) + more), 8)
+    return lines
 
 
 def _solver(model: Model) -> list[str]:
@@ -141,7 +171,8 @@ def as_lines(model: Model) -> list[str]:
         lines += ["", f"code of {names[function.sid]} (SID {function.sid})"]
         code = function.script or "(none in the file)"
         lines += [f"  {printable(row.expandtabs(4))}" for row in code.strip("\n").splitlines()]
-    return [*lines, "", *_solver(model), "", *_lacking(model)]
+    lacking = _lacking(model)
+    return [*lines, "", *_solver(model), *_sources(model), "", *lacking]
 
 
 def block_paths(model: Model) -> dict[str, str]:

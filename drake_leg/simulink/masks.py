@@ -10,12 +10,20 @@ from xml.etree.ElementTree import Element
 
 from drake_leg.simulink.archive import parameters
 
-_EVALUATED = ("edit", "slider", "dial", "spinbox", "min", "max")  # the other types hold choices
+_CHOSEN = ("popup", "radiobutton", "listbox")
+_EVALUATED = ("edit", "slider", "dial", "spinbox", "min", "max", "promote", "combobox")
 _VARIABLE = re.compile(r"\s*([A-Za-z]\w*)\s*=\s*([@&])\d+\s*")  # L=@1, and & for a text
-_COMMENT = re.compile(r"^([^'\"%\n]*)%.*$", re.MULTILINE)
-_CONTINUED = re.compile(r"\.\.\.[^\n]*\n")
-_SETS = re.compile(r"(?<![=~<>!])=(?!=)")
-_WORD = re.compile(r"(?<![\w.])[A-Za-z]\w*")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Entry:
+    """A parameter of a mask."""
+
+    name: str
+    text: str
+    kind: str = "edit"
+    evaluated: bool = True
+    options: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,8 +32,11 @@ class Mask:
 
     type: str = ""
     values: dict[str, str] = field(default_factory=dict)  # name to text, of all its parameters
-    literal: frozenset[str] = frozenset()  # parameters whose text is not an expression
-    computed: frozenset[str] = frozenset()  # names that its initialization sets
+    literal: frozenset[str] = frozenset()  # parameters whose value is their text
+    choices: dict[str, tuple[str, ...]] = field(default_factory=dict)  # value: number of the choice
+    switches: frozenset[str] = frozenset()  # parameters whose text is on or off
+    promoted: dict[str, tuple[str, ...]] = field(default_factory=dict)  # inner block/parameter
+    code: str = ""  # initialization
 
 
 def read_mask(block: Element, texts: dict[str, str]) -> Mask:
@@ -42,56 +53,63 @@ def read_mask(block: Element, texts: dict[str, str]) -> Mask:
             kind = own.get("Type") or child.findtext("Type") or kind
             code = own.get("Initialization") or child.findtext("Initialization") or code
             entries += _newest(child) if child.tag == "Mask" else _older(child)
+    known = (*_CHOSEN, *_EVALUATED, "checkbox")
     return Mask(
         type=kind.strip(),
-        values={name: text for name, text, _ in entries},
-        literal=frozenset(name for name, _, evaluated in entries if not evaluated),
-        computed=_computed(code),
+        values={entry.name: entry.text for entry in entries},
+        literal=frozenset(e.name for e in entries if not e.evaluated or e.kind not in known),
+        choices={e.name: e.options for e in entries if e.evaluated and e.kind in _CHOSEN},
+        switches=frozenset(e.name for e in entries if e.evaluated and e.kind == "checkbox"),
+        promoted={e.name: e.options for e in entries if e.kind == "promote"},
+        code=code,
     )
 
 
-def _newest(mask: Element) -> Iterator[tuple[str, str, bool]]:
+def _newest(mask: Element) -> Iterator[_Entry]:
     for entry in mask:
         if entry.tag == "MaskParameter" and entry.get("Name"):
-            evaluated = _is_evaluated(entry.get("Type", "edit"), entry.get("Evaluate", "on"))
-            yield entry.get("Name", ""), entry.findtext("Value") or "", evaluated
+            options = entry.iterfind("TypeOptions/Option")
+            yield _Entry(
+                name=entry.get("Name", ""),
+                text=entry.findtext("Value") or "",
+                kind=_kind(entry.get("Type", "edit")),
+                evaluated=entry.get("Evaluate", "on") != "off",
+                options=tuple(option.text or "" for option in options),
+            )
 
 
-def _older(mask: Element) -> Iterator[tuple[str, str, bool]]:
+def _older(mask: Element) -> Iterator[_Entry]:
     for entries in mask:
         if entries.get("PropName") == "Parameters":
             for entry in [entries, *entries]:
                 texts = parameters(entry)
                 if texts.get("Name"):
-                    evaluated = _is_evaluated(
-                        texts.get("Type", "edit"), texts.get("Evaluate", "on")
+                    options = entry.iterfind("Cell[@PropName='TypeOptions']/*")
+                    yield _Entry(
+                        name=texts["Name"],
+                        text=texts.get("Value", ""),
+                        kind=_kind(texts.get("Type", "edit")),
+                        evaluated=texts.get("Evaluate", "on") != "off",
+                        options=tuple(option.text or "" for option in options),
                     )
-                    yield texts["Name"], texts.get("Value", ""), evaluated
 
 
-def _oldest(texts: dict[str, str]) -> Iterator[tuple[str, str, bool]]:
+def _oldest(texts: dict[str, str]) -> Iterator[_Entry]:
     values = texts.get("MaskValueString", "").split("|")
-    styles = re.sub(r"\([^()]*\)", "", texts.get("MaskStyleString", "")).split(",")
+    styles = re.findall(r"(\w+)(?:\(([^()]*)\))?", texts.get("MaskStyleString", ""))
     variables = [part for part in texts.get("MaskVariables", "").split(";") if part.strip()]
     for variable, text, style in zip_longest(variables, values, styles, fillvalue=""):
         found = _VARIABLE.fullmatch(variable)
         if found:
-            how = "on" if found[2] == "@" else "off"
-            yield found[1], text, _is_evaluated(style or "edit", how)
+            kind, options = tuple(style) or ("edit", "")
+            yield _Entry(
+                name=found[1],
+                text=text,
+                kind=_kind(kind),
+                evaluated=found[2] == "@",
+                options=tuple(options.split("|")) if options else (),
+            )
 
 
-def _is_evaluated(kind: str, evaluate: str) -> bool:
-    return kind.strip().lower() in _EVALUATED and evaluate != "off"
-
-
-def _computed(code: str) -> frozenset[str]:
-    """Return the names left of an equals sign, rather too many than too few."""
-    names: set[str] = set()
-    for statement in re.split(r"[;\n]", _CONTINUED.sub(" ", _COMMENT.sub(r"\1", code))):
-        equals = _SETS.search(statement)
-        if equals:
-            left = statement[: equals.start()]
-            last = left.rpartition(",")[2]
-            whole = any(last.count(opening) != last.count(end) for opening, end in ("()", "[]"))
-            names.update(_WORD.findall(left if whole else last))
-    return frozenset(names)
+def _kind(text: str) -> str:
+    return text.strip().lower()

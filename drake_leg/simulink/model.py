@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
+
+if TYPE_CHECKING:
+    from drake_leg.simulink.sources import Variables
 
 Numbers = float | tuple[float, ...] | tuple[tuple[float, ...], ...]
 Value = Numbers | str
@@ -100,6 +104,7 @@ class Model:
     nodes: tuple[tuple[str, ...], ...]  # physical ports that one connection joins: "SID#lconn:1"
     functions: tuple[Function, ...]
     solver: Mapping[str, Value]  # StopTime [s], Solver, RelTol, MaxStep, ...
+    variables: Variables | None = field(default=None, compare=False, repr=False)
 
 
 def split_port(port: str) -> tuple[str, str, int]:

@@ -4,125 +4,46 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from functools import lru_cache, partial
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.catalogue import Parameter, known_parameters
 from drake_leg.simulink.diagram import DrawnBlock
-from drake_leg.simulink.matlab.program import value
-from drake_leg.simulink.model import Numbers, Parameters, Value
+from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.matlab.program import in_shape, value
+from drake_leg.simulink.model import Parameters, Value
+from drake_leg.simulink.scopes import Scope, says_infinite
 from drake_leg.units import parse_unit
 
-Used = tuple[tuple[str, Numbers], ...]
-
-_NAME = re.compile(r"(?<![\w.])[A-Za-z]\w*")
-_INFINITE = re.compile(r"\binf\b", re.IGNORECASE)
+_NAMED = re.compile(r"[A-Za-z]")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Names:
-    """What names mean in a block, and which have no meaning."""
-
-    numbers: Mapping[str, Numbers] = field(default_factory=dict)
-    unknown: Mapping[str, str] = field(default_factory=dict)  # name to reason
-
-    def used_in(self, text: str) -> Used:
-        """Return the names that a text uses, with their numbers, which must be known."""
-        if not self.numbers and not self.unknown:
-            return ()
-        names = dict.fromkeys(_NAME.findall(text))
-        for name in names:
-            if name in self.unknown:
-                raise InvalidValueError(self.unknown[name])
-        return tuple((name, self.numbers[name]) for name in names if name in self.numbers)
-
-
-NO_NAMES = Names()
-
-
-def names_of(blocks: Iterable[DrawnBlock]) -> dict[str, Names]:
-    """Map a block's SID to the names that it and all blocks inside it may use.
-
-    These are the names of its own mask, evaluated with the names around it, then those around it.
-    A subsystem must come before the blocks inside it.
-    """
-    found: dict[str, Names] = {}
-    for block in blocks:
-        around = found.get(block.system, NO_NAMES)
-        masked = block.mask.values or block.mask.computed
-        found[block.sid] = _inside(block, around) if masked else around
-    return found
-
-
-def says_infinite(text: str) -> bool:
-    """Whether a text holds the word ``inf``, rather than too large a number."""
-    return bool(_INFINITE.search(text))
-
-
-def _inside(block: DrawnBlock, around: Names) -> Names:
-    numbers, unknown = dict(around.numbers), dict(around.unknown)
-    for name in (*block.mask.values, *block.mask.computed):
-        numbers.pop(name, None)
-        unknown.pop(name, None)
-        try:
-            numbers[name] = _valued(block, name, around)
-        except InvalidValueError as error:
-            unknown[name] = str(error)
-    return Names(numbers=numbers, unknown=unknown)
-
-
-def _valued(block: DrawnBlock, name: str, around: Names) -> Numbers:
-    mask = block.mask
-    if name in mask.computed:
-        raise InvalidValueError(
-            f"{name!r} is set by the mask initialization of {block}, which is not run here"
-        )
-    text = mask.values[name]
-    about = f"mask parameter {name} of {block} is {text[:60]!r}"
-    if name in mask.literal:
-        raise InvalidValueError(f"{about}, which is a choice or a text, not a number")
-    try:
-        number = _oriented(text, dict(around.used_in(text)))
-    except InvalidValueError as error:
-        raise InvalidValueError(f"{about}: {error}") from None
-    if isinstance(number, float) and math.isinf(number) and not says_infinite(text):
-        raise InvalidValueError(f"{about}, which is infinite")
-    return number
-
-
-def _oriented(text: str, names: Mapping[str, Numbers]) -> Numbers:
-    """Evaluate a text; a column stays one, as rows of one number each."""
-    number = value(text, names)
-    if isinstance(number, tuple) and number and isinstance(number[0], float):
-        bare = text if "'" in text else text.partition("%")[0]
-        column = value(f"size({bare})", names) == (float(len(number)), 1.0)
-        return tuple((entry,) for entry in number) if column else number
-    return number
-
-
-def evaluate(text: str, unit: str, quantity: str, names: Names = NO_NAMES) -> Value:
+def evaluate(text: str, unit: str, quantity: str, scope: Scope | None = None) -> Value:
     """Evaluate the text of a number, such as ``[.025 0 0]``, and convert it to SI.
 
     The unit must fit ``quantity``, any unit of the same quantity; both are "" where there is none.
     ``auto`` stays text.
     """
+    if text.strip() == "auto":
+        return "auto"
+    if scope is None or not _NAMED.search(text):
+        return _evaluated(text, unit, quantity)
     try:
-        used = names.used_in(text)
+        number = scope.numbers(text)
     except InvalidValueError as error:
         raise _not_evaluated(text, error) from None
-    return _evaluated(text, unit, quantity, used)
+    return _in_si(number, unit, quantity)
 
 
 def require_finite(
-    number: Value, text: str, *, unbounded: bool = False, names: Names = NO_NAMES
+    number: Value, text: str, *, unbounded: bool = False, scope: Scope | None = None
 ) -> None:
     """Refuse an infinite number, unless it may be so and the text, or a name in it, says so."""
     if _is_finite(number):
         return
-    said = says_infinite(text) or any(not _is_finite(given) for _, given in names.used_in(text))
+    said = scope.says_infinite(text) if scope else says_infinite(text)
     if not (unbounded and said):
         raise InvalidValueError(
             f"is {_shortened(text)}, which is infinite: put a finite number there"
@@ -136,13 +57,15 @@ def _is_finite(number: Value) -> bool:
 
 
 @lru_cache(maxsize=4096)
-def _evaluated(text: str, unit: str, quantity: str, used: Used) -> Value:
-    if text.strip() == "auto":
-        return "auto"
+def _evaluated(text: str, unit: str, quantity: str) -> Value:
     try:
-        number = value(text, dict(used))
+        number = value(text)
     except InvalidValueError as error:
         raise _not_evaluated(text, error) from None
+    return _in_si(number, unit, quantity)
+
+
+def _in_si(number: Value, unit: str, quantity: str) -> Value:
     if not quantity:
         return number
     try:
@@ -165,9 +88,12 @@ def _mapped(number: Value, convert: Callable[[float], float]) -> Value:
 
 
 def _not_evaluated(text: str, error: InvalidValueError) -> InvalidValueError:
-    return InvalidValueError(
-        f"is {_shortened(text)}, which cannot be evaluated ({error}): put the number itself there"
-    )
+    names: tuple[str, ...] = getattr(error, "names", ())
+    problem = f"is {_shortened(text)}, which cannot be evaluated ({error})"
+    if not names:
+        return InvalidValueError(f"{problem}: put the number itself there")
+    listed = ", ".join(names)
+    return UnknownValueError(problem, names=names, advice=f"give a value of {listed}")
 
 
 def _shortened(text: str) -> str:
@@ -179,7 +105,7 @@ def _shortened(text: str) -> str:
 _UNIT_SUFFIXES = ("Units", "_unit")
 
 
-def values_of(block: DrawnBlock, names: Names) -> Parameters:
+def values_of(block: DrawnBlock, scope: Scope) -> Parameters:
     """Read a block's parameters, those included that its mask adds.
 
     Those that the file leaves out have their defaults; what is not a number is text. ``Inputs`` of
@@ -198,7 +124,7 @@ def values_of(block: DrawnBlock, names: Names) -> Parameters:
         if not parameter.numeric:
             found.add(parameter.name, text)
             continue
-        found.add(parameter.name, partial(_number, block, parameter, name, text, names))
+        found.add(parameter.name, partial(_number, block, parameter, name, text, scope))
         if parameter.unit:
             found.add(f"{parameter.name}Units", parse_unit(parameter.unit).si)
         for spelled in parameter.names:
@@ -207,20 +133,30 @@ def values_of(block: DrawnBlock, names: Names) -> Parameters:
     for name, text in others.items():
         if name not in found and not name.endswith("_conf"):
             found.add(name, text)
-    _add_others(block, others, found, names)
+    _add_others(block, others, found, scope)
     for name, text in block.mask.values.items():
         if name not in {parameter.name for parameter in known}:
-            found.add(name, names.numbers.get(name, text))
+            found.add(name, partial(_of_mask, name, text, scope))
     if block.type == "Sum":
         found.add("Inputs", _signs(str(found["Inputs"])))
     return found
 
 
-def _number(block: DrawnBlock, parameter: Parameter, name: str, text: str, names: Names) -> Value:
+def _of_mask(name: str, text: str, scope: Scope) -> Value:
+    """Value of a mask's parameter, or its text where it is no numbers."""
+    if name not in scope.values:
+        return text
+    try:
+        return in_shape(scope.values[name])
+    except MatlabError:
+        return text
+
+
+def _number(block: DrawnBlock, parameter: Parameter, name: str, text: str, scope: Scope) -> Value:
     unit = block.texts.get(f"{name}Units", parameter.unit)
     with complaining(f"{block}: parameter {name}", text):
-        number = evaluate(text, unit, parameter.unit, names)
-        require_finite(number, text, unbounded=parameter.unbounded, names=names)
+        number = evaluate(text, unit, parameter.unit, scope)
+        require_finite(number, text, unbounded=parameter.unbounded, scope=scope)
     return number
 
 
@@ -247,7 +183,7 @@ def default_values(block_type: str, source: str) -> Mapping[str, Value]:
 
 
 def _add_others(
-    block: DrawnBlock, others: Mapping[str, str], found: Parameters, names: Names
+    block: DrawnBlock, others: Mapping[str, str], found: Parameters, scope: Scope
 ) -> None:
     """Add parameters that are not in the catalogue but have a unit."""
     for suffix in _UNIT_SUFFIXES:
@@ -262,7 +198,7 @@ def _add_others(
                 parameter = Parameter(
                     name=name, default="", numeric=True, unit=unit, unbounded=True
                 )
-                evaluated = partial(_number, block, parameter, name, others[name], names)
+                evaluated = partial(_number, block, parameter, name, others[name], scope)
                 found.add(name, evaluated)
                 found.add(key, si)
 

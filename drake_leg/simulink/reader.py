@@ -3,28 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.archive import parameters
 from drake_leg.simulink.diagram import Diagram, DrawnBlock, read_diagram
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries
 from drake_leg.simulink.model import Block, Model, Parameters, Value
 from drake_leg.simulink.parameters import (
-    Names,
     complaining,
     evaluate,
-    names_of,
     require_finite,
     values_of,
     why_unknown,
 )
+from drake_leg.simulink.scopes import Scope, settled
+from drake_leg.simulink.sources import Given, Variables, variables_of
 from drake_leg.simulink.variants import choose_variants
 from drake_leg.simulink.wiring import nodes_of, wires_of
 
@@ -43,7 +44,12 @@ _FIXED = re.compile(r"FixedStep\w*|ode(1|2|3|4|5|8|14x|1be|1b)")
 
 
 def read_model(
-    path: Path, *, paths: Sequence[Path] = (), variants: Mapping[str, str] | None = None
+    path: Path,
+    *,
+    paths: Sequence[Path] = (),
+    variants: Mapping[str, str] | None = None,
+    init: Sequence[Path] = (),
+    values: Mapping[str, Any] | None = None,
 ) -> Model:
     """Read a Simulink file; nothing in it is executed or unpacked to the disk.
 
@@ -55,10 +61,16 @@ def read_model(
     path : Path
         The file.
     paths : sequence of Path
-        Folders where its libraries are looked for, after the folder of the file itself.
+        Folders where its libraries, scripts and data are looked for, after the folder of the file
+        itself; all folders inside them are searched, too.
     variants : mapping, optional
         Choices of variant subsystems, by the path or name of the subsystem: the name or label of
         the choice. The others are chosen as the file says.
+    init : sequence of Path, optional
+        Scripts and .mat files that give values to variables, as a person runs them before the
+        model.
+    values : mapping, optional
+        Values of variables, before all others: numbers, arrays, or MATLAB text.
 
     Returns
     -------
@@ -76,20 +88,54 @@ def read_model(
     try:
         file = SimulinkFile(path)
         drawn = read_diagram(file, Libraries(path.parent, paths))
-        names = names_of(drawn.blocks.values())
-        diagram = choose_variants(drawn, partial(_holds, names), variants)
-        return _model(file, diagram, names)
+        given = Given(values=values or {}, init=tuple(map(Path, init)), paths=tuple(paths))
+        variables = variables_of(file, given, partial(_mentioned, drawn))
+        _require_used(given, file, drawn)
+        drawn, scopes = settled(drawn, variables)
+        diagram = choose_variants(drawn, partial(_holds, scopes), variants)
+        return _model(file, diagram, scopes, variables)
     except InvalidValueError as error:
         raise InvalidValueError(f"{path}: {error}") from None
 
 
-def _holds(names: Mapping[str, Names], block: DrawnBlock, condition: str) -> bool:
+def _require_used(given: Given, file: SimulinkFile, diagram: Diagram) -> None:
+    """Refuse a value of a variable that nothing in the model can use."""
+    scripts = [*given.init, *filter(str.strip, file.callbacks.values())]
+    code = file.workspace.get("WSMATLABCode", "") + str(_solver_texts(file.configuration))
+    words = _words(diagram) if given.values else set()
+    for name in given.values:
+        if not scripts and name not in words and not re.search(rf"\b{re.escape(name)}\b", code):
+            raise InvalidValueError(
+                f"the model uses no variable {name!r}",
+                advice=did_you_mean(name, words, "leave its value out"),
+            )
+
+
+def _words(diagram: Diagram) -> set[str]:
+    """Words in the parameters of all blocks."""
+    return {word for text in _all_texts(diagram) for word in re.findall(r"[A-Za-z]\w*", text)}
+
+
+def _mentioned(diagram: Diagram, name: str) -> bool:
+    """Whether the text of a parameter holds a name."""
+    return any(name in text for text in _all_texts(diagram))
+
+
+def _all_texts(diagram: Diagram) -> Iterator[str]:
+    for block in diagram.blocks.values():
+        yield from block.texts.values()
+        yield from block.mask.values.values()
+
+
+def _holds(scopes: Mapping[str, Scope], block: DrawnBlock, condition: str) -> bool:
     """Whether the condition of a variant holds."""
     with complaining(f"the condition {condition!r}", condition):
-        return bool(np.all(evaluate(condition, "", "", names[block.sid])))
+        return bool(np.all(evaluate(condition, "", "", scopes[block.sid])))
 
 
-def _model(file: SimulinkFile, diagram: Diagram, names: Mapping[str, Names]) -> Model:
+def _model(
+    file: SimulinkFile, diagram: Diagram, scopes: Mapping[str, Scope], variables: Variables
+) -> Model:
     return Model(
         name=file.path.stem,
         blocks=tuple(
@@ -99,7 +145,7 @@ def _model(file: SimulinkFile, diagram: Diagram, names: Mapping[str, Names]) -> 
                 type=block.type,
                 source=block.source,
                 system=block.system,
-                parameters=values_of(block, names[block.sid]),
+                parameters=values_of(block, scopes[block.sid]),
                 mask=tuple(block.mask.values),
                 unknown=why_unknown(block),
             )
@@ -108,13 +154,14 @@ def _model(file: SimulinkFile, diagram: Diagram, names: Mapping[str, Names]) -> 
         wires=wires_of(diagram),
         nodes=nodes_of(diagram),
         functions=tuple(diagram.functions),
-        solver=_solver(file.configuration),
+        solver=_solver(file.configuration, Scope(variables)),
+        variables=variables,
     )
 
 
-def _solver(configuration: Element | None) -> Parameters:
+def _solver(configuration: Element | None, scope: Scope) -> Parameters:
     """Read the first configuration's times [s] and tolerances, defaults where they are absent."""
-    texts = _texts(configuration)
+    texts = _solver_texts(configuration)
     solver = texts.get("SolverName") or texts.get("Solver") or "VariableStepAuto"
     kind = "Fixed-step" if _FIXED.fullmatch(solver) else "Variable-step"
     found = Parameters()
@@ -122,18 +169,18 @@ def _solver(configuration: Element | None) -> Parameters:
     found.add("SolverType", texts.get("SolverType", kind))
     for name, default in _DEFAULTS.items():
         text = texts.get(name, default)
-        found.add(name, partial(_setting, name, text))
+        found.add(name, partial(_setting, name, text, scope))
     return found
 
 
-def _setting(name: str, text: str) -> Value:
+def _setting(name: str, text: str, scope: Scope) -> Value:
     with complaining(f"solver setting {name}", text):
-        found = evaluate(text, "", "")
-        require_finite(found, text, unbounded=name in _UNBOUNDED)
+        found = evaluate(text, "", "", scope)
+        require_finite(found, text, unbounded=name in _UNBOUNDED, scope=scope)
     return found
 
 
-def _texts(configuration: Element | None) -> dict[str, str]:
+def _solver_texts(configuration: Element | None) -> dict[str, str]:
     if configuration is None:
         return {}
     for component in configuration.iter("Object"):

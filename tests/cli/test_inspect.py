@@ -58,7 +58,8 @@ def test_json_has_exactly_these_keys(capsys, leg):
     status, out, _ = inspected(capsys, leg, "--json")
     content = json.loads(out)
     assert status == 0
-    assert list(content) == ["blocks", "wires", "nodes", "functions", "solver", "lacks"]
+    keys = "blocks wires nodes functions solver variables skipped init lacks"
+    assert list(content) == keys.split()
     assert set(content["blocks"][0]) == {"sid", "name", "type", "source", "system", "parameters"}
     assert set(content["wires"][0]) == {"from", "to", "name"}
     assert set(content["functions"][0]) == {"sid", "name", "script"}
@@ -122,13 +123,65 @@ def test_what_is_not_understood_is_listed(capsys, tmp_path):
     assert status == 0
     assert "not understood: 2\n" in out
     assert "my_lib/Leg  'Leg 1'\n" in out
-    assert "DampingCoefficient is 'b', which cannot be evaluated" in " ".join(out.split())
+    assert "  b     'Revolute Joint' DampingCoefficient\n" in out
     _, out, _ = inspected(capsys, path, "--json")
     found = json.loads(out)
     joint = next(block for block in found["blocks"] if block["name"] == "Revolute Joint")
     assert joint["parameters"]["DampingCoefficient"] is None
     lacks = {(lack["sid"], lack["parameter"], lack["text"]) for lack in found["lacks"]}
     assert (joint["sid"], "DampingCoefficient", "b") in lacks
+
+
+@pytest.fixture
+def lacking(tmp_path):
+    """Write a pendulum without its damping and length, and a script that sets them."""
+    (tmp_path / "numbers.m").write_text("b = 0.01; system('ls');\nL = 0.3;")
+    builder = published_pendulum({"DampingCoefficient": "b"})
+    builder.add_block("Gain", "K", {"Gain": "L*k"})
+    return builder.write(tmp_path / "m.slx")
+
+
+def test_what_is_missing_is_asked_for_with_the_script_that_sets_it(capsys, lacking):
+    _, out, _ = inspected(capsys, lacking)
+    flowing = " ".join(out.split())
+    assert "names without a value (3)" in flowing
+    script = lacking.with_name("numbers.m")
+    assert f"perhaps --init {script} which sets b, L; or give each name a value: --set" in flowing
+    _, out, _ = inspected(capsys, lacking, "--json")
+    assert json.loads(out)["init"] == {"file": str(script), "names": ["b", "L"]}
+
+
+def test_values_come_from_scripts_and_options(capsys, lacking):
+    script = lacking.with_name("numbers.m")
+    status, out, _ = inspected(capsys, lacking, "--init", script, "--set", "k=2*pi,L=[1,2]")
+    assert status == 0
+    flowing = " ".join(out.split())
+    assert "everything is understood" in flowing
+    assert "values set by hand (2), numbers.m (1)" in flowing
+    assert "skipped system (a script reaches neither the system nor files here), line 1" in flowing
+    _, out, _ = inspected(capsys, lacking, "--init", script, "--set", "k=2", "--json")
+    content = json.loads(out)
+    assert content["variables"] == {
+        "b": "numbers.m, line 1",
+        "L": "numbers.m, line 2",
+        "k": "set by hand",
+    }
+    assert content["init"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["--set", "k"], "--set k gives no value: write it as L1=0.05"),
+        (["--set", "k=1/"], "the value of k is '1/': it ends too early"),
+        (["--init", "absent.m"], "there is no file absent.m"),
+        (["--init", "m.slx"], "m.slx is neither a script (.m) nor a .mat file"),
+    ],
+)
+def test_what_is_given_wrongly_is_refused(capsys, lacking, words, reason):
+    status, _, err = inspected(capsys, lacking, *words)
+    assert status == 2
+    assert reason in err
 
 
 def test_a_summary_counts_the_kinds_of_blocks(capsys, leg):

@@ -48,10 +48,10 @@ ALWAYS = {
     "inverse": {"--foot", "--json", "--pose", "--q", "--tip"},
     "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
-    "inspect": {"--blocks", "--json", "--path", "--variant"},
-    "compare": OF_RUNS | {"--path", "--variant", "--json", "--strict", "--frequency",
+    "inspect": {"--blocks", "--json", "--path", "--init", "--variant"},
+    "compare": OF_RUNS | {"--path", "--init", "--variant", "--json", "--strict", "--frequency",
                           "--direction", "--gain"},
-    "diagram": {"--path", "--variant", "--part", "--background", "--out", "--overwrite"},
+    "diagram": {"--path", "--init", "--variant", "--part", "--background", "--out", "--overwrite"},
 }  # fmt: skip
 
 NO_LIMIT = "there is no limit"
@@ -83,7 +83,6 @@ MEANINGLESS = [
         (command, f"leg-b --set D3=1{more}", NO_LETTERS)
         for command, more in (
             ("run", ""),
-            ("compare", ""),
             ("sweep", " --vary l1=0.04:0.06:2 --out s"),
             ("view", ""),
             ("teleop", ""),
@@ -98,9 +97,13 @@ MEANINGLESS = [
     *(
         (command, f"leg-b {option}", "is for Simulink models and means nothing here")
         for command in ("sdf", "view")
-        for option in ("--path .", "--variant A=B")
+        for option in ("--path .", "--init a.m", "--variant A=B")
     ),
     ("replay", "somewhere --set D3=1 --out a.html", "means nothing without --robot"),
+    ("compare", "leg-b --set D3=1", "the model uses no variable 'D3'"),
+    ("diagram", f"{MODEL} --set D3=1 --out a.svg", "the model uses no variable 'D3'"),
+    ("inspect", f"{MODEL} --set D3=1", "the model uses no variable 'D3'"),
+    ("diagram", "leg-b --init a.m --out a.svg", "is for Simulink models and means nothing"),
     *(("run", words, said) for words, said in OF_RUNS_MEANINGLESS),
     ("run", "leg-b --accuracy 1e-6 --integrator explicit_euler", "means nothing to it"),
     ("run", "leg-b --frequency 2 --amplitude 0", "the amplitude is 0"),

@@ -48,6 +48,8 @@ class ModelBuilder:
     solver: Texts = field(default_factory=lambda: {"StopTime": "10.0"})
     blocks: dict[str, WrittenBlock] = field(default_factory=dict)
     lines: list[WrittenLine] = field(default_factory=list)
+    callbacks: Texts = field(default_factory=dict)
+    workspace: Texts = field(default_factory=dict)  # where the model workspace comes from
     _last: int = 0
 
     def add_block(
@@ -126,7 +128,8 @@ class ModelBuilder:
         """Return the file's parts."""
         if layout == "old":
             body = self._system_text("", nested=True)
-            whole = f"<Model>{_object(self.solver, 'ConfigurationSets')}{body}</Model>"
+            configuration = _object(self.solver, "ConfigurationSets")
+            whole = f"<Model>{self._settings()}{configuration}{body}</Model>"
             charts = "".join(
                 self._chart(number, block) for number, block in enumerate(self._functions(), 1)
             )
@@ -139,8 +142,8 @@ class ModelBuilder:
             }
         parts = {
             "simulink/blockdiagram.xml": _document(
-                '<ModelInformation Version="1.0"><Model><System Ref="system_root"/></Model>'
-                "</ModelInformation>"
+                f'<ModelInformation Version="1.0"><Model>{self._settings()}'
+                '<System Ref="system_root"/></Model></ModelInformation>'
             ),
             "simulink/configSet0.xml": _document(
                 f"<ConfigSet>{_object(self.solver, 'Components')}</ConfigSet>"
@@ -202,6 +205,12 @@ class ModelBuilder:
             **{name: _relationships(targets) for name, targets in rels.items()},
             **parts,
         }
+
+    def _settings(self) -> str:
+        """Callbacks and workspace of the model as a whole."""
+        callbacks = "".join(_p(*item) for item in self.callbacks.items())
+        workspace = "".join(_p(*item) for item in self.workspace.items())
+        return callbacks + (f"<ModelWorkspace>{workspace}</ModelWorkspace>" if workspace else "")
 
     def _system_of(self, port: str) -> str:
         return self.blocks[port.split("#")[0]].system

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import scipy.integrate
 import scipy.linalg
 
 from drake_leg.simulink.matlab import numeric
@@ -201,6 +202,30 @@ def _row(function: Callable[..., Any]) -> Known:
     return applied
 
 
+def _running_trapz(x: Any, y: Any = None) -> Any:
+    b = numbers_of(x if y is None else y)
+    places = None if y is None else numbers_of(x).ravel()
+    return settled(scipy.integrate.cumulative_trapezoid(b, places, axis=axis_of(b), initial=0.0))
+
+
+def _lyap(budget: Allowance, wanted: int, a: Any, q: Any) -> Any:
+    """Solve ``a x + x a' + q = 0``."""
+    left, right = matrix(a), matrix(q)
+    numeric.require_square(left, "lyap")
+    budget.work(50.0 * left.size * len(left))
+    return settled(scipy.linalg.solve_continuous_lyapunov(left, -right))
+
+
+def _lqr(budget: Allowance, wanted: int, *given: Any) -> Any:
+    """Gain of the linear regulator, its cost matrix, and the closed loop's eigenvalues."""
+    a, b, q, r = (matrix(value) for value in given[:4])
+    numeric.require_square(a, "lqr")
+    budget.work(200.0 * a.size * len(a))
+    cost = scipy.linalg.solve_continuous_are(a, b, q, r)
+    gain = np.linalg.solve(r, b.T @ cost)
+    return settled(gain), settled(cost), settled(np.linalg.eigvals(a - b @ gain)[:, np.newaxis])
+
+
 ALGEBRA: dict[str, Known] = {
     "norm": _norm,
     "inv": of_matrix(numeric.inverse),
@@ -233,6 +258,9 @@ ALGEBRA: dict[str, Known] = {
     "mpower": _product("^"),
     "interp1": of_values(_interp1),
     "trapz": of_values(_trapz),
+    "cumtrapz": of_values(_running_trapz),
+    "lyap": _lyap,
+    "lqr": _lqr,
     "polyfit": _polyfit,
     "polyval": _polyval,
     "polyder": _row(np.polyder),

@@ -146,8 +146,10 @@ def _sort(budget: Allowance, wanted: int, value: Any, *rest: Any) -> Any:
 
 
 def _unique(budget: Allowance, wanted: int, value: Any, *rest: Any) -> Any:
-    if "stable" in rest or "rows" in rest:
-        raise LackError(f"unique by '{rest[0]}' is not known here")
+    if "rows" in rest:
+        return _unique_rows(numbers_of(value))
+    if "stable" in rest:
+        raise LackError("unique by 'stable' is not known here")
     if isinstance(value, Cell):
         return Cell(boxed([[word] for word in sorted({str(item) for item in value.items.flat})]))
     array = array_of(value)
@@ -155,6 +157,11 @@ def _unique(budget: Allowance, wanted: int, value: Any, *rest: Any) -> Any:
     first = np.zeros(found.size)
     first[back.ravel()[::-1]] = np.arange(array.size)[::-1] + 1.0
     return line_like(found, array), line_like(first, array), line_like(back + 1.0, array)
+
+
+def _unique_rows(array: NDArray[Any]) -> Any:
+    found, first, back = np.unique(array, axis=0, return_index=True, return_inverse=True)
+    return settled(found), settled(first[:, np.newaxis] + 1.0), settled(back.reshape(-1, 1) + 1.0)
 
 
 def _any(function: Any) -> Known:

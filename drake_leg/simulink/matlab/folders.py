@@ -15,6 +15,7 @@ from drake_leg.simulink.matlab.syntax import tokenize
 
 SCRIPT_BYTES = 5_000_000
 MOST_FILES = 50_000  # files and folders that are looked through
+_LONGEST = 500  # letters of a file's name
 _LEFT_OUT = ("slprj", "node_modules", "__pycache__")
 
 
@@ -50,27 +51,36 @@ class Folders:
     def within(self, name: str) -> Path | None:
         """Find a file or folder by its path from one of the folders, or by its bare name."""
         name = name.replace("\\", "/")
-        if not name or len(name) > 500 or "\0" in name:
+        if not name or len(name) > _LONGEST or "\0" in name:
             return None
         for folder in self.all:
             path = (folder / name.removeprefix("./")).resolve()
-            if any(path.is_relative_to(root) for root in self.all) and path.exists():
+            if any(path.is_relative_to(root) for root in self.all) and _is_there(path):
                 return path
         found = self._named(name.rpartition("/")[2])
         return found[0] if found else None
 
     def file(self, name: str, beside: Path | None = None) -> Path | None:
         """Find a file by its bare name."""
+        if len(name) > _LONGEST or "\0" in name:
+            return None
         if (name, beside) not in self._found:
             self._found[name, beside] = self._looked_for(name, beside)
         return self._found[name, beside]
 
     def _looked_for(self, name: str, beside: Path | None) -> Path | None:
         for folder in (beside, beside / "private" if beside else None, *self._near):
-            if folder is not None and (path := folder / name).is_file():
+            if folder is not None and _is_there(path := folder / name) and path.is_file():
                 return path
         found = self._named(name)
         return found[0] if found else None
+
+    def ending(self, end: str) -> list[Path]:
+        """List the files whose names have an end."""
+        near = [path for folder in self._near for path in sorted(folder.glob(f"*{end}"))]
+        self._named("")
+        deep = [path for paths in (self._places or {}).values() for path in paths]
+        return list(dict.fromkeys((*near, *(path for path in deep if path.name.endswith(end)))))
 
     def is_near(self, path: Path, beside: Path | None = None) -> bool:
         """Whether a file lies where MATLAB would surely see it: beside the script or the model."""
@@ -129,6 +139,14 @@ def _key_of_package(name: str) -> str:
     if not all(part.isidentifier() for part in (*packages, last)):
         return ""
     return "".join(f"+{package}/" for package in packages) + f"{last}.m"
+
+
+def _is_there(path: Path) -> bool:
+    """Whether there is a file; none has a name that the system cannot have."""
+    try:
+        return path.exists()
+    except OSError:
+        return False
 
 
 def _walked(root: Path) -> Iterator[Path]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, MutableMapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -26,7 +26,7 @@ class File:
 class Frame:
     """The variables of one call."""
 
-    values: dict[str, Any]
+    values: MutableMapping[str, Any]
     file: File
     function: syntax.Function | None = None  # None in a script
     nesting: int = 0  # of all calls around it
@@ -38,6 +38,18 @@ class Frame:
     owned: set[str] = field(default_factory=set)  # variables whose array nothing else refers to
     lenient: bool = False  # a statement that fails is left out, and the rest goes on
     line: int = 0
+
+
+class MaskedBlock(Protocol):
+    """The block whose mask is initialized: its parameters and those of the blocks inside it."""
+
+    path: str
+
+    def get(self, path: str, name: str) -> Any:  # noqa: ANN401 - any value of a script
+        """Text of a parameter, or its value as ``value@name``; None where there is none."""
+
+    def set(self, path: str, name: str, text: str) -> None:
+        """Change a parameter of a block inside."""
 
 
 class Host(Protocol):
@@ -60,6 +72,12 @@ class Host(Protocol):
 
     def base(self) -> dict[str, Any]:
         """Variables of the workspace that all scripts share."""
+
+    def masked(self) -> MaskedBlock | None:
+        """The block whose mask is being initialized, if one is."""
+
+    def model_name(self) -> str:
+        """Name of the model that the scripts belong to."""
 
     def printed(self, text: str) -> None:
         """Take what a script prints."""
@@ -99,6 +117,14 @@ class Alone:
     def base(self) -> dict[str, Any]:
         """No variables."""
         return {}
+
+    def masked(self) -> MaskedBlock | None:
+        """No block."""
+        return None
+
+    def model_name(self) -> str:
+        """No model."""
+        return ""
 
     def printed(self, text: str) -> None:
         """Nobody reads it."""

@@ -226,11 +226,11 @@ class Interpreter:
 
     def _unseen(self, name: str, frame: Frame) -> bool:
         """Tell whether a name is a function that is not run; it is noted, if it matters."""
-        if self._own(name, frame) is not None:
+        if name in SPECIAL or self._own(name, frame) is not None:
             return False
         if name in NOT_RUN:
             self.host.skip(name, frame, NOT_RUN[name])
-        return name in NOT_RUN or (name in QUIET and name not in SPECIAL)
+        return name in NOT_RUN or name in QUIET
 
     def _command(self, name: str, words: Values, frame: Frame) -> None:
         if name in COMMANDS:
@@ -390,7 +390,7 @@ class Interpreter:
         if not isinstance(node, syntax.Field) or called(_first(node)) in frame.values:
             return ""
         name = _path(node)
-        return name if name and self._own(name, frame) is not None else ""
+        return name if name and (name in SPECIAL or self._own(name, frame)) else ""
 
     # --- calls --------------------------------------------------------------------------------
 

@@ -195,7 +195,7 @@ _PICTURES = (
     "sgtitle show stairs stem subplot surf text trisurf waitbar xlim xline ylim yline zlim zoom"
 )
 _MODELS = (
-    "add_block add_line bdclose bdroot close_system delete_block delete_line find_system gcb gcs "
+    "add_block add_line bdclose close_system delete_block delete_line find_system gcb gcs "
     "get_param linearize linio load_system mechExplorer new_system open_system save_system "
     "set_param sim simset simulink sldemo slLibraryBrowser smimport"
 )

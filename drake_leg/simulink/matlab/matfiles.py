@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import loadmat
+from scipy.io import loadmat, whosmat
+from scipy.io.matlab import MatlabOpaque
 
 from drake_leg.simulink.matlab.data import Cell, LackError, Struct, Structs, settled
+from drake_leg.simulink.matlab.objects import Objects, elements_of, read_element
 
 MAT_BYTES = 100_000_000  # of a file, and of what is packed in it
 _HEAD = 128
@@ -42,8 +44,45 @@ def read_mat(path: Path) -> dict[str, Any]:
             found = loadmat(path, struct_as_record=True, chars_as_strings=True)
     except Exception as error:
         raise LackError(f"{path.name} is no .mat file: {str(error)[:80]}") from None
-    made = {name: _value(value) for name, value in found.items() if not name.startswith("__")}
+    objects = Objects()
+    made = {
+        name: _value(value, objects) for name, value in found.items() if not name.startswith("__")
+    }
     return {name: value for name, value in made.items() if value is not None}
+
+
+def names_of_mat(path: Path) -> set[str]:
+    """Names of the variables of a .mat file; none where it cannot be read."""
+    try:
+        if path.stat().st_size > MAT_BYTES:
+            return set()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return {name for name, _, _ in whosmat(path)}
+    except Exception:
+        return set()
+
+
+def read_struct(content: bytes, name: str) -> dict[str, Any]:
+    """Read the fields of the structure that a model keeps its workspace in.
+
+    Raises
+    ------
+    LackError
+        If it is damaged, or larger than the limits.
+    """
+    if len(content) > MAT_BYTES:
+        raise LackError(f"{name} is larger than {MAT_BYTES:,} bytes")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            first, *others = elements_of(content)
+            objects = Objects(read_element(others[0], content[:4]).tobytes() if others else b"")
+            fields = _value(read_element(first, content[:4]), objects)
+    except Exception as error:
+        raise LackError(f"{name} is damaged: {str(error)[:80]}") from None
+    known = fields if isinstance(fields, Struct) else Struct()
+    return {key: value for key, value in known.items() if value is not None}
 
 
 def _require_small(content: bytes, name: str) -> None:
@@ -70,19 +109,23 @@ def _unpacked_size(packed: bytes, most: int) -> int:
     return total
 
 
-def _value(value: Any) -> Any:  # noqa: ANN401 - any value of a script
+def _value(value: Any, objects: Objects) -> Any:  # noqa: ANN401 - any value of a script
+    if isinstance(value, MatlabOpaque):
+        held = objects.property(value["arr"][0], "Value")
+        return None if held is None else _value(held, objects)
     if not isinstance(value, np.ndarray):
         return None
     if value.dtype.names:
         items = np.empty(value.shape, dtype=object)
         for k in range(value.size):
             one = value.flat[k]
-            items.flat[k] = Struct({name: _value(one[name]) for name in value.dtype.names})
+            names = value.dtype.names
+            items.flat[k] = Struct({name: _value(one[name], objects) for name in names})
         return items.flat[0] if items.size == 1 else Structs(items, value.dtype.names)
     if value.dtype == object:
         items = np.empty(value.shape, dtype=object)
         for k in range(value.size):
-            items.flat[k] = _value(value.flat[k])
+            items.flat[k] = _value(value.flat[k], objects)
         return Cell(items)
     if value.dtype.kind in "US":
         return str(value.flat[0]) if value.size else ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ def small_budget() -> Allowance:
     return Allowance(steps=STEPS, largest=ELEMENTS)
 
 
+@lru_cache(maxsize=4096)
 def parsed_expression(text: str) -> syntax.Expression:
     """Parse an expression."""
     if len(text) > VALUE_LENGTH:
@@ -40,6 +42,7 @@ def parsed_expression(text: str) -> syntax.Expression:
     if parser.next.kind == "stop":
         raise MatlabError("the text is empty")
     node = parser.expression()
+    parser.accept(";")
     if parser.next.kind != "stop":
         raise parser.unexpected("where the text should end")
     return node
@@ -122,6 +125,14 @@ def plain(result: Any) -> Numbers:  # noqa: ANN401
     if 1 in array.shape:
         return tuple(array.ravel().tolist())
     return tuple(tuple(row) for row in array.tolist())
+
+
+def in_shape(result: Any) -> Numbers:  # noqa: ANN401
+    """Take a value for numbers, as `plain` does, but a column stays rows of one number each."""
+    numbers = plain(result)
+    if isinstance(result, np.ndarray) and result.shape[1:] == (1,) and result.size:
+        return tuple((float(entry),) for entry in result[:, 0])
+    return numbers
 
 
 def _real(result: Any) -> NDArray[np.float64]:  # noqa: ANN401

@@ -11,6 +11,7 @@ import numpy as np
 from drake_leg.simulink.matlab import operators
 from drake_leg.simulink.matlab.data import (
     Cell,
+    Function,
     LackError,
     StopError,
     Struct,
@@ -18,11 +19,11 @@ from drake_leg.simulink.matlab.data import (
     items_of,
     settled,
 )
-from drake_leg.simulink.matlab.library import KNOWN
+from drake_leg.simulink.matlab.library import KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.numeric import MatlabError
 
 if TYPE_CHECKING:
-    from drake_leg.simulink.matlab.frames import Frame, Values
+    from drake_leg.simulink.matlab.frames import Frame, MaskedBlock, Values
     from drake_leg.simulink.matlab.interpreter import Interpreter
 
 # ruff: noqa: ANN401 - any value of a script
@@ -147,7 +148,67 @@ def _assign_in(self: Interpreter, arguments: Values, wanted: int, frame: Frame) 
     return []
 
 
+def _masked(self: Interpreter, name: str) -> MaskedBlock:
+    block = self.host.masked()
+    if block is None:
+        raise LackError(f"'{name}' is not run: {NOT_RUN[name]}", names=(name,))
+    return block
+
+
+def _current_block(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``gcb``: the block whose mask is initialized."""
+    return [_masked(self, "gcb").path]
+
+
+def _get_param(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    block = _masked(self, "get_param")
+    if len(arguments) != 2 or not all(isinstance(word, str) for word in arguments):
+        raise LackError("'get_param' reads parameters of blocks by their paths only")
+    found = block.get(str(arguments[0]), str(arguments[1]))
+    if found is None:
+        raise LackError(f"the parameter {str(arguments[1])!r} of the block is not known")
+    return [found]
+
+
+def _set_param(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    block = self.host.masked()
+    if block is None:
+        self.host.skip("set_param", frame, NOT_RUN["set_param"])
+        return []
+    path, *pairs = arguments
+    for name, value in zip(pairs[::2], pairs[1::2], strict=False):
+        if isinstance(path, str) and isinstance(value, str):
+            block.set(str(path), str(name), str(value))
+    return []
+
+
+def _mask_object(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``Simulink.Mask.get(gcb)``: an object whose parameters can be read."""
+    _masked(self, "gcb")
+    return [Struct(getParameter=Function(name=_MASK_PARAMETER))]
+
+
+def _mask_parameter(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    block, name = _masked(self, "gcb"), str(arguments[0])
+    found = block.get(block.path, name)
+    if found is None:
+        raise LackError(f"the mask has no parameter {name!r}")
+    return [Struct(Name=name, Value=found, Visible="on", Enabled="on")]
+
+
+def _model_name(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``bdroot``: the model."""
+    return [self.host.model_name()]
+
+
+_MASK_PARAMETER = "Simulink.Mask.getParameter"
 SPECIAL: Mapping[str, Special] = {
+    "gcb": _current_block,
+    "get_param": _get_param,
+    "set_param": _set_param,
+    "Simulink.Mask.get": _mask_object,
+    _MASK_PARAMETER: _mask_parameter,
+    "bdroot": _model_name,
     "nargin": lambda self, arguments, wanted, frame: [float(frame.given)],
     "nargout": lambda self, arguments, wanted, frame: [float(frame.wanted)],
     "exist": _exist,

@@ -6,6 +6,7 @@ where it is more or none, a str, a `Struct` (or `Structs`), a `Cell` or a `Funct
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +24,7 @@ from drake_leg.simulink.matlab.data import (
     Struct,
 )
 from drake_leg.simulink.matlab.folders import Folders, parsed, text_of
-from drake_leg.simulink.matlab.frames import File, Frame, Values
+from drake_leg.simulink.matlab.frames import File, Frame, MaskedBlock, Values
 from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.matfiles import read_mat
@@ -36,10 +37,6 @@ MOST_KEPT = 1_000  # lines of output, and things that are skipped
 SHARE = 0.4  # of all steps, that one script may take
 
 
-class UnknownVariableError(UnknownValueError):
-    """An expression uses variables or functions that nothing gives; `names` are all of them."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Skipped:
     """Something that a script does and that is not done here."""
@@ -50,6 +47,8 @@ class Skipped:
     reason: str
 
     def __str__(self) -> str:
+        if not self.file:
+            return self.reason
         return f"{self.what} ({self.reason}), line {self.line} of {self.file}"
 
 
@@ -80,10 +79,13 @@ class Workspace:
         self.skipped: list[Skipped] = []
         self.lacking: dict[str, str] = {}  # variables that a script would have set: why not
         self.output: list[str] = []  # what scripts print
+        self.model = ""  # name of the model that the scripts belong to
         self.budget = budget or Allowance()
         self.folders = Folders()
         self._interpreter = Interpreter(self, self.budget)
         self._running: list[str] = []
+        self._lost_here: dict[str, str] = {}
+        self._masked: MaskedBlock | None = None
         for path in near:
             self.folders.add(path)
         for path in paths:
@@ -104,7 +106,8 @@ class Workspace:
         name: str,
         folder: Path | None = None,
         local: dict[str, Any] | None = None,
-    ) -> None:
+        masked: MaskedBlock | None = None,
+    ) -> dict[str, str]:
         """Run a script; what is not done is listed in `skipped`, and the rest goes on.
 
         Parameters
@@ -117,23 +120,34 @@ class Workspace:
             Where it looks for files first.
         local : dict, optional
             The variables that it works on, instead of those of the workspace.
+        masked : MaskedBlock, optional
+            The block whose mask the script initializes.
+
+        Returns
+        -------
+        dict
+            Variables that have no value because of what is not done: why not.
 
         Raises
         ------
         InvalidValueError
             If the text is not well formed, or takes more than the budget.
         """
-        self._run(parsed(text, name), name, folder, local)
+        self._masked = masked
+        try:
+            return self._run(parsed(text, name), name, folder, local)
+        finally:
+            self._masked = None
 
-    def run_file(self, path: Path) -> None:
-        """Run a script of a file.
+    def run_file(self, path: Path, *, local: dict[str, Any] | None = None) -> dict[str, str]:
+        """Run a script of a file, as `run` does.
 
         Raises
         ------
         InvalidValueError
             If it cannot be read, is not well formed, or takes more than the budget.
         """
-        self._run(parsed(text_of(path), path.name), path.name, path.parent)
+        return self._run(parsed(text_of(path), path.name), path.name, path.parent, local)
 
     def _run(
         self,
@@ -141,7 +155,7 @@ class Workspace:
         name: str,
         folder: Path | None,
         local: dict[str, Any] | None = None,
-    ) -> None:
+    ) -> dict[str, str]:
         statements = tree.statements
         if not statements and tree.functions and not tree.functions[0].inputs:
             first = tree.functions[0]
@@ -153,7 +167,9 @@ class Workspace:
             folder=folder.resolve() if folder else None,
         )
         held = {name: self.variables[name] for name in self.fixed if name in self.variables}
+        sources = {name: self.source[name] for name in held}
         values = self.variables if local is None else local
+        self._lost_here = {}
         frame = Frame(values=values, file=file, lenient=True)
         self.budget.share(SHARE)
         self._running.append(name)
@@ -173,44 +189,48 @@ class Workspace:
             self._running.pop()
             self.budget.until = 0
             self.variables.update(held)
-            for one in held:
-                self.source[one] = self.source.get(one, "an option")
+        self.source.update(sources)
+        return self._lost_here
 
     def evaluate(self, expression: str, *, local: Mapping[str, Any] | None = None) -> Any:  # noqa: ANN401
         """Evaluate an expression with the variables, and with others before them.
 
         Raises
         ------
-        UnknownVariableError
+        UnknownValueError
             If it uses names that nothing gives; `names` are all of them.
         InvalidValueError
             If it is not well formed, or cannot be evaluated.
         """
-        values = {**self.variables, **(local or {})}
+        values = ChainMap(dict(local or {}), self.variables)
         try:
             node = parsed_expression(expression)
-            unknown = [name for name in names_in(node) if not self._has(name, values)]
+            unknown = self.missing(names_in(node), values)
             if unknown:
-                raise UnknownVariableError(self._why(unknown), names=unknown)
+                raise UnknownValueError(self._why(unknown), names=unknown)
             frame = Frame(values=values, file=File(name="the expression"))
             with np.errstate(all="ignore"):
                 return self._interpreter.value(node, frame)
         except LackError as lack:
             if lack.names:
-                raise UnknownVariableError(str(lack), names=lack.names) from None
+                raise UnknownValueError(str(lack), names=lack.names) from None
             raise InvalidValueError(str(lack)) from None
         except MatlabError as fault:
             raise InvalidValueError(str(fault)) from None
         except RecursionError:
             raise InvalidValueError("it is nested too deeply") from None
 
+    def missing(self, names: Iterable[str], local: Mapping[str, Any]) -> list[str]:
+        """Tell which of some names mean nothing, beside those of the workspace and others."""
+        return [name for name in names if not (name in self.variables or self._has(name, local))]
+
     def _why(self, names: list[str]) -> str:
         if len(names) > 1:
             listed = ", ".join(f"'{name}'" for name in names)
-            return f"{listed} are not known variables or functions"
+            return f"{listed} are not known functions or constants"
         why = self.lacking.get(names[0])
         because = f" ({why})" if why else ""
-        return f"'{names[0]}' is not a known variable or function{because}"
+        return f"'{names[0]}' is not a known function or constant{because}"
 
     def _has(self, name: str, values: Mapping[str, Any]) -> bool:
         tables = (values, KNOWN, CONSTANTS, SPECIAL, NOT_RUN)
@@ -297,6 +317,14 @@ class Workspace:
         """Return the variables that all scripts share."""
         return self.variables
 
+    def masked(self) -> MaskedBlock | None:
+        """Return the block whose mask is being initialized."""
+        return self._masked
+
+    def model_name(self) -> str:
+        """Return the name of the model that the scripts belong to."""
+        return self.model
+
     def printed(self, text: str) -> None:
         """Keep what a script prints."""
         if len(self.output) < MOST_KEPT:
@@ -304,20 +332,32 @@ class Workspace:
 
     def skip(self, what: str, frame: Frame, reason: str) -> None:
         """Note what is not run."""
+        if frame.values is not self.variables and frame.function is None:
+            return  # of a mask: its variables tell
         one = Skipped(what=what, file=frame.file.name, line=frame.line, reason=reason)
         if one not in self.skipped[-50:] and len(self.skipped) < MOST_KEPT:
             self.skipped.append(one)
 
+    def note(self, reason: str) -> None:
+        """Note that a whole script is not run."""
+        one = Skipped(what="a script", file="", line=0, reason=reason)
+        if one not in self.skipped:
+            self.skipped.append(one)
+
     def stored(self, name: str, frame: Frame) -> None:
         """Note which line gave a variable its value."""
+        if frame.function is None:
+            self._lost_here.pop(name, None)
         if frame.values is self.variables:
             self.source[name] = f"{frame.file.name}, line {frame.line}"
             self.lacking.pop(name, None)
 
     def lost(self, names: Iterable[str], frame: Frame, reason: str) -> None:
         """Note variables that have no value because of what is lacking."""
-        if frame.values is not self.variables:
-            return
-        for name in names:
-            self.source.pop(name, None)
-            self.lacking[name] = f"line {frame.line} of {frame.file.name}: {reason}"
+        why = f"line {frame.line} of {frame.file.name}: {reason}"
+        if frame.function is None:
+            self._lost_here.update(dict.fromkeys(names, why))
+        if frame.values is self.variables:
+            for name in names:
+                self.source.pop(name, None)
+                self.lacking[name] = why

@@ -173,7 +173,8 @@ def _frames():
 
 def test_the_interpreter_runs_no_python():
     """No file of the room names eval, exec, compile, __import__, open or getattr."""
-    libraries = {"math", "operator", "re", "numpy", "scipy.linalg", "struct", "warnings", "zlib"}
+    libraries = {"math", "operator", "re", "io", "struct", "warnings", "zlib", "numpy"}
+    libraries |= {"scipy.linalg", "scipy.integrate"}
     forbidden = {"eval", "exec", "compile", "__import__", "open", "getattr", "globals", "vars"}
     for file in Path(drake_leg.simulink.matlab.__file__).parent.glob("*.py"):
         tree = ast.parse(file.read_text(encoding="utf-8"))

@@ -8,11 +8,11 @@ import zlib
 import numpy as np
 import pytest
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.matlab import matfiles
 from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.library import KNOWN
-from drake_leg.simulink.matlab.workspace import UnknownVariableError, Workspace
+from drake_leg.simulink.matlab.workspace import Workspace
 
 
 def ran(text, **folders):
@@ -163,6 +163,12 @@ OCTAVE = [
     ("r = bitor(5, 2) + power(2,3) + times(2,5) + minus(3,1);", "27"),
     ("r = [1+2i 3].';", "[1 2;3 0]"),
     ("x = 10; r = x.^2 + x';", "110"),
+    ("r = unique([2 1; 1 3; 2 1], 'rows');", "[1 3;2 1]"),
+    ("[~, i, j] = unique([2 1; 1 3; 2 2], 'rows'); r = [i j];", "[2 2;1 1;3 3]"),
+    ("r = cumtrapz([0 1 3], [0 2 4]);", "[0 1 7]"),
+    # closed forms: x = 1/2 of -x - x + 1 = 0; of the double integrator K = [1 sqrt(3)]
+    ("r = lyap(-1, 1);", "0.5"),
+    ("r = lqr([0 1; 0 0], [0; 1], eye(2), 1);", "[1 sqrt(3)]"),
 ]
 
 
@@ -247,7 +253,7 @@ def test_what_is_not_run_is_named_and_the_rest_goes_on(statement, what):
 
 def test_what_lacks_because_of_it_is_known():
     found = ran("a = get_param(gcb, 'Gain');\nb = 2*a;\nc = 3;")
-    with pytest.raises(UnknownVariableError, match="'b' is not a known variable") as refusal:
+    with pytest.raises(UnknownValueError, match="'b' is not a known function") as refusal:
         found.evaluate("b + c")
     assert refusal.value.names == ("b",)
     assert "line 1 of s.m" in found.lacking["a"]
@@ -255,7 +261,7 @@ def test_what_lacks_because_of_it_is_known():
 
 
 def test_all_unknown_names_of_an_expression_are_told_at_once():
-    with pytest.raises(UnknownVariableError) as refusal:
+    with pytest.raises(UnknownValueError) as refusal:
         Workspace().evaluate("m1*(m2 + sin(m3)) - pi")
     assert refusal.value.names == ("m1", "m2", "m3")
 

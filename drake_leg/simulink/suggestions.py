@@ -1,0 +1,139 @@
+"""Which script a person would run before a model: the one that sets most of what it lacks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.lacks import Lack
+from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.folders import Folders, text_of
+from drake_leg.simulink.matlab.interpreter import assigned
+from drake_leg.simulink.matlab.matfiles import names_of_mat
+from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.model import Model
+
+_SHORT = 4_000  # letters; a longer script does more than run others
+_DEPTH = 4  # scripts that scripts run
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suggestion:
+    """A script or .mat file that sets variables which a model lacks."""
+
+    path: Path
+    names: tuple[str, ...]  # that it sets
+
+
+def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
+    """Find the file beside the model, or in its folders, that sets most of what it lacks.
+
+    Of several that set as many, the one nearest to the model, then the shortest; a script, rather
+    than a .mat file.
+    """
+    missing = _missing(lacks)
+    if not missing or model.variables is None:
+        return None
+    folders = model.variables.workspace.folders
+    done = set(model.variables.init)
+    reader = _Reader(folders, set(missing))
+    best: tuple[tuple[int, int, int], Suggestion] | None = None
+    for place, path in enumerate((*folders.ending(".m"), *folders.ending(".mat"))):
+        sets = reader.sets(path) if path.resolve() not in done else set()
+        if sets:
+            names = tuple(dict.fromkeys(n.partition(".")[0] for n in missing if n in sets))
+            rank = (len(sets), path.suffix == ".m", -place)
+            if best is None or rank > best[0]:
+                best = rank, Suggestion(path=path, names=names)
+    return best[1] if best else None
+
+
+def _missing(lacks: Iterable[Lack]) -> dict[str, None]:
+    """Names without a value, and the fields of them that are used: ``leg``, ``leg.mass``."""
+    found: dict[str, None] = {}
+    for lack in lacks:
+        for name in lack.names:
+            base = name.partition(".")[0]
+            found[base] = None
+            pattern = rf"(?<![\w.]){re.escape(base)}\.[A-Za-z]\w*"
+            found.update(dict.fromkeys((*re.findall(pattern, lack.text), name)))
+    return found
+
+
+class _Reader:
+    """Tells which of some variables a script sets, without running it."""
+
+    def __init__(self, folders: Folders, wanted: set[str]) -> None:
+        self._folders, self._wanted = folders, wanted
+        self._word = re.compile(rf"\b(?:{'|'.join(map(re.escape, wanted))})\b")
+        self._found: dict[Path, set[str]] = {}
+
+    def sets(self, path: Path, depth: int = 0) -> set[str]:
+        """Names that a file sets, those included that the scripts set which it runs."""
+        if path not in self._found:
+            self._found[path] = set()  # while it is looked at
+            with suppress(InvalidValueError, MatlabError, OSError):
+                self._found[path] = self._looked_at(path, depth)
+        return self._found[path]
+
+    def _looked_at(self, path: Path, depth: int) -> set[str]:
+        if path.suffix.lower() == ".mat":
+            return self._wanted & names_of_mat(path)
+        text = text_of(path)
+        if len(text) > _SHORT and not self._word.search(text):
+            return set()
+        tree = self._folders.script(path)
+        found = self._wanted & {*assigned(tree.statements), *_fields(tree.statements)}
+        if depth < _DEPTH:
+            for statement in tree.statements:
+                for inner in self._run_by(statement, path):
+                    found |= self.sets(inner, depth + 1)
+        return found
+
+    def _run_by(self, statement: syntax.Statement, path: Path) -> list[Path]:
+        """Files that a statement runs or loads."""
+        name = ""
+        match statement:
+            case syntax.Evaluate(value=syntax.Name(name=script)):
+                name = f"{script}.m"
+            case syntax.Evaluate(
+                value=syntax.Apply(name="run" | "load" as how, arguments=(syntax.Text(text=text),))
+            ):
+                name = _with_ending(text, how)
+            case syntax.Command(name="run" | "load" as how, words=(str() as text, *_)):
+                name = _with_ending(text, how)
+        found = self._folders.file(name, path.parent) if name else None
+        return [found] if found else []
+
+
+def _fields(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:
+    """Fields of variables that statements set: ``leg.mass``."""
+    for statement in statements:
+        match statement:
+            case syntax.Assign(targets=targets):
+                for target in targets:
+                    if isinstance(target, syntax.Place):
+                        yield f"{target.name}.{_first_field(target.to)}"
+            case syntax.If(branches=branches, otherwise=otherwise):
+                for _, _, body in branches:
+                    yield from _fields(body)
+                yield from _fields(otherwise)
+            case syntax.For(body=body) | syntax.While(body=body) | syntax.Try(body=body):
+                yield from _fields(body)
+
+
+def _first_field(node: syntax.Expression) -> str:
+    name = ""
+    while isinstance(node, (syntax.Field, syntax.Part)):
+        name = str(node.name) if isinstance(node, syntax.Field) else name
+        node = node.base
+    return name
+
+
+def _with_ending(text: str, how: str) -> str:
+    name, ending = re.split(r"[\\/]", text)[-1], ".m" if how == "run" else ".mat"
+    return name if name.endswith(ending) else name + ending

@@ -1,0 +1,297 @@
+"""Values from where people keep them: options, scripts, callbacks, masks, CAD data."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+from slx_writer import ModelBuilder, mask_text, write_parts
+
+from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.simulink import sources
+from drake_leg.simulink.lacks import lacks_of
+from drake_leg.simulink.matlab.data import Allowance
+from drake_leg.simulink.matlab.workspace import Workspace
+from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.suggestions import suggested_init
+
+LAYOUTS = ["new", "old"]
+
+
+@pytest.fixture
+def few_steps(monkeypatch):
+    """Let scripts take few steps only, so that they soon reach their budget."""
+
+    def small(near, paths):
+        return Workspace(near, paths, budget=Allowance(steps=20_000))
+
+    monkeypatch.setattr(sources, "Workspace", small)
+
+
+def one_gain(text="L", **settings):
+    builder = ModelBuilder(**settings)
+    builder.add_block("Gain", "K", {"Gain": text})
+    return builder
+
+
+def gain(path, **given):
+    """Return the gain of a model, and where its variables come from."""
+    model = read_model(path, **given)
+    (block,) = (block for block in model.blocks if block.type == "Gain")
+    value = block.parameters["Gain"]
+    return value, model.variables.used
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("callback", ["PreLoadFcn", "PostLoadFcn", "InitFcn"])
+def test_callbacks_give_values(tmp_path, layout, callback):
+    path = one_gain("2*L", callbacks={callback: "W = 1;\nL = 3*W;"}).write(
+        tmp_path / "m.slx", layout=layout
+    )
+    assert gain(path) == (6.0, {"L": f"{callback}, line 2"})
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_the_model_workspace_may_be_code_or_a_file(tmp_path, layout):
+    code = {"WSDataSource": "MATLAB Code", "WSMATLABCode": "L = [1 2];"}
+    path = one_gain("L", workspace=code, callbacks={"InitFcn": "L = 7;"}).write(
+        tmp_path / "m.slx", layout=layout
+    )
+    assert gain(path) == ((1.0, 2.0), {"L": "model workspace"})
+    (tmp_path / "data.m").write_text("L = 5;")
+    savemat(tmp_path / "data.mat", {"L": 6.0})
+    for name, kind, value in (("data.m", "MATLAB File", 5), ("data.mat", "MAT-File", 6)):
+        file = {"WSDataSource": kind, "WSSourceFileName": f"C:\\Users\\me\\{name}"}
+        path = one_gain("L", workspace=file).write(tmp_path / "n.slx", layout=layout)
+        assert gain(path) == (value, {"L": f"model workspace ({name})"})
+
+
+def test_the_model_workspace_may_lie_in_the_file(tmp_path):
+    savemat(tmp_path / "w.mat", {"workspace": {"L": 4.0, "v": np.array([1.0, 2.0])}})
+    packed = b"\x00\x01IM\0\0\0\0" + (tmp_path / "w.mat").read_bytes()[128:]
+    parts = {**one_gain("L*v").parts(), "simulink/modelWorkspace.mxarray": packed}
+    path = write_parts(tmp_path / "m.slx", parts)
+    assert gain(path) == ((4.0, 8.0), dict.fromkeys(("L", "v"), "model workspace"))
+    broken = {**parts, "simulink/modelWorkspace.mxarray": packed[:100]}
+    model = read_model(write_parts(tmp_path / "b.slx", broken))
+    assert "the model workspace is damaged" in str(model.variables.workspace.skipped[0])
+
+
+def test_what_a_person_gives_comes_first(tmp_path):
+    (tmp_path / "numbers.m").write_text("L = 2; W = 10; clear H; H = 3;")
+    callbacks = {"PreLoadFcn": "L = 1; W = 1; H = 1; D = 1;", "InitFcn": "W = 99; D = 2*L;"}
+    path = one_gain("[L W H D]", callbacks=callbacks).write(tmp_path / "m.slx")
+    init = [tmp_path / "numbers.m"]
+    assert gain(path)[0] == (1.0, 99.0, 1.0, 2.0)
+    assert gain(path, init=init)[0] == (2.0, 10.0, 3.0, 4.0)
+    value, sources = gain(path, init=init, values={"L": "2*pi/pi + 3", "H": 8})
+    assert value == (5.0, 10.0, 8.0, 10.0)
+    assert sources == {
+        "L": "set by hand",
+        "W": "numbers.m, line 1",
+        "H": "set by hand",
+        "D": "InitFcn, line 1",
+    }
+
+
+def test_several_scripts_and_mat_files(tmp_path):
+    (tmp_path / "first.m").write_text("a = 1; c = 1;")
+    savemat(tmp_path / "second.mat", {"b": 2.0})
+    (tmp_path / "third.m").write_text("c = a + b;")
+    path = one_gain("c").write(tmp_path / "m.slx")
+    names = ("first.m", "second.mat", "third.m")
+    assert gain(path, init=[tmp_path / name for name in names])[0] == 3.0
+
+
+def test_scripts_that_callbacks_call_lie_beside_or_in_folders(tmp_path):
+    (tmp_path / "lib" / "deep").mkdir(parents=True)
+    (tmp_path / "model").mkdir()
+    (tmp_path / "lib" / "deep" / "numbers.m").write_text("L = twice(4);")
+    (tmp_path / "model" / "twice.m").write_text("function y = twice(x)\ny = 2*x;")
+    path = one_gain("L + twice(1)", callbacks={"InitFcn": "numbers"}).write(
+        tmp_path / "model" / "m.slx"
+    )
+    assert gain(path, paths=[tmp_path / "lib"]) == (10.0, {"L": "numbers.m, line 1"})
+    with pytest.raises(UnknownValueError, match="'L' is not a known") as refusal:
+        gain(path)
+    assert refusal.value.names == ("L",)
+
+
+def test_what_callbacks_do_to_the_system_is_named_and_the_rest_goes_on(tmp_path):
+    code = "system('touch pwned');\nfigure; plot(1);\nload('absent.mat')\nL = 3;\n!touch pwned"
+    path = one_gain(callbacks={"InitFcn": code}).write(tmp_path / "m.slx")
+    assert gain(path)[0] == 3.0
+    skipped = [str(one) for one in read_model(path).variables.workspace.skipped]
+    assert [one.partition(" ")[0] for one in skipped] == ["system", "plot", "a", "!"]
+    assert "line 3 of InitFcn" in skipped[2]
+    assert "'absent.mat' is not in the given folders" in skipped[2]
+    assert not (tmp_path / "pwned").exists()
+
+
+def test_a_callback_that_never_ends_costs_its_own_variables_only(tmp_path, few_steps):
+    callbacks = {"PreLoadFcn": "L = 3;\nwhile 1\nM = 1; end", "InitFcn": "N = 4;"}
+    path = one_gain("[L N]", callbacks=callbacks).write(tmp_path / "m.slx")
+    assert gain(path)[0] == (3.0, 4.0)
+    (one,) = read_model(path).variables.workspace.skipped
+    assert re.match("line [23] of PreLoadFcn: it takes more than", str(one))
+
+
+@pytest.mark.parametrize(
+    ("script", "reason"),
+    [
+        ("L = (3;", "line 1 of s.m: "),
+        ("L = 3;\nwhile 1, end", "line 2 of s.m: it takes more than"),
+        (None, "there is no file .*s.m"),
+    ],
+)
+def test_a_script_that_a_person_gives_must_be_good(tmp_path, few_steps, script, reason):
+    path = one_gain().write(tmp_path / "m.slx")
+    if script is not None:
+        (tmp_path / "s.m").write_text(script)
+    with pytest.raises(InvalidValueError, match=reason):
+        read_model(path, init=[tmp_path / "s.m"])
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ({"2L": 1}, "'2L' is no name of a variable"),
+        ({"L": "m1"}, "the value of L is 'm1': 'm1' is not a known"),
+        ({"L": "1 +"}, "the value of L is '1 .': it ends too early"),
+        ({"L": "word"}, "the value of L is 'word'"),
+    ],
+)
+def test_values_that_make_no_sense_are_refused(tmp_path, values, reason):
+    path = one_gain().write(tmp_path / "m.slx")
+    with pytest.raises(InvalidValueError, match=reason):
+        read_model(path, values=values)
+
+
+def test_data_of_cad_import_are_found_by_the_models_name(tmp_path):
+    text = (
+        "smiData.RigidTransform(2).translation = [0.0 0.0 0.0];\n"
+        "smiData.RigidTransform(1).translation = [1 2 3];  % mm\n"
+        "smiData.Solid(2).mass = 0.5;\n"
+    )
+    (tmp_path / "arm_DataFile.m").write_text(text)
+    (tmp_path / "other_DataFile.m").write_text("smiData.Solid(2).mass = 9;")
+    path = one_gain("smiData.Solid(2).mass*smiData.RigidTransform(1).translation").write(
+        tmp_path / "arm.slx"
+    )
+    value, sources = gain(path)
+    assert value == (0.5, 1.0, 1.5)
+    assert sources["smiData"].startswith("arm_DataFile.m")
+
+
+# --- masks ----------------------------------------------------------------------------------------
+
+
+def masked(builder, name, values, code="", system="", **attributes):
+    sid = builder.add_block("SubSystem", name, system=system)
+    builder.blocks[sid].mask = mask_text(values, code, **attributes)
+    return sid
+
+
+def test_masks_hold_structures_cells_and_texts(tmp_path):
+    builder = ModelBuilder(callbacks={"InitFcn": "leg.mass = 2; leg.len = [1 2];"})
+    outer = masked(builder, "S", {"p": "leg", "c": "{1, 'two', 3}", "kind": "'brick'"})
+    text = "p.mass*p.len(2) + c{3} + strcmp(kind, 'brick')"
+    builder.add_block("Gain", "K", {"Gain": text}, system=outer)
+    assert gain(builder.write(tmp_path / "m.slx")) == (8.0, {"leg": "InitFcn, line 1"})
+
+
+def test_a_masks_name_comes_before_a_variable_of_the_model(tmp_path):
+    builder = ModelBuilder(callbacks={"InitFcn": "m = 100; k = 7;"})
+    outer = masked(builder, "S", {"m": "k + 1", "n": "missing"})
+    builder.add_block("Gain", "K", {"Gain": "m"}, system=outer)
+    path = builder.write(tmp_path / "m.slx")
+    assert gain(path) == (8.0, {"k": "InitFcn, line 1"})
+    builder.blocks[builder.sid("K")].parameters["Gain"] = "n + q"
+    with pytest.raises(UnknownValueError) as refusal:
+        gain(builder.write(path))
+    assert refusal.value.names == ("missing", "q")
+
+
+def test_choices_are_numbers_and_switches_are_true_or_false(tmp_path):
+    builder = ModelBuilder()
+    outer = builder.add_block("SubSystem", "S")
+    builder.blocks[outer].mask = (
+        '<Mask><MaskParameter Name="law" Type="popup"><Value>Hunt</Value><TypeOptions>'
+        "<Option>Linear</Option><Option>Hunt</Option></TypeOptions></MaskParameter>"
+        '<MaskParameter Name="on" Type="checkbox"><Value>on</Value></MaskParameter></Mask>'
+    )
+    builder.add_block("Gain", "K", {"Gain": "[law on]"}, system=outer)
+    assert gain(builder.write(tmp_path / "m.slx"))[0] == (2.0, 1.0)
+
+
+def test_a_mask_sets_and_promotes_parameters_of_blocks_inside(tmp_path):
+    builder = ModelBuilder(callbacks={"InitFcn": "far = 3;"})
+    code = (
+        "r = get_param(gcb, 'value@radius');\nmask = Simulink.Mask.get(gcb);\n"
+        "how = mask.getParameter('way');\n"
+        "if strcmp(how.Value, 'wide'), w = 2*r; else, w = 0; end\n"
+        "set_param([gcb '/Inner'], 'width', num2str(w));\n"
+        "set_param([gcb, '/Inner/B'], 'Gain', '11');"
+    )
+    outer = masked(builder, "S", {"radius": "far/2", "way": "'wide'"}, code)
+    builder.blocks[outer].mask = (
+        builder.blocks[outer]
+        .mask.replace(
+            "</Mask>",
+            '<MaskParameter Name="up" Type="promote"><Value>far + 1</Value><TypeOptions>'
+            "<Option>Inner/C/Gain</Option></TypeOptions></MaskParameter></Mask>",
+        )
+        .replace("'wide'</Value>", "wide</Value>")
+        .replace('Name="way" Type="edit"', 'Name="way" Type="edit" Evaluate="off"')
+    )
+    inner = masked(builder, "Inner", {"width": "0"}, system=outer)
+    for name, text in (("A", "width"), ("B", "0"), ("C", "0")):
+        builder.add_block("Gain", name, {"Gain": text}, system=inner)
+    model = read_model(builder.write(tmp_path / "m.slx"))
+    gains = {b.name: b.parameters["Gain"] for b in model.blocks if b.type == "Gain"}
+    assert gains == {"A": 3.0, "B": 11.0, "C": 4.0}
+
+
+# --- what is missing ------------------------------------------------------------------------------
+
+
+def test_all_that_is_missing_is_asked_for_by_name(tmp_path):
+    builder = ModelBuilder()
+    outer = masked(builder, "S", {"m": "m1"})
+    builder.add_block("Gain", "K", {"Gain": "m + m2"}, system=outer)
+    builder.add_block("Gain", "J", {"Gain": "leg.mass"})
+    lacks = lacks_of(read_model(builder.write(tmp_path / "m.slx")))
+    names = {lack.names for lack in lacks}
+    assert names == {("m1", "m2"), ("leg",)}
+
+
+def suggested(path, **given):
+    model = read_model(path, **given)
+    return suggested_init(model, lacks_of(model))
+
+
+def test_the_script_that_sets_most_is_suggested(tmp_path):
+    (tmp_path / "less.m").write_text("m1 = 1;")
+    (tmp_path / "more.m").write_text("if true, m1 = 1; end\nm2 = 2; other = 3;")
+    (tmp_path / "broken.m").write_text("m1 = (; m2 = 2; m3 = 3")
+    (tmp_path / "runs.m").write_text("clear all\nmore\nload('third')")
+    savemat(tmp_path / "third.mat", {"m3": 1.0})
+    path = one_gain("m1*m2*m3").write(tmp_path / "m.slx")
+    found = suggested(path)
+    assert (found.path.name, found.names) == ("runs.m", ("m1", "m2", "m3"))
+    assert suggested(path, init=[found.path]) is None
+    (tmp_path / "runs.m").unlink()
+    assert suggested(path).path.name == "more.m"
+
+
+def test_a_script_that_sets_the_fields_is_suggested_before_another(tmp_path):
+    (tmp_path / "a.m").write_text("leg.other = 1;")
+    (tmp_path / "b.m").write_text("leg.mass = 1;")
+    path = one_gain("leg.mass").write(tmp_path / "m.slx")
+    assert suggested(path).path.name == "b.m"
+
+
+def test_nothing_is_suggested_where_nothing_helps(tmp_path):
+    (tmp_path / "a.m").write_text("other = 1;")
+    assert suggested(one_gain("m1").write(tmp_path / "m.slx")) is None
+    assert suggested(one_gain("1").write(tmp_path / "n.slx")) is None
