@@ -95,15 +95,30 @@ def _some(names: Sequence[str]) -> str:
 
 
 def read_mechanism(path: Path, chosen: argparse.Namespace) -> Mechanism:
-    """Open a model with its options, and read its mechanism."""
+    """Open a model with its options, and read its mechanism.
+
+    Where values are missing and no script was named, those are taken that a person would run.
+    """
     from drake_leg.errors import InvalidValueError
     from drake_leg.simulink.multibody.bodies import mechanism_of
+    from drake_leg.simulink.suggestions import with_scripts
 
     model = opened(path, chosen)
     try:
-        return mechanism_of(model)
+        try:
+            return mechanism_of(model)
+        except InvalidValueError:
+            if chosen.init:
+                raise
+        model, used = with_scripts(model, lambda init: opened(path, chosen, init))
+        mechanism = mechanism_of(model)
     except InvalidValueError as error:
         raise InvalidValueError(f"{path}: {error}") from None
+    for script in used:
+        remark(
+            f"{_some(script.names)} taken from {script.path}: give --init to choose another file"
+        )
+    return mechanism
 
 
 def remarks(mechanism: Mechanism) -> Iterator[str]:

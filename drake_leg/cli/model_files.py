@@ -54,8 +54,8 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def opened(path: Path, chosen: argparse.Namespace) -> Model:
-    """Open a model with the options."""
+def opened(path: Path, chosen: argparse.Namespace, init: Sequence[Path] = ()) -> Model:
+    """Open a model with the options, and with more files that give values."""
     from drake_leg.simulink.reader import read_model
 
     for folder in chosen.path:
@@ -73,7 +73,7 @@ def opened(path: Path, chosen: argparse.Namespace) -> Model:
         path,
         paths=chosen.path,
         variants=variants,
-        init=chosen.init,
+        init=[*chosen.init, *init],
         values=variables_in(getattr(chosen, "numbers", None) or ()),
     )
 

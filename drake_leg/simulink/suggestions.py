@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.lacks import Lack
+from drake_leg.simulink.lacks import Lack, lacks_of
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.folders import Folders, text_of
 from drake_leg.simulink.matlab.interpreter import assigned
@@ -17,6 +17,7 @@ from drake_leg.simulink.matlab.matfiles import names_of_mat
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.model import Model
 
+MOST_SCRIPTS = 3
 _SHORT = 4_000  # letters; a longer script does more than run others
 _DEPTH = 4  # scripts that scripts run
 
@@ -32,8 +33,7 @@ class Suggestion:
 def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
     """Find the file beside the model, or in its folders, that sets most of what it lacks.
 
-    Of several that set as many, the one nearest to the model, then the shortest; a script, rather
-    than a .mat file.
+    Of several that set as many, a script rather than a .mat file, and the one nearest to the model.
     """
     missing = _missing(lacks)
     if not missing or model.variables is None:
@@ -50,6 +50,27 @@ def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
             if best is None or rank > best[0]:
                 best = rank, Suggestion(path=path, names=names)
     return best[1] if best else None
+
+
+def with_scripts(
+    model: Model, read: Callable[[Sequence[Path]], Model]
+) -> tuple[Model, tuple[Suggestion, ...]]:
+    """Read a model again with scripts that a person would run first, while it lacks ever less.
+
+    ``read`` reads it with such files; those that were used are returned, too.
+    """
+    used: tuple[Suggestion, ...] = ()
+    lacks = lacks_of(model)
+    while lacks and len(used) < MOST_SCRIPTS:
+        hint = suggested_init(model, lacks)
+        if hint is None:
+            break
+        again = read([*(each.path for each in used), hint.path])
+        left = lacks_of(again)
+        if len(left) >= len(lacks):
+            break
+        model, lacks, used = again, left, (*used, hint)
+    return model, used
 
 
 def _missing(lacks: Iterable[Lack]) -> dict[str, None]:

@@ -54,6 +54,21 @@ def test_all_that_is_missing_is_said_with_the_file(here, capsys):
     assert [path.name for path in here.iterdir()] == ["m.slx"]
 
 
+def test_values_come_from_the_script_that_a_person_would_run(here, capsys):
+    pendulum().set("Rod", Density="rho").write(here / "m.slx")
+    assert run(capsys, "sdf", "m.slx", "--set", "rho=500")[0] == 0
+    assert run(capsys, "sdf", "m.slx", "--out", "m.sdf")[0] == 2
+    (here / "setup.m").write_text("clear all\nrho = 2000;\n", encoding="utf-8")
+    status, out, err = run(capsys, "sdf", "m.slx", "--out", "m.sdf")
+    assert (status, "0.8 kg" in out) == (0, True)
+    assert "rho taken from" in err
+    assert "setup.m: give --init to choose another file" in err
+    (here / "other.m").write_text("rho = 3000;\n", encoding="utf-8")
+    words = ("--out", "m.sdf", "--overwrite", "--init", "other.m")
+    status, out, err = run(capsys, "sdf", "m.slx", *words)
+    assert (status, "1.2 kg" in out, err) == (0, True, "")
+
+
 def test_a_mechanism_stands_at_its_targets(here, capsys):
     pendulum(PositionTargetSpecify="on", PositionTargetValue="30").write(here / "m.slx")
     assert run(capsys, "view", "m.slx", "--still", "m.png") == (0, "wrote m.png\n", "")
@@ -71,6 +86,7 @@ def test_a_mechanism_stands_at_its_targets(here, capsys):
         ("view", "m.slx", "--q", "0"),
         ("sdf", "leg-b", "--path", "."),
         ("view", "leg-b", "--variant", "A=B"),
+        ("view", "leg-b", "--init", "setup.m"),
     ],
 )
 def test_options_of_the_other_kind_are_refused(here, capsys, words):
