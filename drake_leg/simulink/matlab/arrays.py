@@ -323,6 +323,7 @@ ARRAYS: dict[str, Known] = {
     ),
     "cumsum": _running(np.cumsum),
     "cumprod": _running(np.cumprod),
+    "unwrap": _running(np.unwrap),
     "max": _extreme(np.fmax.reduce, np.argmax, np.fmax),
     "min": _extreme(np.fmin.reduce, np.argmin, np.fmin),
     "any": _any(np.any),
