@@ -12,7 +12,7 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.primitives import VectorLogSink
 
-from drake_leg.diagrams.hexapod import NONE, HexapodConfig, build_driven, start_walking
+from drake_leg.diagrams.hexapod import HexapodConfig, build_driven, start_walking
 from drake_leg.diagrams.wiring import plant_of
 from drake_leg.errors import DrakeLegError, InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
@@ -20,6 +20,7 @@ from drake_leg.kinematics.walking.foresight import foresee_walk
 from drake_leg.kinematics.walking.gait import GAITS, Gait, usual_period
 from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.live import LiveWalk
+from drake_leg.kinematics.walking.live_loads import live_torques
 from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.robot.ground import FLAT
 from drake_leg.robot.robot import Robot
@@ -67,7 +68,7 @@ class DrivenWalk:
     def __init__(self, robot: Robot) -> None:
         walk = walk_of(robot)
         self.robot = robot
-        self._config = HexapodConfig(robot=robot, walk=walk, servo=IDEAL, feed_forward=NONE)
+        self._config = HexapodConfig(robot=robot, walk=walk, servo=IDEAL)
         self.legs = self._config.legs
         self.height = float(walk.body(0.0).value[2, 3])  # [m], at the start
         self.live = LiveWalk(
@@ -76,6 +77,7 @@ class DrivenWalk:
             neutral=np.asarray(walk.neutral),
             height=self.height,
             step=self._config.time_step,
+            torques=live_torques(robot, IDEAL),
         )
         self._diagram = build_driven(self._config, self.live)
         self._plant = plant_of(self._diagram)

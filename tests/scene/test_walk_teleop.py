@@ -34,8 +34,8 @@ def test_it_walks_as_far_as_it_is_told(drive):
     now = drive.live.now
     x, y, z = done[-1].positions[4:7]
     assert now.course[0] == pytest.approx(0.2 - 0.1 * (1 / 4 + 1 / 16), abs=0.01)
-    assert x == pytest.approx(now.course[0], abs=0.01)  # the servos sag without a feed-forward
-    assert (y, z) == pytest.approx((0.0, drive.height), abs=3e-3)
+    assert x == pytest.approx(now.course[0], abs=1e-3)
+    assert (y, z) == pytest.approx((0.0, drive.height), abs=5e-4)
     assert done[-1].time == pytest.approx(2.0, abs=0.01)
     assert {step.state for step in done} == {"free"}
     assert done[-1].footing.margins[0] > 0.05

@@ -249,13 +249,7 @@ class Walk:
 
     def feet(self, time: ArrayLike) -> Motion:
         """Feet p_BF in the body's frame, (..., n, 3) [m], with derivatives there."""
-        X, dX, ddX = self.body(time)
-        R, dR, ddR = (part[..., :3, :3] for part in (X, dX, ddX))
-        p, v, a = (
-            in_world - part[..., np.newaxis, :3, 3]
-            for in_world, part in zip(self.feet_in_world(time), (X, dX, ddX), strict=True)
-        )  # rows, so that p @ R turns them by R^T
-        return Motion(p @ R, v @ R + p @ dR, a @ R + 2.0 * v @ dR + p @ ddR)
+        return in_body(self.body(time), self.feet_in_world(time))
 
     def down(self, time: ArrayLike) -> NDArray[np.bool_]:
         """Whether each foot stands, (..., n) of bool; it does between two equal footholds, too."""
@@ -315,6 +309,17 @@ def smoothstep(u: Array) -> Motion:
         inside * 30.0 * x**2 * (1.0 - x) ** 2,
         inside * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x),
     )
+
+
+def in_body(body: Motion, points: Motion) -> Motion:
+    """Points (..., n, 3), given in the world, in the frame of a body X_WB, with derivatives."""
+    X, dX, ddX = body
+    R, dR, ddR = (part[..., :3, :3] for part in (X, dX, ddX))
+    p, v, a = (
+        in_world - part[..., np.newaxis, :3, 3]
+        for in_world, part in zip(points, (X, dX, ddX), strict=True)
+    )  # rows, so that p @ R turns them by R^T
+    return Motion(p @ R, v @ R + p @ dR, a @ R + 2.0 * v @ dR + p @ ddR)
 
 
 def _ramped(u: Array) -> Motion:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +21,7 @@ GREATEST = np.array([0.4, 0.4, 1.5])  # [m/s^2, m/s^2, rad/s^2], of the body
 RISE = 0.05  # [m/s], greatest speed of a change of height
 AIMED = 0.8  # of a swing: until then it is aimed at where the body will be
 NEAR = 1e-4  # [m]: a foot that is so near to where it would go stays
+HELD = 4  # time steps for which a feed-forward is held: to compute it takes as long as a step
 STILL = 1e-4  # [m/s, rad/s]: a body that is slower is at rest
 
 
@@ -40,6 +42,7 @@ class Moment:
     swung: Array  # (n,), how much of its swing each foot has done, 0 to 1; 0 where it stands
     feet: Array  # (n, 3) p_GF [m]
     speeds: Array  # (n, 3), their velocities [m/s]
+    landed: NDArray[np.bool_]  # (n,), whether each foot's stance began with a touch-down
 
     @property
     def down(self) -> NDArray[np.bool_]:
@@ -58,13 +61,16 @@ class Moment:
         return np.array([0.0, 0.0, turning, forward, sideways, self.climb])
 
 
+LiveTorques = Callable[["LiveWalk", Moment, Moment], Array]
+
+
 class LiveWalk:
     """The rows of a walk whose commands come while it goes, in place of a ``WalkPlan``.
 
     The body follows ``command`` with a bounded acceleration. A foot stands where it is until its
     gait lifts it; then it swings to where the body, if it went on as it does, would be in the
     middle of the next stance. Gaits change where all feet stand and the body rests. With a constant
-    command it walks as ``Walk`` does. It plans no loads: the servos get no feed-forward.
+    command it walks as ``Walk`` does.
 
     Parameters
     ----------
@@ -80,6 +86,9 @@ class LiveWalk:
         Between two rows [s].
     lift : float
         Height of a swing [m].
+    torques : callable, optional
+        The feed-forward (3 n,) [N*m] at the end of a time step, of this walk and of the moments at
+        its beginning and end; by default there is none.
     """
 
     def __init__(
@@ -91,6 +100,7 @@ class LiveWalk:
         height: float,
         step: float,
         lift: float = 0.03,
+        torques: LiveTorques | None = None,
     ) -> None:
         require_positive("the period", period, "s")
         require_positive("the time step", step, "s")
@@ -103,7 +113,7 @@ class LiveWalk:
                 f"{gait.name!r} has {len(gait.phases)} legs"
             )
         self.gait, self.period, self.step, self.lift = gait, period, step, lift
-        self._first_height = height
+        self._first_height, self._torques = height, torques
         self.reset()
 
     def reset(self) -> None:
@@ -125,8 +135,10 @@ class LiveWalk:
             swung=np.zeros(len(feet)),
             feet=feet,
             speeds=np.zeros_like(feet),
+            landed=np.zeros(len(feet), dtype=bool),
         )
         self._row: PlanRow | None = None
+        self._held = np.zeros(3 * len(feet))  # torques [N*m]
         self._then = self.now
 
     def change_gait(self, gait: Gait, period: float) -> None:
@@ -168,17 +180,31 @@ class LiveWalk:
             feet=(now.feet - now.X_GB[:3, 3]) @ R,
             swing=swing,
             down=now.down,
-            torques=np.zeros(3 * len(now.feet)),
+            torques=self._loads(now, then),
             swung=np.stack(
                 [now.swung, np.where(now.down, 0.0, np.where(then.down, 1.0, then.swung))]
             ),
         )
 
+    def _loads(self, now: Moment, then: Moment) -> Array:
+        if self._torques is not None and then.number % HELD == 1:
+            self._held = self._torques(self, now, then)
+        return self._held
+
+    def firmness(self, at: Moment, fading: float) -> Array:
+        """How firmly each foot stands, (n,), as of ``Walk``; one that is to stay stands firmly."""
+        done = (at.phase - np.array(self.gait.phases)) % 1.0
+        since, until = self.period * done, self.period * (self.gait.duty - done)
+        stays = np.linalg.norm(self._ahead(at, np.zeros(len(done))) - at.places, axis=1) <= NEAR
+        rise = np.where(at.landed, smoothstep(since / fading).value, 1.0)
+        fall = np.where(stays | (until <= 0.0), 1.0, smoothstep(until / fading).value)
+        return np.where(at.down, rise * fall, 0.0)
+
     def _after(self, now: Moment) -> Moment:
         """Go on by one time step."""
         if self._next_gait is not None and self._rests(now):
             (self.gait, self.period), self._next_gait = self._next_gait, None
-            now = replace(now, phase=0.0)
+            now = replace(now, phase=0.0, landed=np.zeros_like(now.landed))
         moved = self._body_after(now)
         return self._feet_after(now, moved)
 
@@ -216,6 +242,7 @@ class LiveWalk:
         far = np.linalg.norm(ahead - now.places, axis=1) > NEAR
         swings = np.where(now.down, lifts & far, u > 0.0)
         lands = ~now.down & ~swings
+        landed = swings | (now.landed & (u == 0.0))
         weight = 1.0 - smoothstep(u / AIMED).value[:, np.newaxis]
         aims = np.where(now.down[:, np.newaxis], ahead, now.aims + weight * (ahead - before))
         places = np.where(lands[:, np.newaxis], now.aims, now.places)
@@ -229,7 +256,9 @@ class LiveWalk:
         speeds = rate / lasts * (aims - places) + part * aim_rates
         speeds[:, 2] += self.lift * climb / lasts
         speeds[~swings] = 0.0
-        return replace(moved, places=places, aims=aims, swung=u, feet=feet, speeds=speeds)
+        return replace(
+            moved, places=places, aims=aims, swung=u, feet=feet, speeds=speeds, landed=landed
+        )
 
     def _ahead(self, at: Moment, u: Array) -> Array:
         """Where feet stand best after swings of which u are done, (n, 3) [m]."""

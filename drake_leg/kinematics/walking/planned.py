@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.clearance import capsules_of, gaps_between_legs, lowest
-from drake_leg.kinematics.walking.gaits import Motion, Walk
+from drake_leg.kinematics.walking.gaits import Motion
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.margins import on_ground, support_margin, zero_moment_point
-from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.kinematics.walking.weights import (
     centres_of_mass,
     inertia_wrench,
@@ -26,6 +26,40 @@ from drake_leg.units import STANDARD_GRAVITY
 DOWNWARDS = (0.0, 0.0, -STANDARD_GRAVITY)  # [m/s^2], on level ground
 
 
+class Paths(Protocol):
+    """Paths of body and feet at times (rows,) [s], as a ``Walk`` has them."""
+
+    @property
+    def period(self) -> float:
+        """Of the gait [s]."""
+        ...
+
+    @property
+    def begins(self) -> float:
+        """When the gait begins [s]."""
+        ...
+
+    def body(self, time: Array) -> Motion:
+        """Pose X_GB, (rows, 4, 4) [-, m]."""
+        ...
+
+    def feet(self, time: Array) -> Motion:
+        """Feet p_BF, (rows, n, 3) [m]."""
+        ...
+
+    def feet_in_world(self, time: Array) -> Motion:
+        """Feet p_GF, (rows, n, 3) [m]."""
+        ...
+
+    def down(self, time: Array) -> NDArray[np.bool_]:
+        """Whether each foot stands, (rows, n)."""
+        ...
+
+    def firmness(self, time: Array, fading: float) -> Array:
+        """How firmly each foot stands, (rows, n), 0 to 1."""
+        ...
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlannedWalk:
     """A robot that follows a walk exactly, at times; G is the frame of the ground.
@@ -35,7 +69,7 @@ class PlannedWalk:
 
     robot: Robot
     legs: Legs
-    walk: Walk | WalkSequence
+    walk: Paths
     times: Array  # (rows,) [s]
     gravity: tuple[float, float, float] = DOWNWARDS  # [m/s^2], in G
 
