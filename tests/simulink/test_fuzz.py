@@ -9,11 +9,14 @@ from functools import cache
 import numpy as np
 import pytest
 from campaigns import cases
+from mechanism_models import four_bar, pendulum
 from slx_models import published_leg, published_pendulum
 from slx_writer import ModelBuilder, mask_text
 
 from drake_leg.errors import DrakeLegError
 from drake_leg.simulink.listing import as_json, as_lines, as_summary
+from drake_leg.simulink.multibody.bodies import mechanism_of
+from drake_leg.simulink.multibody.plant import mechanism_plant, prove_mechanism
 from drake_leg.simulink.reader import read_model
 from drake_leg.simulink.wiring import flatten
 
@@ -183,3 +186,22 @@ def test_some_changed_files(tmp_path, monkeypatch):
 def test_thousands_of_changed_files(tmp_path, monkeypatch):
     count = cases(3000)
     assert 0.1 * count < read_changed(tmp_path, monkeypatch, count, seed=2) < 0.9 * count
+
+
+@pytest.mark.slow
+def test_a_changed_mechanism_is_proved_or_refused(tmp_path):
+    path = tmp_path / "m.slx"
+    generator = np.random.default_rng(3)
+    sources = [built.parts() for built in (four_bar(), pendulum(), published_leg())]
+    proved = 0
+    count = cases(200)
+    for _ in range(count):
+        write_changed(path, sources[generator.integers(len(sources))], generator)
+        try:
+            mechanism = mechanism_of(read_model(path))
+            plant = mechanism_plant(mechanism)
+        except DrakeLegError:
+            continue
+        assert prove_mechanism(mechanism, plant, postures=1).holds
+        proved += 1
+    assert 0.05 * count < proved < 0.9 * count
