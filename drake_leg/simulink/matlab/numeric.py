@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,14 @@ class MatlabError(Exception):
     def __init__(self, reason: str, line: int | None = None) -> None:
         self.line, self.function = line, ""
         super().__init__(reason)
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Let numbers be infinite or NaN without a warning, as in MATLAB."""
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
 
 
 def measure(array: Any) -> str:  # noqa: ANN401 - an array or a number

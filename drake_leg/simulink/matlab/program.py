@@ -18,7 +18,13 @@ from drake_leg.simulink.matlab.frames import Alone, File, Frame
 from drake_leg.simulink.matlab.interpreter import Interpreter, assigned
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import names_in
-from drake_leg.simulink.matlab.numeric import ELEMENTS, SCRIPT_LENGTH, VALUE_LENGTH, MatlabError
+from drake_leg.simulink.matlab.numeric import (
+    ELEMENTS,
+    SCRIPT_LENGTH,
+    VALUE_LENGTH,
+    MatlabError,
+    quiet,
+)
 from drake_leg.simulink.matlab.parser import Parser
 from drake_leg.simulink.matlab.specials import COMMANDS, SPECIAL
 from drake_leg.simulink.matlab.syntax import tokenize
@@ -70,7 +76,7 @@ def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
         With a short reason, to follow the name of what the text belongs to, and a colon.
     """
     try:
-        with np.errstate(all="ignore"):
+        with quiet():
             node = parsed_expression(text)
             for name in names_in(node):
                 if name not in (names or {}) and not _means_something(name):
@@ -192,7 +198,7 @@ class Program:
         main = self.functions[0]
         file = File(name=self.name, functions={one.name: one for one in self.functions})
         try:
-            with np.errstate(all="ignore"):
+            with quiet():
                 values = [
                     variable(name, argument, column=True)
                     for name, argument in zip(self.inputs, arguments, strict=True)

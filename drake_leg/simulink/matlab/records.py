@@ -121,13 +121,17 @@ def _isequal(*values: Any) -> bool:
 def _alike(a: Any, b: Any) -> bool:
     if isinstance(a, Struct) and isinstance(b, Struct):
         return set(a) == set(b) and all(_alike(a[key], b[key]) for key in a)
-    if isinstance(a, (Struct, Structs, Cell, Function)) or isinstance(
-        b, (Struct, Structs, Cell, Function)
-    ):
+    if isinstance(a, Function) or isinstance(b, Function):
+        return a is b or (isinstance(a, Function) and isinstance(b, Function) and _same(a, b))
+    if isinstance(a, (Struct, Structs, Cell)) or isinstance(b, (Struct, Structs, Cell)):
         same = type(a) is type(b) and extent(a) == extent(b)
         return same and all(map(_alike, items_of(a).flat, items_of(b).flat))
     x, y = array_of(a), array_of(b)
     return x.shape == y.shape and bool(np.all(x == y))
+
+
+def _same(a: Function, b: Function) -> bool:
+    return bool(a.name) and a.name == b.name
 
 
 def _isa(value: Any, kind: Any) -> bool:

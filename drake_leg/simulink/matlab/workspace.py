@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.data import (
@@ -29,7 +27,7 @@ from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.matfiles import read_mat
 from drake_leg.simulink.matlab.names import names_in
-from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.matlab.numeric import MatlabError, quiet
 from drake_leg.simulink.matlab.program import parsed_expression
 from drake_leg.simulink.matlab.specials import SPECIAL
 
@@ -174,7 +172,7 @@ class Workspace:
         self.budget.share(SHARE)
         self._running.append(name)
         try:
-            with np.errstate(all="ignore"):
+            with quiet():
                 self._interpreter.block(statements, frame)
         except SpentError as spent:
             where = f"line {spent.line or frame.line} of {name}"
@@ -209,7 +207,7 @@ class Workspace:
             if unknown:
                 raise UnknownValueError(self._why(unknown), names=unknown)
             frame = Frame(values=values, file=File(name="the expression"))
-            with np.errstate(all="ignore"):
+            with quiet():
                 return self._interpreter.value(node, frame)
         except LackError as lack:
             if lack.names:

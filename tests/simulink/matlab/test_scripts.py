@@ -166,6 +166,7 @@ OCTAVE = [
     ("x = 10; r = x.^2 + x';", "110"),
     ("r = unique([2 1; 1 3; 2 1], 'rows');", "[1 3;2 1]"),
     ("[~, i, j] = unique([2 1; 1 3; 2 2], 'rows'); r = [i j];", "[2 2;1 1;3 3]"),
+    ("r = unwrap([0 3 -3 0]) - [0 3 2*pi-3 2*pi];", "[0 0 0 0]"),
     ("r = cumtrapz([0 1 3], [0 2 4]);", "[0 1 7]"),
     # closed forms: x = 1/2 of -x - x + 1 = 0; of the double integrator K = [1 sqrt(3)]
     ("r = lyap(-1, 1);", "0.5"),
