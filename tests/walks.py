@@ -130,6 +130,12 @@ WALKS = {
     "ripple-pairs": Walk({"gait": "ripple-pairs", "speed": 0.05}, STRAIGHT),
     "wave": Walk({"gait": "wave", "speed": 0.03}, STRAIGHT),
     "1 m and stop": Walk({"distance": 1.0}, {"greatest_distance_from_plan_m": 2e-3}),
+    "another direction on the way": Walk(
+        {"then": "sideways=0.1 at=4; turn=15 speed=0.05 at=7"}, {DISTANCE: 0.3, HEADING: 0.1}
+    ),
+    "another gait on the way": Walk(
+        {"then": "gait=wave speed=0.03 at=4; sideways=0.03 at=12"}, {DISTANCE: 0.3, HEADING: 0.1}
+    ),
     "turn by 90 deg": Walk({"angle": 90.0, "turn": 20.0}, {HEADING: 0.7}),
     "turn by 90 deg, feedback": Walk(
         {"angle": 90.0, "turn": 20.0, "feedback": 2.0}, {HEADING: 0.02}
