@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, replace
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.model import Block, Model, Value
+from drake_leg.simulink.unused import unused_parameters
 
 SHOWN = 20  # in an error
 
@@ -23,7 +24,7 @@ class Lack:
 
 
 def lacks_of(model: Model) -> tuple[Lack, ...]:
-    """List all that is not understood, block by block, by evaluating every value."""
+    """List all that is not understood, block by block, by evaluating every value that is used."""
     found = [lack for block in model.blocks for lack in _of_block(block)]
     return (*found, *_of_values("", model.solver))
 
@@ -72,12 +73,14 @@ def _of_block(block: Block) -> list[Lack]:
     if block.unknown:
         kind = block.source or block.type
         return [Lack(sid=block.sid, parameter="", text=kind, reason=block.unknown)]
-    return _of_values(block.sid, block.parameters)
+    return _of_values(block.sid, block.parameters, unused_parameters(block))
 
 
-def _of_values(sid: str, values: Mapping[str, Value]) -> list[Lack]:
+def _of_values(sid: str, values: Mapping[str, Value], unused: Container[str] = ()) -> list[Lack]:
     found = []
     for name in values:
+        if name in unused:
+            continue
         try:
             values[name]
         except UnknownValueError as error:

@@ -295,3 +295,45 @@ def test_nothing_is_suggested_where_nothing_helps(tmp_path):
     (tmp_path / "a.m").write_text("other = 1;")
     assert suggested(one_gain("m1").write(tmp_path / "m.slx")) is None
     assert suggested(one_gain("1").write(tmp_path / "n.slx")) is None
+
+
+@pytest.mark.parametrize(
+    ("source", "texts", "lacking"),
+    [
+        (
+            "Frames and Transforms/Rigid Transform",
+            {"TranslationMethod": "None", "TranslationCartesianOffset": "gone"},
+            set(),
+        ),
+        (
+            "Frames and Transforms/Rigid Transform",
+            {"TranslationMethod": "Cartesian", "TranslationCartesianOffset": "gone"},
+            {"TranslationCartesianOffset"},
+        ),
+        (
+            "Frames and Transforms/Rigid Transform",
+            {"RotationMethod": "ArbitraryAxis", "RotationAngle": "a", "RotationMatrix": "gone"},
+            {"RotationAngle"},
+        ),
+        (
+            "Frames and Transforms/Rigid Transform",
+            {"TranslationMethod": "SomethingNew", "TranslationStandardOffset": "gone"},
+            {"TranslationStandardOffset"},
+        ),
+        (
+            "Body Elements/Brick Solid",
+            {"BasedOnType": "Density", "Density": "rho", "Mass": "gone", "CenterOfMass": "gone"},
+            {"Density"},
+        ),
+        (
+            "Body Elements/Brick Solid",
+            {"InertiaType": "Custom", "Density": "gone", "Mass": "m", "MomentsOfInertia": "I"},
+            {"Mass", "MomentsOfInertia"},
+        ),
+    ],
+)
+def test_what_a_block_does_not_use_is_not_asked_for(tmp_path, source, texts, lacking):
+    builder = ModelBuilder()
+    builder.add_library(f"sm_lib/{source}", "B", texts)
+    lacks = lacks_of(read_model(builder.write(tmp_path / "m.slx")))
+    assert {lack.parameter for lack in lacks} == lacking
