@@ -12,8 +12,8 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.lacks import Lack, lacks_of
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.folders import Folders, text_of
-from drake_leg.simulink.matlab.interpreter import assigned
 from drake_leg.simulink.matlab.matfiles import names_of_mat
+from drake_leg.simulink.matlab.names import assigned
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.model import Model
 

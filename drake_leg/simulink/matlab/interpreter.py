@@ -25,6 +25,7 @@ from drake_leg.simulink.matlab.data import (
 from drake_leg.simulink.matlab.frames import File, Frame, Host, Values
 from drake_leg.simulink.matlab.indexing import ALL, last, read
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
+from drake_leg.simulink.matlab.names import assigned, called, first_of, path_of
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.specials import COMMANDS, SPECIAL
 from drake_leg.simulink.matlab.writing import write_target
@@ -216,9 +217,9 @@ class Interpreter:
                 return
             if self._unseen(name, frame):
                 return
-        if isinstance(node, syntax.Field) and called(_first(node)) == "coder":
+        if isinstance(node, syntax.Field) and called(first_of(node)) == "coder":
             return  # says how to generate code
-        if isinstance(node, syntax.Part) and called(_first(node)) == "coder":
+        if isinstance(node, syntax.Part) and called(first_of(node)) == "coder":
             return
         found = self.several(node, 0, frame)
         if found:
@@ -373,7 +374,7 @@ class Interpreter:
         return str(name)
 
     def _field(self, node: syntax.Field, frame: Frame) -> Values:
-        if name := called(_first(node)):
+        if name := called(first_of(node)):
             self._require_known(name, frame)
         owner = self.value(node.base, frame)
         name = self.field_name(node, frame)
@@ -382,14 +383,14 @@ class Interpreter:
             if not isinstance(one, Struct):
                 raise MatlabError(f"the field '{name}' is read of what is no structure")
             if name not in one:
-                raise LackError(f"the structure has no field '{name}'", names=(_path(node),))
+                raise LackError(f"the structure has no field '{name}'", names=(path_of(node),))
         return [one[name] for one in structs]
 
     def _packaged(self, node: syntax.Expression, frame: Frame) -> str:
         """Name of the function of a package that ``package.name`` is; "" where it is none."""
-        if not isinstance(node, syntax.Field) or called(_first(node)) in frame.values:
+        if not isinstance(node, syntax.Field) or called(first_of(node)) in frame.values:
             return ""
-        name = _path(node)
+        name = path_of(node)
         return name if name and (name in SPECIAL or self._own(name, frame)) else ""
 
     # --- calls --------------------------------------------------------------------------------
@@ -564,27 +565,6 @@ def _locate(fault: MatlabError, frame: Frame) -> None:
         fault.function = frame.function.name
 
 
-def called(node: syntax.Expression) -> str:
-    """Name that an expression begins with; "" where it is no name."""
-    return node.name if isinstance(node, (syntax.Name, syntax.Apply)) else ""
-
-
-def _first(node: syntax.Expression) -> syntax.Expression:
-    while isinstance(node, (syntax.Field, syntax.Part)):
-        node = node.base
-    return node
-
-
-def _path(node: syntax.Expression) -> str:
-    """Names of a chain of fields, ``a.b.c``; "" where a field is indexed or computed."""
-    if isinstance(node, syntax.Name):
-        return node.name
-    if isinstance(node, syntax.Field) and isinstance(node.name, str):
-        base = _path(node.base)
-        return f"{base}.{node.name}" if base else ""
-    return ""
-
-
 def _guarded(name: str, count: int, act: Callable[[], Any]) -> Any:
     """Call a function of the library; what it cannot take is said in one sentence."""
     try:
@@ -602,31 +582,3 @@ def _guarded(name: str, count: int, act: Callable[[], Any]) -> Any:
         raise MatlabError(f"'{name}': {str(error)[:120]}") from None
     except np.linalg.LinAlgError as error:
         raise MatlabError(f"'{name}': {error}") from None
-
-
-def assigned(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:
-    """Names of the variables that statements may set."""
-    for statement in statements:
-        match statement:
-            case syntax.Assign(targets=targets):
-                yield from (target.name for target in targets if target.name != "~")
-            case syntax.If(branches=branches, otherwise=otherwise):
-                for _, _, body in branches:
-                    yield from assigned(body)
-                yield from assigned(otherwise)
-            case syntax.Switch(cases=cases, otherwise=otherwise):
-                for _, _, body in cases:
-                    yield from assigned(body)
-                yield from assigned(otherwise)
-            case syntax.For(variable=variable, body=body):
-                yield variable
-                yield from assigned(body)
-            case syntax.While(body=body):
-                yield from assigned(body)
-            case syntax.Try(body=body, error=error, handler=handler):
-                yield from assigned(body)
-                yield from assigned(handler)
-                if error:
-                    yield error
-            case syntax.Declare(names=names):
-                yield from names

@@ -1,7 +1,8 @@
-"""The names that an expression uses."""
+"""Names in the syntax tree: used, called, assigned."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from drake_leg.simulink.matlab import syntax
@@ -35,3 +36,53 @@ def names_in(node: Any) -> list[str]:  # noqa: ANN401 - any node of the tree, or
 
     visit(node, frozenset())
     return list(found)
+
+
+def called(node: syntax.Expression) -> str:
+    """Name that an expression begins with; "" where it is no name."""
+    return node.name if isinstance(node, (syntax.Name, syntax.Apply)) else ""
+
+
+def first_of(node: syntax.Expression) -> syntax.Expression:
+    """Return what fields and indices are taken of."""
+    while isinstance(node, (syntax.Field, syntax.Part)):
+        node = node.base
+    return node
+
+
+def path_of(node: syntax.Expression) -> str:
+    """Names of a chain of fields, ``a.b.c``; "" where a field is indexed or computed."""
+    if isinstance(node, syntax.Name):
+        return node.name
+    if isinstance(node, syntax.Field) and isinstance(node.name, str):
+        base = path_of(node.base)
+        return f"{base}.{node.name}" if base else ""
+    return ""
+
+
+def assigned(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:
+    """Names of the variables that statements may set."""
+    for statement in statements:
+        match statement:
+            case syntax.Assign(targets=targets):
+                yield from (target.name for target in targets if target.name != "~")
+            case syntax.If(branches=branches, otherwise=otherwise):
+                for _, _, body in branches:
+                    yield from assigned(body)
+                yield from assigned(otherwise)
+            case syntax.Switch(cases=cases, otherwise=otherwise):
+                for _, _, body in cases:
+                    yield from assigned(body)
+                yield from assigned(otherwise)
+            case syntax.For(variable=variable, body=body):
+                yield variable
+                yield from assigned(body)
+            case syntax.While(body=body):
+                yield from assigned(body)
+            case syntax.Try(body=body, error=error, handler=handler):
+                yield from assigned(body)
+                yield from assigned(handler)
+                if error:
+                    yield error
+            case syntax.Declare(names=names):
+                yield from names

@@ -15,9 +15,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.data import Allowance, Function, numbers_of, settled
 from drake_leg.simulink.matlab.frames import Alone, File, Frame
-from drake_leg.simulink.matlab.interpreter import Interpreter, assigned
+from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
-from drake_leg.simulink.matlab.names import names_in
+from drake_leg.simulink.matlab.names import assigned, names_in
 from drake_leg.simulink.matlab.numeric import (
     ELEMENTS,
     SCRIPT_LENGTH,
