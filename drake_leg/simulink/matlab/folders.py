@@ -70,7 +70,7 @@ class Folders:
 
     def _looked_for(self, name: str, beside: Path | None) -> Path | None:
         for folder in (beside, beside / "private" if beside else None, *self._near):
-            if folder is not None and _is_there(path := folder / name) and path.is_file():
+            if folder is not None and _is_there(path := folder / name) and self._holds(path):
                 return path
         found = self._named(name)
         return found[0] if found else None
@@ -81,6 +81,11 @@ class Folders:
         self._named("")
         deep = [path for paths in (self._places or {}).values() for path in paths]
         return list(dict.fromkeys((*near, *(path for path in deep if path.name.endswith(end)))))
+
+    def _holds(self, path: Path) -> bool:
+        """Whether a file lies in one of the folders, and is no link that leads out of them."""
+        real = path.resolve()
+        return real.is_file() and any(real.is_relative_to(root) for root in self.all)
 
     def is_near(self, path: Path, beside: Path | None = None) -> bool:
         """Whether a file lies where MATLAB would surely see it: beside the script or the model."""
