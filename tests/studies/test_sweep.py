@@ -117,6 +117,7 @@ EXAMPLES = {  # of options without a default
     "dynamics": "forward",
     "phases": [0.0, 0.5, 0.0, 0.5, 0.0, 0.5],
     "shift": [0.01, 0.0],
+    "then": "speed=0.03 at=5",
 }
 NEEDS_OF_WALK = BESIDE | {"angle": "turn"}
 
