@@ -127,7 +127,7 @@ def test_everything_that_a_run_takes_can_vary():
         for option, default in vars(kind.options()).items():
             value = EXAMPLES.get(option, 1.0) if default is None else default
             needs = NEEDS_OF_WALK.get(option) if name == "hexapod" else None
-            beside = {needs: [0.1]} if needs else {}
+            beside = {needs: [True if needs == "touch_down" else 0.1]} if needs else {}
             plan = checked_plan(planned(name, **{option: [value]}, **beside))
             assert getattr(options_of(plan, 0), option) == value
 
