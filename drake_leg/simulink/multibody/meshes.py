@@ -89,6 +89,9 @@ def _read(path: Path, unit: float, found: Meshes) -> str | None:
         return None
     try:
         loaded = trimesh.load_mesh(path)
+        if not len(loaded.faces):
+            found.unread[path.name] = "it holds no triangle"
+            return None
         scale = 1.0 if path.suffix.lower() in STEP else unit
         return obj(scale * np.asarray(loaded.vertices), loaded.faces.tolist())
     except Exception as error:  # a damaged file may raise anything

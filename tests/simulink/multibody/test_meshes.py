@@ -5,8 +5,9 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from mechanism_models import pendulum
 
-from drake_leg.simulink.multibody.meshes import mesh, obj, triangulated
+from drake_leg.simulink.multibody.meshes import mesh, obj, triangulated, write_meshes
 from drake_leg.simulink.multibody.solids import Extrusion, Revolution
 
 ARROW = np.array([[0, 0], [2, -1], [1, 0], [2, 1]], dtype=float)
@@ -58,3 +59,23 @@ def test_triangles_fill_a_polygon():
 def test_an_obj_file_has_facets_with_normals_and_counts_from_one():
     lines = obj(np.eye(3), [(0, 1, 2), (0, 0, 1)]).splitlines()
     assert lines[-2:] == ["vn 0.577350 0.577350 0.577350", "f 1//1 2//1 3//1"]
+
+
+@pytest.mark.slow
+def test_a_file_of_a_cad_program_is_seen_in_meters(tmp_path):
+    trimesh = pytest.importorskip("trimesh", reason="the extra meshes is not installed")
+    (tmp_path / "cad").mkdir()
+    trimesh.creation.box((10.0, 20.0, 30.0)).export(tmp_path / "cad" / "Rod.STL")
+    (tmp_path / "cad" / "torn.stl").write_text("solid", encoding="utf-8")
+    texts = {"ExtGeomFileUnits": "mm", "InertiaType": "PointMass"}
+    built = pendulum()
+    for name, file in (("A", "C:\\lab\\rod.stl"), ("B", "torn.stl"), ("C", "lost.step")):
+        built.body("File Solid", name, ExtGeomFileName=file, **texts)
+    built.meet("Down", "A", "B", "C")
+    built.lines.pop(-2)
+    found = write_meshes(built.mechanism(tmp_path), tmp_path, [tmp_path / "cad"])
+    assert list(found.names.values()) == ["A.obj"]
+    assert (list(found.unread), found.missing) == (["torn.stl"], ["lost.step"])
+    lines = (tmp_path / "A.obj").read_text(encoding="utf-8").splitlines()
+    corners = np.array([line.split()[1:] for line in lines if line.startswith("v ")], dtype=float)
+    np.testing.assert_allclose(np.ptp(corners, axis=0), [0.01, 0.02, 0.03])
