@@ -184,7 +184,7 @@ def test_some_changed_files(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_thousands_of_changed_files(tmp_path, monkeypatch):
-    count = cases(3000)
+    count = cases(1500)
     assert 0.1 * count < read_changed(tmp_path, monkeypatch, count, seed=2) < 0.9 * count
 
 
