@@ -6,7 +6,7 @@ are cut: the actuated ones last, and a 6-DOF joint, which constrains nothing, fi
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -100,11 +100,6 @@ class Mechanism:
     sensors: tuple[Joint, ...]  # 6-DOF joints that close loops, and constrain nothing
     connections: Connections
 
-    @property
-    def start(self) -> Array:
-        """Return the positions of the tree's joints at their state targets."""
-        return np.concatenate([np.zeros(0), *(joint.start for joint in self.joints)])
-
 
 def mechanism_of(model: Model) -> Mechanism:
     """Find the bodies and joints of a model.
@@ -142,12 +137,21 @@ class _Piece:
     solids: list[tuple[Solid, Array]]
 
 
+def neighbours(
+    edges: Iterable[tuple[Frame, Frame, Array]],
+) -> dict[Frame, list[tuple[Frame, Array]]]:
+    """List, for each frame A, the frames B that an edge (A, B, X_AB) connects with it, and X_AB."""
+    near: dict[Frame, list[tuple[Frame, Array]]] = {}
+    for base, follower, X_BF in edges:
+        near.setdefault(base, []).append((follower, X_BF))
+        near.setdefault(follower, []).append((base, inverse(X_BF)))
+    return near
+
+
 def _pieces(connections: Connections) -> list[_Piece]:
     """Gather what is rigidly connected; the world is the first piece."""
-    near: dict[Frame, list[tuple[Frame, Array]]] = {WORLD: []}
-    for edge in connections.rigid:
-        near.setdefault(edge.base, []).append((edge.follower, edge.X_BF))
-        near.setdefault(edge.follower, []).append((edge.base, inverse(edge.X_BF)))
+    near = neighbours((edge.base, edge.follower, edge.X_BF) for edge in connections.rigid)
+    near.setdefault(WORLD, [])
     for joint in connections.joints:
         near.setdefault(joint.base, [])
         near.setdefault(joint.follower, [])

@@ -13,6 +13,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import JOINTS
+from drake_leg.simulink.mechanism import SOLIDS as OF_MASS
 from drake_leg.simulink.mechanism import Frame, PhysicalNetwork, network_of, rigid_transform
 from drake_leg.simulink.model import Block, Model, vector
 from drake_leg.simulink.multibody.joints import Primitive, primitives_of
@@ -23,10 +24,7 @@ from drake_leg.simulink.wiring import physical_part
 T = TypeVar("T")
 
 WORLD = "world"
-SOLIDS = (
-    "Brick Solid", "Cylindrical Solid", "Spherical Solid", "Ellipsoidal Solid", "Extruded Solid",
-    "Revolved Solid", "File Solid", "Solid", "Inertia", "Graphic",
-)  # fmt: skip
+SOLIDS = (*OF_MASS, "Graphic")
 PLACES = (
     "Reference Frame", "World Frame", "Mechanism Configuration", "Transform Sensor",
     "Infinite Plane", "Point Cloud", "Spline", "Grid Surface", "Point", "Disk", "Convex Hull",
@@ -106,8 +104,9 @@ def refuse(problems: Sequence[str]) -> None:
 
 class _Reading:
     def __init__(self, model: Model) -> None:
-        self._blocks = physical_part(model).blocks
-        self._network: PhysicalNetwork = network_of(physical_part(model))
+        flat = physical_part(model)
+        self._blocks = flat.blocks
+        self._network: PhysicalNetwork = network_of(flat)
         self._problems: dict[str, None] = {}
         self._mechanical = self._at_frames()
 

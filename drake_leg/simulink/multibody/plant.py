@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.mechanism import Frame, inverse
 from drake_leg.simulink.multibody.assembly import Assembly
-from drake_leg.simulink.multibody.bodies import Joint, Mechanism
+from drake_leg.simulink.multibody.bodies import Joint, Mechanism, neighbours
 from drake_leg.simulink.multibody.connections import WORLD
 from drake_leg.simulink.multibody.mass import Array
 from drake_leg.simulink.multibody.sdf import floats, joint_names, link_names, mechanism_sdf, outward
@@ -199,17 +199,13 @@ def prove_mechanism(
 
 def _composed(mechanism: Mechanism, q: Array, X_WB: list[Array]) -> dict[Frame, Array]:
     """Compose the poses X_WF of all frames, block by block from the world on."""
-    near: dict[Frame, list[tuple[Frame, Array]]] = {}
-    for edge in mechanism.connections.rigid:
-        near.setdefault(edge.base, []).append((edge.follower, edge.X_BF))
-        near.setdefault(edge.follower, []).append((edge.base, inverse(edge.X_BF)))
+    edges = [(edge.base, edge.follower, edge.X_BF) for edge in mechanism.connections.rigid]
     first = 0
     for joint in mechanism.joints:
-        base, follower = joint.connects.base, joint.connects.follower
-        X_BF = joint.pose(q[first : first + joint.positions])
-        near.setdefault(base, []).append((follower, X_BF))
-        near.setdefault(follower, []).append((base, inverse(X_BF)))
-        first += joint.positions
+        last = first + joint.positions
+        edges.append((joint.connects.base, joint.connects.follower, joint.pose(q[first:last])))
+        first = last
+    near = neighbours(edges)
     found: dict[Frame, Array] = {WORLD: np.eye(4)}
     for number in mechanism.floating:
         frame, X_BF = next(iter(mechanism.bodies[number].frames.items()))

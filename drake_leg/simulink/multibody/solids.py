@@ -9,7 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
-from drake_leg.simulink.model import Block, Value, invalid_parameter, is_on, vector
+from drake_leg.simulink.model import Block, invalid_parameter, is_on, vector
 from drake_leg.simulink.multibody import mass
 from drake_leg.simulink.multibody.features import (
     Feature,
@@ -162,7 +162,7 @@ class Solid:
             If a value is not known, or makes no body.
         """
         block = self.block
-        if block.kind in ("Graphic", "Infinite Plane"):
+        if block.kind == "Graphic":
             return NO_MASS
         default = "PointMass" if block.kind == "Inertia" else "CalculateFromGeometry"
         given = block.parameters.get("InertiaType", default)
@@ -201,7 +201,7 @@ class Solid:
             mass=self._number("Mass"), center=self._vector("CenterOfMass", 3), inertia=inertia
         )
 
-    @property
+    @cached_property
     def ports(self) -> dict[str, str]:
         """What is at its ports, ``lconn:1`` and so on: a frame's name, R, or a geometry.
 
@@ -289,7 +289,7 @@ _REGULAR = ("Regular", "RegularExtrusion")
 
 def _shape(block: Block) -> Shape | None:
     kind = _KINDS.get(block.kind) or str(block.parameters.get("GeometryShape", ""))
-    if block.kind in ("Inertia", "Graphic", "Infinite Plane"):
+    if block.kind in ("Inertia", "Graphic"):
         return None
     if kind == "GeneralExtrusion" and block.parameters.get("ExtrusionType") in _REGULAR:
         kind = "RegularExtrusion"
@@ -338,7 +338,7 @@ def _section(block: Block, of: str) -> Array:
 
 
 def _positive(block: Block, name: str, *, least: float | None = None) -> float:
-    numbers = vector(_given(block, name))
+    numbers = vector(block.parameters.get(name))
     if len(numbers) != 1 or not (numbers[0] > 0.0 if least is None else numbers[0] >= least):
         bound = "a positive number" if least is None else f"a number of at least {least:g}"
         raise invalid_parameter(block, name, f"it must be {bound}")
@@ -353,11 +353,7 @@ def _positives(block: Block, name: str) -> tuple[float, ...]:
 
 
 def _vector(block: Block, name: str, size: int) -> Array:
-    numbers = np.array(vector(_given(block, name)))
+    numbers = np.array(vector(block.parameters.get(name)))
     if numbers.shape != (size,):
         raise invalid_parameter(block, name, f"it must be {size} numbers")
     return numbers
-
-
-def _given(block: Block, name: str) -> Value | None:
-    return block.parameters.get(name)
