@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 VELOCITIES = {"speed": 0.0, "sideways": 0.0, "turn": 0.0}  # [m/s, m/s, deg/s]
 NUMBERS = ("at", "period", "duty", "lift", *VELOCITIES)
-EXAMPLE = "`then='gait=wave speed=0.03 at=5; sideways=0.1 at=20'`"
+EXAMPLE = "'gait=wave speed=0.03 at=5; sideways=0.1 at=20'"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +66,7 @@ def _read(change: str) -> dict[str, str]:
     if "at" not in given:
         raise InvalidValueError(
             f"`then` says {change.strip()!r} and not when",
-            advice=f"add `at`, in s, as in {EXAMPLE}",
+            advice=f"add its time, at=5 in s, as in {EXAMPLE}",
         )
     return given
 

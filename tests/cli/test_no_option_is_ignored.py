@@ -105,6 +105,7 @@ MEANINGLESS = [
     ("inspect", f"{MODEL} --set D3=1", "the model uses no variable 'D3'"),
     ("diagram", "leg-b --init a.m --out a.svg", "is for Simulink models and means nothing"),
     *(("run", words, said) for words, said in OF_RUNS_MEANINGLESS),
+    ("run", "hexapod --then gait=wave", "as in 'gait=wave speed=0.03 at=5; sideways=0.1 at=20'"),
     ("run", "leg-b --accuracy 1e-6 --integrator explicit_euler", "means nothing to it"),
     ("run", "leg-b --frequency 2 --amplitude 0", "the amplitude is 0"),
     ("run", "scara --direction 0,1,0 --amplitude 0", "the amplitude is 0"),
