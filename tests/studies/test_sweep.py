@@ -446,10 +446,16 @@ def test_a_worker_draws_nothing():
 
 
 KILLED = """
-import os, sys, time
+import sys, time
 from drake_leg.studies.sweep import sweep
+
+def stand_still(count, total):
+    if count > 2 and "stand-still" in sys.argv:
+        time.sleep(600)
+
 if __name__ == "__main__":
-    sweep("leg-b", vary={"amplitude": "0.02:0.06:40"}, duration=2.0, workers=2, out=sys.argv[1])
+    sweep("leg-b", vary={"amplitude": "0.02:0.06:40"}, duration=2.0, workers=2, out=sys.argv[1],
+          progress=stand_still)
 """
 
 
@@ -457,7 +463,7 @@ if __name__ == "__main__":
 def test_a_killed_sweep_leaves_no_process_and_goes_on(tmp_path):
     script, where = tmp_path / "killed.py", tmp_path / "s"
     script.write_text(KILLED)
-    parent = subprocess.Popen([sys.executable, str(script), str(where)])
+    parent = subprocess.Popen([sys.executable, str(script), str(where), "stand-still"])
     journal = where / JOURNAL
     wait_for(lambda: journal.exists() and len(journal.read_text().splitlines()) > 2)
     children = children_of(parent.pid)
