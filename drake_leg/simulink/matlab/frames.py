@@ -11,6 +11,7 @@ from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.data import Struct
 
 Values = list[Any]
+Memory = dict[str, Any]  # persistent variables of all functions
 
 
 @dataclass(kw_only=True, eq=False)
@@ -22,6 +23,28 @@ class File:
     folder: Path | None = None  # where its functions look first
 
 
+class Kept:
+    """The persistent variables of one function, in the memory of all."""
+
+    def __init__(self, memory: Memory, file: File, function: syntax.Function) -> None:
+        self._memory, self._of = memory, place_of(file, function)
+
+    def __contains__(self, name: str) -> bool:
+        return f"{self._of}.{name}" in self._memory
+
+    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 - any value of a script
+        return self._memory[f"{self._of}.{name}"]
+
+    def __setitem__(self, name: str, value: Any) -> None:  # noqa: ANN401
+        self._memory[f"{self._of}.{name}"] = value
+
+
+def place_of(file: File, function: syntax.Function) -> str:
+    """Tell a function from all others by its name and where it is written."""
+    folder = f"{file.folder}/" if file.folder else ""
+    return f"{folder}{file.name}:{function.name}"
+
+
 @dataclass(kw_only=True, eq=False)
 class Frame:
     """The variables of one call."""
@@ -30,8 +53,8 @@ class Frame:
     file: File
     function: syntax.Function | None = None  # None in a script
     nesting: int = 0  # of all calls around it
-    shared: set[str] = field(default_factory=set)  # global variables  # global variables
-    kept: dict[str, Any] | None = None  # the persistent variables of the function
+    shared: set[str] = field(default_factory=set)  # global variables
+    kept: Kept | None = None  # the persistent variables of the function
     given: int = 0
     wanted: int = 0
     ends: list[tuple[Any, int, int]] = field(default_factory=list)

@@ -22,7 +22,7 @@ from drake_leg.simulink.matlab.data import (
     extent,
     items_of,
 )
-from drake_leg.simulink.matlab.frames import File, Frame, Host, Values
+from drake_leg.simulink.matlab.frames import File, Frame, Host, Kept, Memory, Values
 from drake_leg.simulink.matlab.indexing import ALL, last, read
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import assigned, called, first_of, path_of
@@ -36,10 +36,10 @@ from drake_leg.simulink.matlab.writing import write_target
 class Interpreter:
     """Runs statements and evaluates expressions within a budget."""
 
-    def __init__(self, host: Host, budget: Allowance) -> None:
+    def __init__(self, host: Host, budget: Allowance, memory: Memory | None = None) -> None:
         self.host, self.budget = host, budget
         self.globals: dict[str, Any] = {}
-        self._kept: dict[int, dict[str, Any]] = {}
+        self.memory: Memory = {} if memory is None else memory
 
     # --- statements ---------------------------------------------------------------------------
 
@@ -496,7 +496,7 @@ class Interpreter:
         nesting = caller.nesting + max(function.nesting, 3)
         frame = Frame(values={}, file=file, function=function, nesting=nesting, line=function.line)
         self._descend(frame, function.name)
-        frame.kept = self._kept.setdefault(id(function), {})
+        frame.kept = Kept(self.memory, file, function)
         frame.given, frame.wanted = len(arguments), wanted
         self._bind(function, arguments, frame)
         self.block(function.body, frame)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -13,20 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.checking import checked_functions, located, means_something
 from drake_leg.simulink.matlab.data import Allowance, Function, numbers_of, settled
 from drake_leg.simulink.matlab.frames import Alone, File, Frame
 from drake_leg.simulink.matlab.interpreter import Interpreter
-from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
-from drake_leg.simulink.matlab.names import assigned, names_in
-from drake_leg.simulink.matlab.numeric import (
-    ELEMENTS,
-    SCRIPT_LENGTH,
-    VALUE_LENGTH,
-    MatlabError,
-    quiet,
-)
+from drake_leg.simulink.matlab.names import names_in
+from drake_leg.simulink.matlab.numeric import ELEMENTS, VALUE_LENGTH, MatlabError, quiet
 from drake_leg.simulink.matlab.parser import Parser
-from drake_leg.simulink.matlab.specials import COMMANDS, SPECIAL
 from drake_leg.simulink.matlab.syntax import tokenize
 
 STEPS = 1_000_000  # of one call of a function block
@@ -79,7 +72,7 @@ def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
         with quiet():
             node = parsed_expression(text)
             for name in names_in(node):
-                if name not in (names or {}) and not _means_something(name):
+                if name not in (names or {}) and not means_something(name):
                     raise MatlabError(f"'{name}' is not a known function or constant")
             values = {name: variable(name, given) for name, given in (names or {}).items()}
             frame = Frame(values=values, file=File(name="the text"))
@@ -148,13 +141,6 @@ def _real(result: Any) -> NDArray[np.float64]:  # noqa: ANN401
     if np.iscomplexobj(array):
         raise MatlabError("it is complex; only real numbers are supported")
     return array
-
-
-def located(fault: MatlabError, name: str, line: int) -> InvalidValueError:
-    """Name the place of a fault: its own function and line, or those that are given."""
-    name = fault.function or name
-    what = f"MATLAB function {name}" if name else "MATLAB function"
-    return InvalidValueError(f"{what}, line {fault.line or line}: {fault}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,89 +215,6 @@ def program(script: str) -> Program:
     InvalidValueError
         With function and line, if the code is not well formed, or needs what is not supported.
     """
-    if len(script) > SCRIPT_LENGTH:
-        raise InvalidValueError(f"MATLAB code of more than {SCRIPT_LENGTH} characters is refused")
-    parser: Parser | None = None
-    try:
-        parser = Parser(tokenize(script))
-        functions = parser.functions()
-    except MatlabError as fault:
-        raise located(fault, parser.name if parser else _named(script), 1) from None
-    own = frozenset(function.name for function in functions)
-    for name in ("varargin", "varargout"):
-        if name in (*functions[0].inputs, *functions[0].outputs):
-            refusal = MatlabError(f"'{name}' is not supported")
-            raise located(refusal, functions[0].name, functions[0].line)
-    for function in functions:
-        _require_supported(function, own)
+    functions = checked_functions(script)
     main = functions[0]
-    return Program(
-        name=main.name, inputs=main.inputs, outputs=main.outputs, functions=tuple(functions)
-    )
-
-
-def _require_supported(function: syntax.Function, own: frozenset[str]) -> None:
-    """Refuse what keeps values between calls, and names that mean nothing."""
-    known = {*function.inputs, *function.outputs, *assigned(function.body), *own}
-    for statement, expressions in _walked(function.body):
-        if isinstance(statement, syntax.Declare):
-            fault = MatlabError(f"'{statement.keyword}' is not supported", statement.line)
-            raise located(fault, function.name, function.line)
-        for line, expression in expressions:
-            for name in names_in(expression):
-                if name not in known and not _means_something(name):
-                    fault = MatlabError(f"'{name}' is not a known function or constant", line)
-                    raise located(fault, function.name, function.line)
-
-
-def _means_something(name: str) -> bool:
-    tables = (KNOWN, CONSTANTS, SPECIAL, COMMANDS, NOT_RUN, QUIET)
-    return name == "coder" or any(name in table for table in tables)
-
-
-_Located = tuple[int, Any]  # line, and a node of the tree
-
-
-def _walked(
-    statements: tuple[syntax.Statement, ...],
-) -> Iterator[tuple[syntax.Statement, list[_Located]]]:
-    """All statements, each with the expressions that are its own."""
-    for statement in statements:
-        line = statement.line
-        match statement:
-            case syntax.Assign(targets=targets, value=value):
-                yield statement, [(line, targets), (line, value)]
-            case syntax.Evaluate(value=value):
-                yield statement, [(line, value)]
-            case syntax.If(branches=branches, otherwise=otherwise):
-                for at, condition, body in branches:
-                    yield statement, [(at, condition)]
-                    yield from _walked(body)
-                yield from _walked(otherwise)
-            case syntax.Switch(on=on, cases=cases, otherwise=otherwise):
-                yield statement, [(line, on)]
-                for at, case, body in cases:
-                    yield statement, [(at, case)]
-                    yield from _walked(body)
-                yield from _walked(otherwise)
-            case syntax.For(over=over, body=body):
-                yield statement, [(line, over)]
-                yield from _walked(body)
-            case syntax.While(condition=condition, body=body):
-                yield statement, [(line, condition)]
-                yield from _walked(body)
-            case syntax.Try(body=body, handler=handler):
-                yield statement, []
-                yield from _walked(body)
-                yield from _walked(handler)
-            case _:
-                yield statement, []
-
-
-def _named(script: str) -> str:
-    """Name of the first function, read off its head, where the code cannot be parsed."""
-    for line in script.splitlines():
-        if line.lstrip().startswith("function"):
-            words = line.split("=")[-1].split("(")[0].split()
-            return words[-1] if words and words[-1] != "function" else ""
-    return ""
+    return Program(name=main.name, inputs=main.inputs, outputs=main.outputs, functions=functions)

@@ -1,0 +1,154 @@
+"""The code of a MATLAB Function block, to be called as often as a simulation needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from drake_leg.errors import InvalidValueError, did_you_mean
+from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.checking import checked_functions, located
+from drake_leg.simulink.matlab.compiling.beside import Beside
+from drake_leg.simulink.matlab.compiling.values import inward, outward
+from drake_leg.simulink.matlab.data import LackError
+from drake_leg.simulink.matlab.folders import Folders
+from drake_leg.simulink.matlab.frames import Alone, File, Memory
+from drake_leg.simulink.matlab.interpreter import Interpreter
+from drake_leg.simulink.matlab.numeric import MatlabError, quiet
+from drake_leg.simulink.matlab.program import small_budget
+
+# ruff: noqa: ANN401 - any value of a signal
+
+
+class CompiledFunction:
+    """The function of a MATLAB Function block; make it by `compiled`.
+
+    Attributes
+    ----------
+    name : str
+        Name for messages.
+    inputs, outputs : tuple of str
+        Names of the inputs, without those that are parameters, and of the outputs.
+    """
+
+    def __init__(
+        self,
+        functions: tuple[syntax.Function, ...],
+        parameters: Mapping[str, Any],
+        host: Alone,
+        name: str,
+    ) -> None:
+        self._main, self._parameters, self._host = functions[0], parameters, host
+        self._file = File(name=self._main.name, functions={one.name: one for one in functions})
+        self.name = name or self._main.name
+        self.inputs = tuple(one for one in self._main.inputs if one not in parameters)
+        self.outputs = self._main.outputs
+
+    def start(self) -> Memory:
+        """Return the persistent variables before the first call.
+
+        A copy by ``dict`` keeps them as they are: a call puts other values into the dict, and
+        leaves the values themselves as they were.
+        """
+        return {}
+
+    def call(self, persistent: Memory, *arguments: Any) -> tuple[Any, ...]:
+        """Call the function once.
+
+        Parameters
+        ----------
+        persistent : dict
+            The persistent variables, from `start`; the call changes them.
+        *arguments
+            One for each input: a number, a vector (n,), which is a column, an array of more
+            dimensions, or a dict for a bus.
+
+        Returns
+        -------
+        tuple
+            One for each output, of the same kinds.
+
+        Raises
+        ------
+        InvalidValueError
+            With function and line, if the code fails or takes too many steps; then the persistent
+            variables are as before the call.
+        """
+        if len(arguments) != len(self.inputs):
+            names = ", ".join(self.inputs)
+            raise InvalidValueError(
+                f"MATLAB function {self.name} has {len(self.inputs)} inputs ({names}), "
+                f"but is given {len(arguments)}"
+            )
+        try:
+            given = dict(zip(self.inputs, arguments, strict=True))
+            values = [
+                self._parameters[name] if name in self._parameters else inward(name, given[name])
+                for name in self._main.inputs
+            ]
+            with quiet():
+                memory = dict(persistent)
+                results = self._interpreted(memory, values)
+            found = tuple(map(outward, self.outputs, results))
+        except MatlabError as fault:
+            raise located(fault, self._main.name, self._main.line) from None
+        persistent.update(memory)
+        return found
+
+    def _interpreted(self, memory: Memory, values: list[Any]) -> list[Any]:
+        interpreter = Interpreter(self._host, small_budget(), memory)
+        return interpreter.main(self._main, self._file, values, len(self.outputs))
+
+
+def compiled(
+    script: str,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    functions: Folders | None = None,
+    name: str = "",
+) -> CompiledFunction:
+    """Make the code of a MATLAB Function block callable.
+
+    Parameters
+    ----------
+    script : str
+        One function, and after it those that it calls.
+    parameters : mapping, optional
+        Values of the inputs that are parameters of the block.
+    functions : Folders, optional
+        Where functions in files are looked for.
+    name : str, optional
+        Name for messages, instead of the function's own.
+
+    Raises
+    ------
+    InvalidValueError
+        With function and line, if the code is not well formed, or needs what is not supported.
+    """
+    host = Alone() if functions is None else Beside(functions)
+    alone = File(name="")
+    found = checked_functions(
+        script,
+        refused=("global",),
+        beside=lambda called: _is_beside(host, called, alone),
+    )
+    given = parameters or {}
+    for parameter in given:
+        if parameter not in found[0].inputs:
+            raise InvalidValueError(
+                f"MATLAB function {found[0].name} has no input {parameter!r}",
+                advice=did_you_mean(parameter, found[0].inputs, "leave the parameter out"),
+            )
+    try:
+        values = {parameter: inward(parameter, value) for parameter, value in given.items()}
+    except MatlabError as fault:
+        raise located(fault, found[0].name, found[0].line) from None
+    return CompiledFunction(found, values, host, name)
+
+
+def _is_beside(host: Alone, name: str, file: File) -> bool:
+    try:
+        found = host.function_file(name, file)
+    except LackError:
+        return True  # the call says what is wrong with it
+    return found is not None and bool(found.functions)

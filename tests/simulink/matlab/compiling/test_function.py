@@ -1,0 +1,105 @@
+"""MATLAB Functions called often: what goes in and out, and what is kept."""
+
+import numpy as np
+import pytest
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.matlab.compiling import compiled
+from drake_leg.simulink.matlab.folders import Folders
+
+COUNTER = """function y = f(u)
+persistent k
+if isempty(k), k = 0; end
+k = k + u;
+y = k;
+"""
+
+
+def once(code, *arguments, **options):
+    function = compiled(code, **options)
+    return function.call(function.start(), *arguments)
+
+
+def test_persistent_variables_are_kept_outside():
+    function = compiled(COUNTER)
+    kept, other = function.start(), function.start()
+    assert [function.call(kept, 2.0) for _ in range(3)] == [(2.0,), (4.0,), (6.0,)]
+    assert function.call(other, 1.0) == (1.0,)
+
+
+def test_a_copy_of_the_persistent_variables_is_a_point_to_return_to():
+    function = compiled(
+        "function y = f(u)\npersistent a\nif isempty(a), a = zeros(3, 1); end\n"
+        "a(2) = a(2) + u;\ny = a;"
+    )
+    kept = function.start()
+    function.call(kept, 1.0)
+    there = dict(kept)
+    assert function.call(kept, 1.0)[0].tolist() == [0, 2, 0]
+    assert function.call(there, 5.0)[0].tolist() == [0, 6, 0]
+
+
+def test_a_call_that_fails_leaves_the_persistent_variables():
+    function = compiled(
+        "function y = f(u)\npersistent k\nif isempty(k), k = 0; end\nk = k + 1; v = [1 2];\n"
+        "y = v(u);"
+    )
+    kept = function.start()
+    function.call(kept, 1.0)
+    with pytest.raises(InvalidValueError, match="function f, line 5: 'v' is 1×2 and has no"):
+        function.call(kept, 3.0)
+    assert list(kept.values()) == [1.0]
+
+
+def test_shapes_of_signals():
+    shapes = "function [a, b, c, d] = f(u)\na = u; b = u'; c = u*u'; d = u'*u;"
+    a, b, c, d = once(shapes, [1.0, 2.0])
+    assert (a.shape, b.shape, c.shape, d) == ((2,), (1, 2), (2, 2), 5.0)
+    assert type(once("function y = f(u)\ny = u > 1;", 2.0)[0]) is bool
+    assert once("function y = f(u)\ny = sqrt(u);", -4.0) == (2j,)
+
+
+def test_buses_are_dicts():
+    code = "function y = f(b)\ny = b; y.sum = sum(b.q) + b.inner.k; y.q(2) = 7;"
+    bus = {"q": np.array([1.0, 2.0, 3.0]), "inner": {"k": 4.0}}
+    (found,) = once(code, bus)
+    assert type(found) is dict
+    assert (found["sum"], found["q"].tolist()) == (10.0, [1, 7, 3])
+    assert bus["q"].tolist() == [1, 2, 3]
+
+
+def test_parameters_are_no_inputs():
+    code = "function y = f(u, k, w)\ny = k*u + w;"
+    function = compiled(code, parameters={"k": [[1.0, 2.0], [3.0, 4.0]]})
+    assert function.inputs == ("u", "w")
+    assert function.call({}, [1.0, 1.0], 5.0)[0].tolist() == [8, 12]
+    with pytest.raises(InvalidValueError, match="f has no input 'kk': leave the"):
+        compiled(code, parameters={"kk": 1.0})
+
+
+def test_functions_in_files_keep_their_own(tmp_path):
+    (tmp_path / "step.m").write_text(COUNTER.replace("f(u)", "step(u)"))
+    folders = Folders()
+    folders.add(tmp_path)
+    function = compiled("function y = f(u)\ny = step(u) + step(1);", functions=folders)
+    kept = function.start()
+    assert [function.call(kept, 2.0) for _ in range(2)] == [(5.0,), (11.0,)]
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments", "reason"),
+    [
+        ("function y = f(u)\nglobal k\ny = u;", (1.0,), "line 2: 'global' is not supported"),
+        ("function y = f(u)\ny = other(u);", (1.0,), "line 2: 'other' is not a known function"),
+        ("function y = f(u)\ny = u;", (), r"f has 1 inputs \(u\), but is given 0"),
+        ("function y = f(u)\ny = u;", ("it", 2), r"f has 1 inputs \(u\), but is given 2"),
+        ("function y = f(u)\ny = u;", (object(),), "line 1: 'u' is given <object"),
+        ("function y = f(u)\ny = u;", (np.zeros(10_001),), "an array of 10001; it may have"),
+        ("function y = f(u)\ny = 'a';", (1.0,), "line 1: the text 'a' is not a number"),
+        ("function y = f(u)\ny = {u};", (1.0,), "the output 'y' is a cell"),
+        ("function y = f(u)\ny = 1;\nwhile y, end", (1.0,), "line 3: it takes more than"),
+    ],
+)
+def test_what_is_refused_says_where_and_why(code, arguments, reason):
+    with pytest.raises(InvalidValueError, match=reason):
+        once(code, *arguments)
