@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -55,14 +56,22 @@ class Assembly:
         the shortest that closes the linearized loops.
         """
         size = sum(joint.positions for joint in self._mechanism.joints)
-        q, gap = self.targets, _greatest(self.gaps(self.targets))
-        for may_move in (np.logical_not(self.firm), np.ones(len(q), dtype=bool)):
+        q, gap = self.assembled()
+        return q[:size], gap
+
+    def assembled(self, given: Mapping[int, float] | None = None) -> tuple[Array, float]:
+        """Return all positions with loops closed, and the gap; given ones stay, by number."""
+        start, fixed = self.targets, np.zeros(len(self.targets), dtype=bool)
+        for number, position in (given or {}).items():
+            start[number], fixed[number] = position, True
+        q, gap = start, _greatest(self.gaps(start))
+        for may_move in (~(self.firm | fixed), ~fixed):
             if gap <= CLOSED:
                 break
-            moved, left = self._solved(self.targets, may_move)
+            moved, left = self._solved(start, may_move)
             if left < gap:
                 q, gap = moved, left
-        return q[:size], gap
+        return q, gap
 
     def _solved(self, q: Array, may_move: Array) -> tuple[Array, float]:
         """Return the best positions of a search, and their gap."""

@@ -39,11 +39,15 @@ class Body:
     name: str
     solids: tuple[tuple[Solid, Array], ...]  # with their poses X_BR, (4, 4) [m]
     frames: Mapping[Frame, Array]  # poses X_BF, (4, 4) [m], of the model's frames on it
+    share: float = 1.0  # of the solids' mass that it has
 
     @cached_property
     def properties(self) -> MassProperties:
         """Mass, center of mass and inertia in B."""
-        return composed([(solid.properties, X_BR) for solid, X_BR in self.solids])
+        whole = composed([(solid.properties, X_BR) for solid, X_BR in self.solids])
+        return MassProperties(
+            mass=self.share * whole.mass, center=whole.center, inertia=self.share * whole.inertia
+        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

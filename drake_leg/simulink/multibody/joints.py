@@ -12,14 +12,14 @@ from scipy.spatial.transform import Rotation
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import PRIMITIVES
 from drake_leg.simulink.mechanism import pose, rotation_of
-from drake_leg.simulink.model import Block, invalid_parameter, is_on, number
+from drake_leg.simulink.model import Block, invalid_parameter, is_on, number, vector
 from drake_leg.simulink.multibody.mass import Array
 
 Kind = Literal["turn", "slide", "ball"]
 
 SINGLE = {"Revolute Joint": "Rz", "Prismatic Joint": "Pz", "Spherical Joint": "Sph"}
 _KINDS: dict[str, Kind] = {"R": "turn", "P": "slide", "S": "ball"}
-_TARGET = "PositionTarget"
+_TARGET, _RATE = "PositionTarget", "VelocityTarget"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +38,8 @@ class Primitive:
         None  # position [rad or m]; of a ball a quaternion w, x, y, z
     )
     firm: bool = True  # whether the target has high priority
+    rate: tuple[float, ...] | None = None  # target of the velocity [rad/s or m/s]
+    rate_firm: bool = True  # whether that target has high priority
     driven: bool = False  # whether a force, a torque or a motion is an input
 
     @property
@@ -109,7 +111,9 @@ def _primitive(block: Block, name: str) -> Primitive:
         lower=bounds[0],
         upper=bounds[1],
         target=(get(f"{_TARGET}Value"),) if targeted else None,
-        firm=_is_firm(block, prefix),
+        firm=_is_firm(block, prefix + _TARGET),
+        rate=(get(f"{_RATE}Value"),) if is_on(block, f"{prefix}{_RATE}Specify") else None,
+        rate_firm=_is_firm(block, prefix + _RATE),
         driven=_is_driven(block, prefix),
     )
 
@@ -127,7 +131,9 @@ def _ball(block: Block, name: str, prefix: str) -> Primitive:
         stiffness=get("SpringStiffness"),
         damping=get("DampingCoefficient"),
         target=target,
-        firm=_is_firm(block, prefix),
+        firm=_is_firm(block, prefix + _TARGET),
+        rate=_turning(block, prefix) if is_on(block, f"{prefix}{_RATE}Specify") else None,
+        rate_firm=_is_firm(block, prefix + _RATE),
         driven=_is_driven(block, prefix),
     )
 
@@ -142,8 +148,20 @@ def _getter(block: Block, prefix: str) -> Callable[[str], float]:
     return get
 
 
-def _is_firm(block: Block, prefix: str) -> bool:
-    return block.parameters.get(f"{prefix}{_TARGET}Priority", "High") == "High"
+def _turning(block: Block, prefix: str) -> tuple[float, ...]:
+    """Read the target of an angular velocity, in the base."""
+    name = f"{prefix}{_RATE}Value"
+    found = vector(block.parameters.get(name))
+    if len(found) != 3:
+        raise invalid_parameter(block, name, "it must be 3 numbers")
+    turned = is_on(block, f"{prefix}{_TARGET}Specify")
+    if turned and is_on(block, f"{prefix}{_RATE}InFollowerFrame"):
+        found = tuple((rotation_of(block, f"{prefix}{_TARGET}") @ np.array(found)).tolist())
+    return found
+
+
+def _is_firm(block: Block, target: str) -> bool:
+    return block.parameters.get(f"{target}Priority", "High") == "High"
 
 
 def _is_driven(block: Block, prefix: str) -> bool:

@@ -1,0 +1,1 @@
+"""The mechanism of a Simulink model in motion: its plant, what acts on it, what senses it."""

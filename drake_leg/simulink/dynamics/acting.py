@@ -1,0 +1,152 @@
+"""All that acts on a mechanism and senses it, gathered from the blocks of its model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Literal
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.coordinates import Axis, coordinates_of
+from drake_leg.simulink.dynamics.joints import Joints
+from drake_leg.simulink.dynamics.moment import Moment, Place, Places
+from drake_leg.simulink.dynamics.opening import opened
+from drake_leg.simulink.dynamics.ports import Layout
+from drake_leg.simulink.dynamics.relative import sensed_of_joint, sensed_of_transform
+from drake_leg.simulink.dynamics.sensing import (
+    Ports,
+    Quantity,
+    Response,
+    sensed_of_axis,
+    sensed_of_ball,
+)
+from drake_leg.simulink.dynamics.solver import Constraint, Solution, Solver
+from drake_leg.simulink.dynamics.welds import Welded
+from drake_leg.simulink.mechanism import network_of
+from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.multibody.bodies import Mechanism
+from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.plant import mechanism_plant
+from drake_leg.simulink.wiring import physical_part
+
+
+class Acting:
+    """The plant of a mechanism without loops, what acts on it, and what is sensed of it."""
+
+    def __init__(
+        self,
+        model: Model,
+        mechanism: Mechanism,
+        *,
+        contact: Literal["smooth", "drake"] = "smooth",
+    ) -> None:
+        self.problems: list[str] = []
+        self.network = network_of(physical_part(model))
+        self.tree, welds = opened(mechanism)
+        self.plant = mechanism_plant(self.tree)
+        self.moment = Moment(self.tree, self.plant)
+        self.inputs, self.sensed, self.efforts = Layout(), Layout(), Layout()
+        self.coordinates = coordinates_of(self.tree, self.plant)
+        nq, nv = self.plant.num_positions(), self.plant.num_velocities()
+        self.joints = Joints(self.coordinates, self.inputs, nq, nv)
+        self.problems += self.joints.problems
+        self.constraints: list[Constraint] = [Welded(weld) for weld in welds]
+        self.left_out: Mapping[str, tuple[str, ...]] = mechanism.connections.left_out
+        self._solver = Solver(self.joints, self.constraints, nv)
+        self.mechanism, self._places = mechanism, Places(mechanism)
+        self._wired = {port for node in self.network.signals for port in node}
+        self._add_sensing()
+
+    # --- what is sensed ----------------------------------------------------------------------
+
+    def sense(self, state: Array) -> Array:
+        """Return what depends on the state alone, at the moment of that state."""
+        out: Array = self._linear @ state + self._offset
+        for entries, law in self._of_state:
+            out[entries] = np.ravel(law(self.moment))
+        return out
+
+    def respond(self, u: Array, vdot: Array) -> Array:
+        """Return what depends on the inputs, too."""
+        response = Response(
+            moment=self.moment,
+            u=u,
+            vdot=vdot,
+            driving=self.solved(u).driving,
+            crossing=lambda _: np.zeros(6),
+        )
+        out = np.zeros(self.efforts.size)
+        for entries, law in self._of_response:
+            out[entries] = np.ravel(law(response))
+        return out
+
+    def _add_sensing(self) -> None:
+        self._of_state: list[tuple[slice, Callable[[Moment], float | Array]]] = []
+        self._of_response: list[tuple[slice, Callable[[Response], float | Array]]] = []
+        linear: list[tuple[slice, Array, float]] = []
+        for quantity in self._quantities():
+            if quantity.port not in self._wired:
+                continue
+            if quantity.of_response is not None:
+                entries = self.efforts.add(quantity.port, quantity.shape)
+                self._of_response.append((entries, quantity.of_response))
+                continue
+            entries = self.sensed.add(quantity.port, quantity.shape)
+            if quantity.linear is not None:
+                linear.append((entries, *quantity.linear))
+            elif quantity.of_state is not None:
+                self._of_state.append((entries, quantity.of_state))
+        self._linear = np.zeros((self.sensed.size, self.plant.num_multibody_states()))
+        self._offset = np.zeros(self.sensed.size)
+        for entries, row, offset in linear:
+            self._linear[entries], self._offset[entries] = row, offset
+
+    def _quantities(self) -> Iterable[Quantity]:
+        ports: dict[str, Ports] = {}
+        for coordinate in self.coordinates:
+            block = coordinate.joint.block
+            own = ports.setdefault(block.sid, Ports(block))
+            if isinstance(coordinate, Axis):
+                yield from sensed_of_axis(self.joints, coordinate, own)
+            else:
+                yield from sensed_of_ball(self.joints, coordinate, own)
+        for joint in self.mechanism.sensors:
+            base = Place(body=joint.base, X_BF=joint.X_PB)
+            follower = Place(body=joint.follower, X_BF=joint.X_CF)
+            yield from sensed_of_joint(joint, base, follower, Ports(joint.block))
+        for block in self.network.blocks.values():
+            if block.kind == "Transform Sensor" and block.source.startswith("sm_lib/"):
+                yield from self._of_transform_sensor(block)
+
+    def _of_transform_sensor(self, block: Block) -> list[Quantity]:
+        places = [self._places.at(frame) for frame in self.network.ends(block)]
+        base, follower = places
+        if block.sid not in self.network.sensed:
+            return []
+        if base is None or follower is None:
+            self.problems.append(
+                f"the block {block.name!r} (SID {block.sid}) has a frame that is on no body and "
+                "not on the world: connect both of its frames"
+            )
+            return []
+        try:
+            return sensed_of_transform(block, base, follower, Ports(block))
+        except InvalidValueError as error:
+            self.problems.append(str(error))
+            return []
+
+    # --- what acts ---------------------------------------------------------------------------
+
+    def solved(self, u: Array) -> Solution:
+        """Return the forces on the plant at the moment's state, once for equal inputs."""
+        key = u.tobytes()
+        found = self.moment.memo.get(key)
+        if not isinstance(found, Solution):
+            found = self._solver.solve(self.moment, self._applied(u), u)
+            self.moment.memo[key] = found
+        return found
+
+    def _applied(self, u: Array) -> Array:
+        """Return the generalized forces of all but motions and constraints, (nv,)."""
+        return self.joints.internal(self.moment) + self.joints.actuation(self.moment, u)

@@ -1,0 +1,137 @@
+"""Finds the forces that make driven axes follow their motions, and keep loops closed.
+
+``M vdot + h = S^T driving + J^T multipliers`` with ``S vdot`` and ``J vdot`` given: driven axes are
+taken out of the equations, and of the multipliers those of least norm are chosen where constraints
+are redundant, as in every loop that moves in a plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.lapack import dgesdd, dpotrf, dtrtrs
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.joints import Joints
+from drake_leg.simulink.dynamics.moment import Moment
+from drake_leg.simulink.multibody.mass import Array
+
+# Pulls driven axes to their motions and loops together, against rounding and the integrator's
+# errors [1/s]; weak enough for steps of 50 ms.
+PULL = 20.0
+REDUNDANT = 1e-8  # of the greatest singular value of the constraints, below which one is redundant
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Solution:
+    """What keeps motions and constraints."""
+
+    force: Array  # generalized (nv,), of all that acts on the plant from outside
+    driving: Array  # of each motion-driven axis [N*m or N]
+    multipliers: Array  # of each row of the constraints
+
+
+class Constraint:
+    """Rows ``J vdot = c`` between bodies."""
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        raise NotImplementedError
+
+    def jacobian(self, moment: Moment) -> Array:
+        """Return J, (r, nv)."""
+        raise NotImplementedError
+
+    def rows(self, moment: Moment) -> tuple[Array, Array]:
+        """Return J (r, nv), and c (r,), which pulls errors to zero."""
+        raise NotImplementedError
+
+
+class Solver:
+    """Solves for the forces of motions and constraints."""
+
+    def __init__(self, joints: Joints, constraints: Sequence[Constraint], nv: int) -> None:
+        self._constraints = constraints
+        self._entries = np.array(
+            [range(motion.entries.start, motion.entries.stop) for motion in joints.motions],
+            dtype=int,
+        ).reshape(-1, 3)
+        axes = [motion.axis for motion in joints.motions]
+        self._A, self._b, self._S = joints.A[axes], joints.b[axes], joints.S[axes]
+        single = [place for place, row in enumerate(self._S) if np.count_nonzero(row) == 1]
+        self._single = np.array(single, dtype=int)
+        self._mixed = np.setdiff1d(np.arange(len(axes)), self._single)
+        self._driven = np.array([np.flatnonzero(self._S[place])[0] for place in single], dtype=int)
+        self._signs = self._S[self._single, self._driven]
+        self._free = np.setdiff1d(np.arange(nv), self._driven)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether there is nothing to solve."""
+        return not (len(self._entries) or self._constraints)
+
+    def solve(self, moment: Moment, force: Array, u: Array) -> Solution:
+        """Add the forces of motions and constraints to generalized forces (nv,).
+
+        Raises
+        ------
+        InvalidValueError
+            If free joints move nothing that has mass.
+        """
+        if self.is_idle:
+            return Solution(force=force, driving=np.zeros(0), multipliers=np.zeros(0))
+        wanted = self._wanted(moment, u)
+        J, c = self._rows(moment, wanted)
+        vdot = np.zeros(len(force))
+        vdot[self._driven] = wanted[self._single] * self._signs
+        h = moment.unforced(vdot) - force
+        multipliers = np.zeros(len(c))
+        if len(self._free):
+            M = moment.mass_matrix
+            step, multipliers = self._free_accelerations(M, h, J, c - J @ vdot)
+            h = h + M[:, self._free] @ step
+        h = h - multipliers @ J
+        driving = np.zeros(len(wanted))
+        driving[self._single] = h[self._driven] * self._signs
+        driving[self._mixed] = multipliers[: len(self._mixed)]
+        total = force + multipliers @ J
+        total[self._driven] += h[self._driven]
+        return Solution(force=total, driving=driving, multipliers=multipliers[len(self._mixed) :])
+
+    def _wanted(self, moment: Moment, u: Array) -> Array:
+        """Return the accelerations of driven axes that keep them on their motions."""
+        x, rate, acceleration = u[self._entries].T
+        late = rate - self._S @ moment.v
+        off = x - self._A @ moment.q - self._b
+        wanted: Array = acceleration + 2.0 * PULL * late + PULL**2 * off
+        return wanted
+
+    def _rows(self, moment: Moment, wanted: Array) -> tuple[Array, Array]:
+        """Return the rows of what is not taken out: axes of floating bases, and constraints."""
+        rows = [constraint.rows(moment) for constraint in self._constraints]
+        J = np.vstack([self._S[self._mixed], *(J for J, _ in rows)])
+        return J, np.concatenate([wanted[self._mixed], *(c for _, c in rows)])
+
+    def _free_accelerations(self, M: Array, h: Array, J: Array, c: Array) -> tuple[Array, Array]:
+        """Return the accelerations of free velocities, and the multipliers."""
+        free = self._free
+        L, failed = dpotrf(M[np.ix_(free, free)], lower=1)
+        if failed:
+            raise InvalidValueError(
+                "joints that no motion drives move nothing that has mass: give it a mass, or drive "
+                "them, too"
+            )
+        y = dtrtrs(L, -h[free], lower=1)[0]
+        multipliers = np.zeros(len(c))
+        if len(c):
+            Z = dtrtrs(L, J[:, free].T, lower=1)[0]
+            U, sigma, Vt, _ = dgesdd(Z, full_matrices=0)
+            kept = sigma > REDUNDANT * max(float(sigma[0]), np.finfo(float).tiny)
+            U, sigma, Vt = U[:, kept], sigma[kept], Vt[kept]
+            s = (Vt @ (c - Z.T @ y)) / sigma
+            y = y + U @ s
+            multipliers = Vt.T @ (s / sigma)
+        step: Array = dtrtrs(L, y, lower=1, trans=1)[0]
+        return step, multipliers

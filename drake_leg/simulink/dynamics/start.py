@@ -1,0 +1,109 @@
+"""Where a mechanism starts: at its state targets, with its loops closed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from scipy.linalg import null_space
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.acting import Acting
+from drake_leg.simulink.dynamics.coordinates import Axis
+from drake_leg.simulink.multibody.assembly import Assembly
+from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.plant import set_posture
+
+CLOSED = 1e-6  # [m, rad], of loops at the start
+REDUNDANT = 1e-9  # of the greatest singular value
+
+Level = tuple[Array, Array]  # rows (r, n) and values (r,) of `rows @ v = values`
+
+
+def start_of(acting: Acting, u: Array | None = None) -> Array:
+    """Return the state of the plant at the start; driven axes are at their motions in ``u``.
+
+    Motions and loops come first, then targets of high priority, then those of low priority; what is
+    left free is at rest, and where Simscape's guess is, at 0.
+
+    Raises
+    ------
+    InvalidValueError
+        If loops cannot be closed.
+    """
+    plant = acting.plant
+    moment = acting.moment
+    context = plant.CreateDefaultContext()
+    q, gap = Assembly(acting.mechanism).assembled(_given(acting, u))
+    if gap > CLOSED:
+        names = ", ".join(repr(joint.block.name) for joint in acting.mechanism.loops[:5])
+        raise InvalidValueError(
+            f"the loops at {names} stay {gap:.2g} rad or m open at the start: change state targets "
+            "or motions that cannot be met together"
+        )
+    set_posture(plant, context, acting.tree, q)
+    state = np.concatenate([plant.GetPositions(context), np.zeros(plant.num_velocities())])
+    moment.move_to(state)
+    state[plant.num_positions() :] = prioritized(_levels(acting, u), plant.num_velocities())
+    return state
+
+
+def prioritized(levels: Iterable[Level], size: int) -> Array:
+    """Return the shortest vector that meets each level as well as those before it allow."""
+    v, N = np.zeros(size), np.eye(size)
+    for rows, values in levels:
+        if not len(values):
+            continue
+        free = rows @ N
+        v = v + N @ np.linalg.lstsq(free, values - rows @ v, rcond=REDUNDANT)[0]
+        N = N @ null_space(free, rcond=REDUNDANT)
+    return v
+
+
+def _given(acting: Acting, u: Array | None) -> dict[int, float]:
+    """Return the positions of motion-driven axes, by their numbers among all positions."""
+    if u is None:
+        return {}
+    first, places = 0, {}
+    for coordinate in acting.coordinates:
+        if isinstance(coordinate, Axis):
+            places[acting.joints.number[id(coordinate)]] = first
+        first += coordinate.primitive.positions
+    return {places[m.axis]: float(u[m.entries][0]) for m in acting.joints.motions}
+
+
+def _levels(acting: Acting, u: Array | None) -> Iterator[Level]:
+    """List what velocities have to meet, first what is firmest."""
+    joints, nv = acting.joints, acting.plant.num_velocities()
+    yield _stacked(((c.jacobian(acting.moment), np.zeros(len(c))) for c in acting.constraints), nv)
+    motions = joints.motions if u is not None else []
+    driven = {motion.axis for motion in motions}
+    yield _stacked(((joints.S[[m.axis]], u[m.entries][1:2]) for m in motions if u is not None), nv)
+    for firm in (True, False):
+        yield _stacked(
+            (
+                _target(acting, coordinate.primitive.rate, number)
+                for number, coordinate in enumerate(acting.coordinates)
+                if coordinate.primitive.rate is not None
+                and coordinate.primitive.rate_firm is firm
+                and not (isinstance(coordinate, Axis) and joints.number[id(coordinate)] in driven)
+            ),
+            nv,
+        )
+
+
+def _target(acting: Acting, rate: tuple[float, ...], number: int) -> Level:
+    coordinate = acting.coordinates[number]
+    if isinstance(coordinate, Axis):
+        return coordinate.S[np.newaxis], np.array(rate)
+    R_BF = coordinate.rotation(acting.moment.q)
+    unit = np.eye(acting.plant.num_velocities())
+    return np.column_stack([coordinate.in_base(R_BF, each) for each in unit]), np.array(rate)
+
+
+def _stacked(levels: Iterable[Level], nv: int) -> Level:
+    found = list(levels)
+    return (
+        np.vstack([np.zeros((0, nv)), *(rows for rows, _ in found)]),
+        np.concatenate([np.zeros(0), *(values for _, values in found)]),
+    )

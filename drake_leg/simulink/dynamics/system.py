@@ -1,0 +1,178 @@
+"""The mechanism of a Simulink model as a Drake diagram: its plant, and what acts on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    Diagram,
+    DiagramBuilder,
+    LeafSystem,
+)
+
+from drake_leg.simulink.dynamics.acting import Acting
+from drake_leg.simulink.dynamics.start import start_of
+from drake_leg.simulink.model import Model
+from drake_leg.simulink.multibody.bodies import Mechanism, mechanism_of
+from drake_leg.simulink.multibody.connections import refuse
+from drake_leg.simulink.multibody.mass import Array
+
+Contact = Literal["smooth", "drake"]
+
+
+class MechanismSystem(Diagram):
+    """The plant of a mechanism, driven and sensed at the ports of its Simulink model.
+
+    ============ ==== ======== =====================================================
+    port         kind size     meaning
+    ============ ==== ======== =====================================================
+    ``u``        in   n        signals that enter the mechanism, in SI: ``inputs``
+    ``sensed``   out  m        what depends on the state alone: ``sensed``
+    ``efforts``  out  k        what depends on ``u``, too: ``efforts``
+    ``state``    out  nq + nv  of the plant: positions, then velocities
+    ============ ==== ======== =====================================================
+
+    Entries of the vectors belong to ports of Simscape, such as ``12#rconn:2``. A force or a torque
+    that is an input has its width; a motion has three entries: position, velocity, acceleration.
+    Inputs are 0 where ``u`` is not connected. All states are continuous.
+    """
+
+    def __init__(self, acting: Acting) -> None:
+        super().__init__()
+        self._acting = acting
+        builder = DiagramBuilder()
+        plant = builder.AddNamedSystem("plant", acting.plant)
+        forces = builder.AddNamedSystem("forces", _Forces(acting))
+        builder.Connect(plant.get_state_output_port(), forces.GetInputPort("state"))
+        builder.Connect(
+            plant.get_generalized_acceleration_output_port(), forces.GetInputPort("vdot")
+        )
+        builder.Connect(
+            forces.GetOutputPort("force"), plant.get_applied_generalized_force_input_port()
+        )
+        builder.ExportInput(forces.GetInputPort("u"), "u")
+        for name in ("sensed", "efforts"):
+            builder.ExportOutput(forces.GetOutputPort(name), name)
+        builder.ExportOutput(plant.get_state_output_port(), "state")
+        builder.BuildInto(self)
+
+    @property
+    def plant(self) -> MultibodyPlant:
+        """Its plant; a body at which a loop closes is two links in it."""
+        return self._acting.plant
+
+    @property
+    def inputs(self) -> Mapping[str, slice]:
+        """Entries of ``u`` by the port where the signal enters."""
+        return self._acting.inputs.slices
+
+    @property
+    def motions(self) -> frozenset[str]:
+        """Ports of inputs that take a position and its two derivatives."""
+        return frozenset(self._acting.joints.motion_ports)
+
+    @property
+    def sensed(self) -> Mapping[str, slice]:
+        """Entries of ``sensed`` by the port where the signal leaves."""
+        return self._acting.sensed.slices
+
+    @property
+    def efforts(self) -> Mapping[str, slice]:
+        """Entries of ``efforts`` by the port where the signal leaves."""
+        return self._acting.efforts.slices
+
+    @property
+    def shapes(self) -> Mapping[str, tuple[int, ...]]:
+        """Shapes of all signals by port; entries of a matrix are in rows."""
+        acting = self._acting
+        return {**acting.inputs.shapes, **acting.sensed.shapes, **acting.efforts.shapes}
+
+    @property
+    def left_out(self) -> Mapping[str, tuple[str, ...]]:
+        """What does not act here: kinds of blocks, and the names of theirs."""
+        return self._acting.left_out
+
+    def CreateDefaultContext(self) -> Context:
+        """Return a context at the state targets, where loops are closed."""
+        context = super().CreateDefaultContext()
+        self.start(context)
+        return context
+
+    def start(self, context: Context, u: Array | None = None) -> None:
+        """Set the state where the mechanism starts: at its state targets, loops closed.
+
+        Parameters
+        ----------
+        context : Context
+            This system's own, of a diagram that holds it, too.
+        u : (n,), optional
+            The inputs at the start; driven axes are at their motions there.
+
+        Raises
+        ------
+        InvalidValueError
+            If loops cannot be closed there.
+        """
+        plant, state = self._acting.plant, start_of(self._acting, u)
+        plant.SetPositionsAndVelocities(plant.GetMyMutableContextFromRoot(context), state)
+
+
+class _Forces(LeafSystem):
+    """Computes what acts on the plant, and what is sensed.
+
+    It computes at a scratch context of the plant; what it keeps of a state is only to not compute
+    it twice.
+    """
+
+    def __init__(self, acting: Acting) -> None:
+        super().__init__()
+        self._acting = acting
+        plant = acting.plant
+        nv = plant.num_velocities()
+        self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
+        self._u = self.DeclareVectorInputPort("u", acting.inputs.size)
+        self._vdot = self.DeclareVectorInputPort("vdot", nv)
+        self._no_input = np.zeros(acting.inputs.size)
+        state, u, vdot = self._state.ticket(), self._u.ticket(), self._vdot.ticket()
+        self.DeclareVectorOutputPort("force", nv, self._calc_force, {state, u})
+        self.DeclareVectorOutputPort("sensed", acting.sensed.size, self._calc_sensed, {state})
+        self.DeclareVectorOutputPort(
+            "efforts", acting.efforts.size, self._calc_efforts, {state, u, vdot}
+        )
+
+    def _inputs(self, context: Context) -> Array:
+        u: Array = self._u.Eval(context) if self._u.HasValue(context) else self._no_input
+        return u
+
+    def _calc_force(self, context: Context, force: BasicVector) -> None:
+        acting = self._acting
+        acting.moment.move_to(self._state.Eval(context))
+        force.SetFromVector(acting.solved(self._inputs(context)).force)
+
+    def _calc_sensed(self, context: Context, sensed: BasicVector) -> None:
+        self._acting.moment.move_to(self._state.Eval(context))
+        sensed.SetFromVector(self._acting.sense(self._state.Eval(context)))
+
+    def _calc_efforts(self, context: Context, efforts: BasicVector) -> None:
+        self._acting.moment.move_to(self._state.Eval(context))
+        efforts.SetFromVector(self._acting.respond(self._inputs(context), self._vdot.Eval(context)))
+
+
+def mechanism_dynamics(
+    model: Model, mechanism: Mechanism | None = None, *, contact: Contact = "smooth"
+) -> MechanismSystem:
+    """Build the mechanism of a model with all that acts on it.
+
+    Raises
+    ------
+    InvalidValueError
+        That lists all that is missing.
+    """
+    acting = Acting(model, mechanism or mechanism_of(model), contact=contact)
+    refuse(acting.problems)
+    return MechanismSystem(acting)

@@ -1,0 +1,187 @@
+"""Mechanisms in motion, against closed forms, hand-written equations, and energy."""
+
+import math
+
+import numpy as np
+import pytest
+from mechanism_models import MechanismBuilder, four_bar, pendulum
+from pydrake.systems.analysis import Simulator
+from scipy.integrate import solve_ivp
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.system import mechanism_dynamics
+
+GRAVITY = 9.80665
+ABOUT_END = 0.4 * (1.0**2 + 0.02**2) / 12.0 + 0.4 * 0.5**2  # of the rod [kg*m^2]
+WEIGHT = 0.4 * GRAVITY * 0.5  # its greatest moment [N*m]
+
+
+def with_gravity(built, **texts):
+    built.add_library("sm_lib/Utilities/Mechanism Configuration", "Gravity", texts)
+    built.physical(f"{built.sid('Gravity')}#rconn:1", f"{built.sid('World')}#rconn:1")
+    return built
+
+
+def wired(built, block, *places):
+    """Wire signals: what enters comes from a Simulink-PS Converter, what leaves goes to one."""
+    for place in places:
+        inward = place.startswith("lconn")
+        kind = "Simulink-PS Converter" if inward else "PS-Simulink Converter"
+        name = f"{block} {place}"
+        built.add_library(f"nesl_utility/{kind}", name)
+        end = "rconn:1" if inward else "lconn:1"
+        built.physical(f"{built.sid(block)}#{place}", f"{built.sid(name)}#{end}")
+    return built
+
+
+def dynamics(built, folder):
+    return mechanism_dynamics(built.model(folder))
+
+
+def port(built, text):
+    block, place = text.rsplit(" ", 1)
+    return f"{built.sid(block)}#{place}"
+
+
+def sensed(system, context, built, text):
+    """Evaluate what leaves a block at a port."""
+    key = port(built, text)
+    vector = "sensed" if key in system.sensed else "efforts"
+    values = system.GetOutputPort(vector).Eval(context)[getattr(system, vector)[key]]
+    return values.reshape(system.shapes[key])
+
+
+def run(system, until, accuracy=1e-9, u=None):
+    context = system.CreateDefaultContext()
+    if u is not None:
+        system.GetInputPort("u").FixValue(context, u)
+    simulator = Simulator(system, context)
+    simulator.get_mutable_integrator().set_target_accuracy(accuracy)
+    simulator.AdvanceTo(until)
+    return context
+
+
+def energy(system, context):
+    plant = system.plant
+    own = plant.GetMyContextFromRoot(context)
+    return plant.CalcPotentialEnergy(own) + plant.CalcKineticEnergy(own)
+
+
+def test_a_pendulum_is_where_its_equation_says(tmp_path):
+    texts = {
+        "SpringStiffness": "2", "SpringStiffnessUnits": "N*m/rad",
+        "DampingCoefficient": "0.1", "DampingCoefficientUnits": "N*m/(rad/s)",
+        "PositionTargetSpecify": "on", "PositionTargetValue": "60",
+        "VelocityTargetSpecify": "on", "VelocityTargetValue": "5",
+        "VelocityTargetValueUnits": "rad/s",
+        "UpperLimitSpecify": "on", "UpperLimitBound": "70", "UpperLimitSpringStiffness": "2",
+        "UpperLimitDampingCoefficient": "0.02", "UpperLimitTransitionRegionWidth": "3",
+        "SensePosition": "on", "SenseVelocity": "on", "SenseUpperLimitTorqueForce": "on",
+    }  # fmt: skip
+    built = with_gravity(pendulum(**texts))
+    wired(built, "Pivot", "rconn:2", "rconn:3", "rconn:4")
+    system = dynamics(built, tmp_path)
+
+    def limit(q, v):
+        depth = q - math.radians(70)
+        s = min(max(depth / math.radians(3), 0.0), 1.0)
+        push = max(0.0, math.degrees(2) * depth + math.degrees(0.02) * v)
+        return -(s**2) * (3 - 2 * s) * push
+
+    def rate(_, state):
+        q, v = state
+        return [v, (limit(q, v) - 2 * q - 0.1 * v - WEIGHT * math.sin(q)) / ABOUT_END]
+
+    start = [math.pi / 3, 5.0]
+    exact = solve_ivp(rate, (0, 0.3), start, method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
+    context = run(system, 0.3)
+    found = [float(sensed(system, context, built, f"Pivot rconn:{n}")) for n in (2, 3, 4)]
+    np.testing.assert_allclose(found, [*exact, limit(*exact)], atol=1e-7)
+    top = run(system, 0.05)
+    assert float(sensed(system, top, built, "Pivot rconn:4")) < -1.0
+
+
+def test_a_torque_and_what_it_gives_are_an_input_and_outputs(tmp_path):
+    built = pendulum(
+        TorqueActuationMode="InputTorque", SenseAcceleration="on", SenseTorqueForce="on"
+    )
+    wired(built, "Pivot", "lconn:2", "rconn:2", "rconn:3")
+    system = dynamics(built, tmp_path)
+    assert dict(system.inputs) == {port(built, "Pivot lconn:2"): slice(0, 1)}
+    assert not system.motions
+    context = system.CreateDefaultContext()
+    system.GetInputPort("u").FixValue(context, [0.7])
+    assert sensed(system, context, built, "Pivot rconn:2") == pytest.approx(0.7 / ABOUT_END)
+    assert sensed(system, context, built, "Pivot rconn:3") == pytest.approx(0.7)
+    assert system.EvalTimeDerivatives(context)[1] == pytest.approx(0.7 / ABOUT_END)
+
+
+def test_a_motion_is_followed_and_its_torque_is_inverse_dynamics(tmp_path):
+    built = with_gravity(
+        pendulum(
+            TorqueActuationMode="ComputedTorque",
+            MotionActuationMode="InputMotion",
+            SenseTorqueForce="on",
+        )
+    )
+    wired(built, "Pivot", "lconn:2", "rconn:2")
+    system = dynamics(built, tmp_path)
+    assert system.motions == {port(built, "Pivot lconn:2")}
+    context = system.CreateDefaultContext()
+    motion = np.array([0.4, 1.5, -3.0])
+    system.GetInputPort("u").FixValue(context, motion)
+    system.start(context, motion)
+    np.testing.assert_allclose(context.get_continuous_state_vector().CopyToVector(), motion[:2])
+    assert system.EvalTimeDerivatives(context)[1] == pytest.approx(-3.0)
+    torque = ABOUT_END * -3.0 + WEIGHT * math.sin(0.4)
+    assert sensed(system, context, built, "Pivot rconn:2") == pytest.approx(torque)
+
+
+def test_a_four_bar_keeps_its_loop_closed_and_its_energy(tmp_path):
+    texts = {"PositionTargetSpecify": "on", "PositionTargetValue": "60"}
+    built = with_gravity(four_bar(**texts), GravityVector="[0 -9.81 0]")
+    system = dynamics(built, tmp_path)
+    start = energy(system, system.CreateDefaultContext())
+    context = run(system, 0.2, accuracy=1e-7)
+    own = system.plant.GetMyContextFromRoot(context)
+    assert system.plant.CalcKineticEnergy(own) > 0.01
+    assert energy(system, context) == pytest.approx(start, abs=1e-8)
+
+
+def test_a_loop_that_cannot_be_closed_is_refused(tmp_path):
+    system = dynamics(four_bar(ground=2.0), tmp_path)
+    with pytest.raises(InvalidValueError, match=r"'D' stay .* open at the start"):
+        system.CreateDefaultContext()
+
+
+def spun(kind, **texts):
+    """A plate on a joint of a kind, off its center of mass, with a sensor at its corner."""
+    built = MechanismBuilder()
+    built.joint(kind, "Joint", **texts)
+    built.transform("Arm", offset="[0.1 0.2 -0.3]", axis="+X", angle="35")
+    built.body("Brick Solid", "Plate", BrickDimensions="[0.3 0.2 0.1]")
+    built.meet("World", "Joint lconn:1")
+    built.meet("Joint", "Arm lconn:1")
+    built.meet("Arm", "Plate")
+    return built
+
+
+def test_a_floating_body_senses_as_its_joint(tmp_path):
+    texts = {f"P{a}SensePosition": "on" for a in "xyz"} | {
+        f"P{a}SenseVelocity": "on" for a in "xyz"
+    }
+    texts |= {
+        "SphSensePosition": "on", "SphSenseVelocity": "on",
+        "PxVelocityTargetSpecify": "on", "PxVelocityTargetValue": "2",
+        "SphVelocityTargetSpecify": "on", "SphVelocityTargetValue": "[1 2 3]",
+        "SphVelocityTargetValueUnits": "rad/s", "PyPositionTargetSpecify": "on",
+        "PyPositionTargetValue": "0.5",
+    }  # fmt: skip
+    built = spun("6-DOF", **texts)
+    wired(built, "Joint", *(f"rconn:{n}" for n in range(2, 10)))
+    system = dynamics(built, tmp_path)
+    context = system.CreateDefaultContext()
+    found = [sensed(system, context, built, f"Joint rconn:{n}") for n in range(2, 10)]
+    np.testing.assert_allclose(found[:6], [0.0, 2.0, 0.5, 0.0, 0.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(found[6], [1.0, 0.0, 0.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(found[7], [1.0, 2.0, 3.0], rtol=1e-14)
