@@ -10,7 +10,6 @@ from pydrake.systems.primitives import ConstantVectorSource, VectorLogSink
 
 from drake_leg.diagrams.wiring import LiveWire
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.compare.chain import SENSORS
 from drake_leg.simulink.compare.findings import (
     Blocks,
     Check,
@@ -38,6 +37,7 @@ from drake_leg.simulink.compare.mechanics import (
     locate_nodes,
 )
 from drake_leg.simulink.compare.of_diagram import DiagramSignals
+from drake_leg.simulink.compare.of_model import SENSORS
 from drake_leg.simulink.compare.sides import (
     LiveModel,
     Roles,
@@ -51,7 +51,6 @@ from drake_leg.simulink.compare.signals import CLOSE, Scalar, Shape, close
 from drake_leg.simulink.compare.simulink_signals import SINKS, is_integrator, unit_factor
 from drake_leg.simulink.lacks import require_understood
 from drake_leg.simulink.model import Block, Model, number
-from drake_leg.simulink.multibody.frames import require_no_own_frames
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import TIME_CONSTANT
 from drake_leg.systems.prescribed_motion import PrescribedMotion
@@ -80,18 +79,17 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
     Raises
     ------
     InvalidValueError
-        If something of the model is not understood, a solid has frames of its own, or the diagram
+        If something of the model is not understood, its mechanism cannot be built, or the diagram
         has no plant.
     """
     require_understood(model)
-    require_no_own_frames(model)
     sides = read_sides(model, live)
     joints = joint_roles(sides)
     inverse = match_inverse(sides)
     roles = function_roles(joints, inverse)
     blocks = [
         *_scale(sides),
-        *compare_mechanism(sides),
+        *compare_mechanism(sides.mechanisms),
         *compare_sensor(sides),
         *compare_settings(sides),
         *compare_motions(sides, joints),
@@ -113,8 +111,9 @@ def compare(model: Model, live: LiveModel, *, strict: bool = False) -> Compariso
 
 
 def _scale(sides: Sides) -> Iterator[Verdict]:
-    if sides.scale != 1.0:
-        yield different("", "(model)", "lengths", sides.scale, 1.0, what="scale")
+    scale = sides.mechanisms.scale
+    if scale != 1.0:
+        yield different("", "(model)", "lengths", scale, 1.0, what="scale")
 
 
 def _extra(sides: Sides, verdicts: Iterable[Verdict]) -> Iterator[Verdict]:
@@ -143,7 +142,7 @@ def compare_motions(sides: Sides, joints: Roles) -> Iterator[Verdict]:
         return
     commanded = sides.live.input(motion, "q") or ()
     sources = [w.source for w in sides.live.wires if w.target == motion and w.input == "q"]
-    for sid, joint in sides.chain.joints.items():
+    for sid, joint in sides.joints.items():
         signal, converter = joints.of(sides.ours.motion(sid)), sides.ours.converter(sid)
         if not signal or converter is None:
             continue
@@ -175,7 +174,7 @@ def compare_integrators(sides: Sides, roles: Roles) -> Iterator[Verdict]:
             yield different(block.sid, block.name, "time", "discrete", "continuous")
         if mine is None or mine.shape != theirs.shape or not same_factors(mine, theirs):
             yield other_signal(sides, f"{sid}#in:1", f"rate of joint {joint}", mine, theirs)
-    for sid, joint in sides.chain.joints.items():
+    for sid, joint in sides.joints.items():
         signal = sides.ours.motion(sid)
         if signal and joint in live:
             name = live[joint][0]
@@ -292,7 +291,7 @@ def compare_sinks(sides: Sides, roles: Roles) -> Iterator[Verdict]:
 
 def compare_units(sides: Sides) -> Iterator[Verdict]:
     """Find converters whose unit measures something else than what reaches them."""
-    for sid, joint in sides.chain.joints.items():
+    for sid, joint in sides.joints.items():
         converter = sides.ours.converter(sid)
         if converter is not None:
             yield from _compare_unit(converter, sides.unit_of(joint))

@@ -439,7 +439,7 @@ def _function(sides: Sides) -> str | None:
 def _commanded(sides: Sides) -> dict[int, Scalar]:
     """Map a joint to the scalar that is commanded to it, in the converter's unit."""
     found = {}
-    for sid, joint in sides.chain.joints.items():
+    for sid, joint in sides.joints.items():
         converter = sides.ours.converter(sid)
         signal = sides.ours.input(converter.sid, 1) if converter else None
         if signal and any(atom.kind == "integral" for atom in signal[0].terms):

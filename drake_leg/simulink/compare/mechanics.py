@@ -1,4 +1,4 @@
-"""What differs in the mechanisms: joints, links, solids, the sensor, gravity, the run's times."""
+"""What differs in the mechanisms: joints, bodies, solids, sensors, gravity, the run's times."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from pydrake.multibody.tree import FrameIndex
 
 from drake_leg.kinematics.khalil import Array
+from drake_leg.simulink.compare.alignment import NEAR, AlignedBody, Miss
 from drake_leg.simulink.compare.findings import (
     Blocks,
     Check,
@@ -19,13 +20,16 @@ from drake_leg.simulink.compare.findings import (
     matched,
     missing,
 )
-from drake_leg.simulink.compare.of_diagram import ChainJoint, Links, PassedTransform, Place
-from drake_leg.simulink.compare.sides import NEAR, Miss, Sides
-from drake_leg.simulink.mechanism import DIMENSIONS, OTHER, SolidProperties, rotation_text
+from drake_leg.simulink.compare.graph import GraphJoint, Passed, Place, SolidFacts
+from drake_leg.simulink.compare.mechanisms import Mechanisms
+from drake_leg.simulink.compare.of_model import SENSORS
+from drake_leg.simulink.compare.of_plant import Links
+from drake_leg.simulink.compare.sides import Sides
+from drake_leg.simulink.mechanism import rotation_text
 from drake_leg.simulink.model import Block, vector
 from drake_leg.systems.frame_sensor import FrameSensor
 
-UNITS = {  # of a revolute joint's parameters, and of a prismatic one's
+UNITS = {  # of a turning joint's parameters, and of a sliding one's
     "SpringStiffness": ("N*m/rad", "N/m"),
     "DampingCoefficient": ("N*m*s/rad", "N*s/m"),
     "EquilibriumPosition": ("rad", "m"),
@@ -37,71 +41,141 @@ UNITS = {  # of a revolute joint's parameters, and of a prismatic one's
     "TransitionRegionWidth": ("rad", "m"),
 }
 DEFAULTS = {"JointMode": "Normal"}
-GOALS = {"joint": "the next joint", "foot": "the sensed frame", "solid": "the solid"}
-LEADS_TO = {"solid": "center of body", "joint": "frame of joint", "foot": "frame"}
+DIMENSIONS = {
+    "brick": ("BrickDimensions",),
+    "cylinder": ("CylinderRadius", "CylinderLength"),
+    "sphere": ("SphereRadius",),
+}
+GOALS = {
+    "joint": "the next joint",
+    "foot": "the sensed frame",
+    "sensor": "the sensor's base",
+    "solid": "the solid",
+    "loop base": "the joint that closes a loop",
+    "loop follower": "the joint that closes a loop",
+}
+LEADS_TO = {
+    "solid": "center of body",
+    "joint": "frame of joint",
+    "foot": "frame",
+    "sensor": "frame",
+    "loop base": "frame of joint",
+    "loop follower": "frame of joint",
+}
+METHODS = {
+    "StandardAxis": "TranslationStandardOffset",
+    "Cartesian": "TranslationCartesianOffset",
+    "Cylindrical": "translation",
+    "None": "TranslationCartesianOffset",
+}
+PLACED = ("sm_lib/Body Elements/", "sm_lib/Joints/")  # what has a place in a mechanism
+UNPLACED = ("Graphic", "Inertia Sensor", "Variable Mass")
 SAME_PLACE = 1e-9  # [m]
+SAME_INERTIA = 1e-6  # of the greatest moment
 ZERO = (0.0, 0.0, 0.0)
+NOWHERE = "it is connected to nothing that leads to the World Frame"
 
 
-def compare_mechanism(sides: Sides) -> Iterator[Verdict]:
-    """Compare the joints, and the links that are aligned already."""
-    chain, drake, links = sides.chain, sides.drake, sides.links
-    joints, bodies = chain.mechanism.joints, chain.mechanism.bodies
-    for number in chain.exchanged:
-        joint = joints[number - 1]
+def compare_mechanism(sides: Mechanisms) -> Iterator[Verdict]:
+    """Compare the joints, and the bodies that are aligned already."""
+    by_number = {joint.number: joint for joint in sides.ours.joints}
+    for number in sides.alignment.exchanged:
+        joint = by_number[number]
         yield different(
             joint.sid, joint.name, "base and follower", "exchanged", "base towards the world"
         )
-    for ours in joints:
-        yield from _compare_joint(ours, drake.joints, sides.block(ours.sid))
-    for theirs in drake.joints[len(joints) :]:
-        yield extra("joint", name=theirs.name)
-    for miss in (miss for link in links for miss in link.misses):
+    for joint in sides.ours.joints:
+        yield from _compare_joint(joint, sides.counterpart(joint), sides)
+    for joint in sides.ours.loops:
+        yield from _compare_joint(joint, _loop_of(sides, joint), sides)
+    yield from _further_joints(sides)
+    for miss in (miss for body in sides.alignment.bodies for miss in body.misses):
         yield _misplaced(miss, sides)
-    for link in links:
-        for ours_at, theirs_at in link.pairs:
-            yield from _compare_solid(ours_at, theirs_at, link.gauge, sides)
-        for ours_at, theirs_at in sorted(link.pairs, key=lambda pair: len(pair[0].way)):
-            leads_to = f"{LEADS_TO[ours_at.role]} {theirs_at.name!r}"
-            yield from (matched(sides.block(passed.sid), leads_to) for passed in ours_at.way)
-    for body, link in enumerate(links):
-        where = f"the link of joint {drake.joints[body - 1].name!r}" if body else "the world"
-        for place in link.unmatched:
-            yield missing(sides.block(place.sid), f"{where} has no such solid in Drake")
-    for joint, link in zip(joints, links[1:], strict=False):
-        for place in link.absent:
-            if place.solid is not None:
-                mass = f"body {place.name!r} of {place.solid.mass:.6g} kg"
-                yield different(joint.sid, joint.name, "solid on its follower", "none", mass)
-    ways = (place.way for places in bodies for place in places)
-    for sid in dict.fromkeys(passed.sid for way in ways for passed in way):
-        yield missing(sides.block(sid), "what it leads to has no counterpart in Drake")
-    if joints and not chain.grounded:
+    for body in sides.alignment.bodies:
+        yield from _compare_body(body, sides)
+    yield from _absent_solids(sides)
+    for sid, number in sides.body_of.items():
+        yield missing(sides.block(sid), _why_lost(sides, number))
+    if not sides.matching.is_grounded:
         yield different("", "(model)", "World Frame", "not at the chain", "at the chain's base")
-    for sid, why in chain.unplaced.items():
-        yield missing(sides.block(sid), why)
+    for block in sides.blocks.values():
+        if _is_mechanical(block):
+            yield missing(block, NOWHERE)
+
+
+def _is_mechanical(block: Block) -> bool:
+    """Tell whether a block is a solid, a transform or a joint, which has a place in a mechanism."""
+    placed = block.kind == "Rigid Transform" or block.source.startswith(PLACED)
+    return placed and block.kind not in (*SENSORS, *UNPLACED)
+
+
+def _further_joints(sides: Mechanisms) -> Iterator[Verdict]:
+    """List joints that only the other side has."""
+    known = set(sides.matching.joints.values())
+    for theirs in sides.theirs.joints:
+        if theirs.number not in known:
+            yield extra("joint", name=theirs.name)
+    loops = set(sides.matching.loops.values())
+    for theirs in sides.theirs.loops:
+        if theirs.number not in loops:
+            yield extra("joint", name=theirs.name)
+
+
+def _compare_body(body: AlignedBody, sides: Mechanisms) -> Iterator[Verdict]:
+    """Compare a body's solids, and name what the transforms on it lead to."""
+    seen: set[str] = set()
+    for ours, theirs in body.pairs:
+        yield from _compare_solid(ours, theirs, body.gauge, sides)
+    for ours, theirs in sorted(body.pairs, key=_length_of_way):
+        here = ours.way
+        while here is not None and here.sid not in seen:
+            seen.add(here.sid)
+            yield matched(sides.block(here.sid), f"{LEADS_TO[ours.role]} {theirs.name!r}")
+            here = here.after
+    where = sides.theirs.name_of(body.theirs)
+    for place in body.unmatched:
+        yield missing(sides.block(place.sid), f"{where} has no such solid in {sides.other}")
+
+
+def _length_of_way(pair: tuple[Place, Place]) -> int:
+    return pair[0].way.depth if pair[0].way else 0
+
+
+def _absent_solids(sides: Mechanisms) -> Iterator[Verdict]:
+    """State that a joint's follower lacks solids that its counterpart has."""
+    for body in sides.alignment.bodies:
+        joint = sides.ours.inbound.get(body.ours)
+        for place in body.absent:
+            if place.solid is not None:
+                sid, name = (joint.sid, joint.name) if joint else ("", "(model)")
+                mass = f"body {place.name!r} of {place.solid.mass:.6g} kg"
+                what = "solid on its follower" if joint else "solid on the world"
+                yield different(sid, name, what, "none", mass)
+
+
+def _why_lost(sides: Mechanisms, body: int) -> str:
+    """Say why a block of one of our bodies has no counterpart."""
+    if body in sides.matching.bodies:
+        return f"what it leads to has no counterpart in {sides.other}"
+    head = sides.branches.get(body)
+    return NOWHERE if head is None else _on_branch(sides, head)
+
+
+def _on_branch(sides: Mechanisms, head: GraphJoint) -> str:
+    return f"it is on the branch of {head.name!r} (SID {head.sid}), which {sides.other} has not"
 
 
 def compare_sensor(sides: Sides) -> Iterator[Verdict]:
     """Compare the sensor of the foot."""
-    chain = sides.chain
-    if chain.sensor is None:
-        return
-    block = sides.block(chain.sensor)
+    pair = next(iter(sides.mechanisms.matching.sensors.items()), None)
     names = sides.live.of_type(FrameSensor)
-    if not names:
-        yield missing(block, "the diagram senses no frame against another")
+    if pair is None:
+        for sensor in sides.mechanisms.ours.sensors:
+            block = sides.block(sensor.sid)
+            yield missing(block, "the diagram senses no frame against another")
         return
-    if chain.sensor_turned:
-        yield different(
-            block.sid, block.name, "base and follower", "exchanged", "base at the world"
-        )
-    ours, theirs = (
-        next(i for i, places in enumerate(bodies) if any(p.role == "foot" for p in places))
-        for bodies in (chain.mechanism.bodies, sides.drake.bodies)
-    )
-    link = "link that is sensed, counted from the base"
-    yield from differences(check(block, link, float(ours), float(theirs)))
+    block = sides.block(sides.mechanisms.ours.sensors[pair[0]].sid)
+    yield from compare_sensors(sides.mechanisms)
     seen_from = str(block.parameters.get("MeasurementFrame", "World"))
     if block.kind == "Transform Sensor" and seen_from not in ("World", "Base"):
         yield different(block.sid, block.name, "MeasurementFrame", seen_from, "World")
@@ -112,6 +186,32 @@ def compare_sensor(sides: Sides) -> Iterator[Verdict]:
         if name.endswith("ActuationMode") and str(value).startswith("Input"):
             yield different(block.sid, block.name, name, value, "none")
     yield matched(block, repr(names[0]), names)
+    for sensor in sides.mechanisms.ours.sensors:
+        if sensor.number != pair[0]:
+            yield missing(sides.block(sensor.sid), "the diagram senses one frame only")
+
+
+def compare_sensors(sides: Mechanisms) -> Iterator[Verdict]:
+    """Compare between which bodies sensors measure."""
+    bodies = sides.matching.bodies
+    for a, b in sides.matching.sensors.items():
+        ours, theirs = sides.ours.sensors[a], sides.theirs.sensors[b]
+        block = sides.block(ours.sid)
+        ends = ours.base, ours.foot
+        if a in sides.matching.turned:
+            yield different(
+                block.sid, block.name, "base and follower", "exchanged", "base at the world"
+            )
+            ends = ours.foot, ours.base
+        for what, mine, other in zip(
+            ("link that it measures from", "link that is sensed"),
+            ends,
+            (theirs.base, theirs.foot),
+            strict=True,
+        ):
+            if bodies.get(mine) != other:
+                here, there = sides.ours.name_of(mine), sides.theirs.name_of(other)
+                yield different(block.sid, block.name, what, here, there)
 
 
 def compare_settings(sides: Sides) -> Iterator[Verdict]:
@@ -155,51 +255,81 @@ def locate_nodes(sides: Sides, judged: Blocks) -> Iterator[Verdict]:
     """Name the frame, or the signal at a joint, that every physical connection is."""
     frames = _frames(sides)
     for index, node in enumerate(sides.flat.nodes):
-        if index not in sides.chain.frames:
+        if index not in sides.mechanisms.frames:
             sids = {port.partition("#")[0] for port in node}
             lost = sids <= judged.missing.keys()
             counterpart = "nothing" if lost else "a signal of a joint or a sensor"
         else:
-            body, X = sides.chain.frames[index]
+            body, X = sides.mechanisms.frames[index]
+            theirs = sides.mechanisms.matching.bodies.get(body)
             near = [
                 name
                 for other, name, p in frames
-                if other == body and np.abs(p - X[:3, 3]).max() < SAME_PLACE
+                if other == theirs and np.abs(p - X[:3, 3]).max() < SAME_PLACE
             ]
             shown = ", ".join(f"{value:.6g}" for value in X[:3, 3])
             counterpart = f"frame {near[0]!r}" if near else f"a pose of link {body} at ({shown}) m"
+            counterpart = "nothing" if theirs is None else counterpart
         item = {"what": "node", "ports": list(node), "counterpart": counterpart}
         yield Verdict(list="matched", item=item)
 
 
 def _compare_joint(
-    ours: ChainJoint, drake: tuple[ChainJoint, ...], block: Block
+    ours: GraphJoint, theirs: GraphJoint | None, sides: Mechanisms
 ) -> Iterator[Verdict]:
-    if ours.number > len(drake):
-        joints = f"{len(drake)} joint{'' if len(drake) == 1 else 's'}"
-        yield missing(block, f"the Drake model has only {joints}")
+    """Compare a joint of the tree, or one that closes a loop, with its counterpart."""
+    block = sides.block(ours.sid)
+    if theirs is None:
+        yield missing(block, _why_no_joint(sides, ours))
         return
-    theirs = drake[ours.number - 1]
     checks = [check(block, "type", ours.type, theirs.type)]
     for name in dict.fromkeys([*ours.parameters, *theirs.parameters]):
-        if name.endswith("TargetValue") and not _counts(ours, theirs, name):
+        if "TargetValue" in name and not _counts(ours, theirs, name):
             continue
         default: float | str = DEFAULTS.get(name, "none" if "Limit" in name else 0.0)
-        values = (joint.parameters.get(name, default) for joint in (ours, theirs))
-        unit = UNITS.get(name.removeprefix("LowerLimit").removeprefix("UpperLimit"), ("", ""))
-        checks.append(check(block, name, *values, unit=unit[ours.type == "prismatic"]))
+        mine, other = (joint.parameters.get(name, default) for joint in (ours, theirs))
+        checks.append(check(block, name, mine, other, unit=_unit_of(ours, name)))
     yield from differences(*checks)
     yield matched(block, f"joint {theirs.name!r}", parameters=[each.item for each in checks])
 
 
-def _counts(ours: ChainJoint, theirs: ChainJoint, target: str) -> bool:
+def _loop_of(sides: Mechanisms, ours: GraphJoint) -> GraphJoint | None:
+    number = sides.matching.loops.get(ours.number)
+    return None if number is None else sides.theirs.loops[number]
+
+
+def _why_no_joint(sides: Mechanisms, ours: GraphJoint) -> str:
+    """Say why a joint has no counterpart."""
+    head = sides.branches.get(ours.child)
+    if head is not None and head.number != ours.number:
+        return _on_branch(sides, head)
+    if ours in sides.ours.loops:
+        return f"it closes a loop, which {sides.other} has not"
+    if ours.parent not in sides.matching.bodies:
+        return NOWHERE
+    joints = len(sides.theirs.joints)
+    return f"{sides.other} has only {joints} joint{'' if joints == 1 else 's'}, and no such branch"
+
+
+def _unit_of(joint: GraphJoint, name: str) -> str:
+    """Return the unit of a parameter, by what its degree of freedom does."""
+    slides = joint.type == "prismatic"
+    for prefix in ("Px", "Py", "Pz", "Rx", "Ry", "Rz", "Sph"):
+        if name.startswith(prefix):
+            name, slides = name.removeprefix(prefix), prefix[0] == "P"
+            break
+    plain = name.removeprefix("LowerLimit").removeprefix("UpperLimit")
+    return UNITS.get(plain, ("", ""))[slides]
+
+
+def _counts(ours: GraphJoint, theirs: GraphJoint, target: str) -> bool:
     """Tell whether a state target counts: a motion overrides one of low priority."""
-    driven = theirs.parameters["MotionActuationMode"] == "InputMotion"
+    driven = theirs.parameters.get("MotionActuationMode") == "InputMotion"
     priority = ours.priorities.get(f"{target.removesuffix('Value')}Priority")
     return not driven or (target in ours.parameters and priority == "High")
 
 
-def _misplaced(miss: Miss, sides: Sides) -> Verdict:
+def _misplaced(miss: Miss, sides: Mechanisms) -> Verdict:
     """State that a place is elsewhere, by the transforms that lead there."""
     way = miss.way
     if miss.what == "rotation":
@@ -211,21 +341,22 @@ def _misplaced(miss: Miss, sides: Sides) -> Verdict:
     else:
         name = f"{miss.what} from the joint to {GOALS[miss.place.role]}"
         both = miss.measured, miss.expected
-    named: list[PassedTransform | Block] = [*way] or [sides.block(miss.place.sid)]
+    named: list[Passed | Block] = [*way] or [sides.block(miss.place.sid)]
     sid, names = (", ".join(getattr(one, part) for one in named) for part in ("sid", "name"))
     if miss.what == "rotation":
         return different(sid, names, name, *map(rotation_text, both))
     return different(sid, names, name, *map(_rounded, both), unit="m")
 
 
-def _parameter(miss: Miss, passed: PassedTransform) -> str:
+def _parameter(miss: Miss, passed: Passed) -> str:
     if miss.what == "rotation":
         return "rotation"
-    standard = passed.method == "StandardAxis"
-    return f"Translation{'Standard' if standard else 'Cartesian'}Offset"
+    if passed.method not in METHODS:
+        return "a frame of its own"
+    return METHODS[passed.method]
 
 
-def _stated(miss: Miss, passed: PassedTransform) -> tuple[Array, Array]:
+def _stated(miss: Miss, passed: Passed) -> tuple[Array, Array]:
     """Bring what is and what should be into the axes in which the block states it."""
     R_before = miss.gauge[:3, :3] @ passed.X_before[:3, :3]
     R_BF = passed.X_BF[:3, :3]
@@ -239,44 +370,67 @@ def _rounded(vector: Array) -> tuple[float, ...]:
     return tuple(float(round(value, 12)) + 0.0 for value in vector.tolist())
 
 
-def _compare_solid(ours: Place, theirs: Place, gauge: Array, sides: Sides) -> Iterator[Verdict]:
-    """Compare a solid with a body; ``gauge`` is the pose of the model's frame M in the plant's."""
+def _compare_solid(
+    ours: Place, theirs: Place, gauge: Array, sides: Mechanisms
+) -> Iterator[Verdict]:
+    """Compare two solids; ``gauge`` is the pose of our frame M in theirs."""
     if ours.solid is None or theirs.solid is None:
         return
-    mine, drake, block = ours.solid, theirs.solid, sides.block(ours.sid)
-    checks = _check_mass(mine, drake, block)
-    if mine.shape == OTHER:
+    mine, other, block = ours.solid, theirs.solid, sides.block(ours.sid)
+    R = theirs.X_M[:3, :3].T @ gauge[:3, :3] @ ours.X_M[:3, :3]  # our axes in theirs
+    checks = _check_mass(mine, other, R, block)
+    if "other" in (mine.shape, other.shape):
         pass
-    elif mine.shape != drake.shape:
-        checks.append(check(block, "shape", mine.shape, drake.shape))
+    elif mine.shape != other.shape:
+        checks.append(check(block, "shape", mine.shape, other.shape))
     elif mine.shape == "brick":
         size = _extents(gauge[:3, :3] @ ours.X_M[:3, :3], mine.size)
-        checks += _check_brick(size, _extents(theirs.X_M[:3, :3], drake.size), block)
-    else:
+        checks += _check_brick(size, _extents(theirs.X_M[:3, :3], other.size), block)
+    elif mine.shape in DIMENSIONS:
         checks += [
             check(block, name, a, b, unit="m", counts=name == "CylinderLength")
-            for name, a, b in zip(DIMENSIONS[mine.shape], mine.size, drake.size, strict=True)
+            for name, a, b in zip(DIMENSIONS[mine.shape], mine.size, other.size, strict=True)
         ]
-    if mine.colour and drake.colour:
+    else:
+        checks.append(check(block, "dimensions", mine.size, other.size, unit="m"))
+    if mine.colour and other.colour:
         name = "GraphicDiffuseColor"
-        checks.append(check(block, name, mine.colour, drake.colour, counts=False))
+        checks.append(check(block, name, mine.colour, other.colour, counts=False))
     yield from differences(*checks)
     yield matched(block, f"body {theirs.name!r}", parameters=[each.item for each in checks])
 
 
-def _check_mass(mine: SolidProperties, drake: SolidProperties, block: Block) -> list[Check]:
+def _check_mass(mine: SolidFacts, other: SolidFacts, R: Array, block: Block) -> list[Check]:
+    """Compare densities where both are stated, else masses and given inertias."""
     if mine.density is not None:
-        if drake.density is None:
-            return []
-        return [check(block, "Density", mine.density, drake.density, unit="kg/m^3")]
-    checks = [check(block, "Mass", mine.mass, drake.mass, unit="kg")]
-    if mine.moments:
-        moments = mine.moments, drake.moments
-        checks.append(check(block, "MomentsOfInertia", *moments, unit="kg*m^2"))
-    if any(mine.offsets):
-        name, zero = "CenterOfMass and ProductsOfInertia", (0.0,) * len(mine.offsets)
-        checks.append(check(block, name, mine.offsets, zero))
+        if other.density is None:
+            return _check_inertia(mine, other, R, block) if not other.homogeneous else []
+        return [check(block, "Density", mine.density, other.density, unit="kg/m^3")]
+    checks = [check(block, "Mass", mine.mass, other.mass, unit="kg")]
+    if not (mine.homogeneous and other.homogeneous):
+        checks += _check_inertia(mine, other, R, block)
     return checks
+
+
+def _check_inertia(mine: SolidFacts, other: SolidFacts, R: Array, block: Block) -> list[Check]:
+    """Compare moments and products about the center of mass, in the axes of our solid."""
+    live = R.T @ other.inertia @ R
+    greatest = max(np.abs(mine.inertia).max(), np.abs(live).max())
+    if np.abs(mine.inertia - live).max() <= SAME_INERTIA * greatest:
+        live = mine.inertia
+    checks = [check(block, "MomentsOfInertia", *map(_moments, (mine.inertia, live)), unit="kg*m^2")]
+    products = [_products(inertia) for inertia in (mine.inertia, live)]
+    if products[0] != products[1]:
+        checks.append(check(block, "ProductsOfInertia", *products, unit="kg*m^2"))
+    return checks
+
+
+def _moments(inertia: Array) -> tuple[float, ...]:
+    return tuple(np.diag(inertia).tolist())
+
+
+def _products(inertia: Array) -> tuple[float, ...]:
+    return float(inertia[1, 2]), float(inertia[0, 2]), float(inertia[0, 1])
 
 
 def _check_brick(size: Array, wanted: Array, block: Block) -> list[Check]:

@@ -49,7 +49,7 @@ class Atom:
             "integral": f"integral {self.name or self.of}",
             "function": f"output {self.index + 1} of {self.name!r}",
             "sensed": f"sensed {self.what} of joint {self.of}",
-            "foot": f"{self.what} {self.index + 1} of the foot",
+            "foot": f"{self.what} {self.index + 1} of {self.of or 'the foot'}",
             "other": f"the output of {self.name!r}",
         }
         role = self.kind == "function" and not self.name

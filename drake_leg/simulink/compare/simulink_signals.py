@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.catalogue import PRIMITIVES
 from drake_leg.simulink.compare.signals import (
     OPEN,
     SOURCES,
@@ -34,6 +35,11 @@ JOINT = (
     ("velocity", ("SenseVelocity",)),
     ("acceleration", ("SenseAcceleration",)),
     ("torque", ("SenseTorque", "SenseActuatorTorque", "SenseForce", "SenseActuatorForce")),
+)
+ANGLES = (  # what a Bushing Joint's rotations put out: quantity, its switch
+    ("angle", "Position"),
+    ("angle rate", "Velocity"),
+    ("angle acceleration", "Acceleration"),
 )
 VECTORS = {"position": 3, "velocity": 3, "acceleration": 3, "quaternion": 4, "angular velocity": 3}
 
@@ -79,13 +85,13 @@ class SimulinkSignals:
     ----------
     joints : mapping
         SID of a joint -> its number in the chain.
-    sensor : str or None
-        SID of the block that senses the foot.
+    sensors : mapping
+        SID of a block that senses a frame -> what that frame is called; "" is the foot.
     """
 
-    def __init__(self, model: Model, joints: Mapping[str, int], sensor: str | None) -> None:
+    def __init__(self, model: Model, joints: Mapping[str, int], sensors: Mapping[str, str]) -> None:
         self.blocks = {block.sid: block for block in model.blocks}
-        self._joints, self._sensor = joints, sensor
+        self._joints, self._sensors = joints, sensors
         self._source_of = {wire.target: wire.source for wire in model.wires}
         self._targets_of: dict[str, list[str]] = {}
         self.inputs_of: dict[str, list[str]] = {}  # SID -> its inputs that are wired
@@ -339,8 +345,8 @@ class SimulinkSignals:
             found: list[Signal] = []
             if sid in self._joints:
                 found = sensed_by_joint(source, self._joints[sid])
-            elif sid == self._sensor:
-                found = sensed_by_sensor(source)
+            elif sid in self._sensors:
+                found = sensed_by_sensor(source, self._sensors[sid])
             index = int(place.rpartition(":")[2]) - 2
             if place.startswith("rconn:") and 0 <= index < len(found):
                 return tuple(s.scaled(1.0 / unit_factor(block)) for s in found[index])
@@ -370,46 +376,56 @@ def unit_factor(converter: Block) -> float:
 
 
 def sensed_by_joint(joint: Block, number: int) -> list[Signal]:
-    """List the quantities at the outputs of a revolute or prismatic joint, the chain's n-th."""
+    """List the quantities at the outputs of a joint, the chain's n-th."""
+    prefixes = PRIMITIVES.get(joint.kind, "").split() or [""]
     return [
-        atoms([Atom(kind="sensed", of=str(number), what=what)])
+        atoms([Atom(kind="sensed", of=str(number), what=f"{prefix} {what}".strip())])
+        for prefix in prefixes
         for what, switches in JOINT
-        if any(is_on(joint, switch) for switch in switches)
+        if any(is_on(joint, prefix + switch) for switch in switches)
     ]
 
 
-def sensed_by_sensor(sensor: Block) -> list[Signal]:
-    """List the quantities of the foot at the outputs of a 6-DOF Joint or a Transform Sensor."""
+def sensed_by_sensor(sensor: Block, of: str = "") -> list[Signal]:
+    """List the quantities at the outputs of a 6-DOF or Bushing Joint or a Transform Sensor.
+
+    ``of`` is what the sensed frame is called; "" is the foot.
+    """
     if sensor.kind == "Transform Sensor":
         return [
-            _foot(what, range(VECTORS[what]) if index is None else (index,))
+            _foot(of, what, range(VECTORS[what]) if index is None else (index,))
             for switch, what, index in TRANSFORM_SENSOR
             if is_on(sensor, switch)
         ]
     found = [
-        _foot(what, (index,))
+        _foot(of, what, (index,))
         for index, axis in enumerate("xyz")
         for what in ("position", "velocity", "acceleration")
         if is_on(sensor, f"P{axis}Sense{what.title()}")
     ]
     for what, switch in (("quaternion", "Position"), ("angular velocity", "Velocity")):
         if is_on(sensor, f"SphSense{switch}"):
-            found.append(_foot(what, range(VECTORS[what])))
-    return found
+            found.append(_foot(of, what, range(VECTORS[what])))
+    return found + [
+        _foot(of, what, (index,))
+        for index, axis in enumerate("xyz")
+        for what, switch in ANGLES
+        if is_on(sensor, f"R{axis}Sense{switch}")
+    ]
 
 
 def senses_rotation(sensor: Block) -> bool:
     """Tell whether a sensor measures how the foot is turned, so that its own frame matters."""
     return any(
-        atom.what in ("quaternion", "rotation matrix")
+        atom.what in ("quaternion", "rotation matrix", "angle")
         for signal in sensed_by_sensor(sensor)
         for scalar in signal
         for atom in scalar.terms
     )
 
 
-def _foot(what: str, indices: range | tuple[int, ...]) -> Signal:
-    return atoms(Atom(kind="foot", what=what, index=index) for index in indices)
+def _foot(of: str, what: str, indices: range | tuple[int, ...]) -> Signal:
+    return atoms(Atom(kind="foot", of=of, what=what, index=index) for index in indices)
 
 
 def _other(sid: str, name: str, index: int = 0) -> Signal:

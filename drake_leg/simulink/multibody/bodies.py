@@ -6,7 +6,7 @@ are cut: the actuated ones last, and a 6-DOF joint, which constrains nothing, fi
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -113,14 +113,26 @@ def mechanism_of(model: Model) -> Mechanism:
     InvalidValueError
         That lists all that is missing or makes no mechanism.
     """
-    connections = connections_of(model)
-    if not (connections.solids or connections.joints):
+    mechanism = read_mechanism(model)
+    if not (mechanism.connections.solids or mechanism.connections.joints):
         raise InvalidValueError(
             f"the model {model.name!r} holds no mechanism: it has no solid and no joint"
         )
-    mechanism = _Tree(connections, Names(model)).mechanism(model.name)
     refuse([_impossible(body) for body in mechanism.bodies if not body.properties.is_possible])
     return mechanism
+
+
+def read_mechanism(model: Model, sensors: Container[str] = ()) -> Mechanism:
+    """Find the bodies and joints of a model, possible or not; it may have none.
+
+    ``sensors`` are SIDs of joints that only measure, which are kept out of the tree.
+
+    Raises
+    ------
+    InvalidValueError
+        That lists all that is missing: values, kinds of blocks.
+    """
+    return _Tree(connections_of(model), Names(model), sensors).mechanism(model.name)
 
 
 def _impossible(body: Body) -> str:
@@ -211,13 +223,14 @@ def _rank(joint: Jointed) -> int:
 class _Tree:
     """A spanning tree of pieces and joints, ordered from the world on."""
 
-    def __init__(self, connections: Connections, names: Names) -> None:
-        self._connections, self._names = connections, names
+    def __init__(self, connections: Connections, names: Names, sensors: Container[str]) -> None:
+        self._connections, self._names, self._sensors = connections, names, sensors
         self._pieces = _pieces(connections)
         at = {frame: place for place, piece in enumerate(self._pieces) for frame in piece.frames}
         self._ends = [(at[joint.base], at[joint.follower]) for joint in connections.joints]
         self._kept = self._spanning()
         self._order, self._inbound = self._walk()
+        self._number = {piece: place for place, piece in enumerate(self._order)}
 
     def mechanism(self, name: str) -> Mechanism:
         """Number the bodies, and place everything in their frames."""
@@ -252,7 +265,8 @@ class _Tree:
 
         kept = set()
         joints = self._connections.joints
-        for index in sorted(range(len(joints)), key=lambda index: _rank(joints[index])):
+        of_tree = (i for i, joint in enumerate(joints) if joint.block.sid not in self._sensors)
+        for index in sorted(of_tree, key=lambda index: _rank(joints[index])):
             a, b = map(root, self._ends[index])
             if a != b:
                 parent[a] = b
@@ -299,7 +313,7 @@ class _Tree:
     def _joint(self, index: int, origins: Sequence[Array]) -> Joint:
         joint = self._connections.joints[index]
         base, follower = self._ends[index]
-        number = self._order.index
+        number = self._number.__getitem__
         return Joint(
             name=self._names.of(joint.block),
             connects=joint,

@@ -52,6 +52,7 @@ class Rigid:
     base: Frame
     follower: Frame
     X_BF: Array  # (4, 4) [m]
+    block: Block | None = None  # that states the pose; None where they are one frame
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -180,7 +181,7 @@ class _Reading:
         X_BF = np.eye(4)
         if block.kind == "Rigid Transform":
             X_BF = self._attempt(X_BF, rigid_transform, block)
-        return Rigid(base=base, follower=follower, X_BF=X_BF)
+        return Rigid(base=base, follower=follower, X_BF=X_BF, block=block)
 
     def _joint(self, block: Block) -> Jointed:
         base, follower = self._network.ends(block)
@@ -202,8 +203,14 @@ class _Reading:
                     "where it has no frame: save the model again in Simulink"
                 ] = None
             elif name not in GEOMETRIES:
-                X_RF = self._attempt(np.eye(4), solid.frame, name)
-                found.append(Rigid(base=_own(block), follower=self._network.frame(port), X_BF=X_RF))
+                found.append(
+                    Rigid(
+                        base=_own(block),
+                        follower=self._network.frame(port),
+                        X_BF=self._attempt(np.eye(4), solid.frame, name),
+                        block=None if name == REFERENCE else block,
+                    )
+                )
         return found
 
     def _gravity(self) -> tuple[float, ...]:

@@ -565,18 +565,6 @@ def test_link_without_its_solid(compared):
     assert differences(found) == [("Revolute Joint1", "solid on its follower")]
 
 
-def test_frames_of_a_solids_own_are_refused_by_name(compared):
-    frame = "<Frame><Id>F1</Id><Value><Name>{}</Name></Value></Frame>"
-    none = published_pendulum().set("Brick Solid", SerializedFrames="<Frames/>")
-    assert compared(none, "pendulum").agrees
-    two = f"<Frames>{frame.format('knee')}{frame.format('toe')}</Frames>"
-    framed = published_pendulum().set("Brick Solid", SerializedFrames=two)
-    with pytest.raises(InvalidValueError, match="1 solid has frames of their own") as caught:
-        compared(framed, "pendulum")
-    assert "'Brick Solid'" in str(caught.value)
-    assert "knee, toe" in str(caught.value)
-
-
 def test_further_solid_has_no_counterpart(compared):
     model = published_leg()
     ball = model.add_library(
