@@ -29,6 +29,7 @@ from drake_leg.simulink.compare.graph import (
     Sensor,
     SolidFacts,
 )
+from drake_leg.simulink.mechanism import volume
 
 DIGITS = 12  # of a size or a density that follows from moments of inertia
 SHAPES = {Brick: "brick", Cylinder: "cylinder", Sphere: "sphere"}
@@ -143,16 +144,6 @@ def _size(shape: str, mass: float, moments: Array) -> tuple[float, ...]:
         return math.sqrt(2.0 * z / mass), math.sqrt(max(6.0 * (x + y - z) / mass, 0.0))
     edges = np.sqrt(np.maximum(12.0 * (moments.sum() / 2.0 - moments) / mass, 0.0))
     return tuple(edges.tolist())
-
-
-def volume(shape: str, size: tuple[float, ...]) -> float:
-    """Volume [m^3] of a brick, a cylinder or a sphere."""
-    if shape == "brick":
-        return math.prod(size)
-    if shape == "cylinder":
-        radius, length = size
-        return math.pi * radius**2 * length
-    return 4.0 / 3.0 * math.pi * size[0] ** 3
 
 
 def _tidy(value: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.mechanism import AXES, pose
-from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.model import Block
 from drake_leg.simulink.multibody.features import Feature
 from drake_leg.simulink.multibody.mass import Array
 
@@ -19,14 +19,8 @@ _PART = re.compile(r"<(Origin|PrimaryAxis|SecondaryAxis)>(.*?)</\1>", re.DOTALL)
 _ENTRY = re.compile(r"<(\w+)>([^<]*)</\1>")
 _ENTITIES = {"&lt;": "<", "&gt;": ">", "&quot;": '"', "&apos;": "'", "&amp;": "&"}
 _PARALLEL = 1e-9  # sine of the angle between axes below which they are
-SHOWN = 20  # in an error
 
 Find = Callable[[str], Feature]  # a feature by its name
-
-
-def own_frames(solid: Block) -> tuple[str, ...]:
-    """Return the names of the frames that a solid has beside its reference frame R, in order."""
-    return tuple(frame.name for frame in read_frames(solid))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,33 +107,3 @@ def _plain(text: str) -> str:
     for entity, character in _ENTITIES.items():
         text = text.replace(entity, character)
     return text
-
-
-def require_no_own_frames(model: Model) -> None:
-    """Refuse a model whose solids have frames of their own.
-
-    Raises
-    ------
-    InvalidValueError
-        That lists all of them.
-    """
-    framed = [
-        f"{block.name!r} (SID {block.sid}): {', '.join(own_frames(block))}"
-        for block in model.blocks
-        if own_frames(block)
-    ]
-    if not framed:
-        return
-    listed = framed[:SHOWN]
-    if len(framed) > SHOWN:
-        listed.append(f"and {len(framed) - SHOWN} more")
-    solids = "solid has" if len(framed) == 1 else "solids have"
-    raise InvalidValueError(
-        "\n  ".join(
-            (
-                f"{len(framed)} {solids} frames of their own, which are not compared: connect the "
-                "reference frame R instead, with a Rigid Transform",
-                *listed,
-            )
-        )
-    )
